@@ -8,6 +8,7 @@ import { MIN_PSNR_DB } from './reference.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
 import type { cases as pageCases } from './three/cases.ts';
+import { checkeredSplats, splatSet } from './three/splats.ts';
 import type { Pixels } from './three/stage.ts';
 
 type Cases = typeof pageCases;
@@ -298,6 +299,43 @@ describe('three 0.187', () => {
         expectPixel(rightOf(written), RED);
       },
     );
+
+    test('of splats and meshes keeps both sharp in the focus of three’s depth of field', async () => {
+      const depthRange = 8;
+      const { plain, focused, unfocused, depths, camera } = await run('depthOfField', depthRange);
+      const blur = (pixels: Pixels, isIn: (x: number) => boolean) => {
+        let [sum, count] = [0, 0];
+        for (let i = 0; i < plain.data.length; i += 4) {
+          const [x, y] = [(i / 4) % plain.widthPx, Math.floor(i / 4 / plain.widthPx)];
+          if (!isIn(x) || y < 4 || y >= 60) continue;
+          sum += Math.abs(pixels.data[i] - plain.data[i]);
+          count++;
+        }
+        return sum / count;
+      };
+      const sides = { splats: (x: number) => x > 4 && x < 26, meshes: (x: number) => x > 38 && x < 60 };
+      for (const [name, isIn] of Object.entries(sides)) {
+        expect(blur(focused, isIn), `${name} in focus`).toBeLessThan(2);
+        expect(blur(unfocused, isIn), `${name} out of focus`).toBeGreaterThan(20);
+      }
+      const { widthPx, heightPx } = plain;
+      const { data, medianDepths } = renderReference({
+        clouds: [{ set: splatSet(checkeredSplats()) }],
+        camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
+        widthPx,
+        heightPx,
+        hostDepths: new Float64Array(widthPx * heightPx).fill(Number.POSITIVE_INFINITY),
+      });
+      let compared = 0;
+      for (let pixel = 0; pixel < widthPx * heightPx; pixel++) {
+        if (!sides.splats(pixel % widthPx)) continue;
+        const depthView = medianDepths![pixel] / data[4 * pixel + 3];
+        const found = (depths.data[4 * pixel] / 255) * depthRange;
+        expect(Math.abs(found - Math.min(depthView, depthRange)), `pixel ${pixel}`).toBeLessThan(0.04);
+        compared++;
+      }
+      expect(compared).toBeGreaterThan(1000);
+    });
 
     test('is looked at only where something may be in it', async () => {
       const { tested, isDrawnAtOnce, pixels } = await run('occluders');

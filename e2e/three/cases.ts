@@ -11,7 +11,8 @@ import {
   SplatLoader,
   splatEngineOf,
 } from '@websplatter/three';
-import { emissive, mrt, output, pass, reflector } from 'three/tsl';
+import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
+import { emissive, mrt, output, pass, reflector, uniform, vec4 } from 'three/tsl';
 import {
   ACESFilmicToneMapping,
   ArrayCamera,
@@ -50,7 +51,7 @@ import {
   Vector4,
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
-import { manySplats, splatCloud, splatData, splatSet } from './splats.ts';
+import { checkeredSplats, manySplats, splatCloud, splatData, splatSet } from './splats.ts';
 import {
   areOn,
   drawn,
@@ -58,6 +59,7 @@ import {
   meshShot,
   newScene,
   newStage,
+  nextFrame,
   type Pixels,
   type RendererParameters,
   SIZE_PX,
@@ -93,6 +95,12 @@ function errorsOf(cloud: SplatCloudObject): string[] {
   const errors: string[] = [];
   cloud.onError = (error) => errors.push(`${error.name}: ${error.message}`);
   return errors;
+}
+
+/** Waits for the first of `errors`: the words for what few meet are loaded. */
+async function whenTold(errors: readonly string[]): Promise<void> {
+  for (let attempt = 0; attempt < 500 && errors.length === 0; attempt++)
+    await new Promise((resolve) => setTimeout(resolve, 10));
 }
 
 /** A lit box over a lit floor that it throws a shadow on. */
@@ -223,6 +231,41 @@ export const cases = {
     scenePass.getTextureNode('emissive');
     const pipeline = new RenderPipeline(renderer, image);
     return shotOf(stage, () => pipeline.render());
+  },
+
+  /**
+   * Checkered splats on the left and stripes of a mesh on the right, equally far: as they are, in three's depth of field with the
+   * focus on them and before them, and view depths as red, in parts of `depthRange`.
+   */
+  depthOfField: async (depthRange: number) => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud(...checkeredSplats());
+    cloud.depthWrite = true;
+    scene.add(cloud);
+    for (let stripe = 0; stripe < 8; stripe++) {
+      const mesh = new Mesh(new PlaneGeometry(0.1, 4), new MeshBasicMaterial());
+      mesh.position.x = 0.15 + 0.2 * stripe;
+      scene.add(mesh);
+    }
+    const wide = rightHalf(wall(0x000000, -0.01));
+    scene.add(wide);
+    const scenePass = pass(scene, camera);
+    const [image, viewZ] = [scenePass.getTextureNode(), scenePass.getViewZNode()];
+    const focus = uniform(3);
+    const pipelines = [image, dof(image, viewZ, focus, 1, 2), vec4(viewZ.negate().div(depthRange), 0, 0, 1)];
+    const [plain, blurred, deep] = pipelines.map((node) => new RenderPipeline(renderer, node));
+    deep.outputColorTransform = false;
+    const shown = async (pipeline: RenderPipeline) => {
+      // three draws a pass once per frame of the page, whoever asks.
+      await nextFrame();
+      return shotOf(stage, () => pipeline.render());
+    };
+    // Compiles the splats' shaders: another attempt might be in the frame of the first.
+    await shot(stage);
+    const images = { plain: await shown(plain), focused: await shown(blurred), depths: await shown(deep) };
+    focus.value = 1;
+    return { ...images, unfocused: await shown(blurred), ...cameraOf(camera) };
   },
 
   twoRenderers: async () => {
@@ -841,6 +884,7 @@ export const cases = {
     });
     const many = new ArrayCamera(halves);
     renderer.render(scene, many);
+    await whenTold(errors);
     renderer.render(scene, many);
     return { errors, after: await shot(stage) };
   },
@@ -860,6 +904,7 @@ export const cases = {
       renderer.render(scene, camera);
     }
     renderer.setRenderTarget(null);
+    await whenTold(errors);
     return { errors, inTarget: await targetPixels(renderer, target), after: await shot(stage) };
   },
 

@@ -52,6 +52,22 @@ export function manySplats(count: number): SplatDescription[] {
   }));
 }
 
+/** Small black and white splats in rows across the line of sight on the left, over a sky far behind that shows through. */
+export function checkeredSplats(): SplatDescription[] {
+  const checkered: SplatDescription[] = [];
+  for (let row = -12; row <= 12; row++)
+    for (let column = -12; column <= 0; column++) {
+      const value = (row + column) & 1 ? 1 : 0;
+      checkered.push({
+        position: [0.14 * column - 0.15, 0.14 * row, 0],
+        scale: [0.07, 0.07, 0.001],
+        opacity: 0.9,
+        color: [value, value, value],
+      });
+    }
+  return [...checkered, { position: [0, 0, -80], opacity: 0.99, color: [0.4, 0.6, 1] }];
+}
+
 export function splatData(...splats: SplatDescription[]): SplatData {
   return new SplatData(packCloud(splatSet(splats), { geometryPrecision: 'packed' }), 'test splats');
 }

@@ -85,6 +85,11 @@ export async function drawn(
   throw new Error('The splats were never drawn.');
 }
 
+/** Waits for the next frame of the page, of which three has heard, too. */
+export async function nextFrame(): Promise<void> {
+  for (let i = 0; i < 2; i++) await new Promise((resolve) => requestAnimationFrame(resolve));
+}
+
 function nextNeededFrame(scene: Object3D): Promise<void> {
   return new Promise((resolve, reject) => {
     const timer = setTimeout(() => reject(new Error('No splat needed a frame.')), PATIENCE_MS);

@@ -21,7 +21,7 @@ import package::lib::srgb::{decodeSrgb, encodeSrgb};
 struct ComposedImage {
   /// Linear light, premultiplied, including the host's colour; opacity 0 exactly where there is no splat.
   @location(0) color: vec4f,
-  /// Mean depth of the splats as the host stores depth, −1 where they cover less than half.
+  /// Depth of the splats as the host stores depth: the median or the mean, −1 where they cover less than half.
   @if(DEPTH_LAYER) @location(1) depth: vec4f,
 }
 

@@ -1,6 +1,6 @@
 // Blends the splats of each tile front to back, in float32, and writes the layer.
-// Reads each bin's sorted pairs, the tiles that they may touch, and the records; writes every pixel of the layer, and its depth
-// if requested. One workgroup per tile, from the grid's first on; each thread blends TILE_PIXELS pixels, one above the other.
+// Reads each bin's sorted pairs, the tiles that they may touch, and the records; writes every pixel of the layer, and its
+// median depth if requested. One workgroup per tile, from the grid's first on; each thread blends TILE_PIXELS pixels, one above the other.
 // With NARROW each thread reads the tile's splats by itself, without workgroup memory: where few threads run in lockstep, barriers
 // and shared lists cost more than that. Otherwise the threads load batches of splats together.
 // A pixel ends when less than 2⁻¹⁶ of the light behind passes through: what is left out is less than that share of the brightest
@@ -64,6 +64,7 @@ struct Pixel {
   transmittance: f32,
   /// Least and greatest depth that is drawn here, as the host stores it in the middle of the image.
   @if(DEPTH_TEST) range: vec2f,
+  /// View depth of the splat that makes the pixel more than half covered, or of the last one so far.
   @if(DEPTH_LAYER) depthView: f32,
 }
 
@@ -223,7 +224,7 @@ fn blendPixel(pixel: Pixel, local: vec2f, splat: TileSplat) -> Pixel {
   let weight = alpha * pixel.transmittance;
   blended.color += splat.color.rgb * weight;
   blended.transmittance -= weight;
-  @if(DEPTH_LAYER) blended.depthView += splat.color.w * weight;
+  @if(DEPTH_LAYER) blended.depthView = select(pixel.depthView, splat.color.w, alpha > 0.0 && pixel.transmittance > 0.5);
   return blended;
 }
 
@@ -267,7 +268,8 @@ fn drawnDepths(cell: vec2u) -> vec2f {
 fn store(cell: vec2u, pixel: Pixel) {
   if (any(cell >= grid.sizePx)) { return; }
   textureStore(layer, cell, rounded(vec4f(pixel.color, 1.0 - pixel.transmittance)));
-  @if(DEPTH_LAYER) textureStore(depthLayer, cell, vec4f(pixel.depthView, 0.0, 0.0, 0.0));
+  // Weighted like a colour, as quads write it.
+  @if(DEPTH_LAYER) textureStore(depthLayer, cell, vec4f(pixel.depthView * (1.0 - pixel.transmittance), 0.0, 0.0, 0.0));
 }
 
 /// Rounds to the nearest value of the layer's format: adapters may write the one below instead.

@@ -76,7 +76,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   fog = true;
   /**
    * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and are visible to effects
-   * that read depth. Clouds in view share one layer: if one writes depth, all do.
+   * that read depth. It is the median depth of a pixel's splats: that of the one that makes it more than half covered. Clouds in
+   * view share one layer: if one writes depth, all do.
    */
   depthWrite = false;
   /**

@@ -51,9 +51,9 @@ export function composeWithEdges(
 }
 
 /**
- * Twin of compose's depth: the mean depth of a pixel's splats, as the host stores it.
+ * Twin of compose's depth: the mean or median depth of a pixel's splats, as the host stores it.
  *
- * @param depthLayer view depths, blended like a colour.
+ * @param depthLayer view depths, blended like a colour, or times the opacity.
  * @param stored maps a view depth at normalised device coordinates (y up) to the host's.
  * @returns −1 where splats cover less than half of the pixel.
  */

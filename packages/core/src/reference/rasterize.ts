@@ -1,4 +1,4 @@
-import { MAX_FRAGMENT_ALPHA } from '../accuracy/accuracy.ts';
+import { MAX_FRAGMENT_ALPHA, type SizePx } from '../accuracy/accuracy.ts';
 import type { VisibleSplat } from './cull-splats.ts';
 
 /** Premultiplied RGBA in float64, top row first. */
@@ -15,17 +15,58 @@ export interface ReferenceDepths {
   readonly host: ArrayLike<number>;
   /** View depth of the splats, weighted like their colours. */
   readonly splats: Float64Array;
+  /** View depth of the splat that makes a pixel more than half covered, counted from the nearest; else of the last one. */
+  readonly medians: Float64Array;
 }
 
 /** Twin of rasterize: blends one splat over `image`. Pixel centres are at half-integers. */
 export function rasterizeSplat(
   image: ReferenceImage,
-  { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx, depthView }: VisibleSplat,
+  splat: VisibleSplat,
   color: readonly [number, number, number],
   alphaCutoff: number,
   depths?: ReferenceDepths,
 ): void {
-  const { widthPx, heightPx, data } = image;
+  const { data } = image;
+  const { depthView } = splat;
+  visitPixels(image, splat, alphaCutoff, (pixel, alpha) => {
+    if (depths && depthView > depths.host[pixel]) return;
+    const at = 4 * pixel;
+    const through = 1 - alpha;
+    data[at] = color[0] * alpha + data[at] * through;
+    data[at + 1] = color[1] * alpha + data[at + 1] * through;
+    data[at + 2] = color[2] * alpha + data[at + 2] * through;
+    data[at + 3] = alpha + data[at + 3] * through;
+    if (depths) depths.splats[pixel] = depthView * alpha + depths.splats[pixel] * through;
+  });
+}
+
+/**
+ * Twin of tile-rasterize's depth: notes one splat's, if less than half of a pixel is covered by those before it.
+ *
+ * @param transmittances share of the light that passes through all nearer splats, per pixel; changed for the next one.
+ */
+export function noteMedianDepth(
+  transmittances: Float64Array,
+  size: SizePx,
+  splat: VisibleSplat,
+  alphaCutoff: number,
+  { host, medians }: ReferenceDepths,
+): void {
+  visitPixels(size, splat, alphaCutoff, (pixel, alpha) => {
+    if (splat.depthView > host[pixel]) return;
+    if (transmittances[pixel] > 0.5) medians[pixel] = splat.depthView;
+    transmittances[pixel] *= 1 - alpha;
+  });
+}
+
+/** Calls `visit` with each pixel in which the splat's opacity reaches the cutoff, and that opacity. */
+function visitPixels(
+  { widthPx, heightPx }: SizePx,
+  { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx }: VisibleSplat,
+  alphaCutoff: number,
+  visit: (pixel: number, alpha: number) => void,
+): void {
   const left = Math.max(0, Math.ceil(centerPx[0] - extentPx[0] - 0.5));
   const right = Math.min(widthPx - 1, Math.floor(centerPx[0] + extentPx[0] - 0.5));
   const top = Math.max(0, Math.ceil(centerPx[1] - extentPx[1] - 0.5));
@@ -36,16 +77,7 @@ export function rasterizeSplat(
       const x = column + 0.5 - centerPx[0];
       const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / determinant;
       const alpha = Math.min(MAX_FRAGMENT_ALPHA, opacity * Math.exp(-0.5 * distance2));
-      if (alpha < alphaCutoff) continue;
-      const pixel = row * widthPx + column;
-      if (depths && depthView > depths.host[pixel]) continue;
-      const at = 4 * pixel;
-      const through = 1 - alpha;
-      data[at] = color[0] * alpha + data[at] * through;
-      data[at + 1] = color[1] * alpha + data[at + 1] * through;
-      data[at + 2] = color[2] * alpha + data[at + 2] * through;
-      data[at + 3] = alpha + data[at + 3] * through;
-      if (depths) depths.splats[pixel] = depthView * alpha + depths.splats[pixel] * through;
+      if (alpha >= alphaCutoff) visit(row * widthPx + column, alpha);
     }
   }
 }

@@ -74,6 +74,25 @@ describe('the reference renderer', () => {
     }
   });
 
+  test('depths: the mean, and the one that makes a pixel more than half covered, times the opacity', () => {
+    const at = (depth: number, opacity: number) => ({
+      position: [0, 0, 10 - depth],
+      opacityLogit: logit(opacity),
+    });
+    const depthsOf = (splats: readonly SplatValues[], host = Number.POSITIVE_INFINITY) => {
+      const hostDepths = new Float64Array(81).fill(host);
+      const clouds = [{ set: splatsOf(splats) }];
+      const { data, depths, medianDepths } = renderReference({ clouds, camera: CAMERA, ...SIZE, hostDepths });
+      return [data[4 * 40 + 3], depths![40], medianDepths![40]];
+    };
+    const splats = [at(2, 0.2), at(5, 0.9), at(90, 0.5)];
+    const covered = 1 - 0.8 * 0.1 * 0.5;
+    const mean = 0.2 * 2 + 0.8 * 0.9 * 5 + 0.8 * 0.1 * 0.5 * 90;
+    expect(depthsOf(splats)).toEqual(near([covered, mean, 5 * covered]));
+    // The host hides what would be the median: the last one is, which covers less than half.
+    expect(depthsOf(splats, 4)).toEqual(near([0.2, 0.2 * 2, 0.2 * 2]));
+  });
+
   test('equal depths: the splat stored first is behind, clouds in the order given', () => {
     const red = { opacityLogit: logit(0.5), colorDc: dc(1, 0, 0) };
     const blue = { opacityLogit: logit(0.8), colorDc: dc(0, 0, 1) };

@@ -19,7 +19,7 @@ import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { type TwinFunction, twinsOf } from './effects/twins.ts';
 import { splatColor } from './project.ts';
-import { type ReferenceImage, rasterizeSplat } from './rasterize.ts';
+import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 import { upscale } from './upscale.ts';
 
 export interface ReferenceFrame {
@@ -58,6 +58,11 @@ export interface RenderedReference extends ReferenceImage {
   readonly visibleSplats: number;
   /** View depth of the splats per pixel, weighted like their colours; only with `hostDepths`. */
   readonly depths?: Float64Array;
+  /**
+   * Median view depth per pixel, times the pixel's opacity: that of the splat that makes it more than half covered, counted from
+   * the nearest; only with `hostDepths`.
+   */
+  readonly medianDepths?: Float64Array;
 }
 
 interface DrawnSplat extends VisibleSplat {
@@ -84,6 +89,7 @@ export function renderReference(frame: ReferenceFrame): RenderedReference {
     heightPx,
     data: upscale(image.data, layer, frame),
     ...(image.depths && { depths: upscale(image.depths, layer, frame) }),
+    ...(image.medianDepths && { medianDepths: upscale(image.medianDepths, layer, frame) }),
   };
 }
 
@@ -124,11 +130,18 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
       drawn.push({ ...visible, sortDepth, color });
     }
   }
-  const depths = hostDepths && { host: hostDepths, splats: new Float64Array(widthPx * heightPx) };
+  const values = () => new Float64Array(widthPx * heightPx);
+  const depths = hostDepths && { host: hostDepths, splats: values(), medians: values() };
   const keyed = (depth: number) => (isByDistance ? sortDistance(depth, camera.near) : depth);
-  for (const splat of backToFront(drawn, settings.sortKeyBits, keyed))
-    rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
-  return { ...image, visibleSplats: drawn.length, ...(depths && { depths: depths.splats }) };
+  const ordered = backToFront(drawn, settings.sortKeyBits, keyed);
+  for (const splat of ordered) rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
+  const rendered = { ...image, visibleSplats: drawn.length };
+  if (!depths) return rendered;
+  const transmittances = values().fill(1);
+  for (const splat of ordered.toReversed())
+    noteMedianDepth(transmittances, image, splat, alphaCutoff, depths);
+  const medianDepths = depths.medians.map((depth, pixel) => depth * image.data[4 * pixel + 3]);
+  return { ...rendered, depths: depths.splats, medianDepths };
 }
 
 /** Sorts by depth or distance or, at fewer than 32 bits, by the GPU's keys, made of what `keyed` gives. Array.prototype.sort keeps equal ones in their order. */

@@ -13,7 +13,10 @@ export interface BlendedRecord extends EllipseRecord {
 export interface TilePixel {
   /** Premultiplied r, g, b, and opacity. */
   readonly rgba: readonly [number, number, number, number];
-  /** View depth weighted like the colours. */
+  /**
+   * Median depth: the view depth of the splat that makes the pixel more than half covered, or of the last one, times the
+   * opacity.
+   */
   readonly depthView: number;
   /** Number of records that were looked at before the pixel ended. */
   readonly tested: number;
@@ -40,10 +43,10 @@ export function tilePixel(
     if (alpha < alphaCutoff || record.depthView > hostDepthView) continue;
     const weight = alpha * transmittance;
     for (let channel = 0; channel < 3; channel++) rgb[channel] += record.color[channel] * weight;
-    depthView += record.depthView * weight;
+    if (transmittance > 0.5) ({ depthView } = record);
     transmittance -= weight;
   }
-  return { rgba: [...rgb, 1 - transmittance], depthView, tested };
+  return { rgba: [...rgb, 1 - transmittance], depthView: depthView * (1 - transmittance), tested };
 }
 
 /** Opacity of a record at the centre of a pixel. */

@@ -202,7 +202,8 @@ async function expectRight(
   const options = { ...SIZE };
   expect(compareImages(data, expected, options).psnrDb).toBeGreaterThanOrEqual(50);
 
-  let covered = 0;
+  let [covered, differing] = [0, 0];
+  const weighted = high.rasterizer === 'tiles' ? layer.medianDepths! : layer.depths!;
   for (let i = 0; i < PIXELS; i++) {
     const coverage = layer.data[4 * i + 3];
     if (Math.abs(coverage - 0.5) < 0.01) continue;
@@ -211,13 +212,16 @@ async function expectRight(
       continue;
     }
     covered++;
-    const mean = layer.depths![i] / coverage;
+    const depthView = weighted[i] / coverage;
     // Float16 if float32 cannot be blended: every layer rounds the sum to 11 bits.
-    const bounds = [mean * 0.98, mean * 1.02].map((value) => storedDepth(value, camera, depth.mapping));
-    expect(depths[i]).toBeGreaterThanOrEqual(Math.min(...bounds));
-    expect(depths[i]).toBeLessThanOrEqual(Math.max(...bounds));
+    const bounds = [depthView * 0.98, depthView * 1.02].map((value) =>
+      storedDepth(value, camera, depth.mapping),
+    );
+    if (depths[i] < Math.min(...bounds) || depths[i] > Math.max(...bounds)) differing++;
   }
   expect(covered).toBeGreaterThan(100);
+  // Rounding decides which splat is the median where two reach the half.
+  expect(differing).toBeLessThanOrEqual(high.rasterizer === 'tiles' ? 0.01 * covered : 0);
   view.destroy();
   color.destroy();
 }
@@ -646,7 +650,8 @@ describe('both rasterisers', () => {
         expect(compareImages(tiles.data, quads.data, SIZE).psnrDb).toBeGreaterThan(60);
         let differing = 0;
         tiles.depths?.forEach((stored, i) => {
-          if (Math.abs(stored - quads.depths![i]) > 1e-4) differing++;
+          // Tiles write the median and quads the mean, both of the same pixels.
+          if (stored < 0 !== quads.depths![i] < 0) differing++;
         });
         // Pixels about half covered have a depth or have none, by rounding.
         expect(differing).toBeLessThan(3);

@@ -18,7 +18,7 @@ export interface EmbeddedFrameRequest
    * test. The value may change from frame to frame.
    */
   readonly hasOccluders?: boolean;
-  /** Whether the image gets the splats' depth too; only with `depth`. */
+  /** Whether the image gets the splats' depth too; only with `depth`. Tiles draw it then, where `auto` leaves that open. */
   readonly writesDepth?: boolean;
 }
 

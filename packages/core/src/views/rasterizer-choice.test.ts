@@ -120,11 +120,19 @@ describe('the choice of a rasteriser', () => {
 
   test('leaves what tiles cannot draw to quads, until the load has moved', () => {
     const { choice } = choiceOn();
+    expect(choice.forDepth).toBe('tiles');
     choice.rejectTiles('no room', { visibleSplats: 1e6, pixels: 2e6 });
+    expect(choice.forDepth).toBe('quads');
     draw(choice, DEVICE, 200);
     expect(choice.report).toMatchObject({ rasterizer: 'quads', reason: 'no room' });
     draw(choice, { ...DEVICE, visibleSplats: 1e5 }, 100);
     expect(choice.rasterizer).toBe('tiles');
+    expect(choice.forDepth).toBe('tiles');
+  });
+
+  test('has tiles write depth, though quads were the faster', () => {
+    const { choice } = choiceOn({ remembered: 'quads' });
+    expect([choice.rasterizer, choice.forDepth]).toEqual(['quads', 'tiles']);
   });
 
   test('ignores late times of the one that no longer draws', () => {

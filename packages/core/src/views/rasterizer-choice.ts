@@ -72,6 +72,7 @@ export class RasterizerChoice {
   #rasterizer: FrameRasterizer;
   #reason: string;
   readonly #known: Record<FrameRasterizer, Known | null> = { tiles: null, quads: null };
+  #hasRejectedTiles = false;
   #recent: number[] = [];
   /** Load of the first of these frames: those of another load are not comparable. */
   #recentLoad: Load | null = null;
@@ -113,9 +114,15 @@ export class RasterizerChoice {
     };
   }
 
+  /** The rasteriser for frames that write depth: tiles, whose depth is better, unless they cannot draw them. */
+  get forDepth(): FrameRasterizer {
+    return this.#hasRejectedTiles ? 'quads' : 'tiles';
+  }
+
   /** Leaves this view to the quads because tiles cannot draw it; they are tried again when the load has moved. */
   rejectTiles(reason: string, load: Load): void {
     this.#switch('quads', reason);
+    this.#hasRejectedTiles = true;
     this.#isTrial = false;
     this.#comparedAt = load;
   }
@@ -210,6 +217,7 @@ export class RasterizerChoice {
 
   #switch(rasterizer: FrameRasterizer, reason: string): void {
     this.#rasterizer = rasterizer;
+    this.#hasRejectedTiles = false;
     this.#reason = reason;
     this.#recent = [];
     this.#step = null;

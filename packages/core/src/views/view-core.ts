@@ -230,8 +230,12 @@ export abstract class ViewCore {
     if (rasterizer === accuracy.rasterizer) {
       return { ...report, rasterizer, reason: `${rasterizer} were asked for` };
     }
-    if (depth?.layerFormat === 'r16float') {
-      return { ...report, rasterizer, reason: 'tiles cannot write depth on this device' };
+    if (depth?.layerFormat && rasterizer !== report.rasterizer) {
+      const isTiles = rasterizer === 'tiles';
+      const reason = isTiles
+        ? 'only tiles write the median of depth'
+        : 'tiles cannot write depth on this device';
+      return { ...report, rasterizer, reason };
     }
     return report;
   }
@@ -608,7 +612,7 @@ export abstract class ViewCore {
     request: FrameRequest,
     accuracy: AccuracySettings,
     depth: RasterizeDepth | null,
-    faster = this.#choice.rasterizer,
+    faster = depth?.layerFormat ? this.#choice.forDepth : this.#choice.rasterizer,
   ): FramePlan {
     return planFrame(request, {
       accuracy,

@@ -18,7 +18,10 @@ import { depthView, isMultisampled, layerView } from '../host-views.ts';
 export interface EmbeddedImage {
   /** rgba16float: linear light, premultiplied, over the host's image; opacity is 0 exactly where there is no splat. */
   readonly color: GPUTexture;
-  /** r32float: mean depth of the splats, in the host's mapping; −1 where they cover less than half. Null unless requested. */
+  /**
+   * r32float: depth of the splats, in the host's mapping: by tiles the median, by quads the mean; −1 where they cover less than
+   * half. Null unless requested.
+   */
   readonly depth: GPUTexture | null;
 }
 

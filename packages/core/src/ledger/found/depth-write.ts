@@ -5,13 +5,13 @@ export const depthWrite: FoundInView = {
   of: 'view',
   name: 'depth-write',
   label: 'Depth of splats',
-  about: 'Blends the depth of splats along with their colours, for meshes drawn later.',
+  about: 'Writes the depth of splats along with their colours, for what the host draws later.',
   stages: ['rasterize', 'tile-rasterize', 'upscale', 'compose'],
   calledFor: ({
     plan: {
       shape: { depth },
     },
-  }) => (depth?.layerFormat ? `the host needs it, blended in ${depth.layerFormat}` : null),
+  }) => (depth?.layerFormat ? `the host needs it, in ${depth.layerFormat}` : null),
   offReason: () => 'no host needs it',
   bytes: ({ held }) => held.writtenDepthBytes,
 };
