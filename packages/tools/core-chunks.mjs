@@ -1,11 +1,7 @@
 import { join, sep } from 'node:path';
 
 /** What an app that draws splats runs before it asks for a GPU. */
-export const START = [
-  'src/create-engine.ts',
-  'src/effects/index.ts',
-  'src/io/loading/load-splats.ts',
-];
+export const START = ['src/create-engine.ts', 'src/effects/index.ts', 'src/io/loading/load-splats.ts'];
 const INDEX = 'src/index.ts';
 /** What it runs from then on, and fetches meanwhile. */
 const ENGINE = 'src/engine.ts';
