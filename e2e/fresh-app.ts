@@ -140,8 +140,8 @@ export async function makeFreshApp({
         let printed = '';
         const read = (text: string) => {
           printed += text;
-          const address = /http:\/\/127\.0\.0\.1:\d+/.exec(printed);
-          if (address) resolve(`${address[0]}/`);
+          const address = /http:\/\/(?:127\.0\.0\.1|localhost)(:\d+)/.exec(printed);
+          if (address) resolve(`http://127.0.0.1${address[1]}/`);
         };
         child.stdout.setEncoding('utf8').on('data', read);
         child.stderr.setEncoding('utf8').on('data', read);
