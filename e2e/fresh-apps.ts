@@ -7,7 +7,7 @@ export interface AppKind {
   readonly packages: Readonly<Record<string, string>>;
   readonly manifest?: Readonly<Record<string, unknown>>;
   readonly sources: Readonly<Record<string, string>>;
-  /** Tools of node_modules with their arguments, one after another. */
+  /** Tools, by their paths from node_modules, with their arguments, one after another. */
   readonly build: readonly (readonly [script: string, ...args: string[]])[];
   /** Folder that any host of static files can serve, or a tool that serves the app. */
   readonly shown:
@@ -88,6 +88,11 @@ export default {
   ],
   onwarn: () => {},
 };
+`;
+
+const COPY_WORKER = `import { copyFileSync } from 'node:fs';
+
+copyFileSync('node_modules/@websplatter/core/dist/load-worker.js', 'built/load-worker.js');
 `;
 
 const nextSources = (page: string, config: string) => ({
@@ -179,11 +184,19 @@ export const APP_KINDS: readonly AppKind[] = [
     headers: STRICT,
   },
   {
-    name: 'Parcel, which must be told of exports',
+    name: 'Parcel, which must be told of exports and whose workers do not start',
     packages: { parcel: '2.16.4' },
     manifest: { '@parcel/resolver-default': { packageExports: true } },
-    sources: { 'src/main.js': main(), 'src/page.css': PAGE_CSS, 'src/index.html': html('./main.js') },
-    build: [['parcel/lib/bin.js', 'build', 'src/index.html', '--dist-dir', 'built', '--no-cache']],
+    sources: {
+      'copy-worker.mjs': COPY_WORKER,
+      'src/main.js': main("setWorkerUrl('load-worker.js');"),
+      'src/page.css': PAGE_CSS,
+      'src/index.html': html('./main.js'),
+    },
+    build: [
+      ['parcel/lib/bin.js', 'build', 'src/index.html', '--dist-dir', 'built', '--no-cache'],
+      ['../copy-worker.mjs'],
+    ],
     shown: { folder: 'built' },
     // Parcel writes an import map into the page, which the strict policy forbids.
     headers: {},
