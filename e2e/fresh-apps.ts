@@ -210,14 +210,6 @@ export const APP_KINDS: readonly AppKind[] = [
     shown: { folder: 'out' },
   },
   {
-    name: 'Next 15, dynamic pages',
-    packages: { next: '15.5.29' },
-    manifest: { type: undefined },
-    sources: nextSources(DYNAMIC, ''),
-    build: [[NEXT, 'build']],
-    shown: { server: NEXT_SERVER },
-  },
-  {
     name: 'Next 16 by Turbopack, static pages',
     packages: { next: '16.4.6' },
     manifest: { type: undefined },
