@@ -75,7 +75,7 @@ export const ROOMS: Arrows = {
   'engine.ts':
     'check-options.ts views measure ledger frame ingest clouds gpu shaders accuracy io packing splats',
   /** Checks options, and fetches the engine's code while a device is asked for. */
-  'create-engine.ts': 'engine.ts check-options.ts gpu shaders accuracy',
+  'create-engine.ts': 'engine.ts check-options.ts gpu shaders accuracy io',
   /** The public interface. */
   'index.ts':
     'create-engine.ts engine.ts(types) views measure ledger frame clouds timing gpu camera accuracy io packing splats math',
