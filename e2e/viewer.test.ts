@@ -217,10 +217,10 @@ describe('viewer', () => {
     expect(
       psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [testScene()]),
     ).toBeGreaterThan(MIN_PSNR_DB);
-    await open('misnamed.spz', encodePly(testScene()), 'spz', 'load');
+    await open('misnamed.spz', encodePly(testScene()), 'spz', 'ply');
     if (!existsSync(SCENES)) return console.info(`skipped: ${SCENES} is not there`);
     const scene = (end: string) => new Uint8Array(readFileSync(`${SCENES}playbot-lod3.${end}`));
-    await open('misnamed.ply', scene('sog'), 'load', 'zip');
+    await open('misnamed.ply', scene('sog'), 'ply', 'zip');
     expect(await textOf(page, 'scene')).toContain('31,000 splats');
     await expectSameSplats(page, scene('sog'));
     if (!isFull) return;
