@@ -33,6 +33,8 @@ const READMES: Readonly<
     given: {
       canvas: 'HTMLCanvasElement',
       renderer: "import('three/webgpu').WebGPURenderer",
+      scene: "import('three/webgpu').Scene",
+      camera: "import('three/webgpu').PerspectiveCamera",
       cloud: "import('@websplatter/three').SplatCloudObject",
       min: "import('three').Vector3",
       max: "import('three').Vector3",
