@@ -183,7 +183,7 @@ describe('examples', () => {
     await expect.poll(psnrAs({ opacities: [1, 0.5] }), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('picking says which splat was clicked and puts a marker on it', async () => {
+  it.runIf(isFull)('picking says which splat was clicked and puts a marker on it', async () => {
     const scale = [0.08, 0.08, 0.08] as const;
     const opacity = 0.97;
     const rows: Vec3[] = [
@@ -310,7 +310,7 @@ describe('examples of effects', () => {
     return { page, psnrWith };
   }
 
-  it('colour takes a tint, a brightness, an opacity and a degree', async () => {
+  it.runIf(isFull)('colour takes a tint, a brightness, an opacity and a degree', async () => {
     const { page, psnrWith } = await openWithTestScene('colour');
     await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByLabel('Tint').fill('#ff8000');

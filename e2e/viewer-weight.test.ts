@@ -15,6 +15,7 @@ import {
   waitForImage,
 } from './viewer-page.ts';
 
+const isFull = process.env.WEBSPLATTER_FULL === '1';
 const harness = viewerHarness();
 const { openViewer } = harness;
 /** Few pixels to draw. */
@@ -26,7 +27,7 @@ function firstPictures(page: Page): Promise<number[]> {
   return page.evaluate(() => performance.getEntriesByName('first picture').map(({ duration }) => duration));
 }
 
-describe('the viewer as one file', () => {
+describe.runIf(isFull)('the viewer as one file', () => {
   let file: string;
   beforeAll(async () => {
     file = join(await builtApp('apps/viewer/vite.embed.config.ts'), 'embed.html');
