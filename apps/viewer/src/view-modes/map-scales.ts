@@ -1,4 +1,5 @@
 import type { MapFigures } from '../state/viewer-state.ts';
+import { formatCount } from '../words/format.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 
@@ -59,10 +60,6 @@ export function contributionNotes(figures: MapFigures): readonly string[] {
 
 function mostAndMean({ max, mean }: { readonly max: number; readonly mean: number }): string {
   return `At most ${formatCount(max)}, ${formatCount(Math.round(mean))} on average`;
-}
-
-function formatCount(count: number): string {
-  return count.toLocaleString('en');
 }
 
 function formatPart(part: number): string {
