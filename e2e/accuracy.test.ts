@@ -1,6 +1,7 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
@@ -17,8 +18,6 @@ import {
   waitForImage,
   waitForState,
 } from './viewer-page.ts';
-
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 const harness = viewerHarness();
 const { newPage, openViewer } = harness;

@@ -6,6 +6,7 @@ import { ring } from '../apps/examples/scenes/ring.ts';
 import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
 import { windSwayTwin } from '../apps/examples/src/effects/wind-sway-twin.ts';
 import { atRest, passTurns } from './at-rest.ts';
+import { isFull } from './full-run.ts';
 import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
@@ -13,8 +14,6 @@ import { slowDisplay } from './slow-display.ts';
 import { testScene } from './test-scene.ts';
 import { splatSet } from './three/splats.ts';
 import type { DrawnCamera } from './viewer-page.ts';
-
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 const harness = appHarness('apps/examples', {}, slowDisplay);
 

@@ -1,4 +1,5 @@
 // The main paths of the viewer and of React, and hard cases, in Firefox: one browser, and a page for each.
+
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -7,6 +8,7 @@ import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/hardca
 import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, afterEach, beforeAll, expect } from 'vitest';
 import { adoptStyle, type FirefoxPage, launch, openPage, screenshotOf } from './firefox-page.ts';
+import { isFull } from './full-run.ts';
 import type { CanvasDescription } from './react/main.tsx';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart } from './screenshot.ts';
@@ -16,7 +18,6 @@ import { testScene } from './test-scene.ts';
 import { type DrawnCamera, IMAGE_ALONE, isAtRestAfter, loseDeviceOnDemand } from './viewer-page.ts';
 
 const firefoxTest = testWith({ Firefox: firefox, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 const scene = testScene();
 /** In the full run enough rows for the GPU to take them. */

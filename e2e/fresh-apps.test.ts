@@ -8,11 +8,11 @@ import { launchBrowser } from './browser.ts';
 import { expectSplats } from './expect-splats.ts';
 import { type FreshApp, type FreshAppParts, makeFreshApp } from './fresh-app.ts';
 import { APP_KINDS } from './fresh-apps.ts';
+import { isFull } from './full-run.ts';
 import { startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
 // These install and build for minutes: `npm run test:full` has them.
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 const scene = { 'scene.ply': encodePly(testScene()) };
 
 /** Calls `use` with a fresh app, and removes it. */

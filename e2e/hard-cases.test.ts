@@ -1,6 +1,7 @@
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
 import { afterAll, describe, expect, it } from 'vitest';
+import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart } from './screenshot.ts';
 import { type AppServer, startAppServer } from './server.ts';
@@ -17,7 +18,6 @@ import {
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 const ASPECT = SMALL.viewport.width / SMALL.viewport.height;
 
 function sceneCase(name: string): SceneCase {

@@ -2,6 +2,7 @@ import { encodePly, type SplatSet } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { atRest, passTurns } from './at-rest.ts';
+import { isFull } from './full-run.ts';
 import { appHarness } from './harness.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
 import { skipRecoveryWaits } from './recovery-waits.ts';
@@ -9,7 +10,6 @@ import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, screenshot } from './screenshot.ts';
 import { slowScene, testScene } from './test-scene.ts';
 
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** What a mount leaves is seen after two; every fifth is unmounted while it loads. */
 const MOUNTS = isFull ? 50 : 6;
 

@@ -4,6 +4,7 @@ import { syntheticPly } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
+import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB } from './reference.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
@@ -13,8 +14,6 @@ import type { Pixels } from './three/stage.ts';
 
 type Cases = typeof pageCases;
 type CaseName = keyof Cases;
-
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 let browser: Browser;
 

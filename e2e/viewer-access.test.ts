@@ -4,6 +4,7 @@ import { encodePly } from '@websplatter/core';
 import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { isFull } from './full-run.ts';
 import { testScene } from './test-scene.ts';
 import { CHEAP, dropFiles, textOf, viewerHarness, waitForImage, waitForState } from './viewer-page.ts';
 
@@ -11,7 +12,6 @@ const harness = viewerHarness();
 const { openViewer } = harness;
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** In the short run, what does not follow from colours is looked at in the light theme only. */
 const RULES_OF_DARK = isFull ? null : ['cat.color'];
 /** States that the short run passes through without a look: others have controls of the same kinds. */

@@ -1,6 +1,7 @@
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { isFull } from './full-run.ts';
 import { builtApp } from './server.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
@@ -14,8 +15,6 @@ import {
   waitForFrameAfter,
   waitForImage,
 } from './viewer-page.ts';
-
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 const harness = viewerHarness();
 let host: StaticHost;

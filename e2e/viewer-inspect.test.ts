@@ -3,6 +3,7 @@ import { readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import {
+  CHEAP,
   drawnCamera,
   frameCount,
   textOf,
@@ -12,7 +13,6 @@ import {
 } from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
-const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 
 /** Does something that changes the image, and waits for the image that follows. */
 async function draw(page: Page, act: () => Promise<unknown>): Promise<void> {

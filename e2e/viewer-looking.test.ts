@@ -1,6 +1,7 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import {
+  CHEAP,
   type DrawnCamera,
   drawnCamera,
   frameCount,
@@ -10,7 +11,6 @@ import {
 } from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
-const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 
 /** Does something that changes the image, and returns the camera of the image that follows. */
 async function after(page: Page, act: () => Promise<unknown>): Promise<DrawnCamera> {

@@ -2,6 +2,7 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { changedPart } from './screenshot.ts';
 import {
+  CHEAP,
   frameCount,
   textOf,
   viewerHarness,
@@ -11,8 +12,6 @@ import {
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
-/** Cheap, and by a rasteriser that does not follow from times: images are compared bit for bit. */
-const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 /** Does something that changes the image, and waits for the new one. */
 async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
   const frames = await frameCount(page);

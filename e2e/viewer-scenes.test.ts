@@ -6,6 +6,7 @@ import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
   drawnCamera,
   dropFiles,
   frameCount,
@@ -33,8 +34,6 @@ const harness = appHarness('apps/viewer', { 'a.ply': A, 'b.ply': B });
 /** Wide enough for the panel to leave the handles in the middle of the picture. */
 const WINDOW = { viewport: { width: 900, height: 260 } };
 const ADDRESS = '?src=a.ply&src=gone.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
-
-const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 
 const titles = (page: Page) => page.getByTestId('part-name').locator('span').allTextContents();
 const matrices = async (page: Page) => (await drawnCamera(page)).modelMatrices;

@@ -3,9 +3,11 @@ import { pathToFileURL } from 'node:url';
 import { encodePly } from '@websplatter/core';
 import type { Frame, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
+import { isFull } from './full-run.ts';
 import { builtApp } from './server.ts';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
   drawnCamera,
   frameCount,
   isAtRestAfter,
@@ -15,11 +17,8 @@ import {
   waitForImage,
 } from './viewer-page.ts';
 
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 const harness = viewerHarness();
 const { openViewer } = harness;
-/** Few pixels to draw. */
-const CHEAP = '?scene=still-life-small&accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:quads';
 const SMALL_WINDOW = { viewport: { width: 320, height: 240 } };
 
 /** How often, and after how many milliseconds, the page has noted its first picture. */

@@ -7,6 +7,7 @@ import { encodePly, readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
+import { isFull } from './full-run.ts';
 import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
@@ -39,7 +40,6 @@ const CORE = fileURLToPath(new URL('../packages/core/dist/', import.meta.url));
 
 const harness = viewerHarness();
 const { newPage, openViewer, shareViewer } = harness;
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** For scenes whose picture is compared. */
 const TINY = { viewport: { width: 160, height: 120 } };
 

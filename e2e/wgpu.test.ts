@@ -2,12 +2,12 @@ import { join } from 'node:path';
 import { HARD_CASES, type HardCaseReport } from '@websplatter/hardcases';
 import { runInDeno } from '@websplatter/tools/deno';
 import { beforeAll, expect } from 'vitest';
+import { isFull } from './full-run.ts';
 import { deno, lavapipe, testWith } from './second-webgpu.ts';
 import { builtApp } from './server.ts';
 import type { CompiledShaders } from './wgpu/shaders.ts';
 
 const wgpuTest = testWith({ Deno: deno, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
-const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 /** One of each kind, and those in which wgpu, naga or lavapipe have differed from Dawn and SwiftShader. */
 const SHORT_CASES = [
