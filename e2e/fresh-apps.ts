@@ -21,7 +21,8 @@ const STRICT = { 'content-security-policy': CONTENT_SECURITY_POLICY };
 
 const PAGE_CSS = 'body { margin: 0; }\n#root { height: 100vh; }\n';
 
-const html = (script: string) => `<!doctype html>
+/** The page of an app, in which one script draws. */
+export const html = (script: string) => `<!doctype html>
 <html lang="en">
   <head>
     <title>Fresh</title>
@@ -34,8 +35,8 @@ const html = (script: string) => `<!doctype html>
 </html>
 `;
 
-/** Without JSX, so that bundlers need nothing to translate it. */
-const main = (ahead = '') => `import { Canvas } from '@react-three/fiber';
+/** The script of an app after the statements `ahead`; without JSX, so that bundlers need nothing to translate it. */
+export const main = (ahead = '') => `import { Canvas } from '@react-three/fiber';
 import { createSplatRenderer, setWorkerUrl, Splats } from '@websplatter/react';
 import { createElement } from 'react';
 import { createRoot } from 'react-dom/client';

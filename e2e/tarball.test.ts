@@ -6,6 +6,7 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser } from './browser.ts';
 import { type ExpectSplatsOptions, expectSplats } from './expect-splats.ts';
 import { type FreshApp, makeFreshApp } from './fresh-app.ts';
+import { html, main } from './fresh-apps.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 import { CONTENT_SECURITY_POLICY } from './server.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
@@ -88,33 +89,9 @@ export function App() {
 
 /** esbuild understands no workers, so the app hosts the one that reads all formats. */
 const ESBUILD_SOURCES: Readonly<Record<string, string>> = {
-  'esbuild/main.js': `import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, setWorkerUrl, Splats } from '@websplatter/react';
-import { createElement } from 'react';
-import { createRoot } from 'react-dom/client';
-
-if (!location.search) setWorkerUrl('load-worker.js');
-createRoot(document.getElementById('root')).render(
-  createElement(
-    Canvas,
-    { gl: createSplatRenderer, flat: true },
-    createElement(Splats, { src: 'scene.ply' }),
-  ),
-);
-`,
+  'esbuild/main.js': main("if (!location.search) setWorkerUrl('load-worker.js');"),
   'esbuild/load-worker.js': "import '@websplatter/core/load-worker';\n",
-  'esbuild/index.html': `<!doctype html>
-<html lang="en">
-  <head>
-    <title>Fresh</title>
-    <link rel="stylesheet" href="page.css" />
-  </head>
-  <body>
-    <div id="root"></div>
-    <script type="module" src="main.js"></script>
-  </body>
-</html>
-`,
+  'esbuild/index.html': html('main.js'),
 };
 
 const scene = encodePly(testScene());
