@@ -1,5 +1,5 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../packing/geometry.ts';
 
 /** A blob may be more opaque in its middle than any splat: it stays opaque farther out, as what it stands for does. */
 export const MOST_OPACITY = 3;
@@ -49,7 +49,10 @@ export class BlobCollector {
   /** Makes at most `wanted` blobs of splats `from`…`end` of `geometry`, at most CHUNK_SPLATS, neighbours in storage order. */
   add(geometry: PackedGeometry, from: number, end: number, wanted: number): void {
     let kept = 0;
-    for (let i = from; i < end; i++) if (unpack(geometry, i, this.#splats, SPLAT_VALUES * kept)) kept++;
+    const { buffer, byteOffset, length } = geometry.words;
+    const floats = new Float32Array(buffer, byteOffset, length);
+    for (let i = from; i < end; i++)
+      if (unpack(geometry, floats, i, this.#splats, SPLAT_VALUES * kept)) kept++;
     if (kept === 0) return;
     if (wanted >= kept) {
       for (let i = 0; i < kept; i++)
@@ -185,15 +188,15 @@ function areaOf(values: Float64Array, covariance: number): number {
   return Math.sqrt(Math.max(1e-80, squares));
 }
 
-/** Writes splat `index` of `geometry` to `target`; returns whether it can be seen at all. */
+/** Writes splat `index` of `geometry`, whose words are `floats` too, to `target`; returns whether it can be seen at all. */
 function unpack(
   { precision, words, logScaleRange: { min, step } }: PackedGeometry,
+  floats: Float32Array,
   index: number,
   target: Float64Array,
   at: number,
 ): boolean {
   const from = index * GEOMETRY_WORDS[precision];
-  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
   const isF32 = precision === 'f32';
   const opacity = isF32 ? floats[from + 3] : (words[from + 4] >>> 16) / 65535;
   if (!(opacity >= LEAST_OPACITY)) return false;
@@ -248,7 +251,7 @@ function unpackRotation(low: number, high: number): void {
   let left = 1;
   for (let k = 0, step = 0; k < 4; k++) {
     if (k === largest) continue;
-    QUATERNION[k] = ((steps[step++] - 16383) * Math.SQRT1_2) / 16383;
+    QUATERNION[k] = ((steps[step++] - ROTATION_STEPS) * Math.SQRT1_2) / ROTATION_STEPS;
     left -= QUATERNION[k] * QUATERNION[k];
   }
   QUATERNION[largest] = Math.sqrt(Math.max(0, left));

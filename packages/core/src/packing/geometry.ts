@@ -108,7 +108,7 @@ function logScaleSteps(logScale: number, min: number, step: number): number {
 }
 
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */
-const ROTATION_STEPS = 16383;
+export const ROTATION_STEPS = 16383;
 
 function packRotation(rotation: Float64Array): [low: number, high: number] {
   const largest = largestComponent(rotation);
