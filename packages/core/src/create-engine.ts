@@ -1,5 +1,5 @@
-import { type Accuracy, DEFAULT_ACCURACY, internAccuracy } from './accuracy/accuracy.ts';
-import { internWish } from './accuracy/accuracy-wish.ts';
+import { DEFAULT_ACCURACY } from './accuracy/accuracy.ts';
+import { checkAccuracy } from './accuracy/accuracy-wish.ts';
 import { checkEngineNumbers } from './check-options.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
 import { CodeUnavailableError } from './errors.ts';
@@ -7,7 +7,12 @@ import { requestSplatDevice } from './gpu/device.ts';
 import { foreseeWorkers } from './io/loading/load-splats.ts';
 import { foreseeTiles } from './shaders/later-source.ts';
 
-const fetchEngine = async () => (await import('./engine.ts')).SplatEngine;
+/** Fetches the engine, and beside it what it will need first. */
+async function fetchEngine() {
+  foreseeTiles();
+  foreseeWorkers();
+  return (await import('./engine.ts')).SplatEngine;
+}
 
 /** Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`. */
 export type SplatEngine = Engine;
@@ -21,11 +26,8 @@ export const SplatEngine = {
    */
   async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Reject unknown settings before a device is requested in vain.
-    const { accuracy = DEFAULT_ACCURACY } = options;
-    if (!internWish(accuracy)) internAccuracy(accuracy as Accuracy);
+    checkAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
     checkEngineNumbers(options);
-    foreseeTiles();
-    foreseeWorkers();
     const implementation = fetchEngine().catch((cause) => {
       throw new CodeUnavailableError('engine', { cause });
     });
@@ -49,6 +51,4 @@ export const SplatEngine = {
 export function foreseeEngine(): void {
   if (!globalThis.navigator?.gpu) return;
   fetchEngine().catch(() => {});
-  foreseeTiles();
-  foreseeWorkers();
 }

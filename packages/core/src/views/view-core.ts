@@ -1,5 +1,5 @@
-import type { Accuracy, AccuracySettings } from '../accuracy/accuracy.ts';
-import { internWish } from '../accuracy/accuracy-wish.ts';
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import { checkAccuracy } from '../accuracy/accuracy-wish.ts';
 import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
@@ -311,7 +311,7 @@ export abstract class ViewCore {
     // Without pixels there is no plan, which would check these.
     for (const instance of request.clouds) effectsOf(instance);
     const { accuracy } = request;
-    if (accuracy && !internWish(accuracy)) this.context.accuracyFor(accuracy as Accuracy);
+    if (accuracy) checkAccuracy(accuracy);
     return false;
   }
 
