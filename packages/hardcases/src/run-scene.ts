@@ -50,25 +50,22 @@ export async function runScene(
   const aspect = widthPx / heightPx || 1;
   for (const [index, [cameraName, camera]] of Object.entries(hardCase.cameras(aspect)).entries()) {
     const caseFrame = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
-    const isFirst = index === 0;
+    const turn = run.turn === undefined ? undefined : run.turn + index;
     const isDone = () => run.endsAtFailure && result.failures.length > 0;
     if (widthPx * heightPx > 0)
-      for (const check of inTurn(STAGE_CHECKS, isFirst ? 1 : 0, run.turn)) {
+      for (const check of inTurn(STAGE_CHECKS, turn)) {
         if (isDone()) return;
         await checkStages(run.watched, run.variant, caseFrame, check, result);
       }
     if (isDone()) return;
-    const rasterizers = isFirst ? run.rasterizers : inTurn(run.rasterizers, 0, run.turn);
-    await checkImages(hardCase, { ...run, rasterizers }, caseFrame, result);
+    await checkImages(hardCase, { ...run, rasterizers: inTurn(run.rasterizers, turn) }, caseFrame, result);
     if (isDone()) return;
   }
 }
 
-/** The first `always` of `all`, and of the others the one whose turn it is; all of them where there are no turns. */
-function inTurn<T>(all: readonly T[], always: number, turn: number | undefined): readonly T[] {
-  if (turn === undefined) return all;
-  const others = all.slice(always);
-  return [...all.slice(0, always), others[turn % others.length]];
+/** The one of `all` whose turn it is; all of them where there are no turns. */
+function inTurn<T>(all: readonly T[], turn: number | undefined): readonly T[] {
+  return turn === undefined ? all : [all[turn % all.length]];
 }
 
 async function readCloud(cloud: HardCloud): Promise<PlacedSet> {

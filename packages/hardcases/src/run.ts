@@ -35,8 +35,8 @@ export interface HardCaseRunOptions {
    */
   readonly repeats?: 'all' | 'few';
   /**
-   * For a short run: the first camera's stages are checked in two of the ways of `STAGE_CHECKS`, those of others in one, and
-   * their images with one rasteriser, in turns from one number to the next. Default: each camera is checked in all ways.
+   * For a short run: the stages of each camera are checked in one of the ways of `STAGE_CHECKS`, and its images with one
+   * rasteriser, in turns from camera to camera and from one number to the next. Default: each camera is checked in all ways.
    */
   readonly turn?: number;
   /** Whether the rest is left out once something has failed, for tests that something does; default false. */
