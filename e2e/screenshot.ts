@@ -68,3 +68,10 @@ export function changedPart(a: Screenshot, b: Screenshot, tolerance = 8): number
   }
   return changed / (a.data.length / 4);
 }
+
+/** Number of different colours. */
+export function colorsIn({ data }: Screenshot): number {
+  const colors = new Set<number>();
+  for (let i = 0; i < data.length; i += 4) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+  return colors.size;
+}

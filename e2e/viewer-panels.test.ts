@@ -1,6 +1,6 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { changedPart } from './screenshot.ts';
+import { changedPart, colorsIn } from './screenshot.ts';
 import {
   CHEAP,
   frameCount,
@@ -75,6 +75,14 @@ describe('effects that are asked for', () => {
     // Tests ask for less motion.
     expect(await page.getByTestId('play-reveal').isDisabled()).toBe(true);
     await redraw(page, () => click('reveal-from-camera'));
+    // As far as the middle of the scene, so that there is something to compare below, and something left out.
+    await page.getByTestId('reveal-radius').focus();
+    await redraw(page, async () => {
+      for (const key of ['Home', 'PageUp', 'PageUp', 'PageUp', 'PageUp']) await page.keyboard.press(key);
+    });
+    const revealed = await picture(page);
+    expect(colorsIn(revealed), 'different colours').toBeGreaterThan(500);
+    expect(changedPart(first, revealed, 2)).toBeGreaterThan(0.1);
     await redraw(page, () => click('switch-tint'));
     await redraw(page, () => page.getByTestId('tint-color').fill('#ff8000'));
     await page.waitForURL(/effects=reveal:camera:[^&]*,tint:ff8000(&|$)/);
@@ -86,10 +94,14 @@ describe('effects that are asked for', () => {
     const other = await harness.newPage(SIZE);
     await other.goto(`${link}&noui`);
     await waitForImage(other);
+    // The panel has moved the picture aside, and a page without it has not.
+    await redraw(page, () => page.keyboard.press('e'));
     const [shown, linked] = [await picture(page), await picture(other)];
-    expect(changedPart(first, shown, 2)).toBeGreaterThan(0.1);
+    expect(changedPart(revealed, shown, 2)).toBeGreaterThan(0.1);
+    expect(colorsIn(shown), 'different colours').toBeGreaterThan(500);
     expect(Buffer.from(linked.data).equals(Buffer.from(shown.data))).toBe(true);
 
+    await redraw(page, () => page.keyboard.press('e'));
     await redraw(page, () => click('reset-effects'));
     await page.waitForURL((url) => !url.searchParams.has('effects'));
     expect(await page.getByTestId('switch-reveal').isChecked()).toBe(false);

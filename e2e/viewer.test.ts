@@ -10,7 +10,7 @@ import { passTurns } from './at-rest.ts';
 import { isFull } from './full-run.ts';
 import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
-import { changedPart, type Screenshot } from './screenshot.ts';
+import { changedPart, colorsIn } from './screenshot.ts';
 import { CONTENT_SECURITY_POLICY } from './server.ts';
 import { slowScene, testScene } from './test-scene.ts';
 import {
@@ -30,7 +30,7 @@ import {
 } from './viewer-page.ts';
 
 /** For images that are compared bit for bit: their rasteriser must not follow from times. */
-const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles,resolutionScale:0.5';
+const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles,resolutionScale:0.25';
 
 /** One scene in several formats; they are skipped where they are not there. */
 const SCENES = fileURLToPath(new URL('../../shared/scenes/', import.meta.url));
@@ -42,12 +42,6 @@ const harness = viewerHarness();
 const { newPage, openViewer, shareViewer } = harness;
 /** For scenes whose picture is compared. */
 const TINY = { viewport: { width: 160, height: 120 } };
-
-function colorsIn({ data }: Screenshot): number {
-  const colors = new Set<number>();
-  for (let i = 0; i < data.length; i += 4) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
-  return colors.size;
-}
 
 /** Columns of a set whose bits are compared. */
 const COLUMNS = ['positions', 'logScales', 'rotations', 'opacityLogits', 'colorDc'] as const;
@@ -460,7 +454,7 @@ describe('viewer', () => {
   });
 
   it('draws in device pixels, also after the window has changed', async () => {
-    const page = await openViewer(undefined, { viewport: { width: 200, height: 120 }, deviceScaleFactor: 2 });
+    const page = await openViewer(CHEAP, { viewport: { width: 200, height: 120 }, deviceScaleFactor: 2 });
     const backingSize = () =>
       page.getByTestId('viewport').evaluate((canvas: HTMLCanvasElement) => [canvas.width, canvas.height]);
     expect(await backingSize()).toEqual([400, 240]);
