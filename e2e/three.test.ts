@@ -588,9 +588,13 @@ describe('three 0.187', () => {
 
     test.each([
       ['loaded for its renderer', 'renderer', 0, 8],
-      ...(isFull ? ([['packed on the CPU', 'memory', 0, 8]] as const) : []),
-      // Shows that the bytes are seen: 32 of geometry, and at degree 3 more than 45 of harmonics.
-      ['from a buffer, which cannot be read again', 'buffer', 77, 100],
+      ...(isFull
+        ? ([
+            ['packed on the CPU', 'memory', 0, 8],
+            // Shows that the bytes are seen: 32 of geometry, and at degree 3 more than 45 of harmonics.
+            ['from a buffer, which cannot be read again', 'buffer', 77, 100],
+          ] as const)
+        : []),
     ] as const)('hold on the page, %s, some bytes each', async (_, how, least, most) => {
       // What any load leaves.
       await run('keepShown', how, 'kept.ply');
