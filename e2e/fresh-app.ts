@@ -163,5 +163,11 @@ export async function makeFreshApp({
 /** The environment without the variables that Vitest and npm set for their own scripts. */
 function toolEnvironment(): NodeJS.ProcessEnv {
   const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
-  return { ...env, NO_COLOR: '1', NEXT_TELEMETRY_DISABLED: '1' };
+  return {
+    ...env,
+    NO_COLOR: '1',
+    NEXT_TELEMETRY_DISABLED: '1',
+    // npm records the compilers of this system alone, and Next would ask a registry for the others, in each of its processes.
+    NEXT_IGNORE_INCORRECT_LOCKFILE: '1',
+  };
 }

@@ -13,6 +13,8 @@ import { startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
 // These install and build for minutes: `npm run test:full` has them.
+/** Ends what hangs. `next build` alone has taken 200 s beside six other jobs on two cores. */
+const TIMEOUT_MS = 1_200_000;
 const scene = { 'scene.ply': encodePly(testScene()) };
 
 /** Calls `use` with a fresh app, and removes it. */
@@ -25,44 +27,53 @@ async function inFreshApp(parts: FreshAppParts, use: (app: FreshApp) => Promise<
   }
 }
 
-describe.runIf(isFull)('the packed tarballs in a fresh app show splats that a worker has read', () => {
-  let browser: Browser;
+describe.runIf(isFull)(
+  'the packed tarballs in a fresh app show splats that a worker has read',
+  {
+    timeout: TIMEOUT_MS,
+  },
+  () => {
+    let browser: Browser;
 
-  beforeAll(async () => {
-    browser = await launchBrowser();
-  });
-
-  afterAll(() => browser?.close());
-
-  it.each(APP_KINDS)('$name', async ({ build, shown, headers = {}, ...parts }) => {
-    await inFreshApp({ ...parts, files: scene }, async (app) => {
-      for (const [script, ...args] of build) await app.run(script, args);
-      const host =
-        'folder' in shown
-          ? await startStaticHost(join(app.folder, shown.folder), '/', scene, headers)
-          : await app.serve(shown.server[0], shown.server.slice(1));
-      try {
-        await expectSplats(browser, 'folder' in shown ? `${host.url}index.html` : host.url);
-      } finally {
-        await host.close();
-      }
+    beforeAll(async () => {
+      browser = await launchBrowser();
     });
-  });
 
-  it('an import map, with packages and workers of another origin', async () => {
-    await inFreshApp({ sources: {} }, async (app) => {
-      const cors = { 'access-control-allow-origin': '*' };
-      const network = await startStaticHost(join(app.folder, 'node_modules'), '/', {}, cors);
-      const page = new TextEncoder().encode(importMapPage(network.url));
-      const host = await startStaticHost(app.folder, '/', { ...scene, 'index.html': page }, {});
-      try {
-        await expectSplats(browser, `${host.url}index.html`);
-      } finally {
-        await Promise.all([host.close(), network.close()]);
-      }
+    afterAll(() => browser?.close());
+
+    it.each(APP_KINDS)('$name', async ({ build, shown, pages = [''], headers = {}, ...parts }) => {
+      await inFreshApp({ ...parts, files: scene }, async (app) => {
+        for (const [script, ...args] of build) await app.run(script, args);
+        const host =
+          'folder' in shown
+            ? await startStaticHost(join(app.folder, shown.folder), '/', scene, headers)
+            : await app.serve(shown.server[0], shown.server.slice(1));
+        try {
+          for (const page of pages) {
+            const path = 'folder' in shown ? `${page || 'index'}.html` : page;
+            await expectSplats(browser, host.url + path);
+          }
+        } finally {
+          await host.close();
+        }
+      });
     });
-  });
-});
+
+    it('an import map, with packages and workers of another origin', async () => {
+      await inFreshApp({ sources: {} }, async (app) => {
+        const cors = { 'access-control-allow-origin': '*' };
+        const network = await startStaticHost(join(app.folder, 'node_modules'), '/', {}, cors);
+        const page = new TextEncoder().encode(importMapPage(network.url));
+        const host = await startStaticHost(app.folder, '/', { ...scene, 'index.html': page }, {});
+        try {
+          await expectSplats(browser, `${host.url}index.html`);
+        } finally {
+          await Promise.all([host.close(), network.close()]);
+        }
+      });
+    });
+  },
+);
 
 /** React has no ES modules, so the page uses three alone. */
 const importMapPage = (packages: string) => `<!doctype html>
@@ -163,7 +174,7 @@ test('uses the packages', async () => {
 });
 `;
 
-describe.runIf(isFull)('the packed tarballs in a fresh app', () => {
+describe.runIf(isFull)('the packed tarballs in a fresh app', { timeout: TIMEOUT_MS }, () => {
   it('type-check under every module resolution', async () => {
     const resolutions = [
       ['ESNext', 'bundler'],

@@ -7,6 +7,8 @@ export interface AppKind {
   readonly packages: Readonly<Record<string, string>>;
   readonly manifest?: Readonly<Record<string, unknown>>;
   readonly sources: Readonly<Record<string, string>>;
+  /** Paths of the pages that show the splats, without `.html`; default the first page alone, ''. */
+  readonly pages?: readonly string[];
   /** Tools, by their paths from node_modules, with their arguments, one after another. */
   readonly build: readonly (readonly [script: string, ...args: string[]])[];
   /** Folder that any host of static files can serve, or a tool that serves the app. */
@@ -96,7 +98,32 @@ const COPY_WORKER = `import { copyFileSync } from 'node:fs';
 copyFileSync('node_modules/@websplatter/core/dist/load-worker.js', 'built/load-worker.js');
 `;
 
-const nextSources = (page: string, config: string) => ({
+/** Pages of Next in `folder`: one that shows splats, and one that itself uses them, and so suspends on the server. */
+const nextPages = (folder: string, settings = '') => ({
+  [`app/${folder}page.jsx`]: `import { View } from '@/view.jsx';
+
+${settings}
+export default function Page() {
+  return <View />;
+}
+`,
+  [`app/${folder}used/page.jsx`]: `import { Suspense } from 'react';
+import { UsedView } from '@/view.jsx';
+
+${settings}
+export default function Page() {
+  return (
+    <Suspense fallback={<p>Loading</p>}>
+      <UsedView />
+    </Suspense>
+  );
+}
+`,
+});
+
+const nextSources = (pages: Readonly<Record<string, string>>, config = '') => ({
+  ...pages,
+  'jsconfig.json': '{ "compilerOptions": { "paths": { "@/*": ["./*"] } } }\n',
   'app/layout.jsx': `import './page.css';
 
 export default function Layout({ children }) {
@@ -109,29 +136,27 @@ export default function Layout({ children }) {
 `,
   'public/favicon.ico': '',
   'app/page.css': 'body { margin: 0; height: 100vh; }\n',
-  'app/page.jsx': `import { View } from './view.jsx';
+  'view.jsx': `'use client';
 
-${page}
-export default function Page() {
-  return <View />;
-}
-`,
-  'app/view.jsx': `'use client';
+import { SplatCanvas, Splats, useSplats } from '@websplatter/react';
 
-import { SplatCanvas, Splats } from '@websplatter/react';
-
-export function View() {
+export function View({ src = '/scene.ply' }) {
   return (
     <SplatCanvas flat>
-      <Splats src="/scene.ply" />
+      <Splats src={src} />
     </SplatCanvas>
   );
+}
+
+export function UsedView() {
+  return <View src={useSplats('/scene.ply')} />;
 }
 `,
   'next.config.mjs': `export default { ${config} };\n`,
 });
 
 const STATIC = "output: 'export'";
+const STATIC_PAGES = nextPages('');
 const DYNAMIC = "export const dynamic = 'force-dynamic';\n";
 const NEXT = 'next/dist/bin/next';
 const NEXT_SERVER = [NEXT, 'start', '--hostname', '127.0.0.1', '--port', '0'] as const;
@@ -203,18 +228,20 @@ export const APP_KINDS: readonly AppKind[] = [
     headers: {},
   },
   {
-    name: 'Next 15, static pages',
+    name: 'Next 15, static and dynamic pages',
     packages: { next: '15.5.29' },
     manifest: { type: undefined },
-    sources: nextSources('', STATIC),
+    sources: nextSources({ ...STATIC_PAGES, ...nextPages('dynamic/', DYNAMIC) }),
+    pages: ['', 'used', 'dynamic', 'dynamic/used'],
     build: [[NEXT, 'build']],
-    shown: { folder: 'out' },
+    shown: { server: NEXT_SERVER },
   },
   {
     name: 'Next 16 by Turbopack, static pages',
     packages: { next: '16.4.6' },
     manifest: { type: undefined },
-    sources: nextSources('', STATIC),
+    sources: nextSources(STATIC_PAGES, STATIC),
+    pages: ['', 'used'],
     build: [[NEXT, 'build']],
     shown: { folder: 'out' },
   },
@@ -222,7 +249,8 @@ export const APP_KINDS: readonly AppKind[] = [
     name: 'Next 16 by Turbopack, dynamic pages',
     packages: { next: '16.4.6' },
     manifest: { type: undefined },
-    sources: nextSources(DYNAMIC, ''),
+    sources: nextSources(nextPages('', DYNAMIC)),
+    pages: ['', 'used'],
     build: [[NEXT, 'build']],
     shown: { server: NEXT_SERVER },
   },
@@ -230,7 +258,8 @@ export const APP_KINDS: readonly AppKind[] = [
     name: 'Next 16 by webpack, static pages',
     packages: { next: '16.4.6' },
     manifest: { type: undefined },
-    sources: nextSources('', STATIC),
+    sources: nextSources(STATIC_PAGES, STATIC),
+    pages: ['', 'used'],
     build: [[NEXT, 'build', '--webpack']],
     shown: { folder: 'out' },
   },
