@@ -23,7 +23,7 @@ export interface SceneRun {
   readonly rasterizers: readonly FrameRasterizer[];
   /** Width and height of images for cases that give no size. */
   readonly sizePx: number;
-  /** Which images are drawn twice, to see that they do not differ. */
+  /** Which images are drawn again, to see that they do not differ. */
   readonly repeats: 'all' | 'few';
   /** Tells which of the checks are made that take turns; undefined for all. */
   readonly turn: number | undefined;
@@ -112,7 +112,7 @@ async function checkImages(
 ): Promise<void> {
   const isCompared = hardCase.decidesAtThreshold === undefined && caseFrame.widthPx * caseFrame.heightPx > 0;
   const reference = isCompared ? run.renderReference(caseFrame) : null;
-  const { identicalFrames = DEFAULT_FRAMES } = hardCase;
+  const { identicalFrames = run.repeats === 'all' ? DEFAULT_FRAMES : 1 } = hardCase;
   for (const preset of run.presets) {
     const engine = await run.watched.engine(preset, run.variant);
     const { colorTarget } = engine.accuracy;

@@ -31,7 +31,7 @@ export interface HardCaseRunOptions {
   readonly rasterizers?: readonly FrameRasterizer[];
   /**
    * Which images are drawn again, to see that they do not differ: those of all presets and rasterisers, which is the default, or
-   * `few`, those of the first, and no more often than 20 times.
+   * `few`, those of the first in cases that ask for it, and no more often than 20 times.
    */
   readonly repeats?: 'all' | 'few';
   /**

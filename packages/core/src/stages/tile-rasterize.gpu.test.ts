@@ -404,7 +404,8 @@ const surfaceView = (x: number, y: number) =>
   [1.7, 3.1, Number.POSITIVE_INFINITY, 22, 0.6][(Math.floor(x / 5) + Math.floor(y / 9)) % 5];
 
 describe('tile-rasterize with the depth of a host', () => {
-  for (const [name, [camera, mapping, compare]] of Object.entries(CONVENTIONS)) {
+  const isFull = process.env.WEBSPLATTER_FULL === '1';
+  for (const [index, [name, [camera, mapping, compare]]] of Object.entries(CONVENTIONS).entries()) {
     gpuTest(`${name}: hides splats, and writes the median of their depth`, async () => {
       const host = { camera, mapping, compare, surfaceView, isExactOrder: true };
       const scene = { ranked: splats(200, SIZE, 0.4) };
@@ -415,7 +416,9 @@ describe('tile-rasterize with the depth of a host', () => {
       await check({ ...scene, host: { ...host, hasDepthLayer: false } });
     });
 
-    gpuTest(`${name}: splats that short keys leave unordered`, async () => {
+    gpuTest(`${name}: splats that short keys leave unordered`, async ({ skip }) => {
+      // The order of splats has nothing to do with what the host's depth means.
+      if (!isFull && index > 0) skip('set WEBSPLATTER_FULL=1');
       const inOrder = splats(200, SIZE, 0.4);
       const ranked = Array.from(shuffled(inOrder.length), (rank) => inOrder[rank]);
       const host = { camera, mapping, compare, surfaceView, isExactOrder: false, hasDepthLayer: true };
