@@ -17,6 +17,8 @@ const RULES_OF_DARK = isFull ? null : ['cat.color'];
 /** States that the short run passes through without a look: others have controls of the same kinds. */
 const LOOKED_AT_IN_FULL = ['a view mode', 'compare', 'split image', 'a phone', 'save', 'clouds', 'help'];
 
+const MAP_MODES = ['tile-cost', 'pixel-cost', 'contribution'];
+
 /** What axe-core finds wrong with the page as it is, in words; `tags`: of these kinds of rules only. */
 async function violations(page: Page, tags: readonly string[] | null): Promise<string[]> {
   const { violations: found } = await page.evaluate(
@@ -39,6 +41,25 @@ async function expectAccessible(page: Page, state: string): Promise<void> {
   }
 }
 
+/** Goes on to the modes that lay a map over the picture, and back to the picture itself. */
+async function expectMapsAccessible(page: Page): Promise<void> {
+  const goTo = async (mode: string) => {
+    const isThere = () => new URL(page.url()).searchParams.get('mode') === mode;
+    while (!isThere()) {
+      const before = page.url();
+      await page.keyboard.press('m');
+      await page.waitForURL((url) => url.href !== before);
+    }
+  };
+  for (const mode of MAP_MODES) {
+    await goTo(mode);
+    await page.getByTestId('map-notes').waitFor();
+    await expectAccessible(page, mode);
+  }
+  await page.keyboard.press('m');
+  await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
+}
+
 describe('the viewer, to people who see, hear or point otherwise', () => {
   it('has nothing that axe-core finds wrong, in any of its main states', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 900, height: 600 } });
@@ -47,6 +68,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     for (let presses = 0; presses < 3; presses++) await page.keyboard.press('m');
     await page.getByTestId('mode-scale').waitFor();
     await expectAccessible(page, 'a view mode');
+    if (isFull) await expectMapsAccessible(page);
     await page.keyboard.press('c');
     for (const tab of ['measure', 'settings', 'compare']) {
       await page.getByTestId(`accuracy-tab-${tab}`).click();
