@@ -21,7 +21,7 @@ const SIZE = { widthPx: 32, heightPx: 32 };
 /** Frames of a round. A view that chooses between rasterisers has compared them, and is at rest, after more than a hundred. */
 const FRAMES = process.env.WEBSPLATTER_FULL
   ? { quads: 1000, tiles: 1000, auto: 1000 }
-  : { quads: 30, tiles: 30, auto: 140 };
+  : { quads: 20, tiles: 20, auto: 140 };
 /** Time of a round, ms: a view that gives back room must do so by the clock, not by the speed of this machine. */
 const ROUND_MS = (FRAMES.auto / 60) * 1000;
 const RASTERIZERS = ['quads', 'tiles', 'auto'] as const;
