@@ -2,9 +2,9 @@ import { emptyBounds, widenBounds } from '../../../packing/center-bounds.ts';
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { mortonOrderInTurns } from '../../../packing/morton-order.ts';
 import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
+import { colorOf, opacityOf } from '../../../splats/color-values.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
 import { Turns } from '../../../turns.ts';
-import { colorOf, opacityOf } from '../color-values.ts';
 import { antialiasComments } from '../ply/write-ply.ts';
 import {
   fileMemory,

@@ -1,10 +1,10 @@
 import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
 import { fromHalfBits } from '../../../layout/half.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../../../splats/color-values.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
 import { readExactly } from '../../sources/read-exactly.ts';
 import { checkCount } from '../check-count.ts';
-import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import type { ReadFormat } from '../splat-format.ts';

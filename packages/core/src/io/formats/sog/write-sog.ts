@@ -5,12 +5,12 @@ import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/har
 import { mortonOrderInTurns } from '../../../packing/morton-order.ts';
 import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
 import { ROWS_AT_ONCE } from '../../../packing/split-rows.ts';
+import { opacityOf } from '../../../splats/color-values.ts';
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
 import { Turns } from '../../../turns.ts';
 import { MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
 import { encodeWebp } from '../../containers/write-webp.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
-import { opacityOf } from '../color-values.ts';
 import { partOfProgress, type WriteFormat } from '../write-format.ts';
 import { type Codebook, findCodebook } from './codebook.ts';
 import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';

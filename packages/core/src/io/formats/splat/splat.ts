@@ -1,9 +1,9 @@
 import { SplatFileError } from '../../../errors.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../../../splats/color-values.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
-import { colorDcOf, logitOf, tableOfBytes } from '../color-values.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { takesCount } from '../row-sink.ts';

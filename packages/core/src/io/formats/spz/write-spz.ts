@@ -1,9 +1,9 @@
 import { InvalidArgumentError } from '../../../errors.ts';
 import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
 import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
+import { opacityOf } from '../../../splats/color-values.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
 import { packGzip } from '../../containers/pack-gzip.ts';
-import { opacityOf } from '../color-values.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
 import { SPZ_MAGIC } from './spz-format.ts';
 import { COLOR_SCALE, FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
