@@ -15,7 +15,7 @@ import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
 import { DestroyedError, GpuLimitError } from './errors.ts';
 import { frameStages } from './frame/frame.ts';
-import type { FrameShape } from './frame/frame-shape.ts';
+import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
 import {
   adapterLabel,
@@ -518,6 +518,10 @@ export class SplatEngine {
       sourceOptions,
       fit,
       makePlanes: (...request) => this.#makePlanes(...request),
+      compileFor: (cloud, change) => this.#compileFor(cloud, (shape) => ({ ...shape, ...change })),
+      onWritten: (bytes) => {
+        this.#counting.uploadedBytes += bytes;
+      },
       onDestroyed: (destroyed) => {
         this.#counting.cloudsDestroyed++;
         this.#clouds.delete(destroyed);
@@ -576,7 +580,10 @@ export class SplatEngine {
 
   #stopWork(because: string): void {
     this.#ended.abort(new DestroyedError('This engine', because));
-    for (const { leases } of this.#clouds) leases.end(new DestroyedError('This request', because));
+    for (const { leases, editing } of this.#clouds) {
+      leases.end(new DestroyedError('This request', because));
+      editing?.end();
+    }
     this.#wishes.stop(new DestroyedError('This measurement', because));
   }
 
@@ -586,7 +593,7 @@ export class SplatEngine {
     // Most claims are for planes that were uploaded, and need no plane maker.
     while (isHeld(planes.held, wanted)) {
       const { held } = planes;
-      await this.#compileFor(cloud, planes.pagesFor(wanted));
+      await this.#compilePlanes(cloud, planes.pagesFor(wanted));
       signal.throwIfAborted();
       this.#checkUsable();
       if (planes.held === held) return;
@@ -608,21 +615,25 @@ export class SplatEngine {
       counting: this.#counting,
       dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
-      compileFor: (cloud, precision) => this.#compileFor(cloud, precision),
+      compileFor: (cloud, precision) => this.#compilePlanes(cloud, precision),
       openRowPlanes: (options) => this.#rowsTo(options),
     });
   }
 
-  /** If compiling fails, the frame that needs the pipeline reports it. */
-  async #compileFor(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
+  async #compilePlanes(cloud: SplatCloud, precision: CloudPrecision): Promise<void> {
+    await this.#compileFor(cloud, (shape) => ({ ...shape, planes: { ...shape.planes, ...precision } }));
+  }
+
+  /**
+   * Compiles for every view that shows `cloud`; null: none does. If compiling fails, the frame that needs the pipeline reports it.
+   */
+  #compileFor(cloud: SplatCloud, change: (shape: CloudShape) => CloudShape): Promise<void> | null {
     const stages = [...this.#views].flatMap(({ shape }) => {
       if (!shape?.clouds.some((each) => each.cloud === cloud)) return [];
-      const clouds = shape.clouds.map((each) =>
-        each.cloud === cloud ? { ...each, planes: { ...each.planes, ...precision } } : each,
-      );
+      const clouds = shape.clouds.map((each) => (each.cloud === cloud ? change(each) : each));
       return frameStages({ ...shape, clouds });
     });
-    await this.#pipelines.prepare(stages).catch(() => {});
+    return stages.length > 0 ? this.#pipelines.prepare(stages).catch(() => {}) : null;
   }
 
   #checkUsable(): void {

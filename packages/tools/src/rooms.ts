@@ -67,6 +67,8 @@ export const ROOMS: Arrows = {
   views: 'measure(types) ledger frame clouds stages timing gpu camera accuracy layout math',
   /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
   'write.ts': 'editing io',
+  /** Splats from arrays, and edits of splats: the interface of `@websplatter/core/own-data`. */
+  'own-data.ts': 'clouds editing packing splats',
   /** All workers in one script: the file `@websplatter/core/load-worker`. */
   'load-worker.ts': 'clouds io',
   /** What callers give besides requests of frames. */

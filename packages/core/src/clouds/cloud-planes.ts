@@ -217,6 +217,11 @@ export class CloudPlanes {
     return pages;
   }
 
+  /** Bounds of the chunks. */
+  get chunksPlane(): Plane {
+    return this.#chunks;
+  }
+
   geometryPlane(precision: GeometryPrecision): Plane | undefined {
     return this.#geometry.get(precision);
   }

@@ -17,7 +17,7 @@ export function createHarmonics(place: PlanePlace, degree: ShDegree, precision: 
 function createPlane(place: PlanePlace, wordsPerSplat: number, what: string): Plane {
   return planeOf(place, ({ start, end }, page) => {
     const bytes = 4 * wordsPerSplat * (end - start);
-    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC | GPUBufferUsage.COPY_DST;
     return place.memory.createBuffer(`${place.name} ${what} ${page}`, bytes, usage);
   });
 }

@@ -31,6 +31,8 @@ export async function makeRayTree(
   splats: SplatCloud | PackedCloud,
   { signal, mostBlobs = MOST_SMALL_BLOBS }: MakeRayTreeOptions,
 ): Promise<RayTree> {
+  // What was drawn last may lack edits.
+  if ('editing' in splats) splats.editing?.flush();
   const { count, origin } = splats;
   const blobs = Math.max(mostBlobs, count / SPLATS_PER_BLOB);
   const shares = blobsOfChunks(splats, blobs);
@@ -90,7 +92,7 @@ function blobsOfChunks(
 
 /** Geometry of a cloud on the GPU, piece by piece. */
 async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
-  const { device, name, logScaleRange } = cloud;
+  const { device, name } = cloud;
   if (cloud.isPreview)
     throw new SplatSourceError(name, 'it is still loading: rays can be cast once it is whole.');
   await cloud.uploaded;
@@ -107,7 +109,7 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
       const copied = await readBack(device, bytes, (encoder, target) =>
         encoder.copyBufferToBuffer(pages[page].geometry, stride * at, target, 0, bytes),
       );
-      yield { precision, words: new Uint32Array(copied), logScaleRange };
+      yield { precision, words: new Uint32Array(copied), logScaleRange: cloud.logScaleRange };
     }
   }
 }

@@ -121,10 +121,14 @@ export class PlaneMaker {
     // Another claim may have been met or released while shaders compiled.
     if (cloud.planes.held !== held) return this.#makeFrom(fresh, cloud, wanted, { signal });
     const made: MadePlane[] = [];
+    let edit: (() => void) | undefined;
     try {
       await this.#withMemoryFor(cloud, wanted, bytesOf(cloud, wanted, work), () =>
         this.#make(cloud, wanted, work, made),
       );
+      // What was read has no edits.
+      if (work.freshGeometry)
+        edit = await cloud.editing?.rebase(work.freshGeometry.geometryPrecision, made[0].plane);
       this.#checkUsable(signal);
     } catch (error) {
       for (const { plane } of made) cloud.planes.free(plane);
@@ -132,6 +136,7 @@ export class PlaneMaker {
     }
     // Synchronous from here on: the next request relies on the planes that it finds.
     for (const { adopt } of made) adopt();
+    edit?.();
     return true;
   }
 

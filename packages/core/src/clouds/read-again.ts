@@ -222,14 +222,15 @@ function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecisio
  * @throws SplatSourceError if `read` are not the splats of `cloud`.
  */
 function checkSame(cloud: SplatCloud, read: Identity): void {
+  const { logScaleRange, chunks } = cloud.editing?.unedited ?? cloud;
   const isSame =
     cloud.count === read.count &&
     cloud.shDegree === read.shDegree &&
     cloud.origin.every((value, axis) => value === read.origin[axis]) &&
-    cloud.logScaleRange.min === read.logScaleRange.min &&
-    cloud.logScaleRange.step === read.logScaleRange.step &&
+    logScaleRange.min === read.logScaleRange.min &&
+    logScaleRange.step === read.logScaleRange.step &&
     isSameWords(cloud.fileIndices, read.fileIndices) &&
-    isSameChunks(new Float32Array(cloud.chunks), new Float32Array(read.chunks));
+    isSameChunks(new Float32Array(chunks), new Float32Array(read.chunks));
   if (isSame) return;
   const message = `its source has other splats than when it was loaded (${read.count}, then ${cloud.count}); it is unchanged. Load it again to see them.`;
   throw new SplatSourceError(cloud.name, message);

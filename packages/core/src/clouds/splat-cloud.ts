@@ -6,10 +6,11 @@ import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { LogScaleRange } from '../packing/geometry.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import type { Bounds, PackedCloud } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { CloudPrecision, GeometryPrecision } from '../packing/precision.ts';
+import type { SplatEdits } from '../splats/splat-edits.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
-import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
+import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
 
 /** A source from which a cloud's splats can be read again, any number of times, in other precisions than it holds. */
@@ -35,6 +36,10 @@ export interface SplatCloudOptions {
   readonly checked?: Promise<void> | null;
   /** See `SplatCloud.fit`. */
   readonly fit?: CloudFit | null;
+  /** See `SplatCloud.compileFor`. Default: no view shows the cloud. */
+  readonly compileFor?: (cloud: SplatCloud, change: ShapeChange) => Promise<void> | null;
+  /** Called when bytes of the cloud's planes have been written anew. */
+  readonly onWritten?: (bytes: number) => void;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
@@ -50,6 +55,21 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
+/** What edits change of the shaders that draw a cloud. */
+export type ShapeChange = { readonly hasFaintSplats: true } | { readonly isIsotropic: false };
+
+/** What keeps a cloud as its edits have it. */
+export interface CloudEditing {
+  readonly edits: SplatEdits;
+  /** What the cloud was uploaded with. */
+  readonly unedited: Pick<SplatCloud, 'chunks' | 'logScaleRange'>;
+  /** Uploads what has changed since the last call. Call before a frame is planned, and before planes are read. */
+  readonly flush: () => void;
+  /** Reads unedited geometry in `plane`, which is not part of the cloud yet; call the result when it is, for it to be edited. */
+  readonly rebase: (precision: GeometryPrecision, plane: Plane) => Promise<() => void>;
+  readonly end: () => void;
+}
+
 /** What to do where a cloud finds no memory. */
 export const MEMORY_ADVICE = 'Load fewer splats, or with a coarser accuracy.';
 
@@ -60,14 +80,14 @@ export class SplatCloud {
   readonly count: number;
   /** Degree of the stored harmonics: bands that cannot be seen are not stored. `facts` has the file's degree. */
   readonly shDegree: ShDegree;
-  /** Facts about the splats, found when they were packed. */
-  readonly facts: CloudFacts;
+  /** Facts about the splats, found when they were packed; edits may change some. */
+  facts: CloudFacts;
   /** Scene-space point, in float64, that stored positions are relative to. */
   readonly origin: Vec3;
-  /** Bounds of the centres, scene space. */
-  readonly bounds: Bounds;
+  /** Bounds of the centres, scene space, as of the last frame. */
+  bounds: Bounds;
   /** Bounds without the outermost splats, scene space: the part of the cloud that a camera should show. */
-  readonly robustBounds: Bounds;
+  robustBounds: Bounds;
   /** Numbers of dropped rows of the file, by reason. */
   readonly dropped: DropCounts;
   /** Row in the file of each stored splat. */
@@ -77,9 +97,9 @@ export class SplatCloud {
   /** @internal */
   readonly sourceOptions: SourceOptions;
   /** @internal Range of log scales that all packed geometry of the cloud uses. */
-  readonly logScaleRange: LogScaleRange;
-  /** @internal One `Chunk` struct per chunk. */
-  readonly chunks: ArrayBuffer;
+  logScaleRange: LogScaleRange;
+  /** @internal One `Chunk` struct per chunk; never changes, but another may take its place. */
+  chunks: ArrayBuffer;
   /** @internal */
   readonly planes: CloudPlanes;
   /** @internal */
@@ -94,6 +114,16 @@ export class SplatCloud {
   readonly fit: CloudFit | null;
   /** @internal Whether views keep the last image of it because the planes of this preview are changing. */
   isHeld = false;
+  /** @internal What edits the cloud; null: nothing does. */
+  editing: CloudEditing | null = null;
+  /** @internal Grows whenever edits change what frames show. */
+  version = 0;
+  /**
+   * @internal Compiles the shaders that draw the cloud with this change, in every view that shows it; null: no view does.
+   */
+  readonly compileFor: (change: ShapeChange) => Promise<void> | null;
+  /** @internal */
+  readonly onWritten: (bytes: number) => void;
   /**
    * Resolves when the device has had memory for the cloud; views draw it from then on. Rejects with a GpuLimitError if it has
    * not, and then the cloud has been destroyed.
@@ -107,7 +137,9 @@ export class SplatCloud {
   /** Takes over `planes`, which hold what `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
     const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
-    const { visibleLimit = Number.POSITIVE_INFINITY, checked = null } = options;
+    const { visibleLimit = Number.POSITIVE_INFINITY, checked = null, compileFor } = options;
+    this.compileFor = (change) => compileFor?.(this, change) ?? null;
+    this.onWritten = options.onWritten ?? (() => {});
     this.name = name;
     this.count = contents.count;
     this.shDegree = planes.shDegree;
@@ -241,6 +273,7 @@ export class SplatCloud {
   destroy(): void {
     if (this.#isDestroyed) return;
     this.#isDestroyed = true;
+    this.editing?.end();
     this.leases.end(new DestroyedError(`The cloud ${this.name}`, 'it was destroyed'));
     if (!this.isPreview) this.planes.destroy();
     this.#onDestroyed(this);

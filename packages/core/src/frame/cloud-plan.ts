@@ -27,6 +27,8 @@ export interface PlannedUse {
 export interface CloudPlan {
   /** Copy of the caller's instance. */
   readonly instance: CloudInstance;
+  /** The cloud's, which edits change. */
+  readonly version: number;
   /** Scene to world, float64, column-major. */
   readonly modelMatrix: Mat4;
   /** Effects that the cloud is drawn with, in the order in which they act. */
@@ -84,6 +86,7 @@ export function planCloud(
       ...(instance.modelMatrix && { modelMatrix }),
       ...(instance.effects && { effects: [...instance.effects] }),
     },
+    version: cloud.version,
     modelMatrix,
     uses,
     effects,

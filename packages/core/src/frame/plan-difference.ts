@@ -19,6 +19,7 @@ export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
       const other = b.clouds[i];
       return (
         a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
+        cloud.version === other.version &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
         isSameUses(usesThat(cloud, changeOrder), usesThat(other, changeOrder))
       );

@@ -119,9 +119,10 @@ export class GpuMemory {
     return this.#counted(this.device.createBuffer({ label, size, usage, mappedAtCreation }), size);
   }
 
-  /** Creates a storage buffer with the contents `words`, which can be read back. */
+  /** Creates a storage buffer with the contents `words`, which can be read back and written anew. */
   createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
-    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
+    const { STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
+    const usage = STORAGE | COPY_SRC | COPY_DST;
     const size = sizeOf(words.byteLength);
     this.check(label, size, usage);
     this.#begin(label, size);

@@ -102,7 +102,7 @@ export function logScaleRange(min: number, max: number): LogScaleRange {
   return { min: Math.fround(min) + 0, step };
 }
 
-function logScaleSteps(logScale: number, min: number, step: number): number {
+export function logScaleSteps(logScale: number, min: number, step: number): number {
   if (step === 0) return 0;
   return Math.max(0, Math.min(65535, Math.round((clampLogScale(logScale) - min) / step)));
 }
@@ -110,7 +110,7 @@ function logScaleSteps(logScale: number, min: number, step: number): number {
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */
 export const ROTATION_STEPS = 16383;
 
-function packRotation(rotation: Float64Array): [low: number, high: number] {
+export function packRotation(rotation: Float64Array): [low: number, high: number] {
   const largest = largestComponent(rotation);
   // A quaternion and its negative are the same rotation: the one left out is made positive.
   const sign = rotation[largest] < 0 ? -1 : 1;

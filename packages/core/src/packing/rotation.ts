@@ -1,5 +1,9 @@
 /** Unit quaternion of the four values from `at` on; the identity where they are all zero. */
-export function normalizedRotation(rotations: Float32Array, at: number, result: Float64Array): void {
+export function normalizedRotation(
+  rotations: Float32Array | Float64Array,
+  at: number,
+  result: Float64Array,
+): void {
   const largest = Math.max(
     Math.abs(rotations[at]),
     Math.abs(rotations[at + 1]),

@@ -56,6 +56,16 @@ export class SplatSelection {
     this.#version = ++versionsGiven;
   }
 
+  /** @internal The selected rows, in ascending order. */
+  rows(): Uint32Array {
+    const rows = new Uint32Array(this.#count);
+    let found = 0;
+    for (const [index, word] of this.#words.entries())
+      for (let rest = word; rest !== 0; rest &= rest - 1)
+        rows[found++] = 32 * index + 31 - Math.clz32(rest & -rest);
+    return rows;
+  }
+
   /** @internal One bit per entry of `rows`, lowest bit first: whether that row is selected. */
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));

@@ -331,6 +331,7 @@ export abstract class ViewCore {
     depths: readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]],
   ): NextFrame {
     this.isLackingRoom = false;
+    for (const { cloud } of request.clouds) cloud.editing?.flush();
     if (request.clouds.some(({ cloud }) => cloud.isHeld)) {
       const last = this.#prepared;
       return { plan: last, stands: last !== null, isAsked: false };

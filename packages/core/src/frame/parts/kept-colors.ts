@@ -51,6 +51,8 @@ interface Source {
   /** Index of the cloud's first page in the frame: if it changes, colours do not move along. */
   readonly firstPage: number;
   readonly planes: CloudShape['planes'];
+  /** The cloud's, which edits change. */
+  readonly version: number;
   readonly shDegree: number;
   readonly recordPrecision: AccuracySettings['recordPrecision'];
   readonly maxColor: number;
@@ -125,7 +127,7 @@ export class KeptColors {
     const next = plan.clouds.map((cloud, cloudIndex): KeptCloud => {
       const before = this.#clouds[cloudIndex];
       const viewpoint = viewpointOf(plan, cloud);
-      const source = sourceOf(shape, shape.clouds[cloudIndex], firstPages[cloudIndex]);
+      const source = sourceOf(plan, cloudIndex, firstPages[cloudIndex]);
       const isKeeping = shape.clouds[cloudIndex].keepsColors;
       const hasPlainRecords =
         canKeepColors(plan, cloudIndex) && !hasHook(shape.clouds[cloudIndex].effects, 'color');
@@ -224,10 +226,13 @@ export function canKeepColors({ clouds, shape }: FramePlan, cloudIndex: number):
   return !(shape.accuracy.recordPrecision === 'paper' && hasHook(effects, 'color'));
 }
 
-function sourceOf({ accuracy }: FrameShape, { planes, shDegree }: CloudShape, firstPage: number): Source {
+function sourceOf({ clouds, shape }: FramePlan, cloudIndex: number, firstPage: number): Source {
+  const { accuracy } = shape;
+  const { planes, shDegree } = shape.clouds[cloudIndex];
   return {
     firstPage,
     planes,
+    version: clouds[cloudIndex].version,
     shDegree,
     recordPrecision: accuracy.recordPrecision,
     maxColor: maxColor(accuracy),
@@ -238,6 +243,7 @@ function isSameSource(a: Source, b: Source): boolean {
   return (
     a.firstPage === b.firstPage &&
     a.planes === b.planes &&
+    a.version === b.version &&
     a.shDegree === b.shDegree &&
     a.recordPrecision === b.recordPrecision &&
     a.maxColor === b.maxColor

@@ -1,0 +1,337 @@
+import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
+import { readBack } from '../gpu/read-back.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { emptyBounds } from '../packing/center-bounds.ts';
+import {
+  type EditedGeometry,
+  editedGeometry,
+  editedLogScale,
+  editedPosition,
+  packEdited,
+  withLogScaleRange,
+} from '../packing/edited-geometry.ts';
+import {
+  GEOMETRY_WORDS,
+  type LogScaleRange,
+  logScaleRange,
+  type PackedGeometry,
+} from '../packing/geometry.ts';
+import { clampLogScale } from '../packing/log-scale.ts';
+import { chunkCountOf, type PackedCloud, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
+import type { GeometryPrecision } from '../packing/precision.ts';
+import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../splats/splat-edits.ts';
+import type { Plane } from './cloud-planes.ts';
+import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
+
+/** Splats between two that have changed are uploaded too if they are no more than this: each upload has a cost of its own. */
+const MOST_GAP_SPLATS = 32;
+/** Splats that robust bounds are taken from after an edit, few enough for every frame. */
+const BOUNDS_SAMPLES = 4096;
+/** Room that the range of log scales gets beyond the splats that leave it, so that those that grow seldom leave it again. */
+const LOG_SCALE_ROOM = 0.5;
+
+/**
+ * Draws a cloud with `edits`, with those that there are and with those to come, from its next frame on. What has changed is
+ * uploaded before a frame, in ranges of successive splats, 32 bytes each (64 as `f32`); bounds, order, picks and rays follow. The
+ * first edit of a cloud needs its geometry, 32 or 64 bytes per splat, which is read back and kept in memory; precisions that are
+ * made later are edited, too.
+ *
+ * Positions that were edited stay where they are in the order of storage: splats that move far apart make bounds of chunks
+ * large, so that frames cull less. Sizes outside of the cloud's range, which `packed` geometry shares in 65,536 steps, upload the
+ * whole geometry with a wider range once.
+ *
+ * @param splats the splats as they were uploaded, if they are at hand: nothing is read back then, and the cloud follows before
+ *   this returns.
+ * @returns when the cloud follows.
+ * @throws SplatSourceError for a preview; InvalidArgumentError for a cloud that follows other edits; DestroyedError if the cloud
+ *   or the device ends first; GpuLimitError if reading back finds no memory.
+ */
+export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?: PackedCloud): Promise<void> {
+  checkFree(cloud, edits);
+  if (cloud.editing) return;
+  const geometry = splats ? splats.geometry : await geometryOf(cloud);
+  checkFree(cloud, edits);
+  cloud.editing ??= new CloudEditor(cloud, edits, geometry);
+}
+
+function checkAlive({ name, isDestroyed }: SplatCloud): void {
+  if (isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
+}
+
+function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
+  checkAlive(cloud);
+  const { name, isPreview, editing } = cloud;
+  if (isPreview) throw new SplatSourceError(name, 'it is still loading: edit it once it is whole.');
+  if (!editing || editing.edits === edits) return;
+  throw new InvalidArgumentError('edits', `${name} follows other edits already; edit those.`);
+}
+
+/** Reads the finest geometry of a cloud back. */
+async function geometryOf(cloud: SplatCloud): Promise<PackedGeometry> {
+  await cloud.uploaded;
+  const { planes, logScaleRange } = cloud;
+  for (;;) {
+    checkAlive(cloud);
+    const { held } = planes;
+    const [precision] = held.geometry;
+    const words = await readPlane(cloud, planes.geometryPlane(precision)!, precision);
+    checkAlive(cloud);
+    // A finer one may have come meanwhile.
+    if (planes.held === held) return { precision, words, logScaleRange };
+  }
+}
+
+async function readPlane(
+  { device, count, planes }: SplatCloud,
+  plane: Plane,
+  precision: GeometryPrecision,
+): Promise<Uint32Array> {
+  const stride = GEOMETRY_WORDS[precision];
+  const words = new Uint32Array(count * stride);
+  // All are submitted before any is awaited, so that nothing changes in between.
+  const pages = planes.ranges.map(async ({ start, end }, page) => {
+    const bytes = 4 * stride * (end - start);
+    const read = await readBack(device, bytes, (encoder, target) =>
+      encoder.copyBufferToBuffer(plane[page], 0, target, 0, bytes),
+    );
+    words.set(new Uint32Array(read), stride * start);
+  });
+  await Promise.all(pages);
+  return words;
+}
+
+/** Keeps the planes of one cloud as its edits have them. */
+class CloudEditor implements CloudEditing, EditsFollower {
+  readonly edits: SplatEdits;
+  readonly unedited: Pick<SplatCloud, 'chunks' | 'logScaleRange'>;
+  readonly #cloud: SplatCloud;
+  readonly #unfollow: () => void;
+  /** Splat of each row; beyond the cloud's count for rows that it lacks. */
+  readonly #splatOf: Uint32Array;
+  /** A bit per splat: whether its planes are to be written. */
+  readonly #dirty: Uint32Array;
+  /** Bits of `EDITED` that have changed since the last flush; null: nothing is to be written. */
+  #changed: number | null = null;
+  #hasEnded = false;
+  /** Facts that shaders are being compiled for. */
+  readonly #expected = new Set<string>();
+  #splats: EditedGeometry;
+
+  constructor(cloud: SplatCloud, edits: SplatEdits, geometry: PackedGeometry) {
+    const { chunks, logScaleRange, origin, fileIndices, count } = cloud;
+    this.edits = edits;
+    this.unedited = { chunks, logScaleRange };
+    this.#cloud = cloud;
+    this.#splats = editedGeometry(geometry, origin, fileIndices, edits);
+    let rows = 0;
+    for (const row of fileIndices) if (row >= rows) rows = row + 1;
+    this.#splatOf = new Uint32Array(rows).fill(count);
+    for (let i = 0; i < count; i++) this.#splatOf[fileIndices[i]] = i;
+    this.#dirty = new Uint32Array(Math.ceil(count / 32));
+    this.#unfollow = edits.follow(this);
+    this.#markEdited();
+  }
+
+  rowsChanged(rows: RowRange | Uint32Array, changed: number): void {
+    this.#changed = (this.#changed ?? 0) | changed;
+    if (rows instanceof Uint32Array) for (const row of rows) this.#mark(row);
+    else {
+      const end = Math.min(rows.first + rows.count, this.#splatOf.length);
+      for (let row = rows.first; row < end; row++) this.#mark(row);
+    }
+  }
+
+  flush(): void {
+    const changed = this.#changed;
+    const cloud = this.#cloud;
+    // Buffers that found no memory, or are freed, must not be written.
+    if (changed === null || !cloud.isUploaded || this.#hasEnded) return;
+    this.#changed = null;
+    const { edits } = this;
+    if (edits.leastOpacity < cloud.facts.minOpacity) this.#expect({ minOpacity: edits.leastOpacity });
+    if (edits.hasUnevenScales && cloud.facts.isIsotropic) this.#expect({ isIsotropic: false });
+    if (changed & EDITED.scales) this.#widenRange();
+    for (const [page, { start, end }] of cloud.planes.ranges.entries())
+      for (const [from, to] of this.#runs(start, end)) this.#write(page, start, from, to);
+    if (changed & (EDITED.positions | EDITED.scales)) this.#bound(changed);
+    this.#dirty.fill(0);
+    cloud.version++;
+  }
+
+  async rebase(precision: GeometryPrecision, plane: Plane): Promise<() => void> {
+    const { origin, fileIndices } = this.#cloud;
+    const words = await readPlane(this.#cloud, plane, precision);
+    return () => {
+      const geometry = { precision, words, logScaleRange: this.#cloud.logScaleRange };
+      this.#splats = editedGeometry(geometry, origin, fileIndices, this.edits);
+      this.#markEdited();
+    };
+  }
+
+  end(): void {
+    this.#hasEnded = true;
+    this.#unfollow();
+  }
+
+  #mark(row: number): void {
+    const splat = this.#splatOf[row];
+    if (splat < this.#cloud.count) this.#dirty[splat >>> 5] |= 1 << splat;
+  }
+
+  #markEdited(): void {
+    for (const [row] of this.#splatOf.entries()) {
+      const mask = this.edits.maskOf(row);
+      if (mask === 0) continue;
+      this.#changed = (this.#changed ?? 0) | mask;
+      this.#mark(row);
+    }
+  }
+
+  #isDirty(splat: number): boolean {
+    return ((this.#dirty[splat >>> 5] >>> splat) & 1) === 1;
+  }
+
+  /** Successive splats from `start` to `end` that are to be written, with the gaps that are not worth a second upload. */
+  #runs(start: number, end: number): [from: number, to: number][] {
+    const runs: [from: number, to: number][] = [];
+    for (let splat = start; splat < end; splat++) {
+      // A word without any is passed over.
+      if (splat % 32 === 0 && this.#dirty[splat >>> 5] === 0) {
+        splat += 31;
+        continue;
+      }
+      if (!this.#isDirty(splat)) continue;
+      const last = runs.at(-1);
+      if (last && splat - last[1] <= MOST_GAP_SPLATS) last[1] = splat + 1;
+      else runs.push([splat, splat + 1]);
+    }
+    return runs;
+  }
+
+  #write(page: number, pageStart: number, from: number, to: number): void {
+    const { planes, logScaleRange } = this.#cloud;
+    for (const precision of planes.held.geometry) {
+      const words = packEdited(this.#splats, from, to, precision, logScaleRange);
+      const at = 4 * GEOMETRY_WORDS[precision] * (from - pageStart);
+      this.#upload(planes.geometryPlane(precision)![page], at, words);
+    }
+  }
+
+  #upload(buffer: GPUBuffer, at: number, words: Uint32Array<ArrayBuffer> | Float32Array<ArrayBuffer>): void {
+    const { device } = this.#cloud;
+    device.queue.writeBuffer(buffer, at, words);
+    this.#cloud.onWritten(words.byteLength);
+  }
+
+  /** Bounds the chunks of splats that have moved or changed their size anew. */
+  #bound(changed: number): void {
+    const cloud = this.#cloud;
+    const { planes, count, origin } = cloud;
+    const { minPosition, maxScale, maxPosition, count: stride } = CHUNK_WORDS;
+    // A copy: what is known of chunks is known by their buffer.
+    const chunks = new Float32Array(cloud.chunks.slice(0));
+    const position = new Float64Array(3);
+    for (const [page, { start, end }] of planes.ranges.entries()) {
+      const first = start / CHUNK_SPLATS;
+      const last = first + chunkCountOf(end - start);
+      let run: [from: number, to: number] | null = null;
+      const upload = () => {
+        if (!run) return;
+        const words = chunks.subarray(stride * run[0], stride * run[1]);
+        this.#upload(planes.chunksPlane[page], 4 * stride * (run[0] - first), words);
+        run = null;
+      };
+      for (let chunk = first; chunk < last; chunk++) {
+        const words = this.#dirty.subarray((chunk * CHUNK_SPLATS) / 32, ((chunk + 1) * CHUNK_SPLATS) / 32);
+        if (words.every((word) => word === 0)) {
+          upload();
+          continue;
+        }
+        const { min, max } = emptyBounds();
+        let logScale = Number.NEGATIVE_INFINITY;
+        const endOfChunk = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
+        for (let i = chunk * CHUNK_SPLATS; i < endOfChunk; i++) {
+          editedPosition(this.#splats, i, position);
+          for (let axis = 0; axis < 3; axis++) {
+            if (position[axis] < min[axis]) min[axis] = position[axis];
+            if (position[axis] > max[axis]) max[axis] = position[axis];
+          }
+          if (changed & EDITED.scales) logScale = Math.max(logScale, editedLogScale(this.#splats, i));
+        }
+        const at = chunk * stride;
+        chunks.set(min, at + minPosition);
+        chunks.set(max, at + maxPosition);
+        // As packing does, with room for what is rounded.
+        if (changed & EDITED.scales) chunks[at + maxScale] = 1.001 * Math.exp(clampLogScale(logScale));
+        run ??= [chunk, chunk];
+        run[1] = chunk + 1;
+      }
+      upload();
+    }
+    cloud.chunks = chunks.buffer;
+    cloud.bounds = totalBounds(cloud.chunks, origin);
+    if (changed & EDITED.positions) cloud.robustBounds = this.#robustBounds();
+  }
+
+  #robustBounds() {
+    const { count, origin } = this.#cloud;
+    const step = Math.ceil(count / BOUNDS_SAMPLES);
+    const samples = Math.ceil(count / step);
+    const axes = [0, 1, 2].map(() => new Float32Array(samples));
+    const position = new Float64Array(3);
+    for (let i = 0; i < samples; i++) {
+      editedPosition(this.#splats, i * step, position);
+      for (let axis = 0; axis < 3; axis++) axes[axis][i] = position[axis];
+    }
+    return robustBounds(axes, origin);
+  }
+
+  /** Widens the cloud's range of log scales, if edited splats have left it, and marks all splats. */
+  #widenRange(): void {
+    const cloud = this.#cloud;
+    const { min, step } = cloud.logScaleRange;
+    const max = min + 65535 * step;
+    const log = new Float64Array(3);
+    let [low, high] = [min, max];
+    for (let i = 0; i < cloud.count; i++) {
+      const row = cloud.fileIndices[i];
+      if (!this.#isDirty(i) || !(this.edits.maskOf(row) & EDITED.scales)) continue;
+      this.edits.read(row, 'scales', log);
+      for (const each of log) {
+        low = Math.min(low, clampLogScale(each));
+        high = Math.max(high, clampLogScale(each));
+      }
+    }
+    // Half a step beyond is rounded back.
+    if (low >= min - step / 2 && high <= max + step / 2) return;
+    const wider: LogScaleRange = logScaleRange(
+      low < min ? clampLogScale(low - LOG_SCALE_ROOM) : min,
+      high > max ? clampLogScale(high + LOG_SCALE_ROOM) : max,
+    );
+    const { geometry, origin, fileIndices } = this.#splats;
+    this.#splats = editedGeometry(withLogScaleRange(geometry, wider), origin, fileIndices, this.edits);
+    cloud.logScaleRange = wider;
+    if (cloud.planes.geometryPlane('packed')) this.#dirty.fill(0xffffffff);
+  }
+
+  /** Sets facts once the shaders that they need are there: without them, views would have nothing to draw meanwhile. */
+  #expect(facts: Partial<SplatCloud['facts']>): void {
+    const cloud = this.#cloud;
+    const key = Object.keys(facts)[0];
+    if (this.#expected.has(key)) return;
+    this.#expected.add(key);
+    const set = () => {
+      this.#expected.delete(key);
+      cloud.facts = { ...cloud.facts, ...facts };
+      cloud.version++;
+    };
+    const isFaint = 'minOpacity' in facts;
+    const compiling = cloud.compileFor(isFaint ? { hasFaintSplats: true } : { isIsotropic: false });
+    if (!compiling) set();
+    void compiling?.then(() => {
+      set();
+      this.edits.announceFrames();
+    });
+  }
+}

@@ -1,0 +1,287 @@
+import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
+import { colorDcOf } from './color-values.ts';
+import { SplatSelection } from './splat-selection.ts';
+
+/** Successive rows. */
+export interface RowRange {
+  /** Row of the first splat, from 0. */
+  readonly first: number;
+  /** Number of rows. */
+  readonly count: number;
+}
+
+/** Rows of splats: successive ones, a list of them, or those that are selected at the time of the call. */
+export type EditedRows = RowRange | ArrayLike<number> | SplatSelection;
+
+/**
+ * New values of splats. Each array has values for every row, in the order of the rows, or for one splat, and then all rows get
+ * those. What is left out stays as it is.
+ */
+export interface EditedValues {
+  /** Centres x, y, z in the cloud's own space. */
+  readonly positions?: ArrayLike<number>;
+  /** Standard deviations along the three local axes, above 0, in units of the cloud's own space. */
+  readonly scales?: ArrayLike<number>;
+  /** Quaternions x, y, z, w, of any length above 0. */
+  readonly rotations?: ArrayLike<number>;
+  /** Opacities at the splats' centres, 0…1. */
+  readonly opacities?: ArrayLike<number>;
+  /** Base colours r, g, b, sRGB-encoded, where 0 is black and 1 is white. Harmonics above the base stay. */
+  readonly colors?: ArrayLike<number>;
+  /** Whether the splats are drawn. Those that are hidden keep their opacity for when they are shown again. */
+  readonly visible?: boolean;
+}
+
+/** Columns of edited values, as splats are trained: log scales, quaternions w, x, y, z, coefficients of degree 0. */
+type Column = Exclude<keyof EditedValues, 'visible'>;
+
+/** @internal What of a row has been edited: bits of its mask. */
+export const EDITED = {
+  positions: 1,
+  scales: 2,
+  rotations: 4,
+  opacities: 8,
+  colors: 16,
+  hidden: 32,
+} as const;
+
+const WIDTHS: Readonly<Record<Column, number>> = {
+  positions: 3,
+  scales: 3,
+  rotations: 4,
+  opacities: 1,
+  colors: 3,
+};
+const COLUMNS = Object.keys(WIDTHS) as readonly Column[];
+
+/** What each column takes, in words for messages. */
+const DOMAINS: Readonly<Record<Column, { readonly what: string; readonly has: (value: number) => boolean }>> =
+  {
+    positions: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
+    scales: {
+      what: 'standard deviations, finite numbers above 0',
+      has: (x) => x > 0 && Number.isFinite(Math.fround(x)),
+    },
+    rotations: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
+    opacities: { what: 'numbers from 0 to 1', has: (x) => x >= 0 && x <= 1 },
+    colors: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
+  };
+
+/** Rows that lie in memory together, once one of them is edited. */
+const BLOCK_ROWS = 1024;
+
+interface Block {
+  readonly masks: Uint8Array;
+  readonly columns: Partial<Record<Column, Float64Array>>;
+}
+
+/** @internal Told of each change. */
+export interface EditsFollower {
+  /** @param changed bits of `EDITED` that may have changed. */
+  rowsChanged(rows: RowRange | Uint32Array, changed: number): void;
+}
+
+/**
+ * Checks an array of values of splats.
+ *
+ * @param rows splats that it should have values for.
+ * @throws InvalidArgumentError naming the array, the place and the value found.
+ */
+export function checkColumn(name: string, column: Column, values: ArrayLike<number>, rows: number): void {
+  const width = WIDTHS[column];
+  const { what, has } = DOMAINS[column];
+  if (values.length !== width * rows) {
+    const message = `${name} has ${shown(values.length)} values; ${rows} splats need ${width * rows}, ${width} each.`;
+    throw new InvalidArgumentError(name, message);
+  }
+  for (let i = 0; i < values.length; i++) {
+    if (has(values[i])) continue;
+    const message = `${name}[${i}], of splat ${Math.floor(i / width)}, is ${shown(values[i])}; they are ${what}.`;
+    throw new InvalidArgumentError(name, message);
+  }
+  if (column !== 'rotations') return;
+  for (let i = 0; i < values.length; i += width) {
+    if (values[i] || values[i + 1] || values[i + 2] || values[i + 3]) continue;
+    const message = `${name}[${i}…${i + 3}], of splat ${i / width}, is 0; a quaternion has a length.`;
+    throw new InvalidArgumentError(name, message);
+  }
+}
+
+/**
+ * Edits of splats by their rows: new positions, sizes, rotations, opacities and base colours, and which rows are hidden. The
+ * rows are those of the file or arrays that the splats are from. Edits are kept apart from the splats, 8 bytes for each value,
+ * so they outlive clouds, engines and devices: clouds that follow them (`followEdits`) are drawn as edited from their next
+ * frame on, and those that are uploaded later, too.
+ */
+export class SplatEdits {
+  /** Rows that may be edited: those from 0 to below this. */
+  readonly rowCount: number;
+  readonly #blocks: (Block | undefined)[] = [];
+  readonly #followers = new Set<EditsFollower>();
+  #version = 0;
+  #leastOpacity = 1;
+  #hasUnevenScales = false;
+
+  /** @param rowCount number of rows; edits of rows beyond it are refused. Default any: clouds ignore rows that they lack. */
+  constructor(rowCount = 2 ** 31) {
+    this.rowCount = rowCount;
+  }
+
+  /** Grows with every change. */
+  get version(): number {
+    return this.#version;
+  }
+
+  /** @internal Least opacity that any edit has given. */
+  get leastOpacity(): number {
+    return this.#leastOpacity;
+  }
+
+  /** @internal Whether any edit has given a splat different sizes along its axes. */
+  get hasUnevenScales(): boolean {
+    return this.#hasUnevenScales;
+  }
+
+  /**
+   * Gives rows new values. The clouds that follow upload what has changed, and nothing else, before their next frame.
+   *
+   * @throws InvalidArgumentError naming the row or the array, its index and the value; nothing changes then.
+   */
+  set(rows: EditedRows, values: EditedValues): void {
+    const edited = this.#rowsOf(rows);
+    const count = edited instanceof Uint32Array ? edited.length : edited.count;
+    const columns = COLUMNS.filter((column) => values[column] !== undefined);
+    for (const column of columns) {
+      const isForAll = values[column]!.length === WIDTHS[column];
+      checkColumn(column, column, values[column]!, isForAll ? 1 : count);
+    }
+    const { visible } = values;
+    if (visible !== undefined && typeof visible !== 'boolean')
+      throw new InvalidArgumentError('visible', `visible is ${shown(visible)}; it must be true or false.`);
+    let changed = visible === undefined ? 0 : EDITED.hidden;
+    for (const column of columns) {
+      this.#write(edited, count, column, values[column]!);
+      changed |= EDITED[column];
+    }
+    if (visible !== undefined) this.#show(edited, count, visible);
+    if (changed !== 0 && count > 0) this.#announce(edited, changed);
+  }
+
+  /** Takes back all edits of rows; of all rows by default. */
+  clear(rows?: EditedRows): void {
+    const all = Object.values(EDITED).reduce((sum, bit) => sum | bit, 0);
+    const end = Math.min(this.rowCount, this.#blocks.length * BLOCK_ROWS);
+    const cleared = rows === undefined ? { first: 0, count: end } : this.#rowsOf(rows);
+    const count = cleared instanceof Uint32Array ? cleared.length : cleared.count;
+    for (let i = 0; i < count; i++) {
+      const row = cleared instanceof Uint32Array ? cleared[i] : cleared.first + i;
+      const block = this.#blocks[Math.floor(row / BLOCK_ROWS)];
+      if (block) block.masks[row % BLOCK_ROWS] = 0;
+    }
+    if (count > 0) this.#announce(cleared, all);
+  }
+
+  /** @internal What has been edited of a row: bits of `EDITED`. */
+  maskOf(row: number): number {
+    return this.#blocks[Math.floor(row / BLOCK_ROWS)]?.masks[row % BLOCK_ROWS] ?? 0;
+  }
+
+  /** @internal Writes the edited values of a row to `target`, as splats are trained. The mask must have the column's bit. */
+  read(row: number, column: Column, target: Float64Array): void {
+    const width = WIDTHS[column];
+    const from = this.#blocks[Math.floor(row / BLOCK_ROWS)]!.columns[column]!;
+    const at = width * (row % BLOCK_ROWS);
+    for (let k = 0; k < width; k++) target[k] = from[at + k];
+  }
+
+  /** @internal Tells `follower` of each change from now on, until the returned function is called. */
+  follow(follower: EditsFollower): () => void {
+    this.#followers.add(follower);
+    return () => this.#followers.delete(follower);
+  }
+
+  /** @internal Tells all followers that frames change, though no row does. */
+  announceFrames(): void {
+    this.#announce({ first: 0, count: 0 }, 0);
+  }
+
+  #announce(rows: RowRange | Uint32Array, changed: number): void {
+    this.#version++;
+    for (const follower of [...this.#followers]) follower.rowsChanged(rows, changed);
+  }
+
+  #write(rows: RowRange | Uint32Array, count: number, column: Column, values: ArrayLike<number>): void {
+    const width = WIDTHS[column];
+    const isForAll = values.length === width;
+    for (let i = 0; i < count; i++) {
+      const row = rows instanceof Uint32Array ? rows[i] : rows.first + i;
+      const block = this.#blockOf(row);
+      block.columns[column] ??= new Float64Array(width * BLOCK_ROWS);
+      const to = block.columns[column];
+      const at = width * (row % BLOCK_ROWS);
+      const from = isForAll ? 0 : width * i;
+      block.masks[row % BLOCK_ROWS] |= EDITED[column];
+      switch (column) {
+        case 'positions':
+          for (let k = 0; k < 3; k++) to[at + k] = values[from + k];
+          break;
+        case 'colors':
+          for (let k = 0; k < 3; k++) to[at + k] = colorDcOf(values[from + k]);
+          break;
+        case 'scales': {
+          for (let k = 0; k < 3; k++) to[at + k] = Math.log(values[from + k]);
+          const [x, y, z] = [values[from], values[from + 1], values[from + 2]];
+          if (x !== y || x !== z) this.#hasUnevenScales = true;
+          break;
+        }
+        case 'rotations':
+          for (let k = 0; k < 4; k++) to[at + ((k + 1) % 4)] = values[from + k];
+          break;
+        case 'opacities':
+          to[at] = values[from];
+          if (to[at] < this.#leastOpacity) this.#leastOpacity = to[at];
+      }
+    }
+  }
+
+  #show(rows: RowRange | Uint32Array, count: number, isVisible: boolean): void {
+    if (!isVisible) this.#leastOpacity = 0;
+    for (let i = 0; i < count; i++) {
+      const row = rows instanceof Uint32Array ? rows[i] : rows.first + i;
+      const { masks } = this.#blockOf(row);
+      if (isVisible) masks[row % BLOCK_ROWS] &= ~EDITED.hidden;
+      else masks[row % BLOCK_ROWS] |= EDITED.hidden;
+    }
+  }
+
+  #blockOf(row: number): Block {
+    const index = Math.floor(row / BLOCK_ROWS);
+    this.#blocks[index] ??= { masks: new Uint8Array(BLOCK_ROWS), columns: {} };
+    return this.#blocks[index];
+  }
+
+  #rowsOf(rows: EditedRows): RowRange | Uint32Array {
+    const { rowCount } = this;
+    const refuse = (what: string) => {
+      throw new InvalidArgumentError('rows', `${what}; rows are whole numbers from 0 to ${rowCount - 1}.`);
+    };
+    if (rows instanceof SplatSelection) {
+      const selected = rows.rows();
+      const last = selected.at(-1) ?? 0;
+      if (last >= rowCount) refuse(`Row ${last} is selected`);
+      return selected;
+    }
+    if ('first' in rows) {
+      const { first, count } = rows;
+      const isRange = Number.isInteger(first) && Number.isInteger(count) && first >= 0 && count >= 0;
+      if (!isRange || first + count > rowCount)
+        refuse(`${shown(count)} rows from ${shown(first)} on cannot be edited`);
+      return { first, count };
+    }
+    for (let i = 0; i < rows.length; i++)
+      if (!Number.isInteger(rows[i]) || rows[i] < 0 || rows[i] >= rowCount)
+        refuse(`rows[${i}] is ${shown(rows[i])}`);
+    return Uint32Array.from(rows);
+  }
+}
