@@ -1,10 +1,4 @@
-import {
-  DestroyedError,
-  makeRayTree,
-  type PackedCloud,
-  type RayTree,
-  type SplatCloud,
-} from '@websplatter/core';
+import { DestroyedError, makeRayTree, type PackedCloud, type RayTree } from '@websplatter/core';
 import { type ClipVolume, clip, type EffectUse, type RevealOptions, reveal } from '@websplatter/core/effects';
 import {
   Camera,
@@ -18,6 +12,7 @@ import {
   Scene,
   Vector3,
 } from 'three/webgpu';
+import type { PlacedData } from './data-edits.ts';
 
 /** What shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
@@ -36,19 +31,44 @@ type ShownAt = (point: Vector3) => number;
 const NO_SCENE = new Scene();
 
 /**
- * Makes what rays are tested against, from splats in memory or on the first engine that has them.
+ * Makes what rays are tested against, from splats in memory or on the first engine that has them. Follows their edits: rays ask
+ * for what is tested to be made anew.
  *
  * @throws DestroyedError if the splats are nowhere, and as `makeRayTree` does.
  */
-export async function rayCaster(
-  name: string,
-  packed: PackedCloud | null,
-  places: Iterable<{ readonly cloud: SplatCloud | Promise<SplatCloud> }>,
-): Promise<CastRay> {
-  const [cloud] = [...places].map((place) => place.cloud);
-  if (!packed && !cloud) throw new DestroyedError(`The cloud ${name}`, 'it has been freed');
-  const tree = await makeRayTree(packed ?? (await cloud));
-  return (object, raycaster, intersects) => castRay(tree, object, raycaster, intersects);
+export async function rayCaster(data: PlacedData, packed: PackedCloud | null): Promise<CastRay> {
+  let version = versionOf(data);
+  let tree = await treeOf(data, packed);
+  let isRenewing = false;
+  return (object, raycaster, intersects) => {
+    castRay(tree, object, raycaster, intersects);
+    const newest = versionOf(data);
+    if (version === newest || isRenewing) return;
+    // Splats that are edited all the time are renewed one time after another; rays meet the last ones meanwhile.
+    isRenewing = true;
+    treeOf(data, null)
+      .then((renewed) => {
+        tree = renewed;
+        version = newest;
+      })
+      // They have been freed, or memory is lacking: the next ray tries again.
+      .catch(() => {})
+      .finally(() => {
+        isRenewing = false;
+      });
+  };
+}
+
+function versionOf({ edits }: PlacedData): number {
+  return edits?.version ?? 0;
+}
+
+async function treeOf({ name, edits, places }: PlacedData, packed: PackedCloud | null): Promise<RayTree> {
+  // Those on an engine are as edited.
+  if (packed && !edits) return makeRayTree(packed);
+  const [place] = places;
+  if (!place) throw new DestroyedError(`The cloud ${name}`, 'it has been freed');
+  return makeRayTree(await place.cloud);
 }
 
 function castRay(

@@ -7,6 +7,7 @@ import {
   SplatSourceError,
 } from '@websplatter/core';
 import { type Box3, Vector3 } from 'three/webgpu';
+import type { DataEdits } from './data-edits.ts';
 
 /** What is known of splats since their first load. */
 interface KnownSplats {
@@ -14,6 +15,7 @@ interface KnownSplats {
   readonly count: number;
   readonly bounds: Box3;
   readonly isPreview: boolean;
+  readonly edits: DataEdits | null;
 }
 
 /**
@@ -22,7 +24,7 @@ interface KnownSplats {
  * @throws SplatSourceError if the source is gone, or has other splats now.
  */
 export async function readAgain(
-  { name, count, bounds, isPreview }: KnownSplats,
+  { name, count, bounds: known, isPreview, edits }: KnownSplats,
   source: LastingSource | null,
   engine: SplatEngine,
   options: SourceOptions & { readonly precision: CloudPrecision; readonly signal: AbortSignal },
@@ -35,8 +37,10 @@ export async function readAgain(
   }
   const cloud = await engine.load(source, { ...options, name });
   const { min, max } = cloud.bounds;
+  const bounds = edits?.uneditedBounds ?? known;
   const isSame =
     cloud.count === count && bounds.min.equals(new Vector3(...min)) && bounds.max.equals(new Vector3(...max));
+  if (isSame) await edits?.follow(cloud);
   if (isSame && !options.signal.aborted) return cloud;
   cloud.destroy();
   options.signal.throwIfAborted();

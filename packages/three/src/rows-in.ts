@@ -10,25 +10,19 @@ import {
   SplatSourceError,
 } from '@websplatter/core';
 import { type Box3, type Sphere, Vector3 } from 'three/webgpu';
+import type { DataEdits, PlacedData } from './data-edits.ts';
 
 /** Splats that are copied to the CPU and tested at once, too few to block the page. */
 const PIECE_SPLATS = 1 << 16;
 
-/** Splats on one engine. */
-interface Place {
-  readonly cloud: SplatCloud | Promise<SplatCloud>;
-  /** The cloud lives as long as it has some. */
-  readonly users: Map<object, unknown>;
-}
-
 /**
- * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Takes them from the first of `places` that has
- * the cloud, of which `user` becomes a user, else from `otherwise`.
+ * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Takes them from the first place that has
+ * the cloud, of which `user` becomes a user, else from `otherwise`, where `edits` move them.
  */
 export async function rowsIn(
   volume: Box3 | Sphere,
   user: object,
-  places: Iterable<Place>,
+  { places, edits }: PlacedData,
   otherwise: PackedCloud | LastingSource | null,
   sourceOptions: SourceOptions,
 ): Promise<number[]> {
@@ -37,6 +31,8 @@ export async function rowsIn(
     if (cloud.isPreview)
       throw new SplatSourceError(cloud.name, 'it is still loading: its rows are not known yet.');
     users.set(user, null);
+    // What was drawn last may lack edits.
+    cloud.editing?.flush();
     return rowsOnGpu(cloud, volume);
   }
   if (otherwise === null)
@@ -45,7 +41,7 @@ export async function rowsIn(
   const packed = isPacked ? otherwise : await loadSplats(otherwise, sourceOptions);
   const rows: number[] = [];
   const { words, precision } = packed.geometry;
-  addRows(rows, packed, 0, words, GEOMETRY_WORDS[precision], volume);
+  addRows(rows, packed, 0, words, GEOMETRY_WORDS[precision], volume, edits);
   return rows;
 }
 
@@ -99,13 +95,16 @@ function addRows(
   words: Uint32Array,
   stride: number,
   volume: Box3 | Sphere,
+  edits: DataEdits | null = null,
 ): void {
   // A splat of any precision begins with its position in float32.
   const values = new Float32Array(words.buffer, words.byteOffset, words.length);
   const middle = new Vector3(...origin);
   const center = new Vector3();
   for (let i = 0; i < words.length / stride; i++) {
-    if (volume.containsPoint(center.fromArray(values, stride * i).add(middle)))
-      rows.push(fileIndices[first + i]);
+    const row = fileIndices[first + i];
+    center.fromArray(values, stride * i).add(middle);
+    edits?.move(row, center);
+    if (volume.containsPoint(center)) rows.push(row);
   }
 }

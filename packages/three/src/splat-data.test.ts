@@ -60,7 +60,13 @@ describe('data', () => {
       createBuffer: () => ({ destroy }),
     };
     const cloud = { name: 'garden', count: 10, device } as unknown as SplatCloud;
-    const found = rowsIn(new Box3(), {}, [{ cloud, users: new Map() }], null, {});
+    const found = rowsIn(
+      new Box3(),
+      {},
+      { name: 'garden', edits: null, places: [{ cloud, users: new Map() }] },
+      null,
+      {},
+    );
     await expect(found).rejects.toThrow(GpuLimitError);
     expect(destroy).toHaveBeenCalledOnce();
     vi.unstubAllGlobals();

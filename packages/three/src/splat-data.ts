@@ -8,9 +8,11 @@ import {
   type SourceOptions,
   type SplatCloud,
   type SplatEngine,
+  type SplatSet,
 } from '@websplatter/core';
 import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 'three/webgpu';
 import type { CastRay, RayTarget } from './cast-ray.ts';
+import type { DataEdits, Place } from './data-edits.ts';
 
 /** The splats on one engine. */
 interface Upload {
@@ -51,6 +53,10 @@ export class SplatData {
   readonly robustBounds: Box3;
   /** @internal Keeps the last upload until `dispose`, because a cache may hand the splats to another user. */
   isCached = false;
+  /** @internal What the splats were packed from, for other precisions. */
+  set: SplatSet | null = null;
+  /** @internal Edits that the clouds on all engines follow. */
+  edits: DataEdits | null = null;
   /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
   readonly #source: LastingSource | null;
   readonly #sourceOptions: SourceOptions;
@@ -99,13 +105,7 @@ export class SplatData {
     const { rowsIn } = await import('./rows-in.ts');
     const user = {};
     try {
-      return await rowsIn(
-        volume,
-        user,
-        this.#uploads.values(),
-        this.#packed ?? this.#source,
-        this.#sourceOptions,
-      );
+      return await rowsIn(volume, user, this, this.#packed ?? this.#source, this.#sourceOptions);
     } finally {
       this.release(user);
     }
@@ -126,6 +126,11 @@ export class SplatData {
     return this.#preparing;
   }
 
+  /** @internal The splats have been edited: the next call of `prepareRays` begins anew. */
+  renewRays(): void {
+    this.#preparing = null;
+  }
+
   /** @internal Adds the hit of a ray with these splats, as `object` shows them. */
   raycast(object: RayTarget, raycaster: Raycaster, intersects: Intersection[]): void {
     if (this.#castRay) this.#castRay(object, raycaster, intersects);
@@ -137,7 +142,12 @@ export class SplatData {
     // They may leave memory meanwhile.
     const packed = this.#packed;
     const { rayCaster } = await import('./cast-ray.ts');
-    this.#castRay = await rayCaster(this.name, packed, this.#uploads.values());
+    this.#castRay = await rayCaster(this, packed);
+  }
+
+  /** @internal Where the splats are. */
+  get places(): Iterable<Place> {
+    return this.#uploads.values();
   }
 
   /**
@@ -207,7 +217,11 @@ export class SplatData {
     const upload = this.#place(engine, (signal) => {
       if (!packed) return this.#readAgain(engine, signal);
       const sourceOptions = this.#sourceOptions;
-      return engine.addPacked(packed, { name, source: this.#source ?? packed, sourceOptions });
+      const source = this.#source ?? this.set ?? packed;
+      const cloud = engine.addPacked(packed, { name, source, sourceOptions });
+      // Before its first frame.
+      void this.edits?.follow(cloud, packed);
+      return cloud;
     });
     if (this.#source !== null) this.#packed = null;
     return upload;

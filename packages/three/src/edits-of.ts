@@ -1,0 +1,89 @@
+import { type PackedCloud, type SplatCloud, type SplatSet, SplatSourceError } from '@websplatter/core';
+import { EDITED, followEdits, SplatEdits } from '@websplatter/core/own-data';
+import { type Box3, Sphere, type Vector3 } from 'three/webgpu';
+import type { DataEdits } from './data-edits.ts';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+import type { SplatData } from './splat-data.ts';
+
+/**
+ * Returns the edits of data, by rows of its file or arrays: always the same. What is edited is shown by all objects with these data,
+ * on all renderers, also after a lost device, and asks for frames by itself.
+ *
+ * @throws SplatSourceError for a preview.
+ */
+export function editsOf(data: SplatData): SplatEdits {
+  if (data.isPreview) throw new SplatSourceError(data.name, 'it is still loading: edit it once it is whole.');
+  data.edits ??= new EditedData(data);
+  return (data.edits as EditedData).edits;
+}
+
+class EditedData implements DataEdits {
+  readonly edits: SplatEdits;
+  readonly uneditedBounds: Box3;
+  readonly #data: SplatData;
+  readonly #position = new Float64Array(3);
+  #isAnnounced = false;
+
+  constructor(data: SplatData) {
+    this.#data = data;
+    this.edits = new SplatEdits(data.set ? rowsOf(data.set) : undefined);
+    this.uneditedBounds = data.bounds.clone();
+    this.edits.follow({ rowsChanged: () => this.#announce() });
+    for (const { cloud } of data.places)
+      void Promise.resolve(cloud)
+        .then((there) => this.follow(there))
+        // Those who wait for the cloud are told.
+        .catch(() => {});
+  }
+
+  get version(): number {
+    return this.edits.version;
+  }
+
+  async follow(cloud: SplatCloud, packed?: PackedCloud): Promise<void> {
+    await followEdits(cloud, this.edits, packed);
+    if (this.edits.version > 0) this.#announce();
+  }
+
+  move(row: number, center: Vector3): void {
+    if (!(this.edits.maskOf(row) & EDITED.positions)) return;
+    this.edits.read(row, 'positions', this.#position);
+    center.fromArray(this.#position);
+  }
+
+  /** Once for all changes of a task. */
+  #announce(): void {
+    this.#data.renewRays();
+    if (this.#isAnnounced) return;
+    this.#isAnnounced = true;
+    queueMicrotask(() => {
+      this.#isAnnounced = false;
+      for (const { cloud, users } of this.#data.places) {
+        if (!(cloud instanceof Promise)) this.#bound(cloud);
+        for (const user of users.keys()) if (user instanceof SplatCloudObject) this.#show(user);
+      }
+    });
+  }
+
+  #bound(cloud: SplatCloud): void {
+    cloud.editing?.flush();
+    const { bounds, robustBounds } = this.#data;
+    bounds.min.fromArray(cloud.bounds.min);
+    bounds.max.fromArray(cloud.bounds.max);
+    robustBounds.min.fromArray(cloud.robustBounds.min);
+    robustBounds.max.fromArray(cloud.robustBounds.max);
+  }
+
+  #show(object: SplatCloudObject): void {
+    const { geometry } = object;
+    geometry.boundingBox!.copy(this.#data.robustBounds);
+    geometry.boundingSphere ??= new Sphere();
+    geometry.boundingBox!.getBoundingSphere(geometry.boundingSphere);
+    object.requestFrame();
+  }
+}
+
+/** Rows from the first to the last of a set. */
+function rowsOf({ fileIndices }: SplatSet): number {
+  return fileIndices.reduce((rows, row) => Math.max(rows, row + 1), 0);
+}
