@@ -160,6 +160,7 @@ const RAY_BYTES = 766_000;
 const KEPT_SPLATS = 70_000;
 
 const GREY: Rgba = [128, 128, 128, 255];
+const BLACK: Rgba = [0, 0, 0, 255];
 const RED: Rgba = [255, 0, 0, 255];
 const BLUE_UNDER_WHITE: Rgba = [128, 128, 255, 255];
 
@@ -438,6 +439,22 @@ describe('three 0.187', () => {
       const grey = hasOutputPass ? 128 : 255 * decoded(127.5);
       for (const x of [0.02, 0.45]) expectPixel(pixelAt(pixels, x, 0.02), [grey, grey, grey, 255]);
       for (const x of [0.55, 0.98]) expectPixel(pixelAt(pixels, x, 0.98), RED);
+    });
+
+    test('own splats, as they are edited', async () => {
+      const { made, edited, recoloured, elsewhere, hits, uploadedBytes } = await run('ownData');
+      expectPixel(leftOf(made), [252, 0, 0, 255], 4);
+      expectPixel(rightOf(made), BLACK);
+      // Both at half opacity, in each other's place.
+      expectPixel(leftOf(edited), [0, 127, 0, 255], 4);
+      expectPixel(rightOf(edited), [127, 0, 0, 255], 4);
+      expectPixel(rightOf(recoloured), [0, 0, 127, 255], 4);
+      expectPixel(leftOf(recoloured), [0, 127, 0, 255], 4);
+      expectPixel(rightOf(elsewhere), [0, 0, 127, 255], 4);
+      expectPixel(leftOf(elsewhere), [0, 127, 0, 255], 4);
+      expect(hits).toEqual([0, 1]);
+      // One splat.
+      expect(uploadedBytes).toBe(32);
     });
 
     test('the same splats on two canvases', async () => {

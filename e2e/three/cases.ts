@@ -11,6 +11,7 @@ import {
   SplatLoader,
   splatEngineOf,
 } from '@websplatter/three';
+import { editsOf, makeSplatData } from '@websplatter/three/own-data';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
 import { emissive, mrt, output, pass, reflector, uniform, vec4 } from 'three/tsl';
 import {
@@ -266,6 +267,43 @@ export const cases = {
     const images = { plain: await shown(plain), focused: await shown(blurred), depths: await shown(deep) };
     focus.value = 1;
     return { ...images, unfocused: await shown(blurred), ...cameraOf(camera) };
+  },
+
+  /** Own splats, red on the left and a hidden one on the right, as they are edited; then in another renderer. */
+  ownData: async () => {
+    const stage = await newStage();
+    const data = makeSplatData({
+      positions: [-0.9, 0, 0, 0.9, 0, 0],
+      scales: [0.3, 0.6, 0.1, 0.3, 0.6, 0.1],
+      colors: [1, 0, 0, 0, 1, 0],
+    });
+    const edits = editsOf(data);
+    edits.set([1], { visible: false });
+    const cloud = new SplatCloudObjectClass(data);
+    stage.scene.add(cloud);
+    const made = await shot(stage);
+    await data.prepareRays();
+    const ray = new Raycaster(new Vector3(0.9, 0, 3), new Vector3(0, 0, -1));
+    const hitsAt = (x: number) => {
+      ray.ray.origin.x = x;
+      return ray.intersectObject(cloud).length;
+    };
+    const hits = [hitsAt(0.9)];
+    const needed = new Promise((resolve) => cloud.addEventListener('needsframe', resolve));
+    edits.set([1], { visible: true });
+    edits.set({ first: 0, count: 2 }, { positions: [0.9, 0, 0, -0.9, 0, 0], opacities: [0.5] });
+    await needed;
+    const edited = await shot(stage);
+    await data.prepareRays();
+    hits.push(hitsAt(0.9));
+    const engine = splatEngineOf(stage.renderer);
+    const before = engine.counters().uploadedBytes;
+    edits.set([0], { colors: [0, 0, 1] });
+    const recoloured = await shot(stage);
+    const uploadedBytes = engine.counters().uploadedBytes - before;
+    const other = await newStage({ antialias: true });
+    other.scene.add(new SplatCloudObjectClass(data));
+    return { made, edited, recoloured, elsewhere: await shot(other), hits, uploadedBytes };
   },
 
   twoRenderers: async () => {

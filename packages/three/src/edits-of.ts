@@ -1,4 +1,10 @@
-import { type PackedCloud, type SplatCloud, type SplatSet, SplatSourceError } from '@websplatter/core';
+import {
+  DestroyedError,
+  type PackedCloud,
+  type SplatCloud,
+  type SplatSet,
+  SplatSourceError,
+} from '@websplatter/core';
 import { EDITED, followEdits, SplatEdits } from '@websplatter/core/own-data';
 import { type Box3, Sphere, type Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
@@ -29,15 +35,22 @@ class EditedData implements DataEdits {
     this.edits = new SplatEdits(data.set ? rowsOf(data.set) : undefined);
     this.uneditedBounds = data.bounds.clone();
     this.edits.follow({ rowsChanged: () => this.#announce() });
-    for (const { cloud } of data.places)
-      void Promise.resolve(cloud)
-        .then((there) => this.follow(there))
-        // Those who wait for the cloud are told.
-        .catch(() => {});
+    for (const { cloud } of data.places) void this.#followOnce(cloud);
   }
 
   get version(): number {
     return this.edits.version;
+  }
+
+  async #followOnce(cloud: SplatCloud | Promise<SplatCloud>): Promise<void> {
+    // Those who wait for the cloud are told why it does not come.
+    const there = await Promise.resolve(cloud).catch(() => null);
+    if (!there) return;
+    try {
+      await this.follow(there);
+    } catch (error) {
+      if (!(error instanceof DestroyedError || this.#tell(error))) console.error(error);
+    }
   }
 
   async follow(cloud: SplatCloud, packed?: PackedCloud): Promise<void> {
@@ -51,6 +64,16 @@ class EditedData implements DataEdits {
     center.fromArray(this.#position);
   }
 
+  /** Tells objects that show the data; returns false if none of them listens. */
+  #tell(error: unknown): boolean {
+    return this.#objects().reduce((isTold, object) => object.tell(error) || isTold, false);
+  }
+
+  #objects(): SplatCloudObject[] {
+    const users = [...this.#data.places].flatMap((place) => [...place.users.keys()]);
+    return [...new Set(users)].filter((user) => user instanceof SplatCloudObject);
+  }
+
   /** Once for all changes of a task. */
   #announce(): void {
     this.#data.renewRays();
@@ -58,10 +81,8 @@ class EditedData implements DataEdits {
     this.#isAnnounced = true;
     queueMicrotask(() => {
       this.#isAnnounced = false;
-      for (const { cloud, users } of this.#data.places) {
-        if (!(cloud instanceof Promise)) this.#bound(cloud);
-        for (const user of users.keys()) if (user instanceof SplatCloudObject) this.#show(user);
-      }
+      for (const { cloud } of this.#data.places) if (!(cloud instanceof Promise)) this.#bound(cloud);
+      for (const object of this.#objects()) this.#show(object);
     });
   }
 
