@@ -106,7 +106,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    expect(await links.count()).toBe(15);
+    expect(await links.count()).toBe(16);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -395,6 +395,24 @@ describe('examples of effects', () => {
     await expect.poll(red, SELDOM).toBeGreaterThan(240);
     await page.getByLabel('Splats hide').uncheck();
     await expect.poll(red, SELDOM).toBeLessThan(200);
+  });
+
+  it('own-data moves the splats that it made, and hides some', async () => {
+    const page = await openExample('own-data', splatSet([]));
+    const covered = async () =>
+      1 -
+      part(
+        await image(page),
+        PAGE_COLOR.map((value) => 255 * value),
+      );
+    await expect.poll(covered, SELDOM).toBeGreaterThan(0.15);
+    const still = await image(page);
+    await page.getByLabel('Moving').check();
+    await expect.poll(async () => changedPart(still, await image(page)), SELDOM).toBeGreaterThan(0.05);
+    await page.getByLabel('Moving').uncheck();
+    await page.getByRole('slider').fill('0.25');
+    await expect.poll(covered, SELDOM).toBeLessThan(0.1);
+    expect(await covered()).toBeGreaterThan(0.02);
   });
 
   it('wind-sway does what its twin in float64 does', async () => {

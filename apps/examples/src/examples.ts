@@ -76,6 +76,11 @@ const DESCRIPTIONS = [
     about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
   },
   {
+    name: 'own-data',
+    title: 'Splats of your own',
+    about: 'Splats that code makes of arrays, and gives other places and colours in every frame.',
+  },
+  {
     name: 'wind-sway',
     title: 'An effect of your own',
     about: 'Wind in twenty lines of WGSL and a list of options, written outside of the packages.',
