@@ -1,6 +1,6 @@
 /** Names that examples use without importing them, since the text around them or an example before says what they are. */
 const MODULES: Readonly<Record<string, readonly string[]>> = {
-  '@react-three/fiber': ['Canvas', 'invalidate'],
+  '@react-three/fiber': ['Canvas', 'invalidate', 'useFrame'],
   '@websplatter/react': [
     'createSplatRenderer',
     'SplatCanvas',

@@ -9,6 +9,9 @@ import { completedExample, examplesIn } from './readme-examples.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
+/** Arrays of own splats. */
+const ARRAYS = { positions: 'Float32Array', scales: 'Float32Array', colors: 'Float32Array' };
+
 /** READMEs by the package that they are about, and what their examples take as given. */
 const READMES: Readonly<
   Record<string, { readonly of: string; readonly given: Readonly<Record<string, string>> }>
@@ -26,6 +29,7 @@ const READMES: Readonly<
       splats: "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>",
       center: "import('three').Vector3",
       radius: 'number',
+      ...ARRAYS,
     },
   },
   'packages/three/README.md': {
@@ -38,6 +42,8 @@ const READMES: Readonly<
       cloud: "import('@websplatter/three').SplatCloudObject",
       min: "import('three').Vector3",
       max: "import('three').Vector3",
+      selection: "import('@websplatter/core/effects').SplatSelection",
+      ...ARRAYS,
     },
   },
 };

@@ -27,7 +27,6 @@ class EditedData implements DataEdits {
   readonly edits: SplatEdits;
   readonly uneditedBounds: Box3;
   readonly #data: SplatData;
-  readonly #position = new Float64Array(3);
   #isAnnounced = false;
 
   constructor(data: SplatData) {
@@ -59,9 +58,7 @@ class EditedData implements DataEdits {
   }
 
   move(row: number, center: Vector3): void {
-    if (!(this.edits.maskOf(row) & EDITED.positions)) return;
-    this.edits.read(row, 'positions', this.#position);
-    center.fromArray(this.#position);
+    if (this.edits.maskOf(row) & EDITED.positions) center.fromArray(this.edits.valuesOf(row, 'positions'));
   }
 
   /** Tells objects that show the data; returns false if none of them listens. */

@@ -20,14 +20,18 @@ function flower(timeS: number) {
     const wave = Math.sin(9 * radius - 2 * timeS);
     const height = 0.3 * (1 - radius) ** 2 + 0.07 * radius * wave;
     positions.set([radius * Math.cos(angle), height, radius * Math.sin(angle)], 3 * i);
-    const light = 0.75 + 0.25 * wave;
-    colors.set([light * (0.95 - 0.3 * radius), light * (0.35 + 0.45 * radius), light * 0.7 * radius], 3 * i);
+    const light = 0.85 + 0.15 * wave;
+    const hue = [1 - 0.85 * radius ** 2, 0.55 - 0.1 * radius, 0.15 + 0.65 * radius];
+    colors.set(
+      hue.map((channel) => light * channel),
+      3 * i,
+    );
   }
   return { positions, colors };
 }
 
 /** Flat, round splats. */
-const SCALES = Float32Array.from({ length: 3 * COUNT }, (_, i) => (i % 3 === 1 ? 0.002 : 0.008));
+const SCALES = Float32Array.from({ length: 3 * COUNT }, (_, i) => (i % 3 === 1 ? 0.002 : 0.009));
 
 export default function OwnData() {
   const [data] = useState(() => makeSplatData({ ...flower(0), scales: SCALES }));
@@ -44,7 +48,7 @@ export default function OwnData() {
         gl={createSplatRenderer}
         flat
         frameloop="demand"
-        camera={{ position: [0, 1.15, 1.5], fov: 50, near: 0.05 }}
+        camera={{ position: [0, 1.3, 1.8], fov: 50, near: 0.05 }}
       >
         <Splats src={data} />
         {isMoving && <Waves data={data} />}

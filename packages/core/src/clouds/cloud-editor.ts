@@ -231,7 +231,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     const { minPosition, maxScale, maxPosition, count: stride } = CHUNK_WORDS;
     // A copy: what is known of chunks is known by their buffer.
     const chunks = new Float32Array(cloud.chunks.slice(0));
-    const position = new Float64Array(3);
+    const position = new Float32Array(3);
     for (const [page, { start, end }] of planes.ranges.entries()) {
       const first = start / CHUNK_SPLATS;
       const last = first + chunkCountOf(end - start);
@@ -279,7 +279,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     const step = Math.ceil(count / BOUNDS_SAMPLES);
     const samples = Math.ceil(count / step);
     const axes = [0, 1, 2].map(() => new Float32Array(samples));
-    const position = new Float64Array(3);
+    const position = new Float32Array(3);
     for (let i = 0; i < samples; i++) {
       editedPosition(this.#splats, i * step, position);
       for (let axis = 0; axis < 3; axis++) axes[axis][i] = position[axis];
@@ -292,13 +292,11 @@ class CloudEditor implements CloudEditing, EditsFollower {
     const cloud = this.#cloud;
     const { min, step } = cloud.logScaleRange;
     const max = min + 65535 * step;
-    const log = new Float64Array(3);
     let [low, high] = [min, max];
     for (let i = 0; i < cloud.count; i++) {
       const row = cloud.fileIndices[i];
       if (!this.#isDirty(i) || !(this.edits.maskOf(row) & EDITED.scales)) continue;
-      this.edits.read(row, 'scales', log);
-      for (const each of log) {
+      for (const each of this.edits.valuesOf(row, 'scales')) {
         low = Math.min(low, clampLogScale(each));
         high = Math.max(high, clampLogScale(each));
       }

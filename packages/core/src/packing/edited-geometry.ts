@@ -1,6 +1,6 @@
 import { clampCoefficient, toHalfBits } from '../layout/half.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { EDITED, type SplatEdits } from '../splats/splat-edits.ts';
+import { EDITED, type EditedBlock, placeInBlock, type SplatEdits } from '../splats/splat-edits.ts';
 import {
   GEOMETRY_WORDS,
   type LogScaleRange,
@@ -12,7 +12,6 @@ import { clampLogScale } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
 import { normalizedRotation } from './rotation.ts';
 
-const values = new Float64Array(4);
 const rotation = new Float64Array(4);
 const f32 = new Float32Array(1);
 const f32Bits = new Uint32Array(f32.buffer);
@@ -53,83 +52,71 @@ export function packEdited(
   precision: GeometryPrecision,
   range: LogScaleRange,
 ): Uint32Array<ArrayBuffer> {
-  const { geometry, fileIndices, edits } = splats;
+  const { geometry, origin, fileIndices, edits } = splats;
   const stride = GEOMETRY_WORDS[geometry.precision];
   const words = geometry.words.slice(from * stride, to * stride);
   const floats = new Float32Array(words.buffer);
   for (let i = from; i < to; i++) {
-    const mask = edits.maskOf(fileIndices[i]);
-    if (mask === 0) continue;
+    const row = fileIndices[i];
+    const block = edits.blockOf(row);
+    if (!block) continue;
+    const place = placeInBlock(row);
     const at = stride * (i - from);
-    if (geometry.precision === 'f32') editF32(floats, at, splats, fileIndices[i], mask);
-    else editPacked(words, floats, at, splats, fileIndices[i], mask, range);
+    if (geometry.precision === 'f32') editF32(floats, at, origin, block, place);
+    else editPacked(words, floats, at, origin, block, place, range);
   }
   return precision === geometry.precision ? words : packF32(floats, to - from, range);
 }
 
-function editF32(
-  floats: Float32Array,
-  at: number,
-  { edits, origin }: EditedGeometry,
-  row: number,
-  mask: number,
-): void {
-  if (mask & EDITED.positions) {
-    edits.read(row, 'positions', values);
-    for (let axis = 0; axis < 3; axis++) floats[at + axis] = values[axis] - origin[axis];
-  }
-  if (mask & EDITED.opacities) {
-    edits.read(row, 'opacities', values);
-    floats[at + 3] = values[0];
-  }
+function move(floats: Float32Array, at: number, origin: Vec3, positions: Float64Array, place: number): void {
+  floats[at] = positions[3 * place] - origin[0];
+  floats[at + 1] = positions[3 * place + 1] - origin[1];
+  floats[at + 2] = positions[3 * place + 2] - origin[2];
+}
+
+function editF32(floats: Float32Array, at: number, origin: Vec3, block: EditedBlock, place: number): void {
+  const mask = block.masks[place];
+  const { positions, scales, rotations, opacities, colors } = block;
+  if (mask & EDITED.positions) move(floats, at, origin, positions!, place);
+  if (mask & EDITED.opacities) floats[at + 3] = opacities![place];
   if (mask & EDITED.hidden) floats[at + 3] = 0;
   if (mask & EDITED.rotations) {
-    edits.read(row, 'rotations', values);
-    normalizedRotation(values, 0, rotation);
+    normalizedRotation(rotations!, 4 * place, rotation);
     floats.set(rotation, at + 4);
   }
-  if (mask & EDITED.scales) {
-    edits.read(row, 'scales', values);
-    for (let axis = 0; axis < 3; axis++) floats[at + 8 + axis] = Math.exp(clampLogScale(values[axis]));
-  }
-  if (mask & EDITED.colors) {
-    edits.read(row, 'colors', values);
-    for (let k = 0; k < 3; k++) floats[at + 12 + k] = clampCoefficient(values[k]);
-  }
+  if (mask & EDITED.scales)
+    for (let axis = 0; axis < 3; axis++)
+      floats[at + 8 + axis] = Math.exp(clampLogScale(scales![3 * place + axis]));
+  if (mask & EDITED.colors)
+    for (let k = 0; k < 3; k++) floats[at + 12 + k] = clampCoefficient(colors![3 * place + k]);
 }
 
 function editPacked(
   words: Uint32Array,
   floats: Float32Array,
   at: number,
-  { edits, origin }: EditedGeometry,
-  row: number,
-  mask: number,
+  origin: Vec3,
+  block: EditedBlock,
+  place: number,
   { min, step }: LogScaleRange,
 ): void {
-  if (mask & EDITED.positions) {
-    edits.read(row, 'positions', values);
-    for (let axis = 0; axis < 3; axis++) floats[at + axis] = values[axis] - origin[axis];
-  }
+  const mask = block.masks[place];
+  const { positions, scales, rotations, opacities, colors } = block;
+  if (mask & EDITED.positions) move(floats, at, origin, positions!, place);
   if (mask & EDITED.colors) {
-    edits.read(row, 'colors', values);
-    words[at + 3] = toHalfBits(values[0]) | (toHalfBits(values[1]) << 16);
-    words[at + 4] = (words[at + 4] & 0xffff0000) | toHalfBits(values[2]);
+    words[at + 3] = toHalfBits(colors![3 * place]) | (toHalfBits(colors![3 * place + 1]) << 16);
+    words[at + 4] = (words[at + 4] & 0xffff0000) | toHalfBits(colors![3 * place + 2]);
   }
-  if (mask & EDITED.opacities) {
-    edits.read(row, 'opacities', values);
-    words[at + 4] = (words[at + 4] & 0xffff) | (opacitySteps(values[0]) << 16);
-  }
+  if (mask & EDITED.opacities)
+    words[at + 4] = (words[at + 4] & 0xffff) | (opacitySteps(opacities![place]) << 16);
   if (mask & EDITED.hidden) words[at + 4] &= 0xffff;
   if (mask & EDITED.scales) {
-    edits.read(row, 'scales', values);
-    const [x, y, z] = [0, 1, 2].map((axis) => logScaleSteps(values[axis], min, step));
-    words[at + 5] = x | (y << 16);
-    words[at + 6] = (words[at + 6] & 0xffff0000) | z;
+    const y = logScaleSteps(scales![3 * place + 1], min, step);
+    words[at + 5] = logScaleSteps(scales![3 * place], min, step) | (y << 16);
+    words[at + 6] = (words[at + 6] & 0xffff0000) | logScaleSteps(scales![3 * place + 2], min, step);
   }
   if (mask & EDITED.rotations) {
-    edits.read(row, 'rotations', values);
-    normalizedRotation(values, 0, rotation);
+    normalizedRotation(rotations!, 4 * place, rotation);
     const [low, high] = packRotation(rotation);
     words[at + 6] = (words[at + 6] & 0xffff) | (low << 16);
     words[at + 7] = high;
@@ -172,16 +159,16 @@ function bitsOf(value: number): number {
 export function editedPosition(
   { geometry, floats, origin, fileIndices, edits }: EditedGeometry,
   index: number,
-  target: Float64Array,
+  target: Float32Array,
 ): void {
   const row = fileIndices[index];
-  if (edits.maskOf(row) & EDITED.positions) {
-    edits.read(row, 'positions', target);
-    for (let axis = 0; axis < 3; axis++) target[axis] = Math.fround(target[axis] - origin[axis]);
-    return;
+  const block = edits.blockOf(row);
+  const place = placeInBlock(row);
+  if (block && block.masks[place] & EDITED.positions) move(target, 0, origin, block.positions!, place);
+  else {
+    const at = GEOMETRY_WORDS[geometry.precision] * index;
+    for (let axis = 0; axis < 3; axis++) target[axis] = floats[at + axis];
   }
-  const at = GEOMETRY_WORDS[geometry.precision] * index;
-  for (let axis = 0; axis < 3; axis++) target[axis] = floats[at + axis];
 }
 
 /** The largest log scale of a splat, as edited. */
@@ -190,10 +177,7 @@ export function editedLogScale(
   index: number,
 ): number {
   const row = fileIndices[index];
-  if (edits.maskOf(row) & EDITED.scales) {
-    edits.read(row, 'scales', values);
-    return clampLogScale(Math.max(values[0], values[1], values[2]));
-  }
+  if (edits.maskOf(row) & EDITED.scales) return clampLogScale(Math.max(...edits.valuesOf(row, 'scales')));
   const at = GEOMETRY_WORDS[geometry.precision] * index;
   if (geometry.precision === 'f32')
     return Math.log(Math.max(floats[at + 8], floats[at + 9], floats[at + 10]));

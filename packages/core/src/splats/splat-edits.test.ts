@@ -3,11 +3,9 @@ import { InvalidArgumentError } from '../errors.ts';
 import { EDITED, type EditedRows, type EditedValues, SplatEdits } from './splat-edits.ts';
 import { SplatSelection } from './splat-selection.ts';
 
-const values = (edits: SplatEdits, row: number, column: 'positions' | 'rotations' | 'opacities') => {
-  const read = new Float64Array(4);
-  edits.read(row, column, read);
-  return [...read];
-};
+const values = (edits: SplatEdits, row: number, column: 'positions' | 'rotations' | 'opacities') => [
+  ...edits.valuesOf(row, column),
+];
 
 describe('edits', () => {
   test('have a value for each row, or one for all', () => {
@@ -15,7 +13,7 @@ describe('edits', () => {
     edits.set({ first: 1022, count: 4 }, { opacities: [0.1, 0.2, 0.3, 0.4], positions: [1, 2, 3] });
     expect(values(edits, 1023, 'opacities')[0]).toBe(0.2);
     expect(values(edits, 1025, 'opacities')[0]).toBe(0.4);
-    expect(values(edits, 1025, 'positions')).toEqual([1, 2, 3, 0]);
+    expect(values(edits, 1025, 'positions')).toEqual([1, 2, 3]);
     expect(edits.maskOf(1021)).toBe(0);
     expect(edits.maskOf(1022)).toBe(EDITED.opacities | EDITED.positions);
     expect(edits.maskOf(1e6)).toBe(0);

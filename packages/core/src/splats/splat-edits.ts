@@ -68,13 +68,47 @@ const DOMAINS: Readonly<Record<Column, { readonly what: string; readonly has: (v
     colors: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
   };
 
+/** Bits of a row's number that tell its place in its block. */
+const BLOCK_BITS = 10;
 /** Rows that lie in memory together, once one of them is edited. */
-const BLOCK_ROWS = 1024;
+const BLOCK_ROWS = 1 << BLOCK_BITS;
 
-interface Block {
-  readonly masks: Uint8Array;
-  readonly columns: Partial<Record<Column, Float64Array>>;
+/** @internal Edits of successive rows: what has been edited of each, and columns of values, null before the first. */
+export class EditedBlock {
+  /** Bits of `EDITED`. */
+  readonly masks = new Uint8Array(BLOCK_ROWS);
+  positions: Float64Array | null = null;
+  scales: Float64Array | null = null;
+  rotations: Float64Array | null = null;
+  opacities: Float64Array | null = null;
+  colors: Float64Array | null = null;
 }
+
+/** @internal The place of a row in its block. */
+export function placeInBlock(row: number): number {
+  return row & (BLOCK_ROWS - 1);
+}
+
+type Writer = (to: Float64Array, at: number, values: ArrayLike<number>, from: number) => void;
+
+/** Writes the values of one splat, from `from` on, as splats are trained. */
+const WRITERS: Readonly<Record<Column, Writer>> = {
+  positions: (to, at, values, from) => {
+    for (let k = 0; k < 3; k++) to[at + k] = values[from + k];
+  },
+  scales: (to, at, values, from) => {
+    for (let k = 0; k < 3; k++) to[at + k] = Math.log(values[from + k]);
+  },
+  rotations: (to, at, values, from) => {
+    for (let k = 0; k < 4; k++) to[at + ((k + 1) & 3)] = values[from + k];
+  },
+  opacities: (to, at, values, from) => {
+    to[at] = values[from];
+  },
+  colors: (to, at, values, from) => {
+    for (let k = 0; k < 3; k++) to[at + k] = colorDcOf(values[from + k]);
+  },
+};
 
 /** @internal Told of each change. */
 export interface EditsFollower {
@@ -117,7 +151,7 @@ export function checkColumn(name: string, column: Column, values: ArrayLike<numb
 export class SplatEdits {
   /** Rows that may be edited: those from 0 to below this. */
   readonly rowCount: number;
-  readonly #blocks: (Block | undefined)[] = [];
+  readonly #blocks: (EditedBlock | undefined)[] = [];
   readonly #followers = new Set<EditsFollower>();
   #version = 0;
   #leastOpacity = 1;
@@ -176,23 +210,27 @@ export class SplatEdits {
     const count = cleared instanceof Uint32Array ? cleared.length : cleared.count;
     for (let i = 0; i < count; i++) {
       const row = cleared instanceof Uint32Array ? cleared[i] : cleared.first + i;
-      const block = this.#blocks[Math.floor(row / BLOCK_ROWS)];
-      if (block) block.masks[row % BLOCK_ROWS] = 0;
+      const block = this.blockOf(row);
+      if (block) block.masks[placeInBlock(row)] = 0;
     }
     if (count > 0) this.#announce(cleared, all);
   }
 
-  /** @internal What has been edited of a row: bits of `EDITED`. */
-  maskOf(row: number): number {
-    return this.#blocks[Math.floor(row / BLOCK_ROWS)]?.masks[row % BLOCK_ROWS] ?? 0;
+  /** @internal The block that a row is in, where it has `placeInBlock(row)`. Undefined if none of its rows was edited. */
+  blockOf(row: number): EditedBlock | undefined {
+    return this.#blocks[row >>> BLOCK_BITS];
   }
 
-  /** @internal Writes the edited values of a row to `target`, as splats are trained. The mask must have the column's bit. */
-  read(row: number, column: Column, target: Float64Array): void {
+  /** @internal What has been edited of a row: bits of `EDITED`. */
+  maskOf(row: number): number {
+    return this.blockOf(row)?.masks[placeInBlock(row)] ?? 0;
+  }
+
+  /** @internal The edited values of a row, as splats are trained. The mask must have the column's bit. */
+  valuesOf(row: number, column: Column): Float64Array {
     const width = WIDTHS[column];
-    const from = this.#blocks[Math.floor(row / BLOCK_ROWS)]!.columns[column]!;
-    const at = width * (row % BLOCK_ROWS);
-    for (let k = 0; k < width; k++) target[k] = from[at + k];
+    const at = width * placeInBlock(row);
+    return this.blockOf(row)![column]!.subarray(at, at + width);
   }
 
   /** @internal Tells `follower` of each change from now on, until the returned function is called. */
@@ -214,50 +252,36 @@ export class SplatEdits {
   #write(rows: RowRange | Uint32Array, count: number, column: Column, values: ArrayLike<number>): void {
     const width = WIDTHS[column];
     const isForAll = values.length === width;
+    const write = WRITERS[column];
+    const bit = EDITED[column];
     for (let i = 0; i < count; i++) {
       const row = rows instanceof Uint32Array ? rows[i] : rows.first + i;
-      const block = this.#blockOf(row);
-      block.columns[column] ??= new Float64Array(width * BLOCK_ROWS);
-      const to = block.columns[column];
-      const at = width * (row % BLOCK_ROWS);
-      const from = isForAll ? 0 : width * i;
-      block.masks[row % BLOCK_ROWS] |= EDITED[column];
-      switch (column) {
-        case 'positions':
-          for (let k = 0; k < 3; k++) to[at + k] = values[from + k];
-          break;
-        case 'colors':
-          for (let k = 0; k < 3; k++) to[at + k] = colorDcOf(values[from + k]);
-          break;
-        case 'scales': {
-          for (let k = 0; k < 3; k++) to[at + k] = Math.log(values[from + k]);
-          const [x, y, z] = [values[from], values[from + 1], values[from + 2]];
-          if (x !== y || x !== z) this.#hasUnevenScales = true;
-          break;
-        }
-        case 'rotations':
-          for (let k = 0; k < 4; k++) to[at + ((k + 1) % 4)] = values[from + k];
-          break;
-        case 'opacities':
-          to[at] = values[from];
-          if (to[at] < this.#leastOpacity) this.#leastOpacity = to[at];
-      }
+      const block = this.#madeBlockOf(row);
+      block[column] ??= new Float64Array(width * BLOCK_ROWS);
+      const place = placeInBlock(row);
+      block.masks[place] |= bit;
+      write(block[column], width * place, values, isForAll ? 0 : width * i);
     }
+    if (column === 'opacities')
+      for (let i = 0; i < values.length; i++) this.#leastOpacity = Math.min(this.#leastOpacity, values[i]);
+    if (column !== 'scales') return;
+    for (let i = 0; i < values.length; i += 3)
+      if (values[i] !== values[i + 1] || values[i] !== values[i + 2]) this.#hasUnevenScales = true;
   }
 
   #show(rows: RowRange | Uint32Array, count: number, isVisible: boolean): void {
     if (!isVisible) this.#leastOpacity = 0;
     for (let i = 0; i < count; i++) {
       const row = rows instanceof Uint32Array ? rows[i] : rows.first + i;
-      const { masks } = this.#blockOf(row);
-      if (isVisible) masks[row % BLOCK_ROWS] &= ~EDITED.hidden;
-      else masks[row % BLOCK_ROWS] |= EDITED.hidden;
+      const { masks } = this.#madeBlockOf(row);
+      if (isVisible) masks[placeInBlock(row)] &= ~EDITED.hidden;
+      else masks[placeInBlock(row)] |= EDITED.hidden;
     }
   }
 
-  #blockOf(row: number): Block {
-    const index = Math.floor(row / BLOCK_ROWS);
-    this.#blocks[index] ??= { masks: new Uint8Array(BLOCK_ROWS), columns: {} };
+  #madeBlockOf(row: number): EditedBlock {
+    const index = row >>> BLOCK_BITS;
+    this.#blocks[index] ??= new EditedBlock();
     return this.#blocks[index];
   }
 
