@@ -21,11 +21,13 @@ import { clampLogScale } from '../packing/log-scale.ts';
 import { chunkCountOf, type PackedCloud, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
 import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../splats/splat-edits.ts';
-import type { Plane } from './cloud-planes.ts';
+import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
 
 /** Splats between two that have changed are uploaded too if they are no more than this: each upload has a cost of its own. */
 const MOST_GAP_SPLATS = 32;
+/** Splats that are read back at once: 4 MiB at most. */
+const PIECE_SPLATS = 1 << 16;
 /** Splats that robust bounds are taken from after an edit, few enough for every frame. */
 const BOUNDS_SAMPLES = 4096;
 /** Room that the range of log scales gets beyond the splats that leave it, so that those that grow seldom leave it again. */
@@ -48,11 +50,15 @@ const LOG_SCALE_ROOM = 0.5;
  *   or the device ends first; GpuLimitError if reading back finds no memory.
  */
 export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?: PackedCloud): Promise<void> {
-  checkFree(cloud, edits);
-  if (cloud.editing) return;
-  const geometry = splats ? splats.geometry : await geometryOf(cloud);
-  checkFree(cloud, edits);
-  cloud.editing ??= new CloudEditor(cloud, edits, geometry);
+  let geometry = splats?.geometry ?? null;
+  for (;;) {
+    checkFree(cloud, edits);
+    if (cloud.editing) return;
+    // Planes that are finer than what is at hand may have come meanwhile.
+    if (geometry && isGeometryAsFine(geometry.precision, cloud.planes.held.geometry[0])) break;
+    geometry = await geometryOf(cloud);
+  }
+  cloud.editing = new CloudEditor(cloud, edits, geometry);
 }
 
 function checkAlive({ name, isDestroyed }: SplatCloud): void {
@@ -67,38 +73,37 @@ function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
   throw new InvalidArgumentError('edits', `${name} follows other edits already; edit those.`);
 }
 
-/** Reads the finest geometry of a cloud back. */
-async function geometryOf(cloud: SplatCloud): Promise<PackedGeometry> {
+/** Reads the finest geometry of a cloud back; null if other planes have taken its place meanwhile. */
+async function geometryOf(cloud: SplatCloud): Promise<PackedGeometry | null> {
   await cloud.uploaded;
   const { planes, logScaleRange } = cloud;
-  for (;;) {
-    checkAlive(cloud);
-    const { held } = planes;
-    const [precision] = held.geometry;
-    const words = await readPlane(cloud, planes.geometryPlane(precision)!, precision);
-    checkAlive(cloud);
-    // A finer one may have come meanwhile.
-    if (planes.held === held) return { precision, words, logScaleRange };
-  }
+  const { held } = planes;
+  const [precision] = held.geometry;
+  const isThere = () => planes.held === held && !cloud.isDestroyed;
+  const words = await readPlane(cloud, planes.geometryPlane(precision)!, precision, isThere);
+  return words && { precision, words, logScaleRange };
 }
 
+/** Reads a plane back, piece by piece; null if it is not there any more. */
 async function readPlane(
   { device, count, planes }: SplatCloud,
   plane: Plane,
   precision: GeometryPrecision,
-): Promise<Uint32Array> {
+  isThere: () => boolean,
+): Promise<Uint32Array | null> {
   const stride = GEOMETRY_WORDS[precision];
   const words = new Uint32Array(count * stride);
-  // All are submitted before any is awaited, so that nothing changes in between.
-  const pages = planes.ranges.map(async ({ start, end }, page) => {
-    const bytes = 4 * stride * (end - start);
-    const read = await readBack(device, bytes, (encoder, target) =>
-      encoder.copyBufferToBuffer(plane[page], 0, target, 0, bytes),
-    );
-    words.set(new Uint32Array(read), stride * start);
-  });
-  await Promise.all(pages);
-  return words;
+  for (const [page, { start, end }] of planes.ranges.entries()) {
+    for (let from = start; from < end; from += PIECE_SPLATS) {
+      if (!isThere()) return null;
+      const bytes = 4 * stride * Math.min(PIECE_SPLATS, end - from);
+      const read = await readBack(device, bytes, (encoder, target) =>
+        encoder.copyBufferToBuffer(plane[page], 4 * stride * (from - start), target, 0, bytes),
+      );
+      words.set(new Uint32Array(read), stride * from);
+    }
+  }
+  return isThere() ? words : null;
 }
 
 /** Keeps the planes of one cloud as its edits have them. */
@@ -161,8 +166,10 @@ class CloudEditor implements CloudEditing, EditsFollower {
 
   async rebase(precision: GeometryPrecision, plane: Plane): Promise<() => void> {
     const { origin, fileIndices } = this.#cloud;
-    const words = await readPlane(this.#cloud, plane, precision);
+    const isThere = () => !this.#hasEnded;
+    const words = await readPlane(this.#cloud, plane, precision, isThere);
     return () => {
+      if (!words) return;
       const geometry = { precision, words, logScaleRange: this.#cloud.logScaleRange };
       this.#splats = editedGeometry(geometry, origin, fileIndices, this.edits);
       this.#markEdited();

@@ -126,9 +126,9 @@ export class PlaneMaker {
       await this.#withMemoryFor(cloud, wanted, bytesOf(cloud, wanted, work), () =>
         this.#make(cloud, wanted, work, made),
       );
-      // What was read has no edits.
-      if (work.freshGeometry)
-        edit = await cloud.editing?.rebase(work.freshGeometry.geometryPrecision, made[0].plane);
+      // What was read has no edits. Without any, what follows is synchronous: none may come.
+      if (work.freshGeometry && cloud.editing)
+        edit = await cloud.editing.rebase(work.freshGeometry.geometryPrecision, made[0].plane);
       this.#checkUsable(signal);
     } catch (error) {
       for (const { plane } of made) cloud.planes.free(plane);

@@ -77,11 +77,23 @@ const BLOCK_ROWS = 1 << BLOCK_BITS;
 export class EditedBlock {
   /** Bits of `EDITED`. */
   readonly masks = new Uint8Array(BLOCK_ROWS);
+  /** In float64, because they may be far from the origin. */
   positions: Float64Array | null = null;
-  scales: Float64Array | null = null;
-  rotations: Float64Array | null = null;
-  opacities: Float64Array | null = null;
-  colors: Float64Array | null = null;
+  scales: Float32Array | null = null;
+  rotations: Float32Array | null = null;
+  opacities: Float32Array | null = null;
+  colors: Float32Array | null = null;
+
+  /** Makes room for a column. */
+  make(column: Column): Float64Array | Float32Array {
+    const length = WIDTHS[column] * BLOCK_ROWS;
+    if (column !== 'positions') {
+      this[column] = new Float32Array(length);
+      return this[column];
+    }
+    this.positions = new Float64Array(length);
+    return this.positions;
+  }
 }
 
 /** @internal The place of a row in its block. */
@@ -89,7 +101,7 @@ export function placeInBlock(row: number): number {
   return row & (BLOCK_ROWS - 1);
 }
 
-type Writer = (to: Float64Array, at: number, values: ArrayLike<number>, from: number) => void;
+type Writer = (to: Float64Array | Float32Array, at: number, values: ArrayLike<number>, from: number) => void;
 
 /** Writes the values of one splat, from `from` on, as splats are trained. */
 const WRITERS: Readonly<Record<Column, Writer>> = {
@@ -144,8 +156,8 @@ export function checkColumn(name: string, column: Column, values: ArrayLike<numb
 
 /**
  * Edits of splats by their rows: new positions, sizes, rotations, opacities and base colours, and which rows are hidden. The
- * rows are those of the file or arrays that the splats are from. Edits are kept apart from the splats, 8 bytes for each value,
- * so they outlive clouds, engines and devices: clouds that follow them (`followEdits`) are drawn as edited from their next
+ * rows are those of the file or arrays that the splats are from. Edits are kept apart from the splats, 4 bytes for each value and 8
+ * for those of positions, so they outlive clouds, engines and devices: clouds that follow them (`followEdits`) are drawn as edited from their next
  * frame on, and those that are uploaded later, too.
  */
 export class SplatEdits {
@@ -227,7 +239,7 @@ export class SplatEdits {
   }
 
   /** @internal The edited values of a row, as splats are trained. The mask must have the column's bit. */
-  valuesOf(row: number, column: Column): Float64Array {
+  valuesOf(row: number, column: Column): Float64Array | Float32Array {
     const width = WIDTHS[column];
     const at = width * placeInBlock(row);
     return this.blockOf(row)![column]!.subarray(at, at + width);
@@ -257,10 +269,9 @@ export class SplatEdits {
     for (let i = 0; i < count; i++) {
       const row = rows instanceof Uint32Array ? rows[i] : rows.first + i;
       const block = this.#madeBlockOf(row);
-      block[column] ??= new Float64Array(width * BLOCK_ROWS);
       const place = placeInBlock(row);
       block.masks[place] |= bit;
-      write(block[column], width * place, values, isForAll ? 0 : width * i);
+      write(block[column] ?? block.make(column), width * place, values, isForAll ? 0 : width * i);
     }
     if (column === 'opacities')
       for (let i = 0; i < values.length; i++) this.#leastOpacity = Math.min(this.#leastOpacity, values[i]);
