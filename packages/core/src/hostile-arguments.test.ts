@@ -3,6 +3,7 @@ import { internAccuracy, resolveAccuracy } from './accuracy/accuracy.ts';
 import { internWish } from './accuracy/accuracy-wish.ts';
 import { cameraFromMatrices, orthographicCamera, perspectiveCamera, projectionOf } from './camera/camera.ts';
 import { SplatEngine } from './create-engine.ts';
+import { type SplatArrays, splatsFromArrays } from './editing/splats-from-arrays.ts';
 import * as effects from './effects/index.ts';
 import type { EngineOptions, LoadOptions } from './engine.ts';
 import { InvalidArgumentError, SplatFileError } from './errors.ts';
@@ -10,6 +11,7 @@ import { planCloud } from './frame/cloud-plan.ts';
 import { checkRequest } from './frame/frame-request.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import { identity4 } from './math/mat4.ts';
+import { type EditedRows, type EditedValues, SplatEdits } from './splats/splat-edits.ts';
 import { fuzz } from './testing/fuzz.ts';
 import { withHostilePart } from './testing/hostile-values.ts';
 import { randomSplats } from './testing/random-splats.ts';
@@ -116,6 +118,36 @@ const CALLS: Record<string, Call> = {
       }
       expect(engine.memory().totalBytes).toBe(0);
     },
+  },
+  splatsFromArrays: {
+    good: [
+      {
+        positions: [1, 2, 3, 4, 5, 6],
+        scales: [1, 2, 3, 1, 2, 3],
+        rotations: [0, 0, 0, 1, 1, 0, 0, 0],
+        opacities: [0.5, 0.25],
+        sh: Float32Array.from({ length: 24 }, (_, i) => i),
+        isAntialiased: true,
+      },
+    ],
+    call: (arrays: SplatArrays) => {
+      const { positions, logScales, rotations, colorDc, harmonics } = splatsFromArrays(arrays);
+      return [positions, logScales, rotations, colorDc, harmonics.coefficients];
+    },
+    others: ['arrays', 'colors', 'covariances'],
+  },
+  edits: {
+    good: [
+      { first: 3, count: 2 },
+      { positions: [1, 2, 3], scales: [1, 2, 3, 1, 2, 3], rotations: [0, 0, 0, 1], colors: [1, 0, 0] },
+    ],
+    call: (rows: EditedRows, values: EditedValues) => new SplatEdits(100).set(rows, values),
+    others: ['rows', 'values', 'opacities', 'visible'],
+  },
+  'rows that are edited': {
+    good: [[1, 2, 3], { visible: false }],
+    call: (rows: EditedRows, values: EditedValues) => new SplatEdits(100).set(rows, values),
+    others: ['rows', 'values', 'positions', 'scales', 'rotations', 'colors', 'opacities'],
   },
   'a frame request': {
     good: [

@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import { principalAxes } from '../math/principal-axes.ts';
 import { shown } from '../printable.ts';
 import { colorDcOf, logitOf } from '../splats/color-values.ts';
-import { checkColumn } from '../splats/splat-edits.ts';
+import { checkArray, checkColumn, isF32 } from '../splats/splat-edits.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { placeSplats } from './place-splats.ts';
 
@@ -44,8 +44,10 @@ const FLATTEST = 1e-6;
  *   the index and the value found.
  */
 export function splatsFromArrays(arrays: SplatArrays): SplatSet {
+  if (typeof arrays !== 'object' || arrays === null)
+    throw new InvalidArgumentError('arrays', `The arrays are ${shown(arrays)}; they must be an object.`);
   const { positions, scales, rotations, covariances, opacities, colors, sh, isAntialiased } = arrays;
-  checkPresent('positions', positions, true);
+  checkArray('positions', positions);
   const count = positions.length / 3;
   if (!Number.isInteger(count)) {
     const message = `positions has ${shown(positions.length)} values; it must have 3 for each splat.`;
@@ -57,8 +59,14 @@ export function splatsFromArrays(arrays: SplatArrays): SplatSet {
   const shapes = covariances
     ? shapesOfCovariances(covariances, rotations, count)
     : shapesOfScales(scales!, rotations, count);
-  checkPresent('opacities', opacities, false);
-  if (opacities) checkColumn('opacities', 'opacities', opacities, count);
+  if (opacities !== undefined) {
+    checkArray('opacities', opacities);
+    checkColumn('opacities', 'opacities', opacities, count);
+  }
+  if (isAntialiased !== undefined && typeof isAntialiased !== 'boolean') {
+    const message = `isAntialiased is ${shown(isAntialiased)}; it must be true or false.`;
+    throw new InvalidArgumentError('isAntialiased', message);
+  }
   return {
     count,
     ...placeSplats(Float64Array.from(positions)),
@@ -80,8 +88,10 @@ function shapesOfScales(
   count: number,
 ): Shapes {
   checkColumn('scales', 'scales', scales, count);
-  checkPresent('rotations', rotations, false);
-  if (rotations) checkColumn('rotations', 'rotations', rotations, count);
+  if (rotations !== undefined) {
+    checkArray('rotations', rotations);
+    checkColumn('rotations', 'rotations', rotations, count);
+  }
   const turned = new Float32Array(4 * count);
   for (let i = 0; i < count; i++) {
     turned[4 * i] = rotations ? rotations[4 * i + 3] : 1;
@@ -95,7 +105,7 @@ function shapesOfCovariances(
   rotations: ArrayLike<number> | undefined,
   count: number,
 ): Shapes {
-  if (rotations) throw excluded('rotations', 'covariances');
+  if (rotations !== undefined) throw excluded('rotations', 'covariances');
   checkWidth('covariances', covariances, count, [6]);
   checkFinite('covariances', covariances, 6);
   const logScales = new Float32Array(3 * count);
@@ -175,7 +185,7 @@ function checkWidth(
 
 function checkFinite(name: string, values: ArrayLike<number>, width: number): void {
   for (let i = 0; i < values.length; i++) {
-    if (Number.isFinite(Math.fround(values[i]))) continue;
+    if (isF32(values[i])) continue;
     const message = `${name}[${i}], of splat ${Math.floor(i / width)}, is ${shown(values[i])}; they are finite numbers that float32 holds.`;
     throw new InvalidArgumentError(name, message);
   }
@@ -183,19 +193,10 @@ function checkFinite(name: string, values: ArrayLike<number>, width: number): vo
 
 function checkOneOf(a: string, valuesA: unknown, b: string, valuesB: unknown): void {
   if (valuesA !== undefined && valuesB !== undefined) throw excluded(a, b);
-  if (valuesB === undefined) checkPresent(a, valuesA, true, ` Give ${a}, or ${b} instead.`);
-  else checkPresent(b, valuesB, true);
+  if (valuesB === undefined) checkArray(a, valuesA, ` Give ${a}, or ${b} instead.`);
+  else checkArray(b, valuesB);
 }
 
 function excluded(a: string, b: string): InvalidArgumentError {
   return new InvalidArgumentError(a, `There are ${a} beside ${b}; give one of them.`);
-}
-
-function checkPresent(name: string, values: unknown, isNeeded: boolean, advice = ''): void {
-  if (values === undefined && !isNeeded) return;
-  if (typeof values === 'object' && values !== null && 'length' in values) return;
-  throw new InvalidArgumentError(
-    name,
-    `${name} is ${shown(values)}; it must be an array of numbers.${advice}`,
-  );
 }

@@ -58,14 +58,14 @@ const COLUMNS = Object.keys(WIDTHS) as readonly Column[];
 /** What each column takes, in words for messages. */
 const DOMAINS: Readonly<Record<Column, { readonly what: string; readonly has: (value: number) => boolean }>> =
   {
-    positions: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
+    positions: { what: 'finite numbers that float32 holds', has: isF32 },
     scales: {
       what: 'standard deviations, finite numbers above 0',
-      has: (x) => x > 0 && Number.isFinite(Math.fround(x)),
+      has: (x) => isF32(x) && x > 0,
     },
-    rotations: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
-    opacities: { what: 'numbers from 0 to 1', has: (x) => x >= 0 && x <= 1 },
-    colors: { what: 'finite numbers that float32 holds', has: (x) => Number.isFinite(Math.fround(x)) },
+    rotations: { what: 'finite numbers that float32 holds', has: isF32 },
+    opacities: { what: 'numbers from 0 to 1', has: (x) => isF32(x) && x >= 0 && x <= 1 },
+    colors: { what: 'finite numbers that float32 holds', has: isF32 },
   };
 
 /** Bits of a row's number that tell its place in its block. */
@@ -126,6 +126,21 @@ const WRITERS: Readonly<Record<Column, Writer>> = {
 export interface EditsFollower {
   /** @param changed bits of `EDITED` that may have changed. */
   rowsChanged(rows: RowRange | Uint32Array, changed: number): void;
+}
+
+/** @throws InvalidArgumentError naming the argument, unless `values` are an array. `advice` follows what is wrong. */
+export function checkArray(name: string, values: unknown, advice = ''): asserts values is ArrayLike<number> {
+  const isArray = Array.isArray(values) || (ArrayBuffer.isView(values) && !(values instanceof DataView));
+  if (isArray) return;
+  throw new InvalidArgumentError(
+    name,
+    `${name} is ${shown(values)}; it must be an array of numbers.${advice}`,
+  );
+}
+
+/** Whether float32 holds a number. */
+export function isF32(value: unknown): boolean {
+  return typeof value === 'number' && Number.isFinite(Math.fround(value));
 }
 
 /**
@@ -197,8 +212,11 @@ export class SplatEdits {
   set(rows: EditedRows, values: EditedValues): void {
     const edited = this.#rowsOf(rows);
     const count = edited instanceof Uint32Array ? edited.length : edited.count;
+    if (typeof values !== 'object' || values === null)
+      throw new InvalidArgumentError('values', `values is ${shown(values)}; it must be an object.`);
     const columns = COLUMNS.filter((column) => values[column] !== undefined);
     for (const column of columns) {
+      checkArray(column, values[column]);
       const isForAll = values[column]!.length === WIDTHS[column];
       checkColumn(column, column, values[column]!, isForAll ? 1 : count);
     }
@@ -298,9 +316,10 @@ export class SplatEdits {
 
   #rowsOf(rows: EditedRows): RowRange | Uint32Array {
     const { rowCount } = this;
-    const refuse = (what: string) => {
+    const refuse = (what: string): never => {
       throw new InvalidArgumentError('rows', `${what}; rows are whole numbers from 0 to ${rowCount - 1}.`);
     };
+    if (typeof rows !== 'object' || rows === null) return refuse(`rows is ${shown(rows)}`);
     if (rows instanceof SplatSelection) {
       const selected = rows.rows();
       const last = selected.at(-1) ?? 0;
@@ -314,6 +333,7 @@ export class SplatEdits {
         refuse(`${shown(count)} rows from ${shown(first)} on cannot be edited`);
       return { first, count };
     }
+    checkArray('rows', rows);
     for (let i = 0; i < rows.length; i++)
       if (!Number.isInteger(rows[i]) || rows[i] < 0 || rows[i] >= rowCount)
         refuse(`rows[${i}] is ${shown(rows[i])}`);
