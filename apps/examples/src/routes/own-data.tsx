@@ -18,7 +18,7 @@ function flower(timeS: number) {
     const radius = Math.sqrt((i + 0.5) / COUNT);
     const angle = i * GOLDEN_ANGLE;
     const wave = Math.sin(9 * radius - 2 * timeS);
-    const height = 0.3 * (1 - radius) ** 2 + 0.07 * radius * wave;
+    const height = 0.12 + 0.3 * (1 - radius) ** 2 + 0.07 * radius * wave;
     positions.set([radius * Math.cos(angle), height, radius * Math.sin(angle)], 3 * i);
     const light = 0.85 + 0.15 * wave;
     const hue = [1 - 0.85 * radius ** 2, 0.55 - 0.1 * radius, 0.15 + 0.65 * radius];
