@@ -8,6 +8,7 @@ import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB } from './reference.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
+import type { CameraShot } from './three/array-cases.ts';
 import type { cases as pageCases } from './three/cases.ts';
 import { checkeredSplats, splatSet } from './three/splats.ts';
 import type { Pixels } from './three/stage.ts';
@@ -145,6 +146,18 @@ function psnrOfTestScene(
   const actual = Float64Array.from(data, (value) => value / 255);
   const options = { widthPx, heightPx, background: [0, 0, 0], quantize: 'png' } as const;
   return compareImages(actual, reference.data, options).psnrDb;
+}
+
+/** The image of a render target as a canvas shows it. */
+function encodedPixels({ data, ...size }: Pixels): Pixels {
+  return { ...size, data: data.map((value, i) => (i % 4 === 3 ? 255 * value : Math.round(encoded(value)))) };
+}
+
+/** Compares two screenshots. */
+function psnrOf(actual: Pixels, expected: Pixels): number {
+  const { widthPx, heightPx } = expected;
+  const [a, b] = [actual, expected].map(({ data }) => Float64Array.from(data, (value) => value / 255));
+  return compareImages(a, b, { widthPx, heightPx, background: [0, 0, 0] }).psnrDb;
 }
 
 /** Indices of the pixel and of those around it. */
@@ -484,11 +497,41 @@ describe('three 0.187', () => {
       expectPixel(leftOf(pixels), [0, 0, 0, 255]);
       expectPixel(rightOf(pixels), [0, 255, 0, 255]);
     });
+  });
 
-    test('say where they cannot be drawn, once, and go on elsewhere', async () => {
-      const { errors, after } = await run('arrayCamera');
-      expect(errors).toEqual([expect.stringMatching(/^SplatsPassError: .*ArrayCamera.*Render each camera/)]);
-      expectPixel(leftOf(after), GREY);
+  describe('by several cameras at once', () => {
+    function expectAsAlone({ shots, alone }: Awaited<ReturnType<Cases['arrayViewports']>>): void {
+      shots.forEach(({ pixels }, i) => {
+        expect(psnrOf(pixels, alone[i]), `camera ${i}`).toBeGreaterThan(MIN_PSNR_DB);
+      });
+    }
+
+    function expectTestScene(shots: readonly CameraShot[]): void {
+      shots.forEach((shot, i) => {
+        expect(psnrOfTestScene(shot.pixels, shot), `camera ${i}`).toBeGreaterThan(MIN_PSNR_DB);
+      });
+    }
+
+    test.each(['eyes', ...(isFull ? (['apart'] as const) : [])] as const)(
+      'in viewports, %s',
+      async (cameras) => {
+        const result = await run('arrayViewports', { cameras });
+        expectTestScene(result.shots);
+        expectAsAlone(result);
+      },
+    );
+
+    test.runIf(isFull)('in viewports, before and behind a multisampled mesh', async () => {
+      expectAsAlone(await run('arrayViewports', { cameras: 'eyes', hasWall: true, antialias: true }));
+    });
+
+    test.runIf(isFull).each([0, 4])('in layers of a target with %i samples', async (samples) => {
+      const shots = await run('arrayLayers', { cameras: 'eyes' }, samples);
+      expectTestScene(shots.map((shot) => ({ ...shot, pixels: encodedPixels(shot.pixels) })));
+    });
+
+    test('in an XR session', async () => {
+      expectTestScene(await run('xrSession', { cameras: 'eyes' }));
     });
   });
 

@@ -16,7 +16,6 @@ import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
 import { emissive, mrt, output, pass, reflector, uniform, vec4 } from 'three/tsl';
 import {
   ACESFilmicToneMapping,
-  ArrayCamera,
   BoxGeometry,
   BundleGroup,
   ClippingGroup,
@@ -49,9 +48,9 @@ import {
   Sphere,
   Vector2,
   Vector3,
-  Vector4,
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
+import { arrayCases } from './array-cases.ts';
 import { checkeredSplats, manySplats, splatCloud, splatData, splatSet } from './splats.ts';
 import {
   areOn,
@@ -138,6 +137,8 @@ function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: Perspecti
 
 /** Run by name from the tests, which know what is to be expected of their results. */
 export const cases = {
+  ...arrayCases,
+
   revision: async () => REVISION,
 
   /** A white splat of half opacity over `background`. */
@@ -907,24 +908,6 @@ export const cases = {
     stage.camera.position.x = 0.1;
     await shot(stage);
     return { still, moved: engine.counters().framesPrepared - before };
-  },
-
-  /** The camera's own error, once, however often it draws. */
-  arrayCamera: async () => {
-    const stage = await newStage();
-    const { renderer, scene, camera } = stage;
-    const cloud = splatCloud({});
-    const errors = errorsOf(cloud);
-    scene.add(rightHalf(wall(0xff0000, 0.5)), cloud);
-    const halves = [0, 1].map((i) => {
-      const viewport = new Vector4((i * SIZE_PX) / 2, 0, SIZE_PX / 2, SIZE_PX);
-      return Object.assign(camera.clone(), { viewport });
-    });
-    const many = new ArrayCamera(halves);
-    renderer.render(scene, many);
-    await whenTold(errors);
-    renderer.render(scene, many);
-    return { errors, after: await shot(stage) };
   },
 
   /** Samples that are thrown away at the end of three's pass cannot be taken up again. */

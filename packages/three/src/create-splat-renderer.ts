@@ -68,7 +68,7 @@ export async function createSplatRenderer({
     await renderer.init();
     if (!hasWebGpuBackend(renderer)) {
       throw new SplatsUnsupportedRendererError(
-        'three chose its WebGL 2 backend despite its WebGPU device; its own message is on the console.',
+        'three chose its WebGL 2 backend despite its WebGPU device; the console has its message.',
       );
     }
     attach(renderer, engine);

@@ -39,7 +39,7 @@ export class ThreeInternalsError extends WebSplatterError {
     super(
       'three-internals',
       `three r${revision} has no ${missing}, which drawing splats needs. ` +
-        'Install three 0.185 to 0.187, or a newer release of @websplatter/three.',
+        'Install three 0.185 to 0.187 or a newer @websplatter/three.',
     );
     this.missing = missing;
     this.revision = revision;

@@ -5,8 +5,16 @@ import type { LayerCloud } from './layer-cloud.ts';
 /** Number of a layer's draws after which a view without one of them is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
 
+/** What a view belongs to. */
+interface ViewPlace {
+  readonly renderer: object;
+  readonly camera: Camera;
+  readonly target: object;
+}
+
 /** State that a layer keeps for one renderer, camera and target. */
 export class LayerView {
+  readonly place: ViewPlace;
   readonly embedded: EmbeddedView;
   /** The last image in a texture of three's; null before the first. */
   color: ExternalTexture | null = null;
@@ -20,11 +28,13 @@ export class LayerView {
   /** Number of the layer's draw that used the view last. */
   usedAt = 0;
 
-  constructor(embedded: EmbeddedView) {
+  constructor(place: ViewPlace, embedded: EmbeddedView) {
+    this.place = place;
     this.embedded = embedded;
   }
 
-  show({ color, depth }: EmbeddedImage, xPx: number, yPx: number): void {
+  /** @param place top left of the viewport in the target. */
+  show({ color, depth }: EmbeddedImage, { xPx, yPx }: Pick<LayerView, 'xPx' | 'yPx'>): void {
     this.color = wrapping(this.color, color);
     if (!depth) this.depth?.dispose();
     this.depth = depth && wrapping(this.depth, depth);
@@ -39,64 +49,49 @@ export class LayerView {
   }
 }
 
-/** Views of one renderer and one camera. */
-interface CameraViews {
-  readonly byTarget: WeakMap<object, LayerView>;
-  latest: LayerView | null;
-}
-
 /**
  * The views of a layer, by renderer, camera and target: a nested render, such as a mirror's, must not disturb the one around
  * it.
  */
 export class LayerViews {
-  readonly #byRenderer = new WeakMap<object, WeakMap<Camera, CameraViews>>();
+  /** Few: those of the last frames. */
   readonly #all = new Set<LayerView>();
   #draws = 0;
 
   /** Returns the view for a draw, made by `create` if there is none. Frees views that have long been idle. */
   use(renderer: object, camera: Camera, target: object, create: () => EmbeddedView): LayerView {
-    const views = this.#of(renderer, camera);
-    let view = views.byTarget.get(target);
-    if (!view || !this.#all.has(view)) {
-      view = new LayerView(create());
-      views.byTarget.set(target, view);
+    let view = this.latest(renderer, camera, target);
+    if (!view) {
+      view = new LayerView({ renderer, camera, target }, create());
       this.#all.add(view);
     }
-    views.latest = view;
     view.usedAt = ++this.#draws;
     this.#free((idle) => this.#draws - idle.usedAt > MAX_IDLE_DRAWS);
     return view;
   }
 
-  /** Returns the view that `renderer` drew last from `camera`, or null. */
-  latest(renderer: object, camera: Camera): LayerView | null {
-    const { latest } = this.#of(renderer, camera);
-    return latest && this.#all.has(latest) ? latest : null;
+  /** Returns the view that `renderer` drew last from `camera`, or null; with a target, that for it. */
+  latest(renderer: object, camera: Camera, target?: object): LayerView | null {
+    return this.#latest(
+      ({ place }) =>
+        place.camera === camera && place.renderer === renderer && (!target || place.target === target),
+    );
   }
 
   /** Returns the view whose last frame has `cloud` and was drawn last, or null. */
   latestWith(cloud: LayerCloud): LayerView | null {
-    const views = [...this.#all].filter(({ clouds }) => clouds.has(cloud));
-    return views.sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
+    return this.#latest(({ clouds }) => clouds.has(cloud));
   }
 
   destroyAll(): void {
     this.#free(() => true);
   }
 
-  #of(renderer: object, camera: Camera): CameraViews {
-    let byCamera = this.#byRenderer.get(renderer);
-    if (!byCamera) {
-      byCamera = new WeakMap();
-      this.#byRenderer.set(renderer, byCamera);
-    }
-    let views = byCamera.get(camera);
-    if (!views) {
-      views = { byTarget: new WeakMap(), latest: null };
-      byCamera.set(camera, views);
-    }
-    return views;
+  #latest(isWanted: (view: LayerView) => boolean): LayerView | null {
+    let latest: LayerView | null = null;
+    for (const view of this.#all)
+      if (isWanted(view) && !(latest && latest.usedAt > view.usedAt)) latest = view;
+    return latest;
   }
 
   #free(isIdle: (view: LayerView) => boolean): void {

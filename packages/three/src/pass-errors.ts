@@ -2,9 +2,16 @@ import { SplatsPassError } from './errors.ts';
 import type { RefusalReason } from './three-bridge.ts';
 
 const MESSAGES: Readonly<Record<RefusalReason, string>> = {
-  'several-cameras':
-    'Splats cannot be drawn with an ArrayCamera or in XR, for several cameras in a pass. Render each ' +
-    'camera alone, in a viewport of its own, or hide the splats.',
+  'layers-at-once':
+    'Splats cannot be drawn in XR, or into several layers of a RenderTarget at once, with this release of three, which ' +
+    'draws all of a layer at the end of its render. Install three 0.187.',
+  'many-cameras':
+    'Splats can be drawn for 16 cameras of an ArrayCamera at most, because a shader can read 16 textures. Render ' +
+    'further cameras by an ArrayCamera of their own.',
+  'unreadable-texture':
+    'Splats cannot be drawn over an image that cannot be read: the textures of this XR session have neither the usage ' +
+    'TEXTURE_BINDING nor COPY_SRC. Leave renderer.outputColorSpace at SRGBColorSpace, or set a tone mapping: three then ' +
+    'draws into a target of its own first.',
   'lost-samples':
     'Splats cannot be drawn into a RenderTarget that loses its samples when they interrupt three’s pass. Leave its ' +
     'storeMultisampledColorBuffer, storeMultisampledDepthBuffer and storeMultisampledStencilBuffer on.',

@@ -13,6 +13,7 @@ import {
   type SplatPick,
 } from '@websplatter/core';
 import {
+  type ArrayCamera,
   Box3,
   BufferGeometry,
   type Camera,
@@ -31,6 +32,9 @@ import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
+
+/** Loaded when an ArrayCamera draws. */
+let several: typeof import('./several-cameras.ts') | null = null;
 
 const layers = new WeakMap<Object3D, SplatLayer>();
 
@@ -61,8 +65,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #views = new LayerViews();
   readonly #depthMesh = new Mesh(this.geometry, new DepthLayerMaterial());
   readonly #reported = new Set<string>();
-  /** View whose image the triangle shows in the current draw; null if it shows nothing. */
-  #shown: LayerView | null = null;
 
   constructor() {
     super(viewportTriangle(), new ColorLayerMaterial());
@@ -79,7 +81,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     // Both have the same place and successive ids, so three draws the second directly after the first, sorted or not.
     this.#depthMesh.matrixWorld = this.matrixWorld;
     this.onBeforeRender = (renderer, scene, camera) => this.#draw(renderer, scene, camera);
-    this.#depthMesh.onBeforeRender = () => this.#showDepth();
   }
 
   /** Adds `cloud`, or updates the layer for its new place. */
@@ -144,106 +145,123 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   #draw(renderer: object, scene: Scene, camera: Camera): void {
-    this.#shown = null;
-    this.material.showNothing();
+    // Not drawn at all: three cannot draw a material for several cameras before that tells them apart.
+    this.count = this.#depthMesh.count = 0;
+    const open = (camera as ArrayCamera).isArrayCamera ? this.#openArrayPass : openPass;
     // Passes with an override material are about meshes: shadows, normals, depth.
-    if (scene.overrideMaterial) return;
+    if (!open || scene.overrideMaterial) return;
     try {
       const engine = splatEngineOf(renderer);
-      const pass = openPass(renderer as WebGPURenderer, scene, camera, this);
-      if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene, camera);
+      const pass = open(renderer as WebGPURenderer, scene, camera as ArrayCamera, this);
+      if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene);
     } catch (error) {
-      if (error instanceof PassRefusal)
-        void import('./pass-errors.ts').then(({ passError }) => this.#report(passError(error.reason)));
-      // The renderer reports a lost device.
-      else if (!(error instanceof DestroyedError)) this.#report(error);
+      this.reportDrawing(error);
       // A WebGLRenderer can show nothing of this library, and it does not know the layer's material either.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
   }
 
-  #drawInto(
-    pass: OpenPass,
-    renderer: WebGPURenderer,
-    engine: SplatEngine,
-    scene: Scene,
-    camera: Camera,
-  ): void {
+  /** What opens passes of several cameras; undefined while that is loaded. */
+  get #openArrayPass() {
+    if (!several)
+      void import('./several-cameras.ts').then((loaded) => {
+        several = loaded;
+        this.#requestFrame();
+      });
+    return several?.openArrayPass;
+  }
+
+  #requestFrame(): void {
+    for (const cloud of this.#clouds) cloud.requestFrame();
+  }
+
+  #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, scene: Scene): void {
     const nowMs = performance.now();
     const shown = this.#shownClouds();
     if (shown.length === 0) return;
-    const view = this.#viewFor(pass, renderer, engine, camera);
-    const { embedded } = view;
-    const wantedOf = (object: LayerCloud) =>
-      instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
-    const isReady = (clouds: Clouds, widthPx = pass.widthPx) =>
-      embedded.prepare({
-        camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
-        clouds: [...clouds.values()],
-        widthPx,
-        heightPx: pass.heightPx,
-        depth: pass.depth,
-        hasOccluders: pass.hasOccluders,
-        writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
-        accuracy: accuracyOf(clouds.keys()),
-      });
-    const prepare = (objects: readonly LayerCloud[]) => {
-      const settings = planesFor(objects, engine);
-      const clouds: Clouds = new Map();
-      /** The clouds of the last frame, which stay while others are uploaded and shaders for them compile. */
-      const lasting: Clouds = new Map();
-      for (const object of objects) {
-        if (!object.layers.test(camera.layers)) continue;
-        const wanted = wantedOf(object);
-        if (wanted) object.hold(engine, settings);
-        const last = view.clouds.get(object);
-        const before = last?.cloud === wanted?.cloud ? wanted : last;
-        if (object.data && before && !before.cloud.isDestroyed) lasting.set(object, before);
-        const drawn = wanted ?? lasting.get(object);
-        if (drawn) clouds.set(object, drawn);
-      }
-      return isReady(clouds) ? clouds : isReady(lasting) ? lasting : null;
-    };
-    const isValid = (object: LayerCloud) => {
+    /** Finds and sorts what a camera sees; null if there is nothing to draw. */
+    const views = pass.parts.map(({ camera, widthPx, heightPx }) => {
+      const view = this.#viewFor(pass, renderer, engine, camera);
+      const { embedded } = view;
+      const wantedOf = (object: LayerCloud) =>
+        instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
+      const isReady = (clouds: Clouds, width = widthPx) =>
+        embedded.prepare({
+          camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
+          clouds: [...clouds.values()],
+          widthPx: width,
+          heightPx,
+          depth: pass.depth,
+          hasOccluders: pass.hasOccluders,
+          writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
+          accuracy: accuracyOf(clouds.keys()),
+        });
+      const prepare = (objects: readonly LayerCloud[]) => {
+        const settings = planesFor(objects, engine);
+        const clouds: Clouds = new Map();
+        /** The clouds of the last frame, which stay while others are uploaded and shaders for them compile. */
+        const lasting: Clouds = new Map();
+        for (const object of objects) {
+          if (!object.layers.test(camera.layers)) continue;
+          const wanted = wantedOf(object);
+          if (wanted) object.hold(engine, settings);
+          const last = view.clouds.get(object);
+          const before = last?.cloud === wanted?.cloud ? wanted : last;
+          if (object.data && before && !before.cloud.isDestroyed) lasting.set(object, before);
+          const drawn = wanted ?? lasting.get(object);
+          if (drawn) clouds.set(object, drawn);
+        }
+        return isReady(clouds) ? clouds : isReady(lasting) ? lasting : null;
+      };
+      const isValid = (object: LayerCloud) => {
+        try {
+          const wanted = wantedOf(object);
+          // Without pixels, options are checked and nothing is prepared.
+          if (wanted) isReady(new Map([[object, wanted]]), 0);
+          return true;
+        } catch (error) {
+          this.#report(error, [object]);
+          return false;
+        }
+      };
+      let drawn: Clouds | null;
       try {
-        const wanted = wantedOf(object);
-        // Without pixels, options are checked and nothing is prepared.
-        if (wanted) isReady(new Map([[object, wanted]]), 0);
-        return true;
+        drawn = prepare(shown);
       } catch (error) {
-        this.#report(error, [object]);
-        return false;
+        const valid = shown.filter(isValid);
+        if (valid.length === shown.length) throw error;
+        drawn = prepare(valid);
       }
-    };
-    let drawn: Clouds | null;
-    try {
-      drawn = prepare(shown);
-    } catch (error) {
-      const valid = shown.filter(isValid);
-      if (valid.length === shown.length) throw error;
-      drawn = prepare(valid);
+      if (drawn) view.clouds = drawn;
+      return drawn && view;
+    });
+    if (!views.some(Boolean)) return;
+    /** By the camera's index. */
+    const images: (LayerView | null)[] = [];
+    pass.interrupt((part, encoder) => {
+      const view = views[part];
+      if (!view) return;
+      const { embedded, clouds } = view;
+      const { host } = pass.parts[part];
+      view.show(encoder ? embedded.draw(encoder, host) : embedded.makeImage(host), host);
+      images[part] = view;
+      [...clouds.keys()].forEach((object, i) => {
+        // The view may have drawn its last frame instead.
+        const shape = embedded.shape!.clouds[i];
+        if (shape && object.uploadedTo(engine) === shape.cloud)
+          object.announceDrawn(nowMs, shape.effects.effects);
+      });
+    });
+    for (const mesh of [this, this.#depthMesh]) {
+      mesh.material.show(images);
+      mesh.count = 1;
     }
-    if (!drawn) return;
-    view.clouds = drawn;
-    pass.interrupt((encoder, host) => {
-      view.show(embedded.draw(encoder, host), pass.xPx, pass.yPx);
-    });
-    this.#shown = view;
-    this.material.show(view.color!, view.xPx, view.yPx);
-    [...drawn.keys()].forEach((object, i) => {
-      // The view may have drawn its last frame instead.
-      const shape = embedded.shape!.clouds[i];
-      if (shape && object.uploadedTo(engine) === shape.cloud)
-        object.announceDrawn(nowMs, shape.effects.effects);
-    });
   }
 
   #viewFor(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): LayerView {
     const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
       const embedded = engine.createEmbeddedView();
-      embedded.onReady = () => {
-        for (const cloud of this.#clouds) cloud.requestFrame();
-      };
+      embedded.onReady = () => this.#requestFrame();
       embedded.onAccuracyChosen = (choice) => {
         for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
       };
@@ -253,16 +271,17 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     return view;
   }
 
-  #showDepth(): void {
-    const { material } = this.#depthMesh;
-    if (this.#shown?.depth) material.show(this.#shown.depth, this.#shown.xPx, this.#shown.yPx);
-    else material.showNothing();
-  }
-
   /** Returns the visible clouds, whatever their `layers`. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
     return [...this.#clouds].filter((object) => object.opacity !== 0 && isShown(object));
+  }
+
+  /** Tells why nothing is drawn, unless that is a lost device, which the renderer reports. */
+  reportDrawing(error: unknown): void {
+    if (error instanceof PassRefusal)
+      void import('./pass-errors.ts').then(({ passError }) => this.#report(passError(error.reason)));
+    else if (!(error instanceof DestroyedError)) this.#report(error);
   }
 
   /**

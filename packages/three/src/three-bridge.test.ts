@@ -1,131 +1,20 @@
-import { ArrayCamera, Object3D, PerspectiveCamera, Scene, type WebGPURenderer } from 'three/webgpu';
-import { describe, expect, test, vi } from 'vitest';
+import { Object3D } from 'three/webgpu';
+import { describe, expect, test } from 'vitest';
 import { ThreeInternalsError } from './errors.ts';
+import { camera, drawn, fakeRenderer, gpuTexture, scene } from './testing/fake-renderer.ts';
 import { hasWebGpuBackend, openPass } from './three-bridge.ts';
-
-const scene = new Scene();
-const camera = new PerspectiveCamera();
-const drawn = new Object3D();
-
-/** Records calls and their arguments, in order. */
-function recorder<Name extends string>(calls: unknown[][], ...names: Name[]) {
-  return Object.fromEntries(
-    names.map((name) => [name, (...args: unknown[]) => void calls.push([name, ...args])]),
-  ) as Record<Name, (...args: unknown[]) => void>;
-}
-
-function gpuTexture(label: string) {
-  return { label, dimension: '2d', depthOrArrayLayers: 1 } as GPUTexture;
-}
-
-/** The parts of a renderer that the bridge reads, in the middle of a pass into a render target. */
-function fakeRenderer() {
-  const calls: unknown[][] = [];
-  const passMethods = [
-    'end',
-    'executeBundles',
-    'endOcclusionQuery',
-    'setViewport',
-    'setScissorRect',
-    'setStencilReference',
-    'setBlendConstant',
-  ] as const;
-  const oldPass = recorder(calls, ...passMethods);
-  const newPass = recorder(calls, ...passMethods);
-  const target = { name: 'target' };
-  const colorTexture = { name: 'output' };
-  const depthTexture = {};
-  const context: Record<string, unknown> = {
-    renderTarget: target,
-    textures: [{ name: 'normal' }, colorTexture],
-    depthTexture,
-    depth: true,
-    stencil: false,
-    width: 100,
-    height: 80,
-    viewport: false,
-    viewportValue: { x: 10, y: 20, width: 30, height: 40, minDepth: 0, maxDepth: 1 },
-    scissor: false,
-    scissorValue: { x: 1, y: 2, width: 3, height: 4 },
-    activeCubeFace: 0,
-    activeMipmapLevel: 0,
-    occlusionQueryCount: 0,
-  };
-  const attachment = { view: 'view', loadOp: 'clear', storeOp: 'store' };
-  const data: Record<string, unknown> = {
-    currentPass: oldPass,
-    encoder: {
-      beginRenderPass: (descriptor: unknown) => {
-        calls.push(['beginRenderPass', descriptor]);
-        return newPass;
-      },
-    },
-    descriptor: {
-      label: 'pass',
-      colorAttachments: [attachment, { ...attachment }],
-      depthStencilAttachment: { view: 'depth view', depthLoadOp: 'clear', depthStoreOp: 'store' },
-    },
-    currentSets: { pipeline: 'something' },
-    renderBundles: [],
-  };
-  const kept = new Map<unknown, unknown>([
-    [context, data],
-    [colorTexture, { texture: gpuTexture('color') }],
-    [depthTexture, { texture: gpuTexture('depth') }],
-  ]);
-  const backend: Record<string, unknown> = {
-    isWebGPUBackend: true,
-    get: (key: unknown) => kept.get(key) ?? {},
-    context: { getCurrentTexture: () => gpuTexture('canvas') },
-    textureUtils: { getDepthBuffer: () => gpuTexture('depth buffer') },
-  };
-  const canvasTarget = { name: 'canvas' };
-  const list = {
-    bundles: [] as object[],
-    opaque: [] as object[],
-    transparentDoublePass: [] as object[],
-    transparent: [{ object: drawn, material: {} }] as object[],
-  };
-  const lighting = {};
-  const fields: Record<string, unknown> = {
-    _currentRenderContext: context,
-    _compilationPromises: null,
-    _renderLists: {
-      get: (...keys: unknown[]) => (keys.every((key, i) => key === [scene, camera, lighting][i]) ? list : {}),
-    },
-    lighting,
-    backend,
-    getCanvasTarget: () => canvasTarget,
-    getOutputRenderTarget: () => null,
-    reversedDepthBuffer: false,
-    logarithmicDepthBuffer: false,
-  };
-  const renderer = fields as unknown as WebGPURenderer;
-  return {
-    renderer,
-    fields,
-    backend,
-    context,
-    data,
-    calls,
-    kept,
-    list,
-    colorTexture,
-    target,
-    canvasTarget,
-    oldPass,
-    newPass,
-  };
-}
 
 const open = (fake: ReturnType<typeof fakeRenderer>) => openPass(fake.renderer, scene, camera, drawn)!;
 
 describe('the open pass', () => {
   test('has the target and viewport that three draws into', () => {
     const fake = fakeRenderer();
-    expect(open(fake)).toMatchObject({ target: fake.target, xPx: 0, yPx: 0, widthPx: 100, heightPx: 80 });
+    expect(open(fake)).toMatchObject({
+      target: fake.target,
+      parts: [{ camera, widthPx: 100, heightPx: 80, host: { xPx: 0, yPx: 0 } }],
+    });
     fake.context.viewport = true;
-    expect(open(fake)).toMatchObject({ xPx: 10, yPx: 20, widthPx: 30, heightPx: 40 });
+    expect(open(fake)).toMatchObject({ parts: [{ widthPx: 30, heightPx: 40, host: { xPx: 10, yPx: 20 } }] });
   });
 
   test('of a canvas has the canvas as its target, whatever three draws into first', () => {
@@ -161,13 +50,6 @@ describe('the open pass', () => {
     const unbegun = fakeRenderer();
     unbegun.data.currentPass = undefined;
     expect(openPass(unbegun.renderer, scene, camera, drawn)).toBeNull();
-  });
-
-  test('for several cameras at once throws', () => {
-    const { renderer } = fakeRenderer();
-    expect(() => openPass(renderer, scene, new ArrayCamera(), drawn)).toThrow(
-      expect.objectContaining({ reason: 'several-cameras' }),
-    );
   });
 });
 
@@ -208,8 +90,10 @@ describe('hasOccluders', () => {
 describe('an interruption', () => {
   test('lets others record between the parts of the pass', () => {
     const fake = fakeRenderer();
-    open(fake).interrupt((encoder, host) => {
+    const pass = open(fake);
+    pass.interrupt((part, encoder) => {
       expect(encoder).toBe(fake.data.encoder);
+      const { host } = pass.parts[part];
       expect(host).toMatchObject({ xPx: 0, yPx: 0, layer: 0 });
       expect([host.color.label, host.depth?.label]).toEqual(['color', 'depth']);
       fake.calls.push(['record']);
@@ -283,10 +167,8 @@ describe('an interruption', () => {
   test('uses the canvas’s texture if three draws directly onto it', () => {
     const fake = fakeRenderer();
     Object.assign(fake.context, { textures: null, depthTexture: null, renderTarget: null });
-    const record = vi.fn();
-    open(fake).interrupt(record);
-    const [, host] = record.mock.calls[0];
-    expect([host.color.label, host.depth.label]).toEqual(['canvas', 'depth buffer']);
+    const [{ host }] = open(fake).parts;
+    expect([host.color.label, host.depth?.label]).toEqual(['canvas', 'depth buffer']);
   });
 
   test('continues the pass if recording fails', () => {

@@ -1,11 +1,18 @@
-// All knowledge of three's internals is in this file: three has no public way to draw with WebGPU in the middle of its own
-// pass. The properties used here have kept their names from 0.170 to 0.187; each is checked before it is used.
+// All knowledge of three's internals is in this file and, for several cameras, in array-bridge.ts: three has no public way to
+// draw with WebGPU in the middle of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
+// checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
 import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
 import { ThreeInternalsError } from './errors.ts';
 
 /** Why a pass cannot be interrupted. */
-export type RefusalReason = 'several-cameras' | 'lost-samples' | 'unresolved-samples' | 'part-of-texture';
+export type RefusalReason =
+  | 'many-cameras'
+  | 'layers-at-once'
+  | 'unreadable-texture'
+  | 'lost-samples'
+  | 'unresolved-samples'
+  | 'part-of-texture';
 
 /** Thrown for a pass that cannot be interrupted; pass-errors.ts has the words for callers, and is loaded for them. */
 export class PassRefusal {
@@ -15,26 +22,36 @@ export class PassRefusal {
   }
 }
 
+/** What one camera of a pass sees, and where. */
+export interface PassPart {
+  readonly camera: Camera;
+  readonly widthPx: number;
+  readonly heightPx: number;
+  /** With the top left of the viewport, whole pixels, y down. */
+  readonly host: HostPass;
+}
+
 /** One of three's render passes while it is recorded. */
 export interface OpenPass {
   /** The target: a RenderTarget of the application, or the CanvasTarget. */
   readonly target: object;
-  /** Top left and size of the viewport, whole pixels, y down. */
-  readonly xPx: number;
-  readonly yPx: number;
-  readonly widthPx: number;
-  readonly heightPx: number;
+  /** One for each camera that draws in the pass, in three's order. */
+  readonly parts: readonly PassPart[];
   /** Undefined if the target has no depth. */
   readonly depth: DepthConvention | undefined;
   /** Whether objects drawn before may hide the splats; true if that is unknown. */
   readonly hasOccluders: boolean;
-  /** Ends the pass, lets `record` record passes of its own, and continues the pass as it was. */
-  interrupt(record: (encoder: GPUCommandEncoder, host: HostPass) => void): void;
+  /**
+   * Ends the pass, lets `record` record passes of its own for each part, and continues the pass as it was. Where three makes its
+   * passes later, `record` is first called without an encoder for each part, only to make the image to show, and again then.
+   */
+  interrupt(record: (part: number, encoder: GPUCommandEncoder | null) => void): void;
 }
 
 /**
  * Returns the pass that `renderer` is recording during the `onBeforeRender` of `drawn`, or null if it only compiles shaders.
  *
+ * @param camera if it is an ArrayCamera, `openArrayPass` makes parts of the pass.
  * @throws ThreeInternalsError if three has changed; PassRefusal if the pass cannot be interrupted.
  */
 export function openPass(
@@ -47,35 +64,35 @@ export function openPass(
   const context = internals._currentRenderContext;
   if (internals._compilationPromises !== null || context === null) return null;
   const { backend } = internals;
-  const data = probedData(backend.get(context));
-  if ((camera as { isArrayCamera?: boolean }).isArrayCamera) {
-    throw new PassRefusal('several-cameras');
-  }
-  if (!data.currentPass) return null;
-  probe(context, 'context', CONTEXT_SHAPE);
-  const viewport = context.viewport
+  const data = backend.get(context) as RenderContextData;
+  if (!data.currentPass && !data.bundleEncoders) return null;
+  probe(data, 'backend.get(context)', { object: ['encoder', 'descriptor', 'currentSets', 'renderBundles'] });
+  probe(data.descriptor, 'backend.get(context).descriptor', { object: ['colorAttachments'] });
+  probe(context, 'context', {
+    object: ['textures', 'viewportValue', 'scissorValue'],
+    boolean: ['depth', 'stencil', 'viewport', 'scissor'],
+    number: ['width', 'height', 'activeCubeFace', 'activeMipmapLevel', 'occlusionQueryCount'],
+  });
+  const { x, y, width, height } = context.viewport
     ? context.viewportValue
     : { x: 0, y: 0, width: context.width, height: context.height };
-  checkResumable(data.descriptor);
+  if (data.currentPass) checkResumable(data.descriptor);
   const host: HostPass = {
     color: colorOf(backend, context, data.descriptor),
     depth: context.depth ? depthOf(backend, context) : null,
-    xPx: viewport.x,
-    yPx: viewport.y,
+    xPx: x,
+    yPx: y,
     layer: context.activeCubeFace,
   };
   return {
     target: targetKey(renderer, context),
-    xPx: viewport.x,
-    yPx: viewport.y,
-    widthPx: viewport.width,
-    heightPx: viewport.height,
+    parts: [{ camera, widthPx: width, heightPx: height, host }],
     depth: context.depth ? depthConvention(renderer) : undefined,
     hasOccluders: isDepthLoaded(data) || mayHaveWrittenDepth(internals, scene, camera, drawn),
     interrupt: (record) => {
       suspend(backend, context, data);
       try {
-        record(data.encoder, host);
+        record(0, data.encoder);
       } finally {
         resume(context, data);
       }
@@ -96,7 +113,7 @@ interface Rectangle {
 }
 
 /** The properties of a RenderContext that are read here. */
-interface RenderContext {
+export interface RenderContext {
   readonly renderTarget: (object & { readonly isPostProcessingRenderTarget?: boolean }) | null;
   readonly textures: readonly { readonly name: string }[] | null;
   readonly depthTexture: object | null;
@@ -113,25 +130,19 @@ interface RenderContext {
   readonly occlusionQueryCount: number;
 }
 
-const CONTEXT_SHAPE = {
-  object: ['textures', 'viewportValue', 'scissorValue'],
-  boolean: ['depth', 'stencil', 'viewport', 'scissor'],
-  number: ['width', 'height', 'activeCubeFace', 'activeMipmapLevel', 'occlusionQueryCount'],
-};
-
 /** The backend's data about a RenderContext while it is drawn. */
-interface RenderContextData extends OcclusionData {
+export interface RenderContextData extends OcclusionData {
   currentPass: GPURenderPassEncoder | null | undefined;
   readonly encoder: GPUCommandEncoder;
   readonly descriptor: PassDescriptor;
   currentSets: object;
   renderBundles: GPURenderBundle[];
+  /** If three makes a pass for each camera of an array when all is drawn: what it has recorded for them. */
+  readonly bundleEncoders?: readonly GPURenderBundleEncoder[];
   readonly currentStencilRef?: number;
   readonly currentBlendColor?: { readonly r: number; readonly g: number; readonly b: number };
   readonly currentBlendAlpha?: number;
 }
-
-const DATA_SHAPE = { object: ['encoder', 'descriptor', 'currentSets', 'renderBundles'] };
 
 interface OcclusionData {
   lastOcclusionObject?: { readonly occlusionTest?: boolean } | null;
@@ -143,14 +154,14 @@ type PassDescriptor = Omit<GPURenderPassDescriptor, 'colorAttachments'> & {
 };
 
 /** The backend's data about a Texture. */
-interface TextureData {
+export interface TextureData {
   readonly texture?: GPUTexture;
   /** The target of draws if the texture is resolved from several samples: one texture, or since 0.187 one per layer. */
   readonly msaaTexture?: GPUTexture;
   readonly msaaTextures?: readonly GPUTexture[];
 }
 
-interface Backend {
+export interface Backend {
   get(of: object): object;
   readonly context: GPUCanvasContext;
   readonly textureUtils: { getDepthBuffer(depth: boolean, stencil: boolean): GPUTexture };
@@ -158,7 +169,7 @@ interface Backend {
   getOcclusionData?(context: RenderContext): OcclusionData;
 }
 
-interface RendererInternals {
+export interface RendererInternals {
   readonly _currentRenderContext: RenderContext | null;
   readonly _compilationPromises: readonly unknown[] | null;
   /** Read if present; without it, nothing is known about the objects drawn before. */
@@ -181,41 +192,37 @@ interface RenderItem {
   readonly material: { readonly depthWrite?: boolean };
 }
 
-const probedRenderers = new WeakSet<object>();
-const probedContexts = new WeakSet<object>();
+const probed = new WeakSet<object>();
 /** Passes that continue an interrupted one. */
 const resumedPasses = new WeakSet<object>();
 
 function internalsOf(renderer: WebGPURenderer): RendererInternals {
   const internals = renderer as unknown as RendererInternals;
-  if (!probedRenderers.has(renderer)) {
-    probe(internals, 'renderer', {
-      object: ['_currentRenderContext', '_compilationPromises', 'backend'],
-      function: ['getCanvasTarget'],
-    });
-    probe(internals.backend, 'renderer.backend', { function: ['get'], object: ['textureUtils'] });
-    probe(internals.backend.textureUtils, 'renderer.backend.textureUtils', { function: ['getDepthBuffer'] });
-    probedRenderers.add(renderer);
-  }
+  probe(internals, 'renderer', {
+    object: ['_currentRenderContext', '_compilationPromises', 'backend'],
+    function: ['getCanvasTarget'],
+  });
+  probe(internals.backend, 'renderer.backend', { function: ['get'], object: ['textureUtils'] });
+  probe(internals.backend.textureUtils, 'renderer.backend.textureUtils', { function: ['getDepthBuffer'] });
   return internals;
 }
 
-function probedData(data: object): RenderContextData {
-  const found = data as RenderContextData;
-  if (found.currentPass && !probedContexts.has(found)) {
-    probe(found, 'backend.get(context)', DATA_SHAPE);
-    probe(found.descriptor, 'backend.get(context).descriptor', { object: ['colorAttachments'] });
-    probedContexts.add(found);
-  }
-  return found;
-}
-
-/** @param shape names of properties, by type. */
-function probe(object: object, path: string, shape: Readonly<Record<string, readonly string[]>>): void {
+/**
+ * Throws unless `object` has what is used of it; each object is looked at once.
+ *
+ * @param shape names of properties, by type.
+ */
+export function probe(
+  object: object,
+  path: string,
+  shape: Readonly<Record<string, readonly string[]>>,
+): void {
+  if (probed.has(object)) return;
   for (const type in shape)
     for (const name of shape[type])
       if (typeof (object as Record<string, unknown>)[name] !== type)
         throw new ThreeInternalsError(`${path}.${name} (${type})`, REVISION);
+  probed.add(object);
 }
 
 /** Returns the object that identifies the target: three draws frames for a canvas into a target of its own first. */
@@ -254,11 +261,9 @@ function mayHaveWrittenDepth(
 }
 
 function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescriptor): void {
-  const isDiscarded =
-    colorAttachments.some(({ storeOp }) => storeOp === 'discard') ||
-    depthStencilAttachment?.depthStoreOp === 'discard' ||
-    depthStencilAttachment?.stencilStoreOp === 'discard';
-  if (isDiscarded) {
+  const { depthStoreOp, stencilStoreOp } = depthStencilAttachment ?? {};
+  const storeOps = [...colorAttachments.map(({ storeOp }) => storeOp), depthStoreOp, stencilStoreOp];
+  if (storeOps.includes('discard')) {
     throw new PassRefusal('lost-samples');
   }
 }
@@ -323,8 +328,7 @@ function resume(context: RenderContext, data: RenderContextData): void {
   }
   if (data.currentStencilRef !== undefined) pass.setStencilReference(data.currentStencilRef);
   if (data.currentBlendColor && data.currentBlendAlpha !== undefined) {
-    const { r, g, b } = data.currentBlendColor;
-    pass.setBlendConstant({ r, g, b, a: data.currentBlendAlpha });
+    pass.setBlendConstant({ ...data.currentBlendColor, a: data.currentBlendAlpha });
   }
   resumedPasses.add(pass);
   data.currentPass = pass;

@@ -99,6 +99,17 @@ export class EmbeddedView extends ViewCore {
     return this.parts.compose.image!;
   }
 
+  /**
+   * Makes the image that the next `draw` over `pass` fills: for a host that records what shows it before.
+   *
+   * @throws as `draw`.
+   */
+  makeImage(pass: HostPass): EmbeddedImage {
+    this.checkUsable();
+    this.withMemory(this.prepared!, () => this.parts.compose.fitHost(this.shape!, pass));
+    return this.parts.compose.image!;
+  }
+
   /** Frees the view's GPU memory, after the host has submitted what it is recording; the clouds stay. */
   destroy(): void {
     if (this.end()) queueMicrotask(() => this.free());
