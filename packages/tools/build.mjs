@@ -60,7 +60,7 @@ const PACKAGES = [
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   {
     name: 'three',
-    entries: { index: 'src/index.ts', 'own-data': 'src/own-data.ts' },
+    entries: { index: 'src/index.ts', 'own-data': 'src/own-data.ts', xr: 'src/xr.ts' },
     inputs: [],
     hasDeclarations: true,
   },

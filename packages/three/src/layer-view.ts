@@ -88,10 +88,7 @@ export class LayerViews {
   }
 
   #latest(isWanted: (view: LayerView) => boolean): LayerView | null {
-    let latest: LayerView | null = null;
-    for (const view of this.#all)
-      if (isWanted(view) && !(latest && latest.usedAt > view.usedAt)) latest = view;
-    return latest;
+    return [...this.#all].filter(isWanted).sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
   }
 
   #free(isIdle: (view: LayerView) => boolean): void {

@@ -181,7 +181,15 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     if (shown.length === 0) return;
     /** Finds and sorts what a camera sees; null if there is nothing to draw. */
     const views = pass.parts.map(({ camera, widthPx, heightPx }) => {
-      const view = this.#viewFor(pass, renderer, engine, camera);
+      const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
+        const embedded = engine.createEmbeddedView();
+        embedded.onReady = () => this.#requestFrame();
+        embedded.onAccuracyChosen = (choice) => {
+          for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
+        };
+        embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
+        return embedded;
+      });
       const { embedded } = view;
       const wantedOf = (object: LayerCloud) =>
         instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
@@ -256,19 +264,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       mesh.material.show(images);
       mesh.count = 1;
     }
-  }
-
-  #viewFor(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, camera: Camera): LayerView {
-    const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
-      const embedded = engine.createEmbeddedView();
-      embedded.onReady = () => this.#requestFrame();
-      embedded.onAccuracyChosen = (choice) => {
-        for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
-      };
-      embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
-      return embedded;
-    });
-    return view;
   }
 
   /** Returns the visible clouds, whatever their `layers`. */
