@@ -530,6 +530,18 @@ describe('three 0.187', () => {
       expectTestScene(shots.map((shot) => ({ ...shot, pixels: encodedPixels(shot.pixels) })));
     });
 
+    test.runIf(isFull)('write depth', async () => {
+      const { onCanvas, layers } = await run('arrayDepth');
+      for (const x of [0.25, 0.75]) expectPixel(pixelAt(onCanvas, x, 0.5), [230, 230, 230, 255]);
+      for (const layer of layers) expectPixel(pixelAt(encodedPixels(layer), 0.5, 0.5), [230, 230, 230, 255]);
+    });
+
+    test.runIf(isFull)('are picked by one of the cameras', async () => {
+      const { byArray, alone } = await run('arrayPick');
+      expect(byArray).toContainEqual(expect.any(Number));
+      expect(byArray).toEqual(alone);
+    });
+
     test('in an XR session', async () => {
       expectTestScene(await run('xrSession', { cameras: 'eyes' }));
     });

@@ -12,6 +12,7 @@ import {
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
 import { FakeXrSession } from './fake-xr.ts';
+import { splatCloud } from './splats.ts';
 import {
   drawn,
   makeRenderer,
@@ -58,6 +59,30 @@ function camerasOf(kind: ArrayOptions['cameras']): PerspectiveCamera[] {
     const viewport = new Vector4(i * SIZE_PX, 0, SIZE_PX, SIZE_PX);
     return Object.assign(camera, { viewport });
   });
+}
+
+/** A target with a layer for each of two cameras. */
+function layeredTarget(samples = 0): RenderTarget {
+  return new RenderTarget(SIZE_PX, SIZE_PX, {
+    type: HalfFloatType,
+    samples,
+    depth: 2,
+    useArrayDepthTexture: true,
+  });
+}
+
+/** Renders into `target` until the splats of both cameras are drawn. */
+async function drawnInto(
+  { renderer, scene }: Stage,
+  array: ArrayCamera,
+  target: RenderTarget,
+): Promise<void> {
+  const draw = () => {
+    renderer.setRenderTarget(target);
+    renderer.render(scene, array);
+    renderer.setRenderTarget(null);
+  };
+  await drawn(renderer, scene, draw, 2);
 }
 
 function addTestScene({ scene }: Pick<Stage, 'scene'>, hasWall: boolean): void {
@@ -126,31 +151,60 @@ export const arrayCases = {
   /** The same in layers of a render target: linear colours. */
   arrayLayers: async ({ cameras: kind, hasWall = false }: ArrayOptions, samples: number) => {
     const stage = await newStage();
-    const { renderer, scene } = stage;
+    const { renderer } = stage;
     addTestScene(stage, hasWall);
     const cameras = camerasOf(kind);
     const array = arrayOf(cameras);
-    const target = new RenderTarget(SIZE_PX, SIZE_PX, {
-      type: HalfFloatType,
-      samples,
-      depth: 2,
-      useArrayDepthTexture: true,
-    });
-    await drawn(
-      renderer,
-      scene,
-      () => {
-        renderer.setRenderTarget(target);
-        renderer.render(scene, array);
-        renderer.setRenderTarget(null);
-      },
-      2,
-    );
+    const target = layeredTarget(samples);
+    await drawnInto(stage, array, target);
     const shots: CameraShot[] = [];
     for (const [i, camera] of cameras.entries())
       shots.push(shotBy(camera, await targetPixels(renderer, target, i)));
     target.dispose();
     return shots;
+  },
+
+  /** Splats that write depth before a wall that is drawn after them, by both cameras: from a canvas and from layers. */
+  arrayDepth: async () => {
+    const stage = await newStage();
+    const { renderer, scene } = stage;
+    const cloud = splatCloud({ opacity: 0.9 });
+    cloud.depthWrite = true;
+    const wall = new Mesh(new PlaneGeometry(50, 50), new MeshBasicMaterial({ color: 0x00ff00 }));
+    wall.material.transparent = true;
+    wall.renderOrder = 1;
+    wall.position.z = -0.5;
+    scene.add(cloud, wall);
+    const array = arrayOf(camerasOf('eyes'));
+    renderer.setSize(2 * SIZE_PX, SIZE_PX, false);
+    const onCanvas = await shotOf(stage, () => renderer.render(scene, array), 2);
+    const target = layeredTarget();
+    await drawnInto(stage, array, target);
+    const layers = [await targetPixels(renderer, target, 0), await targetPixels(renderer, target, 1)];
+    target.dispose();
+    return { onCanvas, layers };
+  },
+
+  /** Splats along the middle of the right camera's viewport, by the array and alone. */
+  arrayPick: async () => {
+    const stage = await newStage();
+    const { renderer, scene } = stage;
+    addTestScene(stage, false);
+    const cloud = scene.children.find((child) => child instanceof SplatCloudObject)!;
+    const cameras = camerasOf('eyes');
+    const array = arrayOf(cameras);
+    renderer.setSize(2 * SIZE_PX, SIZE_PX, false);
+    await shotOf(stage, () => renderer.render(scene, array), 2);
+    const picksFrom = async (leftPx: number) => {
+      const found: (number | undefined)[] = [];
+      for (let xPx = 4; xPx < SIZE_PX; xPx += 8)
+        found.push((await cloud.pick(renderer, cameras[1], leftPx + xPx, SIZE_PX / 2))?.splatIndex);
+      return found;
+    };
+    const byArray = await picksFrom(SIZE_PX);
+    renderer.setSize(SIZE_PX, SIZE_PX, false);
+    await shotOf(stage, () => renderer.render(scene, cameras[1]));
+    return { byArray, alone: await picksFrom(0) };
   },
 
   /** Both views of an XR session. */
