@@ -818,6 +818,16 @@ describe('three 0.185', () => {
     expectPixel(leftOf(await run('postProcessing', {})), GREY);
   });
 
+  test.runIf(isFull)('several cameras in viewports; in layers, the error says what to do', async () => {
+    const { shots, alone } = await run('arrayViewports', { cameras: 'apart' });
+    shots.forEach(({ pixels }, i) => {
+      expect(psnrOf(pixels, alone[i])).toBeGreaterThan(MIN_PSNR_DB);
+    });
+    const { errors, after } = await run('arrayLayersRefused');
+    expect(errors).toEqual([expect.stringMatching(/^SplatsPassError: .*Install three 0\.187/)]);
+    expectPixel(leftOf(after), GREY);
+  });
+
   test('depth is written back', async () => {
     expectPixel(leftOf(await run('depthWriteBack', true, {})), [230, 230, 230, 255]);
   });

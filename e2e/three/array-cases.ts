@@ -185,6 +185,27 @@ export const arrayCases = {
     return { onCanvas, layers };
   },
 
+  /** What a cloud is told where three cannot be interrupted in a pass with layers. */
+  arrayLayersRefused: async () => {
+    const stage = await newStage();
+    const { renderer, scene } = stage;
+    const cloud = splatCloud({});
+    const errors: string[] = [];
+    cloud.onError = (error) => errors.push(`${error.name}: ${error.message}`);
+    scene.add(cloud);
+    const array = arrayOf(camerasOf('eyes'));
+    const target = layeredTarget();
+    for (let attempt = 0; attempt < 500 && errors.length === 0; attempt++) {
+      renderer.setRenderTarget(target);
+      renderer.render(scene, array);
+      renderer.setRenderTarget(null);
+      // The code for several cameras, and then the words, are loaded.
+      await new Promise((resolve) => setTimeout(resolve, 10));
+    }
+    target.dispose();
+    return { errors, after: await shotOf(stage, () => renderer.render(scene, stage.camera)) };
+  },
+
   /** Splats along the middle of the right camera's viewport, by the array and alone. */
   arrayPick: async () => {
     const stage = await newStage();
