@@ -454,7 +454,10 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
         ],
       })
       .end();
-    const image = view.draw(encoder, { color, depth: null, xPx: 0, yPx: 0 });
+    const pass = { color, depth: null, xPx: 0, yPx: 0 };
+    const made = view.makeImage(pass);
+    const image = view.draw(encoder, pass);
+    expect(image, 'the image that was made before').toBe(made);
     device.queue.submit([encoder.finish()]);
     const { data } = await readTexture(device, image.color);
     const [red, , , alpha] = data.subarray(4 * (20 * SIZE.widthPx + 24));
@@ -587,9 +590,11 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
     });
     const pass = { color, depth: null, xPx: 0, yPx: 0 };
     expect(() => view.draw(encoder, pass)).toThrow(InvalidArgumentError);
+    expect(() => view.makeImage(pass)).toThrow(InvalidArgumentError);
     const depth = { compare: 'less-equal', mapping: 'projection' } as const;
     await prepared(view, { camera, clouds: [{ cloud }], ...SIZE, depth });
     expect(() => view.draw(encoder, pass)).toThrow(/host gave none/);
+    expect(() => view.makeImage(pass)).toThrow(/host gave none/);
     view.destroy();
     color.destroy();
   });

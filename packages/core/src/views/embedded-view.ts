@@ -3,6 +3,7 @@ import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
@@ -81,17 +82,7 @@ export class EmbeddedView extends ViewCore {
    *   host can submit what it has.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
-    this.checkUsable();
-    const { shape } = this;
-    if (!shape) {
-      throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');
-    }
-    if (shape.depth && !pass.depth) {
-      throw new InvalidArgumentError(
-        'depth',
-        'The frame was prepared for a depth test and the host gave none.',
-      );
-    }
+    this.#shapeOver(pass);
     // The image is made with the first draw of its size.
     this.withMemory(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
     // The host submits before it yields to microtasks; reading back must not begin earlier.
@@ -105,8 +96,8 @@ export class EmbeddedView extends ViewCore {
    * @throws as `draw`.
    */
   makeImage(pass: HostPass): EmbeddedImage {
-    this.checkUsable();
-    this.withMemory(this.prepared!, () => this.parts.compose.fitHost(this.shape!, pass));
+    const shape = this.#shapeOver(pass);
+    this.withMemory(this.prepared!, () => this.parts.compose.fitHost(shape, pass));
     return this.parts.compose.image!;
   }
 
@@ -139,6 +130,22 @@ export class EmbeddedView extends ViewCore {
       this.recordOrder(encoder);
       device.queue.submit([encoder.finish()]);
     });
+  }
+
+  /** Returns the shape of the prepared frame. @throws DestroyedError, InvalidArgumentError if it cannot be drawn over `pass`. */
+  #shapeOver(pass: HostPass): FrameShape {
+    this.checkUsable();
+    const { shape } = this;
+    if (!shape) {
+      throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');
+    }
+    if (shape.depth && !pass.depth) {
+      throw new InvalidArgumentError(
+        'depth',
+        'The frame was prepared for a depth test and the host gave none.',
+      );
+    }
+    return shape;
   }
 
   /** Returns the requested depth test, then the alternatives to draw with while its shaders compile. */
