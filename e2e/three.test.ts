@@ -5,6 +5,7 @@ import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
 import { isFull } from './full-run.ts';
+import { motionErrors } from './motion-reference.ts';
 import { MIN_PSNR_DB } from './reference.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
@@ -158,6 +159,20 @@ function psnrOf(actual: Pixels, expected: Pixels): number {
   const { widthPx, heightPx } = expected;
   const [a, b] = [actual, expected].map(({ data }) => Float64Array.from(data, (value) => value / 255));
   return compareImages(a, b, { widthPx, heightPx, background: [0, 0, 0] }).psnrDb;
+}
+
+/** Averages the light of an image that has several pixels for each of the other. */
+function meanOfFine(fine: Pixels, { widthPx, heightPx, data }: Pixels): Pixels {
+  const perPixel = fine.widthPx / widthPx;
+  const means = data.map((_, i) => {
+    const [channel, x, y] = [i % 4, Math.floor(i / 4) % widthPx, Math.floor(i / 4 / widthPx)];
+    let sum = 0;
+    for (let row = y * perPixel; row < (y + 1) * perPixel; row++)
+      for (let column = x * perPixel; column < (x + 1) * perPixel; column++)
+        sum += decoded(fine.data[4 * (row * fine.widthPx + column) + channel]);
+    return encoded(sum / perPixel ** 2);
+  });
+  return { widthPx, heightPx, data: means };
 }
 
 /** Indices of the pixel and of those around it. */
@@ -348,6 +363,47 @@ describe('three 0.187', () => {
         compared++;
       }
       expect(compared).toBeGreaterThan(1000);
+    });
+
+    test.each([
+      ['everything', {}],
+      ...(isFull
+        ? ([
+            ['camera', {}],
+            ['cloud', {}],
+            ['everything', { antialias: true }],
+            ['everything', { logarithmicDepthBuffer: true }],
+            ['everything', { reversedDepthBuffer: true }],
+          ] as const)
+        : []),
+    ] as const)('gives effects the motion of splats and of what they leave free: %s %o', async (...how) => {
+      const { splats, wall, largestPx } = motionErrors(await run('motion', ...how));
+      expect(largestPx).toBeGreaterThan(2);
+      // A splat that reaches out of its cloud's bounds may be taken for one of another cloud, with another motion.
+      const [moves] = how;
+      expect(splats.filter((px) => px > 0.01).length).toBeLessThan(
+        moves === 'everything' ? 0.02 * splats.length : 1,
+      );
+      expect(splats.length).toBeGreaterThan(200);
+      expect(Math.max(...wall)).toBeLessThan(0.01);
+      expect(wall.length).toBeGreaterThan(2000);
+    });
+
+    test('does not take jitter for motion', async () => {
+      const { velocity } = await run('motion', 'nothing');
+      expect(Math.max(...velocity.data.filter((_, i) => i % 4 < 2).map(Math.abs))).toBeLessThan(1e-6);
+    });
+
+    test.runIf(isFull)('lets TRAA keep a still picture, and blur a moving one less', async () => {
+      const still = await run('temporal', 32, 0, true);
+      expect(psnrOf(still.temporal, still.plain)).toBeGreaterThan(45);
+      const [followed, left] = [
+        await run('temporal', 16, 0.02, true),
+        await run('temporal', 16, 0.02, false),
+      ];
+      const ideal = meanOfFine(followed.fine, followed.plain);
+      // 35.8 dB and 33.2 dB.
+      expect(psnrOf(followed.temporal, ideal)).toBeGreaterThan(psnrOf(left.temporal, ideal) + 1.5);
     });
 
     test('is looked at only where something may be in it', async () => {

@@ -51,6 +51,7 @@ import {
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
 import { arrayCases } from './array-cases.ts';
+import { postCases } from './post-cases.ts';
 import { checkeredSplats, manySplats, splatCloud, splatData, splatSet } from './splats.ts';
 import {
   areOn,
@@ -138,6 +139,7 @@ function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: Perspecti
 /** Run by name from the tests, which know what is to be expected of their results. */
 export const cases = {
   ...arrayCases,
+  ...postCases,
 
   revision: async () => REVISION,
 

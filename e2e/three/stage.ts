@@ -197,9 +197,18 @@ export async function targetPixels(
   renderer: WebGPURenderer,
   target: RenderTarget,
   face = 0,
+  textureIndex = 0,
 ): Promise<Pixels> {
   const { width: widthPx, height: heightPx, texture } = target;
-  const values = await renderer.readRenderTargetPixelsAsync(target, 0, 0, widthPx, heightPx, 0, face);
+  const values = await renderer.readRenderTargetPixelsAsync(
+    target,
+    0,
+    0,
+    widthPx,
+    heightPx,
+    textureIndex,
+    face,
+  );
   const bytesPerValue = values.BYTES_PER_ELEMENT;
   // Rows are padded to 256 bytes.
   const rowValues = (Math.ceil((4 * widthPx * bytesPerValue) / 256) * 256) / bytesPerValue;

@@ -7,7 +7,7 @@ import type {
   SplatEngine,
 } from '@websplatter/core';
 import type { EffectUse, SplatEffect } from '@websplatter/core/effects';
-import type { Box3, Camera, Object3D, Scene } from 'three/webgpu';
+import type { Box3, BufferGeometry, Camera, Object3D, Scene } from 'three/webgpu';
 
 /** The part of `SplatCloudObject` that a layer knows and uses to draw it. */
 export interface LayerCloud extends Object3D {
@@ -16,6 +16,8 @@ export interface LayerCloud extends Object3D {
   readonly shDegree: ShDegree;
   readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;
+  /** Empty except for the bounds of the cloud, in its own space. */
+  readonly geometry: BufferGeometry;
   readonly worldBounds: Box3;
   leave(layer: CloudLayer): void;
   uploadedTo(engine: SplatEngine): SplatCloud | null;

@@ -2,68 +2,80 @@ import { ivec2, positionGeometry, screenCoordinate, texture, uniform, vec3, vec4
 import {
   DataTexture,
   type ExternalTexture,
-  FloatType,
-  LessEqualDepth,
   NoBlending,
   NodeMaterial,
-  RedFormat,
   type Texture,
   Vector2,
 } from 'three/webgpu';
 
-/** An image to show, and the top left of its viewport in the target. */
-export interface ShownImage {
+/** Images to show, and the top left of their viewport in the target. */
+export interface ShownImages {
   readonly color: ExternalTexture | null;
   readonly depth: ExternalTexture | null;
   readonly xPx: number;
   readonly yPx: number;
 }
 
-/** A place for an image in a material, which has one for each camera that draws at once. */
-export type ImageSlot = ReturnType<typeof imageSlot>;
-
 /**
- * Makes a place for the image of `kind` of what is shown.
+ * An image in the viewport, of its size, as a node.
  *
- * @param nothing a texture of one pixel, which shaders do not draw: of its own, since three binds nodes that begin with the same
- *   texture only once.
+ * When three draws an object, directly after `onBeforeRender`, it binds the image that `show` has set; draws recorded before
+ * keep their own bind groups. One node therefore serves all views, as long as `show` precedes each draw.
  */
-export function imageSlot(nothing: Texture, kind: 'color' | 'depth') {
-  nothing.needsUpdate = true;
-  const image = texture(nothing);
-  const originPx = uniform(new Vector2());
+export class ViewportImage {
+  /** The image's pixel at the fragment; that of `nothing` where nothing is shown. */
+  readonly texel;
+  readonly #nothing: Texture;
+  readonly #image;
+  readonly #originPx = uniform(new Vector2());
   /** Pixels of the image per pixel of the target; 0 shows the image's first pixel everywhere. */
-  const scale = uniform(0);
-  return {
-    nothing,
-    kind,
-    /** The image's pixel at the fragment. */
-    texel: image.load(ivec2(screenCoordinate.sub(originPx).mul(scale))),
-    show(shown: ShownImage | null | undefined) {
-      image.value = shown?.[kind] ?? nothing;
-      scale.value = Number(image.value !== nothing);
-      if (shown) originPx.value.set(shown.xPx, shown.yPx);
-    },
-  };
+  readonly #scale = uniform(0);
+
+  /**
+   * @param nothing a texture of one pixel, with the sample type of the images: of its own, since three binds nodes that begin
+   *   with the same texture only once.
+   */
+  constructor(nothing: Texture) {
+    nothing.needsUpdate = true;
+    this.#nothing = nothing;
+    this.#image = texture(nothing);
+    this.texel = this.#image.load(ivec2(screenCoordinate.sub(this.#originPx).mul(this.#scale)));
+  }
+
+  /** @param image with its top left in the target; none: nothing is shown. */
+  show(image?: Texture | null, xPx = 0, yPx = 0): void {
+    this.#image.value = image ?? this.#nothing;
+    this.#originPx.value.set(xPx, yPx);
+    this.#scale.value = Number(!!image);
+  }
+
+  /** Returns another that shows nothing yet. */
+  another(): ViewportImage {
+    return new ViewportImage(this.#nothing.clone());
+  }
+
+  dispose(): void {
+    this.#nothing.dispose();
+  }
 }
 
 /** The pixel of an image, in a shader. */
-export type Texel = ImageSlot['texel'];
+export type Texel = ViewportImage['texel'];
 
 /**
- * Covers the viewport with an image of its size, pixel by pixel.
- *
- * three builds one shader for the material, and one set of bindings per kind of target and depth of nesting. When it draws
- * the object, directly after `onBeforeRender`, it binds the images that the slots have; draws recorded before keep their own
- * bind groups. One material therefore serves all views, as long as every slot shows an image or nothing before each draw.
+ * Covers the viewport with an image of its size, pixel by pixel. three builds one shader for the material, and one set of
+ * bindings per kind of target and depth of nesting.
  */
 export abstract class ViewportMaterial extends NodeMaterial {
   /** By the camera's index; only one, until several cameras draw at once. */
-  readonly slots: ImageSlot[];
+  readonly images: ViewportImage[];
+  readonly #kind: 'color' | 'depth';
 
-  constructor(slot: ImageSlot) {
+  /** @param nothing a texture of one pixel that the material does not draw, with the sample type of the images. */
+  constructor(nothing: Texture, kind: 'color' | 'depth') {
     super();
-    this.slots = [slot];
+    this.images = [new ViewportImage(nothing)];
+    this.#kind = kind;
     this.transparent = true;
     this.blending = NoBlending;
     this.fog = false;
@@ -73,22 +85,23 @@ export abstract class ViewportMaterial extends NodeMaterial {
     this.vertexNode = vec4(positionGeometry.xy, 0, 1);
     // A normal towards the camera, for targets with normals.
     this.normalNode = vec3(0, 0, 1);
-    this.shade(slot.texel);
+    this.shade(this.images[0].texel);
   }
 
   /** Makes the material draw `texel`. */
   abstract shade(texel: Texel): void;
 
   /** @param shown by the camera's index. */
-  show(shown: readonly (ShownImage | null)[]): void {
-    this.slots.forEach((slot, i) => {
-      slot.show(shown[i]);
+  show(shown: readonly (ShownImages | null)[]): void {
+    this.images.forEach((image, i) => {
+      const of = shown[i];
+      image.show(of?.[this.#kind], of?.xPx, of?.yPx);
     });
   }
 
   override dispose(): void {
     super.dispose();
-    for (const { nothing } of this.slots) nothing.dispose();
+    for (const image of this.images) image.dispose();
   }
 
   /** Ignores clipping planes: they cut meshes by position, and the position of a triangle over the viewport means nothing. */
@@ -103,7 +116,7 @@ export abstract class ViewportMaterial extends NodeMaterial {
 /** Replaces the target's colour with the image's exact value wherever the image has some opacity. */
 export class ColorLayerMaterial extends ViewportMaterial {
   constructor() {
-    super(imageSlot(new DataTexture(new Uint8Array(4), 1, 1), 'color'));
+    super(new DataTexture(new Uint8Array(4), 1, 1), 'color');
     this.depthTest = false;
     this.depthWrite = false;
   }
@@ -111,19 +124,5 @@ export class ColorLayerMaterial extends ViewportMaterial {
   override shade(texel: Texel): void {
     this.colorNode = texel;
     this.maskNode = texel.a.greaterThan(0);
-  }
-}
-
-/** Writes the image's values as depth, except negative ones and those with something in front of them. */
-export class DepthLayerMaterial extends ViewportMaterial {
-  constructor() {
-    super(imageSlot(new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, FloatType), 'depth'));
-    this.colorWrite = false;
-    this.depthFunc = LessEqualDepth;
-  }
-
-  override shade(texel: Texel): void {
-    this.depthNode = texel.r;
-    this.maskNode = texel.r.greaterThanEqual(0);
   }
 }

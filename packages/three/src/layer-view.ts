@@ -20,6 +20,8 @@ export class LayerView {
   color: ExternalTexture | null = null;
   /** Depth of the last image; null if it has none. */
   depth: ExternalTexture | null = null;
+  /** What else is kept for the view's outputs; null before it is needed. */
+  outputs: { destroy(): void } | null = null;
   /** Clouds of the embedded view's last frame, in its order. */
   clouds: ReadonlyMap<LayerCloud, CloudInstance> = new Map();
   /** Top left of the viewport that the image belongs to. */
@@ -45,6 +47,7 @@ export class LayerView {
   destroy(): void {
     this.color?.dispose();
     this.depth?.dispose();
+    this.outputs?.destroy();
     this.embedded.destroy();
   }
 }

@@ -101,7 +101,7 @@ describe('the layer of a scene', () => {
     expect(cloud.children).toEqual([]);
   });
 
-  test('has the highest render order of its clouds, and writes depth if one does', () => {
+  test('has the highest render order of its clouds, and writes depth if one does', async () => {
     const scene = new Scene();
     const [first, second] = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
     first.renderOrder = 3;
@@ -114,7 +114,8 @@ describe('the layer of a scene', () => {
     expect([layer.renderOrder, depthMesh.renderOrder, depthMesh.visible]).toEqual([3, 3, false]);
     second.depthWrite = true;
     scene.updateMatrixWorld();
-    expect(depthMesh.visible).toBe(true);
+    await vi.waitUntil(() => depthMesh.visible);
+    expect(depthMesh.material).not.toBe(layer.material);
     first.removeFromParent();
     expect(layer.renderOrder).toBe(-1);
   });

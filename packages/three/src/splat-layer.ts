@@ -28,7 +28,8 @@ import {
 } from 'three/webgpu';
 import { splatEngineOf } from './create-splat-renderer.ts';
 import type { LayerCloud } from './layer-cloud.ts';
-import { ColorLayerMaterial, DepthLayerMaterial } from './layer-material.ts';
+import { ColorLayerMaterial } from './layer-material.ts';
+import type { LayerOutputs } from './layer-outputs.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
@@ -63,7 +64,10 @@ export function rootOf(object: Object3D): Object3D {
 export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #clouds = new Set<LayerCloud>();
   readonly #views = new LayerViews();
-  readonly #depthMesh = new Mesh(this.geometry, new DepthLayerMaterial());
+  readonly #depthMesh: Mesh = new Mesh(this.geometry);
+  /** What the layer writes besides its colours; loaded when that is needed, null before. */
+  #outputs: LayerOutputs | null = null;
+  #outputsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
 
   constructor() {
@@ -124,7 +128,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   #free(): void {
     this.#views.destroyAll();
     this.material.dispose();
-    this.#depthMesh.material.dispose();
+    this.#outputs?.dispose();
     this.geometry.dispose();
   }
 
@@ -141,7 +145,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
     this.renderOrder = renderOrder ?? 0;
     this.#depthMesh.renderOrder = this.renderOrder;
-    this.#depthMesh.visible = depthWrite;
+    if (depthWrite) this.#loadOutputs();
+    this.#depthMesh.visible = depthWrite && !!this.#outputs;
   }
 
   #draw(renderer: object, scene: Scene, camera: Camera): void {
@@ -191,6 +196,9 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
         return embedded;
       });
       const { embedded } = view;
+      if (renderer.getMRT()) this.#loadOutputs();
+      // What is on the screen goes on meanwhile.
+      if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
       const wantedOf = (object: LayerCloud) =>
         instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
       const isReady = (clouds: Clouds, width = widthPx) =>
@@ -252,6 +260,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       const { embedded, clouds } = view;
       const { host } = pass.parts[part];
       view.show(encoder ? embedded.draw(encoder, host) : embedded.makeImage(host), host);
+      if (encoder) this.#outputs?.show(view, renderer, pass, part, encoder);
       images[part] = view;
       [...clouds.keys()].forEach((object, i) => {
         // The view may have drawn its last frame instead.
@@ -260,10 +269,26 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
           object.announceDrawn(nowMs, shape.effects.effects);
       });
     });
-    for (const mesh of [this, this.#depthMesh]) {
-      mesh.material.show(images);
-      mesh.count = 1;
-    }
+    this.material.show(images);
+    this.#outputs?.depthMaterial.show(images);
+    this.count = this.#depthMesh.count = 1;
+  }
+
+  #loadOutputs(): void {
+    this.#outputsLoading ??= import('./layer-outputs.ts').then(
+      ({ LayerOutputs }) => {
+        this.material.dispose();
+        this.#outputs = new LayerOutputs();
+        this.material = this.#outputs.colorMaterial;
+        this.#depthMesh.material = this.#outputs.depthMaterial;
+        this.#arrange();
+        this.#requestFrame();
+      },
+      (error) => {
+        this.#outputsLoading = null;
+        this.#report(error);
+      },
+    );
   }
 
   /** Returns the visible clouds, whatever their `layers`. */

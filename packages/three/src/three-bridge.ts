@@ -42,6 +42,11 @@ export interface OpenPass {
   /** Whether objects drawn before may hide the splats; true if that is unknown. */
   readonly hasOccluders: boolean;
   /**
+   * Returns the texture, with one sample per pixel, of the pass's output with this name: valid while it is interrupted. Null if
+   * it has none.
+   */
+  readonly outputTexture: (name: string) => GPUTexture | null;
+  /**
    * Ends the pass, lets `record` record passes of its own for each part, and continues the pass as it was. Where three makes its
    * passes later, `record` is first called without an encoder for each part, only to make the image to show, and again then.
    */
@@ -89,6 +94,10 @@ export function openPass(
     parts: [{ camera, widthPx: width, heightPx: height, host }],
     depth: context.depth ? depthConvention(renderer) : undefined,
     hasOccluders: isDepthLoaded(data) || mayHaveWrittenDepth(internals, scene, camera, drawn),
+    outputTexture: (name) => {
+      const texture = context.textures?.find((each) => each.name === name);
+      return (texture && (backend.get(texture) as TextureData).texture) ?? null;
+    },
     interrupt: (record) => {
       suspend(backend, context, data);
       try {

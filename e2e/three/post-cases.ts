@@ -1,0 +1,136 @@
+import { packCloud } from '@websplatter/core';
+import { SplatCloudObject, SplatData } from '@websplatter/three';
+import { traa } from 'three/addons/tsl/display/TRAANode.js';
+import { mrt, output, pass, vec4, velocity } from 'three/tsl';
+import {
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  type PerspectiveCamera,
+  PlaneGeometry,
+  RenderPipeline,
+} from 'three/webgpu';
+import { testScene } from '../test-scene.ts';
+import {
+  newStage,
+  nextFrame,
+  type Pixels,
+  type RendererParameters,
+  SIZE_PX,
+  shot,
+  shotOf,
+  targetPixels,
+} from './stage.ts';
+
+/** What moves between two frames. */
+type MotionKind = 'nothing' | 'camera' | 'cloud' | 'everything';
+
+/** From where a frame is seen, and where its clouds are. */
+export interface FramePose {
+  readonly viewMatrix: readonly number[];
+  readonly projectionMatrix: readonly number[];
+  readonly modelMatrices: readonly (readonly number[])[];
+}
+
+/** Where the wall behind the clouds is, in world space. */
+const WALL_Z = -4;
+
+/** Pixels of a finer image per pixel and axis. */
+const SUPERSAMPLING = 4;
+
+function cloudOfTestScene(): SplatCloudObject {
+  return new SplatCloudObject(
+    new SplatData(packCloud(testScene(), { geometryPrecision: 'f32' }), 'test scene'),
+  );
+}
+
+export const postCases = {
+  /** Two clouds before a wall, and what an output for three's velocity has after something has moved. */
+  motion: async (moves: MotionKind, parameters: RendererParameters = {}) => {
+    const stage = await newStage(parameters);
+    const { renderer, scene, camera } = stage;
+    const clouds = moves === 'cloud' ? [cloudOfTestScene()] : [cloudOfTestScene(), cloudOfTestScene()];
+    for (const cloud of clouds) {
+      cloud.depthWrite = true;
+      cloud.accuracy = 'reference';
+      cloud.scale.setScalar(0.4);
+    }
+    clouds[0].position.set(-1.4, -0.3, 0);
+    clouds[1]?.position.set(0.4, -0.6, -0.5);
+    const wall = new Mesh(new PlaneGeometry(40, 40), new MeshBasicMaterial());
+    wall.position.z = WALL_Z;
+    scene.add(...clouds, wall);
+    const scenePass = pass(scene, camera);
+    scenePass.setMRT(mrt({ output, velocity }));
+    // 0.185 draws only outputs that somebody has asked for.
+    scenePass.getTextureNode('velocity');
+    const pipeline = new RenderPipeline(renderer, scenePass.getTextureNode('output'));
+    const pose = (): FramePose => ({
+      viewMatrix: [...camera.matrixWorldInverse.elements],
+      projectionMatrix: [...camera.projectionMatrix.elements],
+      modelMatrices: clouds.map(({ matrixWorld }) => [...matrixWorld.elements]),
+    });
+    const draw = async () => {
+      await nextFrame();
+      await shotOf(stage, () => pipeline.render());
+    };
+    // Compiles the splats' shaders: another attempt might be in the frame of the first, where three draws no pass again.
+    await shot(stage);
+    await draw();
+    const before = pose();
+    if (moves === 'camera' || moves === 'everything') {
+      camera.position.set(0.15, 0.05, 2.9);
+      camera.rotation.set(0.01, 0.04, 0.02);
+    }
+    if (moves === 'cloud' || moves === 'everything') clouds[0].rotation.set(0, 0.1, 0.1);
+    if (moves === 'everything') clouds[1].position.y += 0.1;
+    if (moves === 'nothing') jitter(camera);
+    await draw();
+    velocity.setProjectionMatrix(null);
+    const { renderTarget } = scenePass;
+    const index = renderTarget.textures.findIndex(({ name }) => name === 'velocity');
+    const found = await targetPixels(renderer, renderTarget, 0, index);
+    return { before, after: pose(), velocity: found, near: camera.near, far: camera.far, wallZ: WALL_Z };
+  },
+
+  /**
+   * The test scene in three's TRAA after `frames` frames in which the camera moves by `step` each, with the motion of splats or as
+   * if nothing moved; the same without TRAA; and as the mean of more pixels.
+   */
+  temporal: async (frames: number, step: number, hasMotion: boolean) => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = cloudOfTestScene();
+    cloud.depthWrite = true;
+    cloud.accuracy = { preset: 'reference', rasterizer: 'tiles' };
+    cloud.scale.setScalar(0.7);
+    cloud.position.set(-0.6, -0.8, 0);
+    const wall = new Mesh(new PlaneGeometry(40, 40), new MeshBasicMaterial({ color: 0x334455 }));
+    wall.position.z = WALL_Z;
+    scene.add(cloud, wall);
+    const scenePass = pass(scene, camera);
+    scenePass.setMRT(mrt({ output, velocity, still: vec4(0) }));
+    const motion = scenePass.getTextureNode(hasMotion ? 'velocity' : 'still');
+    const image = scenePass.getTextureNode('output');
+    const temporal = traa(image, scenePass.getTextureNode('depth'), motion, camera);
+    const pipeline = new RenderPipeline(renderer, temporal);
+    await shot(stage);
+    camera.position.x -= frames * step;
+    let result: Pixels | null = null;
+    for (let frame = 0; frame < frames; frame++) {
+      camera.position.x += step;
+      await nextFrame();
+      result = await shotOf(stage, () => pipeline.render());
+    }
+    const plain = await shot(stage);
+    renderer.setSize(SUPERSAMPLING * SIZE_PX, SUPERSAMPLING * SIZE_PX, false);
+    const fine = await shot(stage);
+    return { temporal: result!, plain, fine };
+  },
+};
+
+/** Moves the image by parts of a pixel, as TRAA does, and tells three. */
+function jitter(camera: PerspectiveCamera): void {
+  velocity.setProjectionMatrix(new Matrix4().copy(camera.projectionMatrix));
+  camera.setViewOffset(SIZE_PX, SIZE_PX, 0.3, -0.4, SIZE_PX, SIZE_PX);
+}

@@ -1,0 +1,96 @@
+import { type Box3, Matrix4, Vector3 } from 'three/webgpu';
+
+/** Most clouds in one view whose motions are told apart. */
+export const MOST_MOTIONS = 8;
+
+/** Least thickness of a cloud's box, in parts of its size. */
+const LEAST_THICKNESS = 0.01;
+
+/** Where a cloud is. */
+export interface CloudPose {
+  readonly modelMatrix: Matrix4;
+  /** In the cloud's own space. */
+  readonly bounds: Box3;
+}
+
+/** From where a frame shows what. */
+export interface Pose {
+  /** From world to clip space, without the jitter of temporal effects. */
+  readonly clipMatrix: Matrix4;
+  readonly clouds: ReadonlyMap<object, CloudPose>;
+}
+
+/** How what a frame shows has moved since the frame before. All matrices take normalised device coordinates of the frame. */
+export interface Motion {
+  /** To the frame's own clip space without jitter. */
+  readonly toClip: Matrix4;
+  /** At least one, the largest first: a place belongs to the box that it is in, the last of several, or to the nearest. */
+  readonly boxes: readonly MovingBox[];
+}
+
+/** The bounds of something that moves as a whole. */
+export interface MovingBox {
+  /** Takes what is in the box to −1…1. */
+  readonly toBox: Matrix4;
+  /** To clip space of the frame before. */
+  readonly toPreviousClip: Matrix4;
+}
+
+/** Tells poses of a view by three's frames, of which one may draw a view several times. */
+export class PoseHistory {
+  #frame = -1;
+  #current: Pose | null = null;
+  #previous: Pose | null = null;
+
+  /** Returns the pose of the last frame before `frame`; `pose` itself if there is none. */
+  before(frame: number, pose: Pose): Pose {
+    if (frame !== this.#frame) this.#previous = this.#current;
+    this.#frame = frame;
+    this.#current = pose;
+    return this.#previous ?? pose;
+  }
+}
+
+/**
+ * Returns how clouds have moved. A pixel tells its place but not its cloud: if all clouds have moved alike, that is exact
+ * everywhere; if not, each place is taken to belong to the cloud with the smallest box around it. Of more than `MOST_MOTIONS`
+ * clouds, the smallest move with what is around them.
+ *
+ * @param ndcToWorld from normalised device coordinates of the frame, as it is drawn, to world space.
+ */
+export function motionBetween(previous: Pose, current: Pose, ndcToWorld: Matrix4): Motion {
+  const clouds = [...current.clouds].map(([cloud, pose]) => {
+    const before = previous.clouds.get(cloud)?.modelMatrix ?? pose.modelMatrix;
+    return { box: boxMatrix(pose), toPrevious: moved(pose.modelMatrix, before) };
+  });
+  const isCommon = clouds.every(({ toPrevious }) => toPrevious.equals(clouds[0].toPrevious));
+  return {
+    toClip: product(current.clipMatrix, ndcToWorld),
+    boxes: clouds
+      .sort((a, b) => Math.abs(b.box.determinant()) - Math.abs(a.box.determinant()))
+      .slice(0, isCommon ? 1 : MOST_MOTIONS)
+      .map(({ box, toPrevious }) => ({
+        toBox: product(box.invert(), ndcToWorld),
+        toPreviousClip: product(previous.clipMatrix, toPrevious, ndcToWorld),
+      })),
+  };
+}
+
+function product(...matrices: readonly Matrix4[]): Matrix4 {
+  return matrices.reduce((all, next) => all.multiply(next), new Matrix4());
+}
+
+/** Returns what takes points that move with a model matrix back; the identity where nothing has moved, exactly. */
+function moved(now: Matrix4, before: Matrix4): Matrix4 {
+  const isStill = now.equals(before) || now.determinant() === 0;
+  return isStill ? new Matrix4() : new Matrix4().multiplyMatrices(before, now.clone().invert());
+}
+
+/** Returns what takes −1…1 to a cloud's box in world space. */
+function boxMatrix({ modelMatrix, bounds }: CloudPose): Matrix4 {
+  const half = bounds.getSize(new Vector3()).multiplyScalar(0.5);
+  const least = Math.max(LEAST_THICKNESS * half.length(), Number.EPSILON);
+  half.max(new Vector3(least, least, least));
+  const box = new Matrix4().makeScale(half.x, half.y, half.z);
+  return box.setPosition(bounds.getCenter(new Vector3())).premultiply(modelMatrix);
+}
