@@ -13,7 +13,18 @@ import {
 } from '@websplatter/three';
 import { editsOf, makeSplatData } from '@websplatter/three/own-data';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
-import { emissive, mrt, output, pass, reflector, uniform, vec4 } from 'three/tsl';
+import {
+  emissive,
+  float,
+  fog as fogNode,
+  mrt,
+  output,
+  pass,
+  rangeFogFactor,
+  reflector,
+  uniform,
+  vec4,
+} from 'three/tsl';
 import {
   ACESFilmicToneMapping,
   BoxGeometry,
@@ -499,10 +510,15 @@ export const cases = {
   },
 
   /** Red splats on the left and a red wall on the right, equally far, in fog; and splats that are to be none the fainter. */
-  fog: async (fog: { near: number; far: number } | { density: number }) => {
+  fog: async (fog: { near: number; far: number; isNode?: boolean } | { density: number }) => {
     const stage = await newStage();
     const color = 0x8090b0;
-    stage.scene.fog = 'density' in fog ? new FogExp2(color, fog.density) : new Fog(color, fog.near, fog.far);
+    if ('density' in fog) stage.scene.fog = new FogExp2(color, fog.density);
+    else if (!fog.isNode) stage.scene.fog = new Fog(color, fog.near, fog.far);
+    else {
+      const factor = rangeFogFactor(float(fog.near), uniform(fog.far));
+      stage.scene.fogNode = fogNode(uniform(new Color(color)), factor);
+    }
     const cloud = splatCloud({ color: [1, 0, 0], opacity: 0.99 }, { color: [1, 0, 0], opacity: 0.99 });
     stage.scene.add(rightHalf(wall(0xff0000, 0.001)), cloud);
     const fogged = await shotWith(stage, { fog: true });

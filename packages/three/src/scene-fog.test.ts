@@ -1,6 +1,15 @@
 import { fog } from '@websplatter/core/effects';
-import { Fog, FogExp2, Scene } from 'three/webgpu';
-import { expect, test, vi } from 'vitest';
+import {
+  color,
+  densityFogFactor,
+  exponentialHeightFogFactor,
+  float,
+  fog as fogNodeOf,
+  rangeFogFactor,
+  uniform,
+} from 'three/tsl';
+import { Color, Fog, FogExp2, Scene } from 'three/webgpu';
+import { describe, expect, test, vi } from 'vitest';
 import { sceneFog } from './scene-fog.ts';
 
 /** Returns the options of the fog of a scene with `fog`. */
@@ -25,7 +34,38 @@ test.each([new Fog('white', 5, 5), new Fog('white', 5, 2)])(
   },
 );
 
-test('a fog node is warned of once, and not where the scene has fog for splats beside it', () => {
+/** Returns the options of the fog of a scene with `fogNode` and white fog beside it. */
+function optionsOfNode(fogNode: object): unknown {
+  const scene = Object.assign(new Scene(), { fogNode });
+  scene.fog = new Fog('white', 2, 5);
+  return sceneFog(scene)[0].options;
+}
+
+describe('a fog node', () => {
+  test('of range or density is followed, with the present values of uniforms', () => {
+    const [tone, far] = [uniform(new Color('white')), uniform(7)];
+    const node = fogNodeOf(tone, rangeFogFactor(float(3), far));
+    expect(optionsOfNode(node)).toEqual({ color: [1, 1, 1], near: 3, far: 7 });
+    tone.value.set('black');
+    far.value = 8;
+    expect(optionsOfNode(node)).toEqual({ color: [0, 0, 0], near: 3, far: 8 });
+    const dense = fogNodeOf(color(0x000000), densityFogFactor(float(0.5)));
+    expect(optionsOfNode(dense)).toEqual({ color: [0, 0, 0], density: 0.5 });
+  });
+
+  test.each([
+    ['by height', fogNodeOf(color(0), exponentialHeightFogFactor(float(1), float(2)))],
+    ['of computed distances', fogNodeOf(color(0), rangeFogFactor(float(1), float(2).mul(3)))],
+    ['of a computed density', fogNodeOf(color(0), densityFogFactor(float(1).mul(3)))],
+    ['of a computed colour', fogNodeOf(color(0).mul(2), densityFogFactor(float(1)))],
+    ['of a factor alone', rangeFogFactor(float(1), float(2))],
+    ['of another kind', {}],
+  ])('%s is not, and the fog beside it is', (_, node) => {
+    expect(optionsOfNode(node)).toEqual({ color: [1, 1, 1], near: 2, far: 5 });
+  });
+});
+
+test('a fog node that is not followed is warned of once, and not where the scene has fog for splats beside it', () => {
   const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
   const scene = Object.assign(new Scene(), { fogNode: {} });
   scene.fog = new Fog('white', 2, 5);

@@ -1,23 +1,26 @@
 import { type EffectUse, type FogOptions, fog } from '@websplatter/core/effects';
 import type { Fog, FogExp2, Scene } from 'three/webgpu';
 import { encodedColor } from './effect-options.ts';
+import { fogOfNode } from './fog-node.ts';
 
 const warned = new WeakSet<Scene>();
 
 /**
- * Returns the fog of a scene as an effect; none without fog. A `fogNode` is code for meshes, which splats cannot follow: they
- * take the scene's `fog` beside it, and if there is none, that is said on the console, once per scene.
+ * Returns the fog of a scene as an effect; none without fog. A `fogNode` is code for meshes, of which splats can follow range and
+ * density fog. Beside any other they take the scene's `fog`, and if there is none, that is said on the console, once per scene.
  *
  * @throws InvalidArgumentError for fog whose distances or density are no numbers.
  */
 export function sceneFog(scene: Scene): EffectUse[] {
-  if (scene.fog) return [fog(fogOptionsOf(scene.fog as Fog | FogExp2))];
   const { fogNode } = scene as { fogNode?: object | null };
+  const followed = (fogNode && fogOfNode(fogNode)) || (scene.fog as Fog | FogExp2 | null);
+  if (followed) return [fog(fogOptionsOf(followed))];
   if (fogNode && !warned.has(scene)) {
     warned.add(scene);
     console.warn(
-      'Splats do not follow scene.fogNode. Set scene.fog, too, to the Fog or FogExp2 that comes nearest: splats take that, ' +
-        'and meshes go on following the node. With fog = false on the clouds, they stay clear without this warning.',
+      'Splats follow a scene.fogNode of rangeFogFactor or densityFogFactor whose inputs are constants or uniforms, and not this ' +
+        'one. Set scene.fog, too, to the Fog or FogExp2 that comes nearest: splats take that, and meshes go on following the ' +
+        'node. With fog = false on the clouds, they stay clear without this warning.',
     );
   }
   return [];

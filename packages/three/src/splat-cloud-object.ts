@@ -70,8 +70,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   /** Effects from `@websplatter/core/effects` or your own, each at most once: `[tint([1, 0.8, 0.6])]`. Effects cost time. */
   effects: readonly EffectUse[] = [];
   /**
-   * Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a `fog` of its own. Splats
-   * cannot follow a `fogNode`: they take the scene's `fog` then, which meshes ignore beside a node.
+   * Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a `fog` of its own. Of a
+   * `fogNode` splats follow range and density fog; beside another they take the scene's `fog`, which meshes ignore then.
    */
   fog = true;
   /**
