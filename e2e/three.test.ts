@@ -389,6 +389,14 @@ describe('three 0.187', () => {
       expect(wall.length).toBeGreaterThan(2000);
     });
 
+    test('and other outputs are what meshes wrote, to ambient occlusion, where splats write none', async () => {
+      const without = await run('occlusion', null);
+      expect(Math.min(...without.data), 'the box on the floor').toBeLessThan(220);
+      expect(await run('occlusion', false)).toEqual(without);
+      const written = await run('occlusion', true);
+      expect(written).not.toEqual(without);
+    });
+
     test('does not take jitter for motion', async () => {
       const { velocity } = await run('motion', 'nothing');
       expect(Math.max(...velocity.data.filter((_, i) => i % 4 < 2).map(Math.abs))).toBeLessThan(1e-6);
@@ -764,7 +772,7 @@ describe('three 0.187', () => {
   });
 
   describe('effects', () => {
-    test.each([{ near: 1, far: 6 }, { density: 0.3 }])(
+    test.each([{ near: 1, far: 6 }, { near: 1, far: 6, isNode: true }, { density: 0.3 }])(
       'fog of the scene hides splats as it does meshes: %o',
       async (fog) => {
         const { fogged, clear } = await run('fog', fog);

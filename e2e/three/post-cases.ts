@@ -1,24 +1,41 @@
 import { packCloud } from '@websplatter/core';
-import { SplatCloudObject, SplatData } from '@websplatter/three';
+import { SplatCloudObject, SplatData, splatEngineOf } from '@websplatter/three';
+import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { traa } from 'three/addons/tsl/display/TRAANode.js';
-import { mrt, output, pass, vec4, velocity } from 'three/tsl';
 import {
+  colorToDirection,
+  directionToColor,
+  mrt,
+  normalView,
+  output,
+  pass,
+  sample,
+  vec3,
+  vec4,
+  velocity,
+} from 'three/tsl';
+import {
+  AmbientLight,
+  BoxGeometry,
+  DirectionalLight,
   Matrix4,
   Mesh,
   MeshBasicMaterial,
+  MeshStandardMaterial,
   type PerspectiveCamera,
   PlaneGeometry,
   RenderPipeline,
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
 import {
+  canvasPixels,
   newStage,
   nextFrame,
   type Pixels,
   type RendererParameters,
   SIZE_PX,
+  type Stage,
   shot,
-  shotOf,
   targetPixels,
 } from './stage.ts';
 
@@ -70,13 +87,9 @@ export const postCases = {
       projectionMatrix: [...camera.projectionMatrix.elements],
       modelMatrices: clouds.map(({ matrixWorld }) => [...matrixWorld.elements]),
     });
-    const draw = async () => {
-      await nextFrame();
-      await shotOf(stage, () => pipeline.render());
-    };
-    // Compiles the splats' shaders: another attempt might be in the frame of the first, where three draws no pass again.
+    // Compiles the splats' shaders.
     await shot(stage);
-    await draw();
+    await passShot(stage, pipeline);
     const before = pose();
     if (moves === 'camera' || moves === 'everything') {
       camera.position.set(0.15, 0.05, 2.9);
@@ -85,12 +98,26 @@ export const postCases = {
     if (moves === 'cloud' || moves === 'everything') clouds[0].rotation.set(0, 0.1, 0.1);
     if (moves === 'everything') clouds[1].position.y += 0.1;
     if (moves === 'nothing') jitter(camera);
-    await draw();
+    await passShot(stage, pipeline);
     velocity.setProjectionMatrix(null);
     const { renderTarget } = scenePass;
     const index = renderTarget.textures.findIndex(({ name }) => name === 'velocity');
     const found = await targetPixels(renderer, renderTarget, 0, index);
     return { before, after: pose(), velocity: found, near: camera.near, far: camera.far, wallZ: WALL_Z };
+  },
+
+  /** Three's ambient occlusion of a box and a cloud over a floor; null: without the cloud. */
+  occlusion: async (depthWrite: boolean | null) => {
+    const stage = await overFloor(depthWrite);
+    const { renderer, scene, camera } = stage;
+    const scenePass = pass(scene, camera);
+    scenePass.setMRT(mrt({ output, normal: directionToColor(normalView) }));
+    const [depth, normals] = ['depth', 'normal'].map((name) => scenePass.getTextureNode(name));
+    // 0.185 draws only outputs that somebody has asked for.
+    scenePass.getTextureNode('output');
+    const normal = sample((uv) => colorToDirection(normals.sample(uv)));
+    const occlusion = vec4(vec3(ao(depth, normal, camera).getTextureNode().r), 1);
+    return passShot(stage, new RenderPipeline(renderer, occlusion), depthWrite !== null);
   },
 
   /**
@@ -119,8 +146,7 @@ export const postCases = {
     let result: Pixels | null = null;
     for (let frame = 0; frame < frames; frame++) {
       camera.position.x += step;
-      await nextFrame();
-      result = await shotOf(stage, () => pipeline.render());
+      result = await passShot(stage, pipeline);
     }
     const plain = await shot(stage);
     renderer.setSize(SUPERSAMPLING * SIZE_PX, SUPERSAMPLING * SIZE_PX, false);
@@ -128,6 +154,43 @@ export const postCases = {
     return { temporal: result!, plain, fine };
   },
 };
+
+/** The canvas after `pipeline` has drawn splats, each time in another frame of the page: three draws a pass once in each. */
+async function passShot({ renderer }: Stage, pipeline: RenderPipeline, hasSplats = true): Promise<Pixels> {
+  const engine = splatEngineOf(renderer);
+  const before = engine.counters().framesDrawn;
+  for (let attempt = 0; attempt < 500; attempt++) {
+    await nextFrame();
+    pipeline.render();
+    const pixels = canvasPixels(renderer);
+    if (!hasSplats || engine.counters().framesDrawn > before) return pixels;
+  }
+  throw new Error('The splats were never drawn in a pass.');
+}
+
+/** A box and, if asked for, a cloud over a floor. */
+async function overFloor(depthWrite: boolean | null): Promise<Stage> {
+  const stage = await newStage();
+  const { scene, camera } = stage;
+  const floor = new Mesh(new PlaneGeometry(20, 20), new MeshStandardMaterial());
+  floor.rotation.x = -Math.PI / 2;
+  floor.position.y = -1;
+  const box = new Mesh(new BoxGeometry(), new MeshStandardMaterial({ color: 0xcc3322 }));
+  box.position.set(-1.1, -0.5, -0.5);
+  const sun = new DirectionalLight(0xffffff, 3);
+  sun.position.set(1, 2, 2);
+  scene.add(floor, box, sun, new AmbientLight(0xffffff, 1));
+  camera.position.y = 0.5;
+  camera.lookAt(0, -0.3, 0);
+  if (depthWrite === null) return stage;
+  const cloud = cloudOfTestScene();
+  cloud.depthWrite = depthWrite;
+  cloud.accuracy = { preset: 'reference', rasterizer: 'tiles' };
+  cloud.scale.setScalar(0.5);
+  cloud.position.set(0.3, -0.9, 0);
+  scene.add(cloud);
+  return stage;
+}
 
 /** Moves the image by parts of a pixel, as TRAA does, and tells three. */
 function jitter(camera: PerspectiveCamera): void {

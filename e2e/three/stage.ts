@@ -107,7 +107,7 @@ function nextNeededFrame(scene: Object3D): Promise<void> {
  * What has been drawn on the canvas in this task: premultiplied RGBA. A 2D canvas that copies it is now and then given
  * nothing by Chromium on SwiftShader, so the texture itself is read.
  */
-async function canvasPixels(renderer: WebGPURenderer): Promise<Pixels> {
+export async function canvasPixels(renderer: WebGPURenderer): Promise<Pixels> {
   const texture = renderer.domElement.getContext('webgpu')!.getCurrentTexture();
   const { device } = splatEngineOf(renderer);
   const { width: widthPx, height: heightPx } = texture;
