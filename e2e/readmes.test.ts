@@ -40,6 +40,8 @@ const READMES: Readonly<
       scene: "import('three/webgpu').Scene",
       camera: "import('three/webgpu').PerspectiveCamera",
       cloud: "import('@websplatter/three').SplatCloudObject",
+      data: "import('@websplatter/three').SplatData",
+      pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",
       min: "import('three').Vector3",
       max: "import('three').Vector3",
       selection: "import('@websplatter/core/effects').SplatSelection",

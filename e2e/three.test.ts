@@ -1,4 +1,5 @@
 import { type Camera, cameraFromMatrices } from '@websplatter/core';
+import { clip } from '@websplatter/core/effects';
 import { compareImages, renderReference } from '@websplatter/core/reference';
 import { syntheticPly } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
@@ -420,6 +421,30 @@ describe('three 0.187', () => {
       expect(isDrawnAtOnce).toBe(true);
       expectBetweenMeshes(pixels);
     });
+
+    test.each([3, -3])(
+      'of a pane inside of a cloud divides two objects with the same splats: camera at %d',
+      async (z) => {
+        const { image, volumes, pane, modelMatrix, ...camera } = await run('paneInCloud', z);
+        const { widthPx, heightPx } = image;
+        const [behind, before] = volumes.map((kept) =>
+          renderReference({
+            clouds: [{ set: testScene(), modelMatrix, effects: [clip({ volumes: kept })] }],
+            camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
+            widthPx,
+            heightPx,
+          }),
+        );
+        const expected = image.data.map((_, i) => {
+          const channel = i % 4;
+          if (channel === 3) return 255;
+          const under = decoded(255 * behind.data[i]);
+          const withPane = encoded(pane.opacity * pane.color[channel] + (1 - pane.opacity) * under);
+          return Math.round(255 * before.data[i] + (1 - before.data[i - channel + 3]) * withPane);
+        });
+        expect(psnrOf(image, { widthPx, heightPx, data: expected })).toBeGreaterThan(60);
+      },
+    );
 
     test('transparent meshes come before and after by their place', async () => {
       const halfBlue: Rgba = [0, 0, encoded(0.5), 255];

@@ -1,5 +1,6 @@
 import { packCloud } from '@websplatter/core';
-import { SplatCloudObject, SplatData, splatEngineOf } from '@websplatter/three';
+import { type ClipOptions, clip } from '@websplatter/core/effects';
+import { clipVolumeOf, SplatCloudObject, SplatData, splatEngineOf } from '@websplatter/three';
 import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { traa } from 'three/addons/tsl/display/TRAANode.js';
 import {
@@ -17,14 +18,18 @@ import {
 import {
   AmbientLight,
   BoxGeometry,
+  Color,
   DirectionalLight,
+  DoubleSide,
   Matrix4,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
   type PerspectiveCamera,
+  Plane,
   PlaneGeometry,
   RenderPipeline,
+  Vector3,
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
 import {
@@ -51,6 +56,8 @@ export interface FramePose {
 
 /** Where the wall behind the clouds is, in world space. */
 const WALL_Z = -4;
+
+const PANE = { color: 0x3fa7ff, opacity: 0.6 };
 
 /** Pixels of a finer image per pixel and axis. */
 const SUPERSAMPLING = 4;
@@ -104,6 +111,49 @@ export const postCases = {
     const index = renderTarget.textures.findIndex(({ name }) => name === 'velocity');
     const found = await targetPixels(renderer, renderTarget, 0, index);
     return { before, after: pose(), velocity: found, near: camera.near, far: camera.far, wallZ: WALL_Z };
+  },
+
+  /** Splats behind a tilted pane that fills the image, the pane, and splats before it: by two objects, one on each side of it. */
+  paneInCloud: async (cameraZ: number) => {
+    const stage = await newStage();
+    const { scene, camera } = stage;
+    camera.position.z = cameraZ;
+    camera.lookAt(0, 0, 0);
+    const pane = new Mesh(
+      new PlaneGeometry(60, 60),
+      new MeshBasicMaterial({ ...PANE, transparent: true, depthWrite: false, side: DoubleSide }),
+    );
+    pane.rotation.y = 0.9;
+    const plane = new Plane().setFromNormalAndCoplanarPoint(
+      new Vector3(0, 0, 1).applyEuler(pane.rotation),
+      pane.position,
+    );
+    const data = new SplatData(packCloud(testScene(), { geometryPrecision: 'f32' }), 'test scene');
+    const clouds = [-1, 1].map((renderOrder) => {
+      const cloud = new SplatCloudObject(data);
+      cloud.accuracy = { preset: 'reference', rasterizer: 'tiles' };
+      cloud.scale.setScalar(0.7);
+      cloud.position.set(-0.9, -0.7, 0);
+      cloud.renderOrder = renderOrder;
+      // Before the pane are splats on the camera's side.
+      const isCamerasSide = renderOrder > 0;
+      const isKept = isCamerasSide === plane.distanceToPoint(camera.position) > 0;
+      cloud.effects = [clip({ volumes: [clipVolumeOf(isKept ? plane : plane.clone().negate())] })];
+      return cloud;
+    });
+    scene.add(...clouds, pane);
+    const image = await shot(stage, 2);
+    return {
+      image,
+      viewMatrix: [...camera.matrixWorldInverse.elements],
+      projectionMatrix: [...camera.projectionMatrix.elements],
+      near: camera.near,
+      far: camera.far,
+      modelMatrix: [...clouds[0].matrixWorld.elements],
+      /** Splats behind the pane, and before it. */
+      volumes: clouds.map(({ effects: [{ options }] }) => (options as ClipOptions).volumes),
+      pane: { color: new Color(PANE.color).toArray(), opacity: PANE.opacity },
+    };
   },
 
   /** Three's ambient occlusion of a box and a cloud over a floor; null: without the cloud. */

@@ -56,9 +56,9 @@ export interface SplatCloudEventMap extends Object3DEventMap {
 }
 
 /**
- * A cloud of splats anywhere in a scene. All clouds of a scene are sorted together, whatever their transforms, and drawn
- * as one of its transparent objects, which lies in the middle of their common bounds and has the highest `renderOrder` of
- * theirs. Transforms may shear, mirror and scale; `visible` and `layers` work as on meshes.
+ * A cloud of splats anywhere in a scene. All clouds of a scene with the same `renderOrder` are sorted together, whatever their
+ * transforms, and drawn as one of its transparent objects, which lies in the middle of their common bounds. Transforms may
+ * shear, mirror and scale; `visible` and `layers` work as on meshes.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
   override readonly type: string = 'SplatCloudObject';
@@ -76,13 +76,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   fog = true;
   /**
    * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and are visible to effects
-   * that read depth. It is the median depth of a pixel's splats: that of the one that makes it more than half covered. Clouds in
-   * view share one layer: if one writes depth, all do.
+   * that read depth. It is the median depth of a pixel's splats: that of the one that makes it more than half covered. Clouds with
+   * the same `renderOrder` share one layer: if one writes depth, all do.
    */
   depthWrite = false;
   /**
    * How exactly and how fast to draw splats: settings, or a wish (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
-   * settings are measured and chosen; null: the renderer's accuracy. All clouds in view share one frame and its accuracy. In
+   * settings are measured and chosen; null: the renderer's accuracy. All clouds in view with the same `renderOrder` share one
+   * frame and its accuracy. In
    * order of precedence, that is: the highest `minPsnrDb` that any cloud wishes for; the settings that clouds request, each
    * at its most exact value; the lowest `maxFrameMs` that any cloud wishes for. The planes on the GPU follow in the
    * background; the old image stays until they are ready.
@@ -161,12 +162,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.worldBounds.copy(this.geometry.boundingBox!).applyMatrix4(this.matrixWorld);
     const root = rootOf(this);
     if (root === this) return;
-    const layer = layerOf(root);
-    if (this.#layer !== layer) {
+    if (this.#layer?.parent !== root || this.#layer.renderOrder !== this.renderOrder) {
       this.#layer?.drop(this);
-      this.#layer = layer;
+      this.#layer = layerOf(root, this.renderOrder);
     }
-    layer.place(this);
+    this.#layer.place(this);
   }
 
   /**

@@ -101,23 +101,40 @@ describe('the layer of a scene', () => {
     expect(cloud.children).toEqual([]);
   });
 
-  test('has the highest render order of its clouds, and writes depth if one does', async () => {
+  test('is another for another render order', async () => {
     const scene = new Scene();
     const [first, second] = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
-    first.renderOrder = 3;
-    second.renderOrder = -1;
     scene.add(first, second);
+    scene.updateMatrixWorld();
+    second.renderOrder = -1;
+    scene.updateMatrixWorld();
+    const layers = layersOf(scene);
+    expect(layers.map(({ renderOrder }) => renderOrder)).toEqual([0, -1]);
+    expect(layers.map(placeOf)).toEqual([
+      [0, 0, 0],
+      [2, 0, 0],
+    ]);
+    second.renderOrder = 0;
+    scene.updateMatrixWorld();
+    await Promise.resolve();
+    expect(layersOf(scene)).toEqual([layers[0]]);
+    expect(placeOf(layers[0])).toEqual([1, 0, 0]);
+  });
+
+  test('has the render order of its clouds, and writes depth if one does', async () => {
+    const scene = new Scene();
+    const clouds = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
+    for (const cloud of clouds) cloud.renderOrder = 3;
+    scene.add(...clouds);
     scene.updateMatrixWorld();
     const [layer] = layersOf(scene);
     const depthMesh = layer.children[0] as Mesh;
     expect(depthMesh).toBeInstanceOf(Mesh);
     expect([layer.renderOrder, depthMesh.renderOrder, depthMesh.visible]).toEqual([3, 3, false]);
-    second.depthWrite = true;
+    clouds[1].depthWrite = true;
     scene.updateMatrixWorld();
     await vi.waitUntil(() => depthMesh.visible);
     expect(depthMesh.material).not.toBe(layer.material);
-    first.removeFromParent();
-    expect(layer.renderOrder).toBe(-1);
   });
 });
 

@@ -37,16 +37,12 @@ import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
 /** Loaded when an ArrayCamera draws. */
 let several: typeof import('./several-cameras.ts') | null = null;
 
-const layers = new WeakMap<Object3D, SplatLayer>();
-
-/** Returns the layer of the scene whose root is `root`, and adds one if there is none. */
-export function layerOf(root: Object3D): SplatLayer {
-  let layer = layers.get(root);
-  if (!layer) {
-    layer = new SplatLayer();
-    layers.set(root, layer);
-  }
-  if (layer.parent !== root) root.add(layer);
+/** Returns the layer with this order in the scene whose root is `root`, and adds one if there is none. */
+export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
+  const isIt = (child: Object3D) => child instanceof SplatLayer && child.renderOrder === renderOrder;
+  const found = root.children.find(isIt) as SplatLayer | undefined;
+  const layer = found ?? new SplatLayer(renderOrder);
+  if (!found) root.add(layer);
   return layer;
 }
 
@@ -58,7 +54,7 @@ export function rootOf(object: Object3D): Object3D {
 }
 
 /**
- * Draws all clouds of a scene, sorted together, as one of three's transparent objects. Before three draws this object, the
+ * Draws all clouds of a scene that have the same `renderOrder`, sorted together, as one of three's transparent objects. Before three draws this object, the
  * layer interrupts the pass to draw the splats; the object itself is a triangle over the viewport that shows their image.
  */
 export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
@@ -70,11 +66,12 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   #outputsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
 
-  constructor() {
+  constructor(renderOrder: number) {
     super(viewportTriangle(), new ColorLayerMaterial());
     this.name = 'splats';
     this.add(this.#depthMesh);
     for (const mesh of [this, this.#depthMesh]) {
+      mesh.renderOrder = renderOrder;
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       mesh.matrixWorldAutoUpdate = false;
@@ -135,16 +132,12 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   /** Sets the layer's place in three's order of transparent objects, and whether it writes depth. */
   #arrange(): void {
     const box = new Box3();
-    let renderOrder: number | null = null;
     let depthWrite = false;
     for (const cloud of this.#clouds) {
       box.union(cloud.worldBounds);
-      renderOrder = Math.max(renderOrder ?? cloud.renderOrder, cloud.renderOrder);
       depthWrite ||= cloud.depthWrite;
     }
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
-    this.renderOrder = renderOrder ?? 0;
-    this.#depthMesh.renderOrder = this.renderOrder;
     if (depthWrite) this.#loadOutputs();
     this.#depthMesh.visible = depthWrite && !!this.#outputs;
   }
