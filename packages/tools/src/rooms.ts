@@ -111,6 +111,8 @@ export const PACKAGES: Arrows = {
   conformance: 'hardcases',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
+  /** The documentation site, with examples that readers edit. */
+  docs: 'react three scenes core',
   /** This project beside other renderers. */
   bench: 'three scenes node core tools',
   /** Apps and packages in a browser. */
@@ -126,6 +128,8 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
     'names the commit as the builds of apps do, and is bundled: no package that ships imports tools',
   'apps/viewer/vite.config.ts':
     "strips shaders as the packages' build does, and asks which version it builds, both of which no browser runs",
+  'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
+  'apps/docs/src/build/kit.ts': "builds the examples' scenes beside what they import; apps export nothing",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core exports to nobody",
   'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",

@@ -1,0 +1,28 @@
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+/** Packages in the order of the sidebar. What one exports again is documented with the first that exports it. */
+const API_PACKAGES = ['core', 'three', 'react', 'scenes'] as const;
+
+/** Entry points without an interface: scripts to be served. */
+const SCRIPTS = new Set(['core/load-worker']);
+
+export interface ApiEntry {
+  /** What follows `@websplatter/` where it is imported, e.g. `core/effects`. */
+  readonly name: string;
+  /** Its source, from the root of the repository. */
+  readonly source: string;
+}
+
+/** The entry points that the packages' manifests export. */
+export function apiEntries(root: string): ApiEntry[] {
+  return API_PACKAGES.flatMap((folder) => {
+    const { exports } = JSON.parse(readFileSync(join(root, 'packages', folder, 'package.json'), 'utf8'));
+    return Object.entries<Record<string, string>>(exports)
+      .map(([subpath, conditions]) => ({
+        name: `${folder}${subpath.slice(1)}`,
+        source: join('packages', folder, conditions['@websplatter/source']),
+      }))
+      .filter(({ name }) => !SCRIPTS.has(name));
+  });
+}

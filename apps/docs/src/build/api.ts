@@ -1,0 +1,65 @@
+import { join } from 'node:path';
+import { Application, type ProjectReflection } from 'typedoc';
+import { type ApiEntry, apiEntries } from './api-entries.ts';
+import { DocsError } from './markdown.ts';
+
+/**
+ * Writes a page for each thing that the packages export, made of its docstring, into `folder`.
+ *
+ * @throws DocsError if TypeDoc cannot read the sources
+ */
+export async function writeApi(root: string, folder: string): Promise<void> {
+  const entries = apiEntries(root);
+  const app = await Application.bootstrapWithPlugins({
+    plugin: ['typedoc-plugin-markdown'],
+    entryPoints: entries.map(({ source }) => join(root, source)),
+    tsconfig: join(root, 'tsconfig.json'),
+    // `npm run check` checks types, by the compiler that this repository uses.
+    skipErrorChecking: true,
+    readme: 'none',
+    sortEntryPoints: false,
+    disableSources: true,
+    disableGit: true,
+    excludeExternals: true,
+    excludePrivate: true,
+    excludeInternal: true,
+    // What a signature mentions and no entry point exports is named without a link.
+    validation: { notExported: false, invalidLink: false, rewrittenLink: false },
+    logLevel: 'Error',
+    outputs: [{ name: 'markdown', path: folder }],
+  });
+  // Options of the plugin, which TypeDoc's own types do not know.
+  for (const [name, value] of Object.entries({
+    hidePageHeader: true,
+    hideBreadcrumbs: true,
+    entryFileName: 'index',
+    modulesFileName: 'modules',
+    useCodeBlocks: true,
+    indexFormat: 'table',
+    parametersFormat: 'table',
+    pageTitleTemplates: {
+      index: () => 'API',
+      module: ({ name }: { name: string }) => `@websplatter/${name}`,
+      member: ({ name, kind }: { name: string; kind: string }) => `${kind}: ${name}`,
+    },
+    interfacePropertiesFormat: 'list',
+    sanitizeComments: true,
+    publicPath: '/api/',
+  }))
+    app.options.setValue(name as never, value as never);
+  const project = await app.convert();
+  if (!project) throw new DocsError('TypeDoc could not read the sources of the packages.');
+  nameEntries(project, entries);
+  await app.generateOutputs(project);
+  if (app.logger.hasErrors()) throw new DocsError('TypeDoc has reported errors.');
+}
+
+/** Gives modules the names by which they are imported; TypeDoc takes them from the paths of their sources. */
+function nameEntries(project: ProjectReflection, entries: readonly ApiEntry[]): void {
+  const modules = project.children ?? [];
+  if (modules.length !== entries.length)
+    throw new DocsError(`TypeDoc has made ${modules.length} modules of ${entries.length} entry points.`);
+  modules.forEach((module, i) => {
+    module.name = entries[i].name;
+  });
+}

@@ -1,0 +1,136 @@
+import { cpSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { basename, dirname, join, relative } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { apiEntries } from './api-entries.ts';
+import { type BuiltFiles, linkProblems } from './check-links.ts';
+import { editableExamples, examplePage, examplesIndex, packagesOf } from './examples.ts';
+import { DocsError } from './markdown.ts';
+import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
+import { type SiteContents, siteContents } from './site-contents.ts';
+
+const docs = fileURLToPath(new URL('../..', import.meta.url));
+const root = join(docs, '../..');
+/** Where the pages are put together, for VitePress. */
+const site = join(docs, '.site');
+/** Shown on the first page, besides what the documents show. */
+const FRONT_IMAGE = 'docs/images/still-life.jpg';
+
+export interface BuildSiteOptions {
+  /** Path under which the site will be served, with a slash at both ends; default `/`. */
+  readonly base?: string;
+  /** Folder of the built site; default `apps/docs/dist`. */
+  readonly outDir?: string;
+  /** Told of each step that is done. */
+  readonly log?: (line: string) => void;
+}
+
+/**
+ * Builds the documentation site: files for any web server.
+ *
+ * @throws DocsError for links, includes and anchors that lead nowhere; what VitePress, TypeDoc and Vite throw
+ */
+export async function buildSite({
+  base = '/',
+  outDir = join(docs, 'dist'),
+  log = () => {},
+}: BuildSiteOptions = {}) {
+  const timed = async <Result>(name: string, step: () => Result | Promise<Result>): Promise<Result> => {
+    const startedMs = performance.now();
+    const result = await step();
+    log(`${name}: ${((performance.now() - startedMs) / 1000).toFixed(1)} s`);
+    return result;
+  };
+  rmSync(site, { recursive: true, force: true });
+  await timed('Pages', assembleSite);
+  await timed('API', async () => (await import('./api.ts')).writeApi(root, join(site, 'api')));
+  await timed('Packages for the examples', async () => {
+    const examples = editableExamples(root).map(({ files }) => files);
+    const { buildKit } = await import('./kit.ts');
+    await buildKit(
+      docs,
+      join(site, 'public/kit'),
+      examples.flatMap(packagesOf),
+      examples.flatMap(dreiNamesOf),
+    );
+  });
+  await timed('HTML', async () => {
+    const { build } = await import('vitepress');
+    process.env.WEBSPLATTER_DOCS_BASE = base;
+    await build(docs, { outDir });
+  });
+  const problems = await timed('Links', () => linkProblems(builtFiles(outDir), base));
+  if (problems.length > 0) throw new DocsError(problems.join('\n'));
+}
+
+/** Puts the pages and the images together, without the API, in the folder that VitePress reads. */
+function assembleSite(): void {
+  const { pages, images, contents } = assembled();
+  for (const [page, text] of pages) write(page, text);
+  for (const path of images) {
+    const target = join(site, 'public/images', basename(path));
+    mkdirSync(dirname(target), { recursive: true });
+    cpSync(join(root, path), target);
+  }
+  cpSync(join(root, 'apps/examples/icon.svg'), join(site, 'public/icon.svg'));
+  write('contents.json', JSON.stringify(contents));
+}
+
+/**
+ * All pages but those of the API, as they stand in the repository now. Quick, and finds links, includes and anchors that lead nowhere.
+ *
+ * @throws DocsError that names them
+ */
+export function assembled(): Assembled & { readonly contents: SiteContents } {
+  const examples = editableExamples(root);
+  const entries = apiEntries(root);
+  const folder = join(docs, 'pages');
+  const own = new Map(filesIn(folder).map((path) => [relative(folder, path), readFileSync(path, 'utf8')]));
+  own.set('examples/index.md', examplesIndex(examples));
+  for (const example of examples) own.set(`examples/${example.name}.md`, examplePage(example));
+  const { pages, images } = assemblePages(
+    own,
+    (path) => readFileSync(join(root, path), 'utf8'),
+    (page) => page.startsWith('api/'),
+  );
+  const contents = siteContents(examples, entries);
+  const apiPages = ['api/index.md', ...entries.map(({ name }) => `api/${name}/index.md`)];
+  checkSidebar(
+    [...pages.keys(), ...apiPages].filter((page) => page !== 'index.md'),
+    contents.sections,
+  );
+  checkImages(images, root);
+  return { pages, images: new Set([FRONT_IMAGE, ...images]), contents };
+}
+
+function write(path: string, text: string): void {
+  const file = join(site, path);
+  mkdirSync(dirname(file), { recursive: true });
+  writeFileSync(file, text);
+}
+
+/** What a module imports of drei by name. */
+function dreiNamesOf(files: Readonly<Record<string, string>>): string[] {
+  return Object.values(files).flatMap((text) =>
+    [...text.matchAll(/import \{([^}]*)\} from '@react-three\/drei'/g)].flatMap(([, names]) =>
+      names
+        .split(',')
+        .map((name) => name.trim())
+        .filter((name) => name && !name.startsWith('type ')),
+    ),
+  );
+}
+
+function builtFiles(folder: string): BuiltFiles {
+  return new Map(
+    filesIn(folder).map((path) => [
+      relative(folder, path),
+      path.endsWith('.html') ? readFileSync(path, 'utf8') : null,
+    ]),
+  );
+}
+
+function filesIn(folder: string): string[] {
+  return readdirSync(folder, { recursive: true, withFileTypes: true })
+    .filter((entry) => entry.isFile())
+    .map((entry) => join(entry.parentPath, entry.name));
+}

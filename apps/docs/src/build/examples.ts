@@ -1,0 +1,93 @@
+import { existsSync, readFileSync } from 'node:fs';
+import { basename, join, posix } from 'node:path';
+import { EXAMPLES } from '../../../examples/src/examples.ts';
+import type { SourceFiles } from '../playground/compile.ts';
+import { DocsError } from './markdown.ts';
+
+/** An example with the files that a reader may edit. */
+export interface EditableExample {
+  readonly name: string;
+  readonly title: string;
+  readonly about: string;
+  /** The module to run first, then those that it imports by relative paths. */
+  readonly files: SourceFiles;
+}
+
+/** The examples of apps/examples, in the order of its index page, and this site's own. */
+export function editableExamples(root: string): EditableExample[] {
+  const routes = join(root, 'apps/examples/src');
+  const ofApp = EXAMPLES.map(({ name, title, about }) => ({
+    name,
+    title,
+    about,
+    files: withImports(routes, `routes/${name}.tsx`),
+  }));
+  const own = OWN_EXAMPLES.map((example) => ({
+    ...example,
+    files: withImports(join(root, 'apps/docs/src/examples'), `${example.name}.ts`),
+  }));
+  return [...ofApp, ...own];
+}
+
+/** Examples of packages that apps/examples has none of. */
+const OWN_EXAMPLES = [
+  {
+    name: 'three-scene',
+    title: 'Without React: three.js',
+    about: 'A renderer, a scene and a cloud, in three.js alone.',
+  },
+  {
+    name: 'plain-engine',
+    title: 'Without three.js: the engine',
+    about: 'A canvas, an engine and a view, without a framework.',
+  },
+] as const;
+
+/** `path` and all files that it imports by relative paths, by path from `folder`. */
+function withImports(folder: string, path: string): SourceFiles {
+  const files: Record<string, string> = {};
+  const add = (each: string) => {
+    if (Object.hasOwn(files, each)) return;
+    const file = join(folder, each);
+    if (!existsSync(file)) throw new DocsError(`${path} imports ${each}, which does not exist in ${folder}.`);
+    files[each] = readFileSync(file, 'utf8');
+    for (const [, specifier] of files[each].matchAll(/\bfrom '(\.[^']+)'/g))
+      add(posix.join(posix.dirname(each), specifier.replace(/\?raw$/, '')));
+  };
+  add(path);
+  return files;
+}
+
+/** Names of the packages' entry points that `files` import. */
+export function packagesOf(files: SourceFiles): string[] {
+  return Object.values(files).flatMap((text) =>
+    [...text.matchAll(/\b(?:from|import) '([^.'][^']*)'/g)].map(([, specifier]) => specifier),
+  );
+}
+
+/** The page of an example: its sources as text, which scripts turn into an editor beside a running picture. */
+export function examplePage({ name, title, about, files }: EditableExample): string {
+  const sources = Object.entries(files).map(
+    ([path, text]) => `\`\`\`${posix.extname(path).slice(1)}\n${text.trimEnd()}\n\`\`\``,
+  );
+  const paths = Object.keys(files).map((path) => basename(path));
+  return [
+    '---\nlayout: doc\naside: false\npageClass: wide\n---',
+    `# ${title}`,
+    about,
+    `<ws-playground name="${name}" paths="${Object.keys(files).join(' ')}">`,
+    ...sources.map((source, i) => `<p class="file-name">${paths[i]}</p>\n\n${source}`),
+    '</ws-playground>\n',
+  ].join('\n\n');
+}
+
+/** The page that leads to all examples. */
+export function examplesIndex(examples: readonly EditableExample[]): string {
+  return [
+    '# Examples',
+    'Each shows one thing. Change its source and press Run, or <kbd>Ctrl</kbd> <kbd>Enter</kbd>: it runs in a frame of its own, ' +
+      'which can reach neither this page nor its server.',
+    ...examples.map(({ name, title, about }) => `- [${title}](./${name}.md): ${about}`),
+    '',
+  ].join('\n\n');
+}

@@ -1,0 +1,97 @@
+import { describe, expect, it } from 'vitest';
+import { compile } from '../playground/compile.ts';
+import { assembled } from './build-site.ts';
+import { REPOSITORY_PAGES } from './contents.ts';
+import { editableExamples, packagesOf } from './examples.ts';
+import { DocsError } from './markdown.ts';
+import { assemblePages, checkImages, checkSidebar } from './pages.ts';
+
+/** A repository of documents that say nothing, but for `texts`. */
+const reading =
+  (texts: Readonly<Record<string, string>> = {}) =>
+  (path: string) =>
+    texts[path] ?? '# Document\n\n## Part\n\nText.';
+
+const assemble = (own: Readonly<Record<string, string>>, texts?: Readonly<Record<string, string>>) =>
+  assemblePages(new Map(Object.entries(own)), reading(texts), (page) => page.startsWith('api/'));
+
+describe('the pages of the site', () => {
+  it('have no link, include or anchor that leads nowhere, and are all in the sidebar', () => {
+    const { pages, contents } = assembled();
+    expect([...pages.keys()]).toEqual(
+      expect.arrayContaining([...Object.values(REPOSITORY_PAGES), 'index.md']),
+    );
+    expect(contents.sections.map(({ text }) => text)).toContain('API');
+  });
+
+  it('show every example of apps/examples, each of which the editor compiles', () => {
+    const root = new URL('../../../..', import.meta.url).pathname;
+    const examples = editableExamples(root);
+    expect(examples.length).toBeGreaterThan(15);
+    for (const { name, files } of examples) {
+      const { entry, modules } = compile(files, new Set([...packagesOf(files), 'react/jsx-runtime']));
+      expect(modules[entry], name).toContain('//# sourceURL=');
+    }
+  });
+});
+
+describe('a page', () => {
+  it('includes what stands under a heading of a document, with links to the pages of others', () => {
+    const { pages, images } = assemble(
+      { 'guide/a.md': '# A\n\n## Here\n\n<!-- include docs/three.md#Part -->' },
+      {
+        'docs/three.md':
+          '# Three\n\n## Part\n\n[Core](../packages/core/README.md#part), [code](../e2e), ![p](images/p.svg)',
+      },
+    );
+    expect(pages.get('guide/a.md')).toBe(
+      '# A\n\n## Here\n\n[Core](/packages/core.md#part), code, ![p](/images/p.svg)',
+    );
+    expect([...images]).toEqual(['docs/images/p.svg']);
+  });
+
+  it.each([
+    ['[x](missing.md)', /guide\/a\.md: there is no page guide\/missing\.md/],
+    ['[x](b.md#nothing)', /guide\/b\.md has no heading for “#nothing”/],
+    ['<!-- include docs/three.md#Other -->', /docs\/three\.md has no heading “Other”/],
+    ['<!-- include docs/three.md -->', /names no heading/],
+  ])('with %s is an error that names it', (line, message) => {
+    const build = () => assemble({ 'guide/a.md': `# A\n\n${line}`, 'guide/b.md': '# B' });
+    expect(build).toThrow(DocsError);
+    expect(build).toThrow(message);
+  });
+
+  it('may link to pages of the API, which are made later and checked then', () => {
+    expect(() => assemble({ 'guide/a.md': '[x](../api/core/index.md)' })).not.toThrow();
+  });
+
+  it('may not have the name of a document’s page', () => {
+    expect(() => assemble({ 'packages/core.md': '# Core' })).toThrow(/made of a document/);
+  });
+});
+
+describe('documents of the repository', () => {
+  it('may not link to headings that others do not have', () => {
+    const texts = { 'README.md': '# R\n\n[x](docs/three.md#gone)' };
+    expect(() => assemble({}, texts)).toThrow('README.md: docs/three.md has no heading for “#gone”.');
+  });
+});
+
+describe('the checks of sidebar and images', () => {
+  const sections = [{ pages: [{ page: 'a.md' }] }];
+
+  it('pass where all is there', () => {
+    expect(() => checkSidebar(['a.md'], sections)).not.toThrow();
+    expect(() => checkImages(new Set(), '.')).not.toThrow();
+  });
+
+  it('name pages that are missing, or in no section', () => {
+    expect(() => checkSidebar(['b.md'], sections)).toThrow(
+      /names a\.md, which is no page\.\nb\.md is in no section/,
+    );
+  });
+
+  it('name images that are missing', () => {
+    expect(() => checkImages(new Set(['docs/none.png']), '.')).toThrow(/docs\/none\.png/);
+  });
+});

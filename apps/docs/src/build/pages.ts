@@ -1,0 +1,118 @@
+import { existsSync } from 'node:fs';
+import { posix } from 'node:path';
+import { REPOSITORY_PAGES } from './contents.ts';
+import { DocsError, headingsOf, mapLinks, resolveLink, sectionOf } from './markdown.ts';
+
+/** Reads a file of the repository, e.g. `docs/effects.md`. */
+export type ReadRepository = (path: string) => string;
+
+export interface Assembled {
+  /** Markdown by path in the site. */
+  readonly pages: ReadonlyMap<string, string>;
+  /** Images of the repository that pages show, by path in the repository; the site has them under `images/`. */
+  readonly images: ReadonlySet<string>;
+}
+
+/**
+ * Pages of their own, with what they include of the repository's documents, and the documents that are pages as a whole. All
+ * links lead to pages of the site; those to other files of the repository, which the site does not have, become plain text.
+ *
+ * `<!-- include PATH#Heading -->` in a line of its own is replaced by what stands under that heading of the document.
+ *
+ * @param own markdown of the site's own pages, by path in the site
+ * @param generated whether the site has a page at that path which is made later, e.g. of the API
+ * @throws DocsError for an include, a link or an anchor that leads nowhere
+ */
+export function assemblePages(
+  own: ReadonlyMap<string, string>,
+  read: ReadRepository,
+  generated: (page: string) => boolean,
+): Assembled {
+  const images = new Set<string>();
+  const problems: string[] = [];
+  const pages = new Map<string, string>();
+
+  const anchorsOf = (text: string) => new Set(headingsOf(text).map(({ slug }) => slug));
+  /** What the text of a document of the repository looks like on `page`. */
+  const fromRepository = (text: string, path: string, page: string) =>
+    mapLinks(text, (target, isImage) => {
+      const link = resolveLink(path, target);
+      if (link === null) return target;
+      if (isImage) {
+        images.add(link.path);
+        return `/images/${posix.basename(link.path)}`;
+      }
+      const home = REPOSITORY_PAGES[link.path];
+      if (home === undefined) return null;
+      if (link.anchor && !anchorsOf(read(link.path)).has(link.anchor))
+        problems.push(`${path}: ${link.path} has no heading for “#${link.anchor}”.`);
+      const hash = link.anchor && `#${link.anchor}`;
+      return home === page && hash ? hash : `/${home}${hash}`;
+    });
+
+  for (const [path, page] of Object.entries(REPOSITORY_PAGES))
+    pages.set(page, fromRepository(read(path), path, page));
+  for (const [page, text] of own) {
+    if (pages.has(page))
+      throw new DocsError(`${page} is made of a document of the repository; name it otherwise.`);
+    pages.set(page, includeSections(text, page, read, fromRepository));
+  }
+  for (const [page, text] of own)
+    mapLinks(text, (target) => {
+      const link = resolveLink(page, target);
+      if (link === null || !link.path.endsWith('.md')) return target;
+      const linked = pages.get(link.path);
+      if (linked === undefined && !generated(link.path))
+        problems.push(`${page}: there is no page ${link.path}, which “${target}” leads to.`);
+      else if (linked !== undefined && link.anchor && !anchorsOf(linked).has(link.anchor))
+        problems.push(`${page}: ${link.path} has no heading for “#${link.anchor}”.`);
+      return target;
+    });
+  if (problems.length > 0) throw new DocsError(problems.join('\n'));
+  return { pages, images };
+}
+
+function includeSections(
+  text: string,
+  page: string,
+  read: ReadRepository,
+  fromRepository: (text: string, path: string, page: string) => string,
+): string {
+  const headings = headingsOf(text);
+  return text
+    .split('\n')
+    .map((line, index) => {
+      const [, path, heading] = /^<!-- include ([^#]+)#(.+) -->$/.exec(line) ?? [];
+      if (path === undefined) {
+        if (line.startsWith('<!-- include')) throw new DocsError(`${page}: “${line}” names no heading.`);
+        return line;
+      }
+      const under = headings.findLast((each) => each.line < index)?.level ?? 1;
+      return fromRepository(sectionOf(path, read(path), heading, under), path, page);
+    })
+    .join('\n');
+}
+
+/** @throws DocsError if pages of the sidebar are missing, or other pages are in no section. */
+export function checkSidebar(
+  pages: Iterable<string>,
+  sections: readonly { readonly pages: readonly { readonly page: string }[] }[],
+): void {
+  const listed = new Set(sections.flatMap((section) => section.pages.map(({ page }) => page)));
+  const existing = new Set(pages);
+  const problems = [
+    ...[...listed]
+      .filter((page) => !existing.has(page))
+      .map((page) => `The sidebar names ${page}, which is no page.`),
+    ...[...existing]
+      .filter((page) => !listed.has(page))
+      .map((page) => `${page} is in no section of the sidebar.`),
+  ];
+  if (problems.length > 0) throw new DocsError(problems.join('\n'));
+}
+
+/** @throws DocsError for an image that the repository does not have. */
+export function checkImages(images: ReadonlySet<string>, root: string): void {
+  const missing = [...images].filter((path) => !existsSync(posix.join(root, path)));
+  if (missing.length > 0) throw new DocsError(`There are no images ${missing.join(', ')}.`);
+}

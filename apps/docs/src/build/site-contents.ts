@@ -1,0 +1,30 @@
+import type { ApiEntry } from './api-entries.ts';
+import { SECTIONS, type Section } from './contents.ts';
+import type { EditableExample } from './examples.ts';
+
+/** What the site's configuration has to know of the pages that the build makes. */
+export interface SiteContents {
+  readonly sections: readonly Section[];
+}
+
+/** All sections of sidebars, with the pages that follow from examples and exports. */
+export function siteContents(
+  examples: readonly Pick<EditableExample, 'name' | 'title'>[],
+  entries: readonly ApiEntry[],
+): SiteContents {
+  const exampleSection: Section = {
+    text: 'Examples',
+    pages: [
+      { text: 'All examples', page: 'examples/index.md' },
+      ...examples.map(({ name, title }) => ({ text: title, page: `examples/${name}.md` })),
+    ],
+  };
+  const api: Section = {
+    text: 'API',
+    pages: [
+      { text: 'All packages', page: 'api/index.md' },
+      ...entries.map(({ name }) => ({ text: `@websplatter/${name}`, page: `api/${name}/index.md` })),
+    ],
+  };
+  return { sections: [...SECTIONS, exampleSection, api] };
+}

@@ -1,0 +1,24 @@
+/** A measurement as the page shows it: all in words. */
+export interface Measured {
+  /** What was measured, where and how: the adapter first. */
+  readonly facts: readonly string[];
+  /** Titles of the columns; the first names the rows. */
+  readonly columns: readonly string[];
+  readonly rows: readonly (readonly string[])[];
+  /** Sentences about what to keep in mind. */
+  readonly notes: readonly string[];
+}
+
+/** A measurement as text to paste: a table in Markdown. */
+export function measuredText({ facts, columns, rows, notes }: Measured): string {
+  const line = (cells: readonly string[]) => `| ${cells.join(' | ')} |`;
+  return [
+    facts.join(' · '),
+    '',
+    line(columns),
+    line(columns.map((_, i) => (i === 0 ? '---' : '---:'))),
+    ...rows.map(line),
+    ...(notes.length > 0 ? ['', ...notes.map((note) => `Note: ${note}`)] : []),
+    '',
+  ].join('\n');
+}

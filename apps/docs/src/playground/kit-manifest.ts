@@ -1,0 +1,18 @@
+/** What the build tells of the packages' built files, which examples run with; it is `kit/kit.json` of the site. */
+export interface KitManifest {
+  /** File by the specifier under which it is imported, e.g. `three/webgpu`. */
+  readonly entries: Readonly<Record<string, string>>;
+  /** Files that each file may import, at once or later. */
+  readonly imports: Readonly<Record<string, readonly string[]>>;
+  /** Scenes beside them, which examples load by these names. */
+  readonly scenes: readonly string[];
+}
+
+/** The specifier by which files of the kit import one another: relative paths would mean nothing to modules from memory. */
+export const kitSpecifier = (file: string): string => `kit:${file}`;
+
+/** Entry of the kit that shows a component on the page. */
+export const MOUNT_ENTRY = '@websplatter/docs/mount';
+
+/** Entry of the kit that measures on the reader's GPU. */
+export const MEASURE_ENTRY = '@websplatter/docs/measure';

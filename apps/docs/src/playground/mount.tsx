@@ -1,0 +1,31 @@
+// Part of the kit: what the page of an example needs of the packages themselves.
+import { setWorkerUrl } from '@websplatter/core';
+import { SplatsFallback } from '@websplatter/react';
+import { type ComponentType, StrictMode, Suspense } from 'react';
+import { createRoot } from 'react-dom/client';
+
+/** Reads files in the worker at `url`: the package's own are not beside modules that come from memory. */
+export function hostWorker(url: string): void {
+  setWorkerUrl(url);
+}
+
+/** Shows `Component` on the whole page; where there is no WebGPU, a sentence about that. */
+export function mount(Component: ComponentType): void {
+  createRoot(
+    document.body.appendChild(Object.assign(document.createElement('main'), { className: 'stage' })),
+  ).render(
+    <StrictMode>
+      <SplatsFallback
+        fallback={(error) => (
+          <p className="unavailable" role="alert">
+            {error.message}
+          </p>
+        )}
+      >
+        <Suspense>
+          <Component />
+        </Suspense>
+      </SplatsFallback>
+    </StrictMode>,
+  );
+}

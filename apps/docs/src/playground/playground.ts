@@ -1,0 +1,159 @@
+import { basename } from './basename.ts';
+import { CompileError, compile, type SourceFiles } from './compile.ts';
+import { SourceEditor } from './editor.ts';
+import { ExampleFrame } from './example-frame.ts';
+import type { KitFiles } from './kit-files.ts';
+import type { RunReport } from './run-messages.ts';
+
+/** An editor beside the page that its source draws. */
+export class Playground {
+  readonly #files: SourceFiles;
+  readonly #kit: KitFiles;
+  readonly #parts: Parts;
+  readonly #editor: SourceEditor;
+  readonly #frame: ExampleFrame;
+  readonly #paths: readonly string[];
+  #path: string;
+
+  /** @param title of the example, for who cannot see it */
+  constructor(parent: HTMLElement, title: string, files: SourceFiles, kit: KitFiles) {
+    this.#files = files;
+    this.#kit = kit;
+    this.#paths = Object.keys(files);
+    this.#path = this.#paths[0];
+    this.#parts = makeParts(parent, title, this.#paths);
+    const { code, run, reset, tabs, goTo } = this.#parts;
+    this.#editor = new SourceEditor(code, this.#path, files[this.#path], () => void this.run());
+    this.#frame = new ExampleFrame(kit, `What the example “${title}” draws`, (report) => this.#tell(report));
+    run.addEventListener('click', () => void this.run());
+    reset.addEventListener('click', () => this.#reset());
+    tabs.forEach((tab, i) => {
+      tab.addEventListener('click', () => this.#show(this.#paths[i]));
+    });
+    goTo.addEventListener('click', () => {
+      const { path, line } = goTo.dataset;
+      if (!path || !line) return;
+      this.#show(path);
+      this.#editor.goTo(Number(line));
+    });
+    this.#show(this.#path);
+  }
+
+  /** Runs what the editor holds. Problems are told beside it. */
+  async run(): Promise<void> {
+    this.#clearProblem();
+    this.#say('Loading …');
+    const files = { ...this.#files, ...this.#editor.texts() };
+    try {
+      const { entries } = await this.#kit.manifest();
+      const compiled = compile(files, new Set(Object.keys(entries)));
+      this.#frame.setDark(document.documentElement.classList.contains('dark'));
+      await this.#frame.run(this.#parts.stage, compiled, Object.values(files).join('\n'));
+    } catch (error) {
+      const place = error instanceof CompileError ? error : { path: null, line: null };
+      this.#tell({ kind: 'problem', message: (error as Error).message, path: place.path, line: place.line });
+    }
+  }
+
+  close(): void {
+    this.#frame.close();
+    this.#editor.close();
+    this.#parts.root.remove();
+  }
+
+  #show(path: string): void {
+    this.#path = path;
+    this.#editor.show(path, this.#files[path]);
+    this.#parts.tabs.forEach((tab, i) => {
+      tab.setAttribute('aria-pressed', String(this.#paths[i] === path));
+    });
+  }
+
+  #reset(): void {
+    this.#path = this.#paths[0];
+    this.#editor.reset(this.#path, this.#files[this.#path]);
+    this.#show(this.#path);
+    void this.run();
+  }
+
+  #tell(report: RunReport): void {
+    if (report.kind !== 'problem') {
+      if (report.kind === 'running' && this.#parts.problem.hidden) this.#say('Running');
+      return;
+    }
+    const { problem, message, goTo } = this.#parts;
+    // The first problem is what the others follow from.
+    if (!problem.hidden) return;
+    this.#say('');
+    message.textContent = report.message;
+    const { path, line } = report;
+    const isHere = path !== null && line !== null && this.#paths.includes(path);
+    goTo.hidden = !isHere;
+    goTo.textContent = isHere ? `${basename(path)}, line ${line}` : '';
+    if (isHere) {
+      goTo.dataset.path = path;
+      goTo.dataset.line = String(line);
+      if (path === this.#path) this.#editor.mark(line);
+    }
+    problem.hidden = false;
+  }
+
+  #clearProblem(): void {
+    this.#parts.problem.hidden = true;
+    this.#editor.mark(null);
+  }
+
+  #say(text: string): void {
+    this.#parts.status.textContent = text;
+  }
+}
+
+interface Parts {
+  readonly root: HTMLElement;
+  readonly stage: HTMLElement;
+  readonly code: HTMLElement;
+  readonly tabs: readonly HTMLButtonElement[];
+  readonly run: HTMLButtonElement;
+  readonly reset: HTMLButtonElement;
+  readonly status: HTMLElement;
+  readonly problem: HTMLElement;
+  readonly message: HTMLElement;
+  readonly goTo: HTMLButtonElement;
+}
+
+function makeParts(parent: HTMLElement, title: string, paths: readonly string[]): Parts {
+  const root = element('section', 'ws-live');
+  root.setAttribute('aria-label', `Example: ${title}`);
+  const stage = element('div', 'ws-stage');
+  const tabs = paths.map((path) => button(basename(path), 'ws-tab'));
+  const files = element('div', 'ws-tabs', ...tabs);
+  const status = element('p', 'ws-status');
+  status.setAttribute('role', 'status');
+  const reset = button('Reset', 'ws-button');
+  const run = button('Run', 'ws-button ws-run');
+  run.title = 'Ctrl+Enter';
+  const message = element('p', 'ws-message');
+  const goTo = button('', 'ws-go-to');
+  const problem = element('div', 'ws-problem', message, goTo);
+  problem.setAttribute('role', 'alert');
+  problem.hidden = true;
+  const code = element('div', 'ws-code');
+  root.append(stage, element('div', 'ws-bar', files, status, reset, run), problem, code);
+  parent.append(root);
+  return { root, stage, code, tabs, run, reset, status, problem, message, goTo };
+}
+
+function element(name: string, className: string, ...children: HTMLElement[]): HTMLElement {
+  const made = document.createElement(name);
+  made.className = className;
+  made.append(...children);
+  return made;
+}
+
+function button(text: string, className: string): HTMLButtonElement {
+  const made = document.createElement('button');
+  made.type = 'button';
+  made.className = className;
+  made.textContent = text;
+  return made;
+}

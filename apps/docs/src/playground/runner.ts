@@ -1,0 +1,77 @@
+// The script of the page that an example runs in: a frame with an origin of its own, which reaches nothing of the site. All
+// modules and files come in one message; they are imported from memory.
+import { kitSpecifier, MOUNT_ENTRY } from './kit-manifest.ts';
+import type { RunMessage, RunReport } from './run-messages.ts';
+
+const report = (message: RunReport) => parent.postMessage(message, '*');
+
+addEventListener('error', ({ error, message }) => reportProblem(error ?? message));
+addEventListener('unhandledrejection', ({ reason }) => reportProblem(reason));
+addEventListener('message', ({ source, data }: MessageEvent<RunMessage>) => {
+  if (source === parent && data.kind === 'run') run(data).catch(reportProblem);
+});
+report({ kind: 'ready' });
+
+async function run({ kit, entries, modules, entry, loadWorker, scenes }: RunMessage): Promise<void> {
+  const sceneUrls = Object.fromEntries(
+    Object.entries(scenes).map(([name, bytes]) => [new URL(name, document.baseURI).href, blobUrl(bytes)]),
+  );
+  readFromMemory(sceneUrls);
+  const workerUrl = blobUrl(
+    `(${readFromMemory})(${JSON.stringify(sceneUrls)});\n${loadWorker}`,
+    'text/javascript',
+  );
+  allowWorkersFromMemory();
+
+  const imports: Record<string, string> = {};
+  for (const [file, text] of Object.entries(kit))
+    imports[kitSpecifier(file)] = blobUrl(text, 'text/javascript');
+  for (const [specifier, file] of Object.entries(entries)) imports[specifier] = imports[kitSpecifier(file)];
+  for (const [specifier, text] of Object.entries(modules))
+    imports[specifier] = blobUrl(text, 'text/javascript');
+  const map = document.createElement('script');
+  map.type = 'importmap';
+  map.textContent = JSON.stringify({ imports });
+  document.head.append(map);
+
+  const { mount, hostWorker } = await import(/* @vite-ignore */ MOUNT_ENTRY);
+  hostWorker(workerUrl);
+  const { default: component } = await import(/* @vite-ignore */ entry);
+  if (typeof component === 'function') mount(component);
+  report({ kind: 'running' });
+}
+
+function blobUrl(content: string | ArrayBuffer, type = 'application/octet-stream'): string {
+  return URL.createObjectURL(new Blob([content], { type }));
+}
+
+/**
+ * Answers requests for the addresses of `urls` with what lies at the others, which are in memory. It runs in the worker too, as text:
+ * it may use nothing from outside.
+ */
+function readFromMemory(urls: Readonly<Record<string, string>>): void {
+  const { fetch } = globalThis;
+  globalThis.fetch = async (input, options) => {
+    // The page's own address, about:srcdoc, and the worker's are nothing that others are relative to.
+    const address = input instanceof Request ? input.url : new URL(input, globalThis.document?.baseURI).href;
+    return fetch(Object.hasOwn(urls, address) ? urls[address] : input, options);
+  };
+}
+
+/** Chromium starts no module workers from memory where a page's origin is none; the kit's workers are scripts without imports. */
+function allowWorkersFromMemory(): void {
+  const { Worker } = globalThis;
+  globalThis.Worker = class extends Worker {
+    constructor(url: string | URL, options?: WorkerOptions) {
+      super(url, String(url).startsWith('blob:') ? { ...options, type: 'classic' } : options);
+    }
+  };
+}
+
+function reportProblem(error: unknown): void {
+  const message = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
+  // The first place in the example's own files, which are named so by the compiler.
+  const [, path = null, line] =
+    (error instanceof Error && /app:\/([^\s:()]+):(\d+)/.exec(error.stack ?? '')) || [];
+  report({ kind: 'problem', message, path, line: line ? Number(line) : null });
+}

@@ -1,0 +1,69 @@
+import { readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { type DefaultTheme, defineConfig } from 'vitepress';
+import { SIDEBARS } from './build/contents.ts';
+import type { SiteContents } from './build/site-contents.ts';
+import { slug } from './build/slug.ts';
+
+// What the build has found out about the pages that it has made.
+const { sections } = JSON.parse(
+  readFileSync(fileURLToPath(new URL('../.site/contents.json', import.meta.url)), 'utf8'),
+) as SiteContents;
+
+/** Path under which the site is served, which VitePress adds to links in pages, but not to those in `head`. */
+const base = process.env.WEBSPLATTER_DOCS_BASE ?? '/';
+
+function sidebarSection(name: string): DefaultTheme.SidebarItem {
+  const { text, pages } = sections.find((section) => section.text === name)!;
+  return {
+    text,
+    items: pages.map((page) => ({ text: page.text, link: `/${page.page.replace(/(?:index)?\.md$/, '')}` })),
+  };
+}
+
+export default defineConfig({
+  base,
+  srcDir: '.site',
+  outDir: 'dist',
+  lang: 'en',
+  title: 'WebSplatter',
+  description: 'Gaussian splats on WebGPU, for React, three.js and plain pages.',
+  lastUpdated: false,
+  metaChunk: true,
+  // Anchors are checked too, by the build itself.
+  ignoreDeadLinks: false,
+  head: [
+    ['meta', { name: 'color-scheme', content: 'light dark' }],
+    ['link', { rel: 'icon', href: `${base}icon.svg` }],
+  ],
+  vite: { build: { chunkSizeWarningLimit: 2000 } },
+  markdown: {
+    anchor: { slugify: slug },
+    config({ renderer, utils }) {
+      // Pages become Vue templates, in which double braces are expressions. Blocks of code are left alone already.
+      for (const rule of ['text', 'code_inline'] as const) {
+        const render = renderer.rules[rule] ?? ((tokens, index) => utils.escapeHtml(tokens[index].content));
+        renderer.rules[rule] = (...args) => render(...args).replaceAll('{{', '&#123;&#123;');
+      }
+    },
+    theme: { light: 'github-light-high-contrast', dark: 'github-dark-high-contrast' },
+  },
+  vue: { template: { compilerOptions: { isCustomElement: (tag) => tag.startsWith('ws-') } } },
+  themeConfig: {
+    nav: [
+      { text: 'Guide', link: '/guide/first-picture', activeMatch: '/guide/' },
+      { text: 'Examples', link: '/examples/', activeMatch: '/examples/' },
+      { text: 'Recipes', link: '/recipes/next', activeMatch: '/recipes/' },
+      { text: 'API', link: '/api/', activeMatch: '/api/' },
+      { text: 'Reference', link: '/reference/effects', activeMatch: '/(?:packages|reference)/' },
+      { text: 'Project', link: '/project/overview', activeMatch: '/project/' },
+    ],
+    sidebar: Object.fromEntries(
+      Object.entries(SIDEBARS).map(([folder, names]) => [folder, names.map(sidebarSection)]),
+    ),
+    search: { provider: 'local' },
+    notFound: { linkLabel: 'Take me home', linkText: 'Take me home' },
+    outline: { level: [2, 3] },
+    externalLinkIcon: true,
+  },
+});
