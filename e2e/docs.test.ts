@@ -1,0 +1,205 @@
+import { execFile } from 'node:child_process';
+import { mkdtemp, readFile, rm } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
+import type { AxeResults } from 'axe-core';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
+import { isFull } from './full-run.ts';
+import { screenshot } from './screenshot.ts';
+import { type StaticHost, startStaticHost } from './static-host.ts';
+
+const BASE = '/some/where/';
+const PHONE = { width: 390, height: 844 };
+const TABLET = { width: 800, height: 1000 };
+const DESKTOP = { width: 1280, height: 800 };
+/** A page of each kind. */
+const KINDS = [
+  'index.html',
+  'guide/loading.html',
+  'guide/performance.html',
+  'examples/index.html',
+  'examples/picking.html',
+  'api/core/index.html',
+  'api/core/interfaces/FrameRequest.html',
+  'reference/accuracy.html',
+  '404.html',
+];
+
+/** Ends a build that hangs: on a machine that does much else, it has taken longer than a test may. */
+const BUILD_TIMEOUT_MS = 1_800_000;
+const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
+
+let folder: string;
+let host: StaticHost;
+let browser: Browser;
+
+// It takes a minute of processor time to build; the short run has the tests of its pages below apps/docs.
+describe.runIf(isFull)('the documentation site', () => {
+  beforeAll(async () => {
+    folder = await mkdtemp(join(tmpdir(), 'websplatter-docs-'));
+    const build = fileURLToPath(new URL('../apps/docs/build.mjs', import.meta.url));
+    // NODE_ENV and the export conditions of Vitest's process change the build.
+    const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
+    // It ends with an error where a link or an anchor of a built page leads nowhere.
+    await promisify(execFile)(process.execPath, [build, '--base', BASE, '--out', folder], { env });
+    host = await startStaticHost(folder, BASE, {}, {});
+    browser = await launchBrowser();
+  }, BUILD_TIMEOUT_MS);
+
+  afterAll(async () => {
+    await browser?.close();
+    await host?.close();
+    if (folder) await rm(folder, { recursive: true, force: true });
+  });
+
+  it('has nothing that axe-core finds wrong, on each kind of page, light and dark, on phones, tablets and desktops', async () => {
+    const axe = await readFile(AXE, 'utf8');
+    for (const viewport of [PHONE, TABLET, DESKTOP]) {
+      const { page, problems } = await open('index.html', viewport);
+      for (const path of KINDS) {
+        await page.goto(host.url + path);
+        await page.evaluate(axe);
+        for (const colorScheme of ['light', 'dark'] as const) {
+          await page.emulateMedia({ colorScheme });
+          await page.locator(colorScheme === 'dark' ? 'html.dark' : 'html:not(.dark)').waitFor();
+          expect(await violations(page), `${path}, ${colorScheme}, ${viewport.width} px`).toEqual([]);
+        }
+        const overflowPx = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+        expect(overflowPx, `${path} is wider than ${viewport.width} px`).toBeLessThanOrEqual(0);
+      }
+      expect(problems).toEqual([]);
+      await page.context().close();
+    }
+  });
+
+  it('asks nobody but its own server for anything', async () => {
+    const { page } = await open('index.html');
+    const elsewhere: string[] = [];
+    page.on('request', (request) => {
+      if (!request.url().startsWith(host.url) && !/^(?:blob|data):/.test(request.url()))
+        elsewhere.push(request.url());
+    });
+    for (const path of KINDS) await page.goto(host.url + path, { waitUntil: 'networkidle' });
+    expect(elsewhere).toEqual([]);
+    await page.context().close();
+  });
+
+  it('finds pages by the words that one types, with the keyboard alone', async () => {
+    const { page, problems } = await open('guide/loading.html');
+    await page.keyboard.press('Control+k');
+    await page.keyboard.type('depth of field');
+    await page.locator('.VPLocalSearchBox .result').first().waitFor();
+    await page.keyboard.press('Enter');
+    await page.waitForURL((url) => !url.pathname.endsWith('guide/loading.html'));
+    expect(problems).toEqual([]);
+    await page.context().close();
+  });
+
+  it('draws an example, which is edited, and runs again by Ctrl+Enter', async () => {
+    const { page, problems } = await open('examples/plain-engine.html');
+    await running(page);
+    await expect.poll(() => colorsOf(page)).toBeGreaterThan(1000);
+    await edit(page, 'document.body.style.background = "rgb(250, 0, 0)";');
+    await page.keyboard.press('Control+Enter');
+    await running(page);
+    await expect
+      .poll(() => frameOf(page).evaluate(() => document.body.style.background))
+      .toBe('rgb(250, 0, 0)');
+    await page.getByRole('button', { name: 'Reset' }).click();
+    await expect.poll(() => frameOf(page).locator('canvas').count()).toBe(1);
+    expect(problems).toEqual([]);
+    await page.context().close();
+  });
+
+  it('mounts an example’s component of React', async () => {
+    const { page, problems } = await open('examples/first-splat.html');
+    await running(page);
+    await expect.poll(() => frameOf(page).locator('canvas').count()).toBe(1);
+    expect(problems).toEqual([]);
+    await page.context().close();
+  });
+
+  it('tells what is wrong with an example’s source, and in which line', async () => {
+    const { page } = await open('examples/plain-engine.html');
+    await running(page);
+    await edit(page, 'const a = 1;\nconst b = ;');
+    await page.keyboard.press('Control+Enter');
+    await page.getByRole('alert').getByText('Unexpected token').waitFor();
+    expect(await page.getByRole('button', { name: 'plain-engine.ts, line 2' }).isVisible()).toBe(true);
+    await edit(page, '\n\nthrow new RangeError("too far");');
+    await page.keyboard.press('Control+Enter');
+    await page.getByRole('alert').getByText('RangeError: too far').waitFor();
+    expect(await page.getByRole('button', { name: 'plain-engine.ts, line 3' }).isVisible()).toBe(true);
+    await page.context().close();
+  });
+
+  it('lets examples reach neither the page around them nor the server', async () => {
+    const { page } = await open('examples/plain-engine.html');
+    await running(page);
+    await edit(page, 'document.title = parent.document.title;');
+    await page.keyboard.press('Control+Enter');
+    await page.getByRole('alert').getByText('SecurityError').waitFor();
+    await edit(page, 'await fetch("../index.html");');
+    await page.keyboard.press('Control+Enter');
+    await page.getByRole('alert').getByText('Failed to fetch').waitFor();
+    await page.context().close();
+  });
+
+  it.each([
+    ['guide/accuracy.html', 'PSNR (dB)', 5],
+    ['guide/performance.html', 'median ms', 2],
+  ])('measures this device in %s, and copies the figures as text', async (path, column, leastRows) => {
+    const { page, problems } = await open(path);
+    await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+    await page.getByRole('button', { name: 'Measure here' }).click();
+    await page.getByRole('columnheader', { name: column }).first().waitFor();
+    expect(await page.locator('ws-measure tbody tr').count()).toBeGreaterThanOrEqual(leastRows);
+    await page.getByRole('button', { name: 'Copy as text' }).click();
+    await page.getByRole('status').getByText('Copied.').waitFor();
+    const text = await page.evaluate(() => navigator.clipboard.readText());
+    expect(text).toMatch(/SwiftShader|GPU|software/i);
+    expect(text).toContain(`| ${column} |`);
+    expect(problems).toEqual([]);
+    await page.context().close();
+  });
+});
+
+async function open(path: string, viewport = DESKTOP): Promise<WatchedPage> {
+  const watched = await newWatchedPage(browser, { viewport });
+  await watched.page.goto(host.url + path);
+  return watched;
+}
+
+async function violations(page: Page): Promise<string[]> {
+  const { violations: found } = await page.evaluate(() => {
+    const { axe } = window as unknown as { axe: { run: (options: object) => Promise<AxeResults> } };
+    // What examples draw is theirs, and tested there.
+    return axe.run({ resultTypes: ['violations'], iframes: false });
+  });
+  return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
+}
+
+const running = (page: Page) => page.locator('.ws-status').getByText('Running').waitFor();
+
+function frameOf(page: Page) {
+  return page.frames().find((frame) => frame !== page.mainFrame())!;
+}
+
+/** Replaces the source in the editor. */
+async function edit(page: Page, text: string): Promise<void> {
+  await page.locator('.cm-content').click();
+  await page.keyboard.press('Control+a');
+  await page.keyboard.insertText(text);
+}
+
+/** Number of different colours on the stage: one, as long as nothing is drawn. */
+async function colorsOf(page: Page): Promise<number> {
+  const { data } = await screenshot(page.locator('.ws-stage'));
+  const pixels = new Uint32Array(data.buffer, data.byteOffset, data.byteLength / 4);
+  return new Set(pixels).size;
+}
