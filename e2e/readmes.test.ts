@@ -12,10 +12,22 @@ const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 /** Arrays of own splats. */
 const ARRAYS = { positions: 'Float32Array', scales: 'Float32Array', colors: 'Float32Array' };
 
+interface Examples {
+  readonly of: string;
+  readonly given: Readonly<Record<string, string>>;
+}
+
+/** What a frame of the engine is drawn with. */
+const FRAME = {
+  view: "import('@websplatter/core').SplatView",
+  camera: "import('@websplatter/core').Camera",
+  cloud: "import('@websplatter/core').SplatCloud",
+  widthPx: 'number',
+  heightPx: 'number',
+};
+
 /** READMEs by the package that they are about, and what their examples take as given. */
-const READMES: Readonly<
-  Record<string, { readonly of: string; readonly given: Readonly<Record<string, string>> }>
-> = {
+const READMES: Readonly<Record<string, Examples>> = {
   'README.md': {
     of: '@websplatter/react',
     given: { canvas: 'HTMLCanvasElement' },
@@ -50,6 +62,28 @@ const READMES: Readonly<
   },
 };
 
+/** What pages of the documentation site take as given, by their path there; their other text is that of READMEs. */
+const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
+  'guide/camera.md': {},
+  'guide/effects.md': FRAME,
+  'guide/first-picture.md': {},
+  'guide/loading.md': { engine: "import('@websplatter/core').SplatEngine", controller: 'AbortController' },
+  'guide/picking.md': { ...FRAME, xPx: 'number', yPx: 'number' },
+  'guide/servers.md': { Garden: "() => import('react').ReactNode" },
+  'recipes/next.md': {},
+  'recipes/own-data.md': {
+    useMemo: "typeof import('react').useMemo",
+    encodePly: "typeof import('@websplatter/core').encodePly",
+    line: "(count: number) => import('@websplatter/core').SplatSet",
+  },
+  'recipes/physics.md': {
+    raycaster: "import('three').Raycaster",
+    position: "import('three').Vector3",
+    cloud: "import('@websplatter/three').SplatCloudObject",
+    eyeHeight: 'number',
+  },
+  'recipes/post-processing.md': {},
+};
 /** Compiles modules by name, strictly; returns what the compiler says. */
 function compile(modules: Readonly<Record<string, string>>): string {
   const folder = mkdtempSync(join(tmpdir(), 'websplatter-readmes-'));
@@ -82,11 +116,15 @@ function compile(modules: Readonly<Record<string, string>>): string {
   }
 }
 
-test('examples of READMEs type-check, strictly; a wrong one is found', () => {
+test('examples of READMEs, and of the site’s pages, type-check, strictly; a wrong one is found', () => {
   const modules: Record<string, string> = {};
-  for (const [path, { of, given }] of Object.entries(READMES)) {
+  const pages = Object.entries(PAGES).map(([page, given]): [string, Examples] => [
+    `apps/docs/pages/${page}`,
+    { of: '@websplatter/react', given },
+  ]);
+  for (const [path, { of, given }] of [...Object.entries(READMES), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
-    expect(examples.length, path).toBeGreaterThan(1);
+    expect(examples.length, path).toBeGreaterThan(path.endsWith('README.md') ? 1 : 0);
     for (const { line, language, code } of examples)
       modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, of, given);
   }
