@@ -115,6 +115,7 @@ export {
 } from './timing/frame-statistics.ts';
 export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
 export type { EmbeddedFrameRequest, EmbeddedView } from './views/embedded-view.ts';
+export type { PointCoverage, PointToCover } from './views/find-coverage.ts';
 export type { SplatPick } from './views/pick-splat.ts';
 export type { RasterizerReport } from './views/rasterizer-choice.ts';
 export type { SplatView } from './views/splat-view.ts';

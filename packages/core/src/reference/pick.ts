@@ -38,7 +38,7 @@ export function pickSplat(
 }
 
 /** Rasterizes the splat alone into an image of this one pixel, so that its opacity has a single definition. */
-function alphaAtPixel(splat: VisibleSplat, xPx: number, yPx: number, alphaCutoff: number): number {
+export function alphaAtPixel(splat: VisibleSplat, xPx: number, yPx: number, alphaCutoff: number): number {
   const pixel = { widthPx: 1, heightPx: 1, data: new Float64Array(4) };
   const centerPx = [splat.centerPx[0] - xPx, splat.centerPx[1] - yPx] as const;
   rasterizeSplat(pixel, { ...splat, centerPx }, [0, 0, 0], alphaCutoff);

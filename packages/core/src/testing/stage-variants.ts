@@ -8,6 +8,7 @@ import { compareImages } from '../stages/compare-images.ts';
 import { compose } from '../stages/compose.ts';
 import { composite, compositeInCompute } from '../stages/composite.ts';
 import { copyWords } from '../stages/copy-words.ts';
+import { coverPoints } from '../stages/cover-points.ts';
 import { cullChunks } from '../stages/cull-chunks.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
 import { ingestChunks } from '../stages/ingest-chunks.ts';
@@ -121,6 +122,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), ...radixSortStages(shape)]),
     ...BOTH.map(upscale),
     ...RECORD.map(pick),
+    ...RECORD.flatMap((precision) => [null, ...COMPARES].map((compare) => coverPoints(precision, compare))),
     ...RECORD.flatMap((recordPrecision) => [
       tileCosts(recordPrecision, 'counts'),
       tileCosts(recordPrecision, 'map'),

@@ -2,7 +2,7 @@ import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera } from '../camera/camera.ts';
+import { type Camera, perspectiveCamera, projectionOf } from '../camera/camera.ts';
 import { type DepthConvention, storedDepth } from '../camera/depth-convention.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -11,6 +11,7 @@ import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { toHalfBits } from '../layout/half.ts';
+import { invert3, linearPart, transform3 } from '../math/mat4.ts';
 import { compose } from '../reference/compose.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
@@ -391,6 +392,47 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       color.destroy();
     },
   );
+
+  for (const [name, depth, isReversed] of CONVENTIONS) {
+    gpuTest(`tells what covers points: splats in front, and the host's ${name}`, async () => {
+      const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, isReversed);
+      const view = engine.createEmbeddedView();
+      await prepared(view, { camera, clouds: [{ cloud }], ...SIZE, depth });
+      const { pass, color } = hostPass(camera, depth, { origin: [2, 1] });
+      record(view, pass);
+      // Left and right of the middle, before the wall, in it and behind it.
+      const places = [8, 40].flatMap((column) =>
+        [0.3, 0.99, 1.01, 1.5].map((part) => [column, part] as const),
+      );
+      const { focalPx, centerPx } = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);
+      const { viewMatrix: v } = camera;
+      const points = places.map(([column, part]) => {
+        const depthView = part * WALL_DEPTH;
+        const x = ((column + 0.5 - centerPx[0]) / focalPx[0]) * depthView;
+        const y = ((centerPx[1] - 20.5) / focalPx[1]) * depthView;
+        const toWorld = invert3(linearPart(v))!;
+        return { point: transform3(toWorld, [x - v[12], y - v[13], -depthView - v[14]]) };
+      });
+      const found = await view.coverage(points);
+      expect(found!.map(({ isBehindHost }) => isBehindHost)).toEqual([
+        ...[false, false, true, true],
+        ...[false, false, false, false],
+      ]);
+      const opacities = found!.map(({ opacity }) => opacity);
+      // Whatever hides splats from the eye, points behind them are covered no less.
+      for (const start of [0, 4]) {
+        const line = opacities.slice(start, start + 4);
+        expect(line).toEqual(line.toSorted((a, b) => a - b));
+        expect(line[3]).toBeGreaterThan(0);
+      }
+      const tolerant = await view.coverage(points.map((each) => ({ ...each, tolerance: 10 })));
+      for (const { opacity, isBehindHost } of tolerant!) {
+        expect({ opacity, isBehindHost }).toEqual({ opacity: 0, isBehindHost: false });
+      }
+      view.destroy();
+      color.destroy();
+    });
+  }
 
   gpuTest('says what draws it, and why', async () => {
     const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);

@@ -4,7 +4,6 @@ import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.t
 import type { FrameParts } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
@@ -14,9 +13,9 @@ import type { Vec3 } from '../math/mat4.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { pick } from '../stages/pick.ts';
 
-/** The stage that finds splats in frames of this shape. */
-export function pickStage({ accuracy }: FrameShape): StageDefinition {
-  return pick(accuracy.recordPrecision);
+/** The stage that finds splats in frames of this plan. */
+export function pickStage({ shape }: FramePlan): StageDefinition {
+  return pick(shape.accuracy.recordPrecision);
 }
 
 /** The splat that contributes most to a pixel. */
@@ -97,6 +96,24 @@ export async function pickSplat(
     splatIndex: cloud.fileIndices[storedIndex],
     point: [along(0), along(1), along(2)],
   };
+}
+
+/**
+ * As `pickSplat`, for a pixel of the image, which the layer may be smaller than: the pixel of the layer behind its centre. Null
+ * outside the image.
+ */
+export async function pickInImage(
+  context: PickContext,
+  frame: FrameParts,
+  plan: FramePlan,
+  xPx: number,
+  yPx: number,
+): Promise<SplatPick | null> {
+  const { widthPx, heightPx } = plan.request;
+  if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
+  const layerX = ((Math.floor(xPx) + 0.5) * plan.layer.widthPx) / widthPx;
+  const layerY = ((Math.floor(yPx) + 0.5) * plan.layer.heightPx) / heightPx;
+  return pickSplat(context, frame, plan, layerX, layerY);
 }
 
 /** Runs the stage and copies its blocks to the CPU: enough for the largest number of visible splats. */

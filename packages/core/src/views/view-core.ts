@@ -13,13 +13,14 @@ import { RecentNeeds } from '../frame/recent-needs.ts';
 import type { BallotDevice } from '../gpu/device.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
-import type { Pipelines } from '../gpu/pipelines.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { type EffectEntry, effectsLedger } from '../ledger/ledger.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
+import type { PointCoverage, PointToCover } from './find-coverage.ts';
 import type { SplatPick } from './pick-splat.ts';
 import {
   RasterizerChoice,
@@ -172,20 +173,38 @@ export abstract class ViewCore {
    */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
     this.checkUsable();
-    const { pipelines } = this.context;
     // Most pages never pick. Once the code is there, the frame that stands now is the one that is searched.
     picking ??= await import('./pick-splat.ts');
+    const { pickStage, pickInImage } = picking;
+    return this.#search(pickStage, (plan) => pickInImage(this.context, this.parts, plan, xPx, yPx));
+  }
+
+  /**
+   * Returns what is in front of each of at most 1,024 points of the world in the last frame: splats, and opaque objects of the
+   * renderer that the view is embedded in. One small read-back for all of them. Null before the first frame.
+   *
+   * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError if memory is lacking;
+   *   DestroyedError if the view or its engine ends before the result is read.
+   */
+  async coverage(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
+    this.checkUsable();
+    const { checkPoints, coverStage, findCoverage } = await import('./find-coverage.ts');
+    checkPoints(points);
+    return this.#search(
+      (plan) => coverStage(this.parts, plan),
+      (plan, stage) => findCoverage(this.context, this.parts, plan, stage, points),
+    );
+  }
+
+  /** Runs `find` over the last frame, as soon as the stage that it needs is compiled; null without a frame. */
+  async #search<Found>(
+    stageOf: (plan: FramePlan) => StageDefinition,
+    find: (plan: FramePlan, stage: StageDefinition) => Promise<Found>,
+  ): Promise<Found | null> {
+    const { pipelines } = this.context;
     while (this.#prepared && !this.#isDestroyed) {
-      const { request, layer, shape } = this.#prepared;
-      const { widthPx, heightPx } = request;
-      if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
-      const stage = picking.pickStage(shape);
-      if (pipelines.areReady([stage])) {
-        // The pixel of the layer behind the centre of the image's pixel.
-        const layerX = ((Math.floor(xPx) + 0.5) * layer.widthPx) / widthPx;
-        const layerY = ((Math.floor(yPx) + 0.5) * layer.heightPx) / heightPx;
-        return picking.pickSplat(this.context, this.parts, this.#prepared, layerX, layerY);
-      }
+      const stage = stageOf(this.#prepared);
+      if (pipelines.areReady([stage])) return find(this.#prepared, stage);
       // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
       await pipelines.prepare([stage]);
     }

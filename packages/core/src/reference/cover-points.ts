@@ -1,0 +1,24 @@
+import type { VisibleSplat } from './cull-splats.ts';
+import { alphaAtPixel } from './pick.ts';
+
+/** A point in front of which splats are sought. */
+export interface ReferenceCoverPoint {
+  /** Its pixel: column and row. */
+  readonly xPx: number;
+  readonly yPx: number;
+  /** Splats at less view depth are in front of it, world units. */
+  readonly depthView: number;
+}
+
+/** Twin of cover-points: the opacity, 0…1, of all splats in front of a point together, at its pixel. */
+export function coverPoint(
+  splats: readonly VisibleSplat[],
+  { xPx, yPx, depthView }: ReferenceCoverPoint,
+  alphaCutoff: number,
+): number {
+  let transmittance = 1;
+  for (const splat of splats) {
+    if (splat.depthView < depthView) transmittance *= 1 - alphaAtPixel(splat, xPx, yPx, alphaCutoff);
+  }
+  return 1 - transmittance;
+}

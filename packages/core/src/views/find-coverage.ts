@@ -1,0 +1,194 @@
+import type { Camera, Projection } from '../camera/camera.ts';
+import { storedDepth } from '../camera/depth-convention.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import type { FrameParts } from '../frame/frame.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
+import type { Counting } from '../gpu/engine-counters.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
+import { readBack } from '../gpu/read-back.ts';
+import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../layout/cover-structs.ts';
+import { linearPart, transform3, type Vec3 } from '../math/mat4.ts';
+import { shown } from '../printable.ts';
+import { COVER_WORKGROUP, coverPoints } from '../stages/cover-points.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+
+/** Most points of one call: each visible splat is compared with all of them. */
+export const MAX_COVER_POINTS = 1024;
+
+/** A point of the world that something may cover. */
+export interface PointToCover {
+  readonly point: Vec3;
+  /**
+   * Splats and the host's objects that are in front of the point by less than this do not cover it, world units along the line
+   * of sight; default 0. A point on a surface needs some: its splats lie on both sides of it.
+   */
+  readonly tolerance?: number;
+}
+
+/** What is in front of a point in the last frame. */
+export interface PointCoverage {
+  /** Whether the point is in the image, between the camera's near and far planes. If not, nothing covers it. */
+  readonly isInImage: boolean;
+  /** Opacity of all splats in front of it together, 0…1, at its pixel. */
+  readonly opacity: number;
+  /** Whether the depth that the splats were tested against, that of a host's opaque objects, is in front of it. */
+  readonly isBehindHost: boolean;
+}
+
+interface CoverContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+  readonly counting: Pick<Counting, 'readbacks'>;
+}
+
+/** Where a point is in a frame. */
+interface PlacedPoint {
+  /** Middle of its pixel of the layer. */
+  readonly pixelPx: readonly [number, number];
+  /** View depth, less its tolerance. */
+  readonly depthView: number;
+  readonly storedDepth: number;
+}
+
+const UNCOVERED = { opacity: 0, isBehindHost: false } as const;
+
+/** @throws InvalidArgumentError for too many points, and for numbers that are not finite. */
+export function checkPoints(points: readonly PointToCover[]): void {
+  if (points.length > MAX_COVER_POINTS) {
+    const message = `${points.length} points are more than ${MAX_COVER_POINTS}: ask for them in several calls.`;
+    throw new InvalidArgumentError('points', message);
+  }
+  for (const [i, { point, tolerance = 0 }] of points.entries()) {
+    if (point.length !== 3 || !point.every(Number.isFinite)) {
+      throw new InvalidArgumentError('points', `Point ${i} is ${shown(point)}; it must be 3 finite numbers.`);
+    }
+    if (!(tolerance >= 0 && tolerance < Number.POSITIVE_INFINITY)) {
+      const message = `The tolerance of point ${i} is ${shown(tolerance)}; it must be a length of 0 or more.`;
+      throw new InvalidArgumentError('tolerance', message);
+    }
+  }
+}
+
+/** The stage that finds what covers points in frames like the last one of `frame`. */
+export function coverStage({ shared }: FrameParts, { shape }: FramePlan): StageDefinition {
+  const compare = shared.testedDepth && shape.depth ? shape.depth.compare : null;
+  return coverPoints(shape.accuracy.recordPrecision, compare);
+}
+
+/**
+ * Finds what is in front of each of `points` in the frame of `plan`, the last of `frame`. Submits before it returns, so later
+ * frames make no difference. The `stage`, that of `coverStage`, must be compiled.
+ *
+ * @throws GpuLimitError if memory is lacking, DestroyedError if engine or device end before the result is read.
+ */
+export async function findCoverage(
+  context: CoverContext,
+  { shared }: FrameParts,
+  plan: FramePlan,
+  stage: StageDefinition,
+  points: readonly PointToCover[],
+): Promise<PointCoverage[]> {
+  const placed = points.map((point) => placedIn(plan, point));
+  const inImage = placed.filter((point) => point !== null);
+  if (inImage.length === 0) return placed.map(() => ({ isInImage: false, ...UNCOVERED }));
+  const { device, pipelines, memory } = context;
+  const { visibleCapacity, dispatchRow } = plan.shape;
+  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
+  const made: GPUBuffer[] = [];
+  const create = (label: string, contents: ArrayBuffer, usage: GPUBufferUsageFlags) => {
+    const buffer = memory.createBuffer(label, contents.byteLength, usage | COPY_DST);
+    made.push(buffer);
+    device.queue.writeBuffer(buffer, 0, contents);
+    return buffer;
+  };
+  const bytes = 8 * inImage.length;
+  const threads = Math.max(visibleCapacity, inImage.length);
+  const find = () => {
+    const parameters = CoverParameters.pack({ pointCount: inImage.length });
+    const packed = new ArrayBuffer(CoverPoint.bytes * inImage.length);
+    for (const [i, point] of inImage.entries()) CoverPoint.write(packed, point, CoverPoint.bytes * i);
+    const covers = create('covers', new ArrayBuffer(bytes), STORAGE | COPY_SRC);
+    const group = pipelines.bindGroup(stage, {
+      ...shared.buffers,
+      parameters: create('cover parameters', parameters, UNIFORM),
+      points: create('points to cover', packed, STORAGE),
+      covers,
+      ...(shared.testedDepth && { testedDepth: shared.testedDepth.createView() }),
+    });
+    return readBack(device, bytes, (encoder, target) => {
+      const pass = encoder.beginComputePass({ label: 'cover points' });
+      pass.setPipeline(pipelines.compute(stage)!);
+      pass.setBindGroup(0, group);
+      pass.dispatchWorkgroups(...dispatchSize(Math.ceil(threads / COVER_WORKGROUP), dispatchRow));
+      pass.end();
+      encoder.copyBufferToBuffer(covers, 0, target, 0, bytes);
+    });
+  };
+  context.counting.readbacks++;
+  try {
+    const { result, checked } = memory.guard('Finding what covers points', 'Ask when less is shown.', find);
+    result.catch(() => {});
+    await checked;
+    return coveragesOf(placed, new Uint32Array(await result));
+  } catch (error) {
+    if (error instanceof GpuLimitError) throw error;
+    throw new DestroyedError('What covers points', (error as Error).message);
+  } finally {
+    for (const buffer of made) memory.destroy(buffer);
+  }
+}
+
+/** @param covers two words for each point in the image. */
+function coveragesOf(placed: readonly (PlacedPoint | null)[], covers: Uint32Array): PointCoverage[] {
+  let at = 0;
+  return placed.map((point) => {
+    if (!point) return { isInImage: false, ...UNCOVERED };
+    const [absorbed, isBehindHost] = covers.subarray(at, at + 2);
+    at += 2;
+    return {
+      isInImage: true,
+      opacity: 1 - Math.exp(-absorbed / COVER_CONSTANTS.COVER_UNITS),
+      isBehindHost: isBehindHost > 0,
+    };
+  });
+}
+
+/** Returns where a point is in the layer of a frame; null outside of it. */
+function placedIn(
+  { camera, projection, shape }: FramePlan,
+  { point, tolerance = 0 }: PointToCover,
+): PlacedPoint | null {
+  const { viewMatrix } = camera;
+  const turned = transform3(linearPart(viewMatrix), point);
+  const depthView = -(turned[2] + viewMatrix[14]);
+  const pixel = pixelOf(projection, [turned[0] + viewMatrix[12], turned[1] + viewMatrix[13]], depthView);
+  if (!pixel || !(depthView > camera.near && depthView <= camera.far)) return null;
+  const pixelPx = [Math.floor(pixel[0]) + 0.5, Math.floor(pixel[1]) + 0.5] as const;
+  const front = Math.max(camera.near, depthView - tolerance);
+  return { pixelPx, depthView: front, storedDepth: stored(camera, projection, shape.depth, pixelPx, front) };
+}
+
+function pixelOf(
+  { isOrthographic, focalPx, centerPx, widthPx, heightPx }: Projection,
+  [x, y]: readonly [number, number],
+  depthView: number,
+): readonly [number, number] | null {
+  const divisor = isOrthographic ? 1 : depthView;
+  const xPx = centerPx[0] + (focalPx[0] * x) / divisor;
+  const yPx = centerPx[1] - (focalPx[1] * y) / divisor;
+  return xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx ? [xPx, yPx] : null;
+}
+
+function stored(
+  camera: Camera,
+  { widthPx, heightPx }: Projection,
+  depth: FramePlan['shape']['depth'],
+  [xPx, yPx]: readonly [number, number],
+  depthView: number,
+): number {
+  if (!depth) return 0;
+  const ndc = [(2 * xPx) / widthPx - 1, 1 - (2 * yPx) / heightPx] as const;
+  return storedDepth(depthView, camera, depth.mapping, ndc);
+}
