@@ -2,6 +2,7 @@ import {
   type Accuracy,
   type AccuracySettings,
   DEFAULT_ACCURACY,
+  type FrameRasterizer,
   internAccuracy,
   type PossibleAccuracy,
 } from './accuracy/accuracy.ts';
@@ -48,6 +49,16 @@ import { rememberedRasterizer } from './views/remembered-rasterizer.ts';
 import { SplatView } from './views/splat-view.ts';
 import { DEFAULT_SUBMISSION_BUDGET_MS } from './views/submission-forecast.ts';
 import type { ViewContext } from './views/view-core.ts';
+
+/** How exactly a frame was drawn. */
+export interface DrawnAccuracy {
+  readonly settings: AccuracySettings;
+  /** What was chosen for the wish of that view, with the reason in words; null before that, and where settings were requested. */
+  readonly choice: AccuracyChoice | null;
+  readonly rasterizer: FrameRasterizer;
+  /** Why that one, for people. */
+  readonly rasterizerReason: string;
+}
 
 export interface EngineOptions extends DeviceOptions {
   /** Device to draw on; by default the engine requests one of its own, see `requestSplatDevice`. */
@@ -369,8 +380,20 @@ export class SplatEngine {
 
   /** Effects of the view that was drawn last: see `SplatView.effects`. */
   effects(): readonly EffectEntry[] {
-    const [last] = [...this.#views].toSorted((a, b) => b.drawnAs - a.drawnAs);
-    return last?.effects() ?? [];
+    return this.#lastDrawn()?.effects() ?? [];
+  }
+
+  /** How exactly the view that was drawn last is drawn, and why; null before the first frame. */
+  drawnAccuracy(): DrawnAccuracy | null {
+    const last = this.#lastDrawn();
+    if (!last?.shape) return null;
+    const { rasterizer, reason } = last.rasterizer;
+    const { shape, accuracyChoice: choice } = last;
+    return { settings: shape.accuracy, choice, rasterizer, rasterizerReason: reason };
+  }
+
+  #lastDrawn(): SplatView | EmbeddedView | undefined {
+    return [...this.#views].toSorted((a, b) => b.drawnAs - a.drawnAs)[0];
   }
 
   /** GPU memory that the engine holds now. */

@@ -41,6 +41,7 @@ export { makeRayTree } from './clouds/rays.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
 export { foreseeEngine, SplatEngine } from './create-engine.ts';
 export type {
+  DrawnAccuracy,
   EngineMemory,
   EngineOptions,
   LoadOptions,

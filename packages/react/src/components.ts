@@ -1,5 +1,5 @@
 'use client';
 
 // What only some applications show.
-export { StageTimings, type StageTimingsProps } from './stage-timings.tsx';
+export { SplatStats, type SplatStatsProps } from './splat-stats.tsx';
 export type { PanelCorner } from './timings-panel.ts';

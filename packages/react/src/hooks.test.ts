@@ -4,7 +4,14 @@ import { onStageTimings, type SplatData, splatEngineOf } from '@websplatter/thre
 import { act, createElement, type ReactNode } from 'react';
 import { renderToString } from 'react-dom/server';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { type SplatsLoad, useSplatEffects, useSplatMemory, useSplatsLoad, useStageTimings } from './hooks.ts';
+import {
+  type SplatsLoad,
+  useSplatAccuracy,
+  useSplatEffects,
+  useSplatMemory,
+  useSplatsLoad,
+  useStageTimings,
+} from './hooks.ts';
 import { GRACE_MS } from './splat-cache.ts';
 
 interface Load {
@@ -45,7 +52,7 @@ vi.mock('@websplatter/three', () => ({
 
 const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
 /** What the engine has, which a test changes. */
-const engine = { memory: { totalBytes: 1 }, effects: [] as object[] };
+const engine = { memory: { totalBytes: 1 }, effects: [] as object[], accuracy: { rasterizer: 'quads' } };
 
 let root: ReturnType<typeof createRoot>;
 
@@ -53,8 +60,12 @@ beforeEach(async () => {
   vi.useFakeTimers();
   vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
   vi.stubGlobal('document', { baseURI: 'https://example.org/' });
-  Object.assign(engine, { memory: { totalBytes: 1 }, effects: [] });
-  const found = { memory: () => ({ ...engine.memory }), effects: () => [...engine.effects] };
+  Object.assign(engine, { memory: { totalBytes: 1 }, effects: [], accuracy: { rasterizer: 'quads' } });
+  const found = {
+    memory: () => ({ ...engine.memory }),
+    effects: () => [...engine.effects],
+    drawnAccuracy: () => ({ ...engine.accuracy }),
+  };
   vi.mocked(splatEngineOf).mockReturnValue(found as unknown as SplatEngine);
   vi.mocked(onStageTimings).mockClear();
   test.loads.length = 0;
@@ -97,19 +108,20 @@ async function measureFrames(count: number): Promise<void> {
 }
 
 describe.each([
-  ['useSplatMemory', useSplatMemory, () => Object.assign(engine, { memory: { totalBytes: 2 } })],
-  ['useSplatEffects', useSplatEffects, () => Object.assign(engine, { effects: [{ name: 'tint' }] })],
-])('%s', (name, use: (renderer?: object) => unknown, change) => {
+  ['useSplatMemory', useSplatMemory, 'memory', { totalBytes: 2 }],
+  ['useSplatEffects', useSplatEffects, 'effects', [{ name: 'tint' }]],
+  ['useSplatAccuracy', useSplatAccuracy, 'accuracy', { rasterizer: 'tiles' }],
+])('%s', (name, use: (renderer?: object) => unknown, changed, value) => {
   it('renders again some time after frames, if something has changed', async () => {
     const renders = await rendersOf(() => use());
     expect(renders).toHaveLength(2);
     expect(renders[0]).toBeNull();
     await measureFrames(3);
     expect(renders).toHaveLength(2);
-    change();
+    Object.assign(engine, { [changed]: value });
     await measureFrames(3);
     expect(renders).toHaveLength(3);
-    expect(renders[2]).toEqual(name === 'useSplatMemory' ? { totalBytes: 2 } : [{ name: 'tint' }]);
+    expect(renders[2]).toEqual(value);
   });
 
   it('takes a renderer outside of a Canvas, and asks for one', async () => {

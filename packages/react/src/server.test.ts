@@ -3,7 +3,7 @@ import { createElement, Suspense } from 'react';
 import { renderToPipeableStream, renderToString } from 'react-dom/server';
 import { prerender } from 'react-dom/static';
 import { describe, expect, it } from 'vitest';
-import { StageTimings } from './components.ts';
+import { SplatStats } from './components.ts';
 import { isSupported, SplatCanvas, Splats, SplatsFallback, useSplats } from './index.ts';
 
 it('renders a page on a server', async () => {
@@ -14,7 +14,7 @@ it('renders a page on a server', async () => {
     null,
     canvas,
     createElement(Splats, { src: 'garden.ply' }),
-    createElement(StageTimings, { renderer: null }),
+    createElement(SplatStats, { renderer: null }),
   );
   expect(renderToString(page)).toMatch(/^<div.*<canvas.*<\/canvas>.*<\/div>$/);
   expect(await isSupported()).toBe(false);

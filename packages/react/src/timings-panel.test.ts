@@ -1,6 +1,6 @@
 import { type FrameStatistics, type StageTimings, wallClockTimings } from '@websplatter/core';
 import { expect, it } from 'vitest';
-import { wordsFor } from './timings-panel.ts';
+import { type EngineState, wordsFor } from './timings-panel.ts';
 
 const gpuTiming: StageTimings = {
   source: 'gpu-timestamps',
@@ -22,8 +22,11 @@ const statistics = (timing: StageTimings): FrameStatistics => ({
   timing,
 });
 
-it('shows stages, splats, and the source of the times', () => {
-  expect(wordsFor(statistics(gpuTiming))).toEqual({
+const engine: EngineState = { framesDrawn: 130, memoryBytes: 512_345_678, nowMs: 1500 };
+const before: EngineState = { ...engine, framesDrawn: 100, nowMs: 1250 };
+
+it('shows stages, splats, frames, memory and the source of the times', () => {
+  expect(wordsFor(statistics(gpuTiming), engine, before)).toEqual({
     values: {
       'Pre-process': '1.23 ms',
       Sort: '0.50 ms',
@@ -33,20 +36,30 @@ it('shows stages, splats, and the source of the times', () => {
       Rasteriser: 'quads',
       'Splats visible': '1,234,567',
       'Splats loaded': '5,834,784',
+      'Frames per second': '120',
+      'GPU memory': '512.3 MB',
     },
     note: 'GPU timestamps',
   });
 });
 
 it('labels wall-clock times', () => {
-  const { values, note } = wordsFor(statistics(wallClockTimings(20)));
+  const { values, note } = wordsFor(statistics(wallClockTimings(20)), engine, before);
   const unknown = { 'Pre-process': '–', Sort: '–', Rasterize: '–', Frame: '–' };
   expect(values).toMatchObject({ ...unknown, 'Wall clock': '20.00 ms' });
   expect(note).toBe('No GPU timestamps here');
 });
 
 it('labels timestamps that are far from the wall clock as doubtful', () => {
-  const { values, note } = wordsFor(statistics({ ...gpuTiming, wallClockMs: 900 }));
+  const { values, note } = wordsFor(statistics({ ...gpuTiming, wallClockMs: 900 }), engine, before);
   expect(values).toMatchObject({ Frame: '13.73 ms', 'Wall clock': '900.00 ms' });
   expect(note).toBe('GPU timestamps, doubtful');
+});
+
+it('shows no rate where frames did not follow one another', () => {
+  const rateSince = (state: EngineState | null) =>
+    wordsFor(statistics(gpuTiming), engine, state).values['Frames per second'];
+  expect(rateSince(null)).toBe('–');
+  expect(rateSince(engine)).toBe('–');
+  expect(rateSince({ ...before, nowMs: 100 })).toBe('–');
 });

@@ -21,10 +21,23 @@ const ROWS = [
   'Frame',
   'Wall clock',
   'Rasteriser',
+  'Frames per second',
   'Splats visible',
   'Splats loaded',
+  'GPU memory',
 ] as const;
 type Row = (typeof ROWS)[number];
+
+/** What the engine has done so far, and holds now. */
+export interface EngineState {
+  readonly framesDrawn: number;
+  readonly memoryBytes: number;
+  /** Time of reading, as `performance.now()` tells it. */
+  readonly nowMs: number;
+}
+
+/** After so long without a look, frames were not drawn one after another, and their rate says nothing. */
+const MAX_RATE_INTERVAL_MS = 1000;
 
 export interface TimingsPanel {
   readonly element: HTMLElement;
@@ -34,13 +47,21 @@ export interface TimingsPanel {
   remove(): void;
 }
 
-/** Creates the overlay of `<StageTimings>`. Updates write to its text nodes and change nothing else. */
-export function createTimingsPanel(document: Document, corner: PanelCorner): TimingsPanel {
+/**
+ * Creates the overlay of `<SplatStats>`. Updates write to its text nodes and change nothing else.
+ *
+ * @param readEngine called for each update.
+ */
+export function createTimingsPanel(
+  document: Document,
+  corner: PanelCorner,
+  readEngine: () => EngineState,
+): TimingsPanel {
   const element = document.createElement('div');
   element.style.cssText = PANEL_STYLE;
   for (const side of corner.split('-')) element.style.setProperty(side, '0');
   element.setAttribute('role', 'group');
-  element.setAttribute('aria-label', 'Cost of the splats per frame');
+  element.setAttribute('aria-label', 'Cost of the splats');
   const list = document.createElement('dl');
   list.style.cssText = LIST_STYLE;
   const values = new Map<Row, Text>();
@@ -57,12 +78,15 @@ export function createTimingsPanel(document: Document, corner: PanelCorner): Tim
   element.append(list, note);
 
   let latest: FrameStatistics | null = null;
+  let before: EngineState | null = null;
   let timer: ReturnType<typeof setTimeout> | undefined;
   const write = () => {
     timer = undefined;
     if (!latest) return;
-    const words = wordsFor(latest);
+    const engine = readEngine();
+    const words = wordsFor(latest, engine, before);
     latest = null;
+    before = engine;
     for (const row of ROWS) values.get(row)!.data = words.values[row];
     note.data = words.note;
     timer = setTimeout(write, UPDATE_INTERVAL_MS);
@@ -80,8 +104,16 @@ export function createTimingsPanel(document: Document, corner: PanelCorner): Tim
   };
 }
 
-/** Returns the words and figures of the panel. */
-export function wordsFor({ timing, rasterizer, visibleSplats, loadedSplats }: FrameStatistics): {
+/**
+ * Returns the words and figures of the panel.
+ *
+ * @param before what `engine` was at the last update; null at the first.
+ */
+export function wordsFor(
+  { timing, rasterizer, visibleSplats, loadedSplats }: FrameStatistics,
+  engine: EngineState,
+  before: EngineState | null,
+): {
   readonly values: Readonly<Record<Row, string>>;
   readonly note: string;
 } {
@@ -93,11 +125,19 @@ export function wordsFor({ timing, rasterizer, visibleSplats, loadedSplats }: Fr
     Frame: milliseconds(isMeasuredByGpu ? timing.totalMs : Number.NaN),
     'Wall clock': milliseconds(timing.wallClockMs),
     Rasteriser: rasterizer,
+    'Frames per second': frameRate(engine, before),
     'Splats visible': visibleSplats.toLocaleString('en'),
     'Splats loaded': loadedSplats.toLocaleString('en'),
+    'GPU memory': `${(engine.memoryBytes / 1e6).toFixed(1)} MB`,
   };
   if (!isMeasuredByGpu) return { values, note: 'No GPU timestamps here' };
   return { values, note: isPlausible(timing) ? 'GPU timestamps' : 'GPU timestamps, doubtful' };
+}
+
+function frameRate(engine: EngineState, before: EngineState | null): string {
+  const elapsedMs = before ? engine.nowMs - before.nowMs : 0;
+  if (!before || elapsedMs <= 0 || elapsedMs > MAX_RATE_INTERVAL_MS) return '–';
+  return ((1000 * (engine.framesDrawn - before.framesDrawn)) / elapsedMs).toFixed(0);
 }
 
 function milliseconds(value: number): string {

@@ -1,5 +1,5 @@
 // Hooks that follow the engine of a Canvas.
-import type { EffectEntry, EngineMemory, SplatEngine } from '@websplatter/core';
+import type { DrawnAccuracy, EffectEntry, EngineMemory, SplatEngine } from '@websplatter/core';
 import { onStageTimings, splatEngineOf } from '@websplatter/three';
 import { useEffect, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
@@ -34,6 +34,20 @@ export function useSplatEffects(renderer?: object): readonly EffectEntry[] | nul
   return useEngine(readEffects, renderer, 'useSplatEffects');
 }
 
+/**
+ * Returns how exactly the last frame of a Canvas was drawn: its settings, what was chosen for a wish and why, and the rasteriser.
+ * Looks again a quarter of a second after frames, and causes a render only if something has changed.
+ *
+ * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @returns null before the first frame.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
+ *   `createSplatRenderer` did not make.
+ */
+export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null {
+  return useEngine(readAccuracy, renderer, 'useSplatAccuracy');
+}
+
+const readAccuracy = (engine: SplatEngine) => engine.drawnAccuracy();
 const readMemory = (engine: SplatEngine) => engine.memory();
 const readEffects = (engine: SplatEngine) => engine.effects();
 

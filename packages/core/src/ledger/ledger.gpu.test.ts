@@ -94,6 +94,12 @@ describe('the ledger of requested effects', () => {
     const other = engine.createView();
     other.render({ camera: CAMERAS.inside, clouds: [{ cloud }], ...SIZE });
     expect(isTinted()).toBe(false);
+    expect(engine.drawnAccuracy()).toMatchObject({
+      settings: other.shape!.accuracy,
+      choice: null,
+      rasterizer: other.rasterizer.rasterizer,
+      rasterizerReason: other.rasterizer.reason,
+    });
     other.destroy();
     expect(isTinted()).toBe(true);
     cloud.destroy();

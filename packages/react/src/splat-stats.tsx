@@ -1,11 +1,11 @@
 import type { FrameStatistics } from '@websplatter/core';
-import { onStageTimings } from '@websplatter/three';
+import { onStageTimings, splatEngineOf } from '@websplatter/three';
 import { type ReactNode, useEffect } from 'react';
 import type { WebGPURenderer } from 'three/webgpu';
 import type { PanelCorner, TimingsPanel } from './timings-panel.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 
-export interface StageTimingsProps {
+export interface SplatStatsProps {
   /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
   renderer?: object | null;
   /** Default `top-left`. */
@@ -13,15 +13,23 @@ export interface StageTimingsProps {
 }
 
 /**
- * Shows what the splats cost per frame, in a corner over the canvas: an HTML overlay, wherever in the tree this component is.
- * Updates it at most four times a second, and renders nothing for that, in React or on the canvas.
+ * Shows what the splats cost, in a corner over the canvas: times of each stage, frames per second, splats and GPU memory. It is
+ * an HTML overlay, wherever in the tree this component is. Updates it at most four times a second, and renders nothing for that,
+ * in React or on the canvas.
  *
- * @throws InvalidArgumentError outside of a Canvas without `renderer`.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for a renderer that
+ *   `createSplatRenderer` did not make.
  */
-export function StageTimings({ renderer, corner = 'top-left' }: StageTimingsProps): ReactNode {
-  const measured = useMeasuredRenderer(renderer, '<StageTimings>');
+export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): ReactNode {
+  const measured = useMeasuredRenderer(renderer, '<SplatStats>');
   useEffect(() => {
     if (!measured) return;
+    const engine = splatEngineOf(measured);
+    const read = () => ({
+      framesDrawn: engine.counters().framesDrawn,
+      memoryBytes: engine.memory().totalBytes,
+      nowMs: performance.now(),
+    });
     let isGone = false;
     let latest: FrameStatistics | null = null;
     let panel: TimingsPanel | null = null;
@@ -34,7 +42,7 @@ export function StageTimings({ renderer, corner = 'top-left' }: StageTimingsProp
       .then(({ createTimingsPanel }) => {
         if (isGone) return;
         const { ownerDocument, parentElement } = (measured as WebGPURenderer).domElement;
-        panel = createTimingsPanel(ownerDocument, corner);
+        panel = createTimingsPanel(ownerDocument, corner, read);
         if (latest) panel.show(latest);
         parentElement?.append(panel.element);
       })
