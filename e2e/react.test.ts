@@ -1,4 +1,5 @@
-import { encodePly, type SplatSet } from '@websplatter/core';
+import { cameraFromMatrices, encodePly, type SplatSet } from '@websplatter/core';
+import { renderReference } from '@websplatter/core/reference';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { atRest, passTurns } from './at-rest.ts';
@@ -9,6 +10,7 @@ import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, screenshot } from './screenshot.ts';
 import { slowScene, testScene } from './test-scene.ts';
+import type { DrawnCamera } from './viewer-page.ts';
 
 /** What a mount leaves is seen after two; every fifth is unmounted while it loads. */
 const MOUNTS = isFull ? 50 : 6;
@@ -110,7 +112,7 @@ const nextFrames = (page: Page) =>
 const image = (page: Page) => screenshot(page.getByTestId('canvas'));
 
 const overlayOf = (page: Page) =>
-  page.getByTestId('canvas').getByRole('group', { name: 'Cost of the splats per frame' });
+  page.getByTestId('canvas').getByRole('group', { name: 'Cost of the splats' });
 
 const resourcesOf = (page: Page) =>
   page.evaluate(() => ({
@@ -237,6 +239,103 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   expect(text).toMatch(/Rasteriser\s+(tiles|quads)\s/);
   expect(text).toMatch(/Splats loaded\s+400\s/);
   expect(text).toContain('GPU timestamps');
+});
+
+/** Points in and about the scene, each in a pixel of its own, that are covered clearly or not, with the opacity in front in float64. */
+function labelPoints(camera: DrawnCamera, size: { widthPx: number; heightPx: number }, count: number) {
+  const { viewMatrix: v, projectionMatrix: p } = camera;
+  const hostDepths = new Float64Array(size.widthPx * size.heightPx).fill(Number.POSITIVE_INFINITY);
+  const candidates: { position: [number, number, number]; pixel: number; depthView: number }[] = [];
+  for (let i = 0; candidates.length < 3 * count; i++) {
+    // Steps that never meet: a fixed set of points all over the scene.
+    const position = [
+      ((i * 0.618) % 1) * 4 - 1,
+      ((i * 0.414) % 1) * 2,
+      ((i * 0.732) % 1) * 2.4 - 1.4,
+    ] as const;
+    const [x, y, z] = [0, 1, 2].map((row) =>
+      position.reduce((sum, value, axis) => sum + v[4 * axis + row] * value, v[12 + row]),
+    );
+    const column = Math.floor(((1 + (p[0] * x) / -z) / 2) * size.widthPx);
+    const row = Math.floor(((1 - (p[5] * y) / -z) / 2) * size.heightPx);
+    const pixel = row * size.widthPx + column;
+    const isInside = column >= 0 && column < size.widthPx && row >= 0 && row < size.heightPx;
+    if (!isInside || candidates.some((other) => other.pixel === pixel)) continue;
+    candidates.push({ position: [...position], pixel, depthView: -z });
+    hostDepths[pixel] = 0.98 * -z;
+  }
+  const { data } = renderReference({
+    clouds: [{ set: testScene() }],
+    camera: cameraFromMatrices(v, p, camera),
+    ...size,
+    hostDepths,
+  });
+  return candidates
+    .map(({ position, pixel, depthView }) => ({ position, depthView, opacity: data[4 * pixel + 3] }))
+    .filter(({ opacity }) => Math.abs(opacity - 0.5) > 0.05)
+    .slice(0, count);
+}
+
+it('shows the labels whose points nothing covers, as float64 depth tells, and asks only after frames', async () => {
+  const quiet = canvas({ frameloop: 'demand', background: 'black' });
+  const page = await open(quiet);
+  await waitForLog(page, 'a firstframe');
+  const camera = await cameraOf(page);
+  const shot = await image(page);
+  const points = labelPoints(camera, shot, 20);
+  const wall = [2.2, 1.2, 1] as const;
+  const labels = points.map(({ position }, i) => ({ id: `label ${i}`, position }));
+  const namesOf = (isFree: (point: (typeof points)[number]) => boolean) =>
+    labels.filter((_, i) => isFree(points[i])).map(({ id }) => id);
+  const shown = async () => (await page.getByRole('button').allInnerTexts()).toSorted(byNumber);
+  const byNumber = (a: string, b: string) => Number(a.slice(6)) - Number(b.slice(6));
+
+  const free = namesOf(({ opacity }) => opacity < 0.5);
+  expect(free.length).toBeGreaterThan(5);
+  expect(free.length).toBeLessThan(15);
+  await show(page, { ...quiet, labels });
+  await expect.poll(shown).toEqual(free);
+  const hidden = (await logOf(page)).filter((entry) => / (hidden|free)$/.test(entry));
+  expect(hidden.toSorted()).toEqual(
+    labels
+      .filter(({ id }) => !free.includes(id))
+      .map(({ id }) => `${id} hidden`)
+      .toSorted(),
+  );
+
+  // At rest nobody asks.
+  const readbacksOf = async () => (await countersOf(page)).readbacks;
+  const before = await atRest(page, readbacksOf);
+  await passTurns(page, 60);
+  expect(await readbacksOf()).toBe(before);
+  await page.evaluate(() => window.page.canvases.get('canvas')!.invalidate());
+  expect(await atRest(page, readbacksOf), 'questions after one frame').toBe(before + 1);
+
+  // The keyboard reaches what is shown.
+  await page.keyboard.press('Tab');
+  expect(free).toContain(await page.evaluate(() => document.activeElement?.textContent));
+  await page.keyboard.press('Enter');
+  expect((await logOf(page)).at(-1)).toMatch(/^label \d+ click$/);
+  await page.evaluate(() => (document.activeElement as HTMLElement).blur());
+
+  // A wall hides what is behind it, and nothing else.
+  const eye = [1.5, 1, 5] as const;
+  const isBehindWall = ({ position, depthView }: (typeof points)[number]) => {
+    const part = (wall[2] - eye[2]) / (position[2] - eye[2]);
+    const isHit = [0, 1].every(
+      (axis) => Math.abs(eye[axis] + part * (position[axis] - eye[axis]) - wall[axis]) < 1,
+    );
+    return isHit && part * depthView < 0.98 * depthView;
+  };
+  const freeBesideWall = namesOf((point) => point.opacity < 0.5 && !isBehindWall(point));
+  expect(freeBesideWall.length).toBeLessThan(free.length);
+  await show(page, { ...quiet, labels, wall });
+  await expect.poll(shown).toEqual(freeBesideWall);
+
+  await show(page, quiet);
+  await expect
+    .poll(() => page.getByTestId('canvas').evaluate((element) => element.querySelectorAll('button').length))
+    .toBe(0);
 });
 
 it('takes effects as props, and draws what revealing takes and no frame more', async () => {

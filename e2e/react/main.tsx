@@ -14,7 +14,7 @@ import {
   splatEngineOf,
   useSplats,
 } from '@websplatter/react';
-import { StageTimings } from '@websplatter/react/components';
+import { SplatAnnotation, SplatStats } from '@websplatter/react/components';
 import { type StageTimingsSource, useStageTimings } from '@websplatter/react/hooks';
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
@@ -38,6 +38,13 @@ export interface SplatsDescription {
   readonly hasErrors?: boolean;
 }
 
+export interface LabelDescription {
+  readonly id: string;
+  readonly position: readonly [number, number, number];
+  /** World units. */
+  readonly tolerance?: number;
+}
+
 export interface CanvasDescription {
   /** Another id is another Canvas. */
   readonly id: string;
@@ -58,6 +65,10 @@ export interface CanvasDescription {
   readonly hasSuspense?: boolean;
   /** Where the overlay stands in the tree; `outside` of `bare` ones alone. */
   readonly timings?: 'inside' | 'outside';
+  /** Annotations: buttons with their ids for names. */
+  readonly labels?: readonly LabelDescription[];
+  /** Middle of an opaque plane of 2 by 2 units that faces +z. */
+  readonly wall?: readonly [number, number, number];
 }
 
 const page = {
@@ -119,6 +130,8 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     background,
     splats,
     timings,
+    labels = [],
+    wall,
     frameloop,
     accuracy,
     dpr = 1,
@@ -148,8 +161,26 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     <>
       {background && <color attach="background" args={[background]} />}
       {hasSuspense ? <Suspense fallback={<Waiting id={id} />}>{clouds}</Suspense> : clouds}
+      {labels.map(({ id: label, position, tolerance }) => (
+        <SplatAnnotation
+          key={label}
+          position={[...position]}
+          tolerance={tolerance}
+          onOcclude={(isHidden) => note(label, isHidden ? 'hidden' : 'free')}
+        >
+          <button type="button" onClick={() => note(label, 'click')}>
+            {label}
+          </button>
+        </SplatAnnotation>
+      ))}
+      {wall && (
+        <mesh position={[...wall]}>
+          <planeGeometry args={[2, 2]} />
+          <meshBasicMaterial color="gray" />
+        </mesh>
+      )}
       {timings && <Timings />}
-      {timings === 'inside' && <StageTimings corner="bottom-right" />}
+      {timings === 'inside' && <SplatStats corner="bottom-right" />}
     </>
   );
   if (kind === 'splats') {
@@ -168,7 +199,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
       <Canvas {...canvasProps} gl={kind === 'bare' ? createSplatRenderer : undefined}>
         {children}
       </Canvas>
-      {timings === 'outside' && <StageTimings renderer={renderer} />}
+      {timings === 'outside' && <SplatStats renderer={renderer} />}
     </>
   );
 }

@@ -15,6 +15,7 @@ export {
   ThreeInternalsError,
 } from './errors.ts';
 export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
+export { coverageOf, pickSplat } from './scene-queries.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
 export { type LoadedCloud, SplatData } from './splat-data.ts';
 export { SplatLoader } from './splat-loader.ts';

@@ -46,6 +46,14 @@ export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
   return layer;
 }
 
+/** Returns the layers of the scene that `object` is in: that which is drawn last comes first. */
+export function layersAround(object: Object3D): SplatLayer[] {
+  const isLayer = (child: Object3D): child is SplatLayer => child instanceof SplatLayer;
+  return rootOf(object)
+    .children.filter(isLayer)
+    .sort((a, b) => b.renderOrder - a.renderOrder);
+}
+
 /** Returns the object at the top of the tree that `object` is in; `object` itself if it has no parent. */
 export function rootOf(object: Object3D): Object3D {
   let root = object;
@@ -59,7 +67,8 @@ export function rootOf(object: Object3D): Object3D {
  */
 export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #clouds = new Set<LayerCloud>();
-  readonly #views = new LayerViews();
+  /** @internal */
+  readonly views = new LayerViews();
   readonly #depthMesh: Mesh = new Mesh(this.geometry);
   /** What the layer writes besides its colours; loaded when that is needed, null before. */
   #outputs: LayerOutputs | null = null;
@@ -109,7 +118,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     xPx: number,
     yPx: number,
   ): Promise<(SplatPick & { readonly object: LayerCloud }) | null> {
-    const view = this.#views.latest(renderer, camera);
+    const view = this.views.latest(renderer, camera);
     if (!view) return null;
     const { clouds } = view;
     const pick = await view.embedded.pick(xPx - view.xPx, yPx - view.yPx);
@@ -118,12 +127,12 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
 
   /** Measures the latest frame with `cloud`; null if there is none. */
   chooseAccuracy(cloud: LayerCloud, options?: ChooseAccuracyOptions): Promise<AccuracyChoice> | null {
-    return this.#views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
+    return this.views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
   }
 
   /** Frees the layer's GPU memory; the layer may be drawn again. */
   #free(): void {
-    this.#views.destroyAll();
+    this.views.destroyAll();
     this.material.dispose();
     this.#outputs?.dispose();
     this.geometry.dispose();
@@ -179,7 +188,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     if (shown.length === 0) return;
     /** Finds and sorts what a camera sees; null if there is nothing to draw. */
     const views = pass.parts.map(({ camera, widthPx, heightPx }) => {
-      const view: LayerView = this.#views.use(renderer, camera, pass.target, () => {
+      const view: LayerView = this.views.use(renderer, camera, pass.target, () => {
         const embedded = engine.createEmbeddedView();
         embedded.onReady = () => this.#requestFrame();
         embedded.onAccuracyChosen = (choice) => {

@@ -1,0 +1,158 @@
+import { DestroyedError, type PointToCover } from '@websplatter/core';
+import { coverageOf } from '@websplatter/three';
+import { type Camera, type Object3D, Vector3 } from 'three';
+
+/** Shortest time between two questions to the GPU, ms: labels fade for longer than that. */
+const CHECK_INTERVAL_MS = 100;
+/** Labels of one question: each visible splat is compared with all of them, and other work of the GPU waits. */
+const LABELS_PER_QUESTION = 256;
+
+/** What the board knows of a Canvas. */
+export interface BoardView {
+  readonly renderer: object;
+  readonly scene: Object3D;
+  readonly camera: Camera;
+  /** CSS pixels. */
+  readonly size: { readonly width: number; readonly height: number };
+}
+
+/** A label at a point of the world. */
+export interface BoardLabel {
+  /** Its origin is the label's point. */
+  readonly object: Object3D;
+  /** Whether splats and meshes hide it. */
+  readonly canBeCovered: boolean;
+  /** Opacity, 0…1, of the splats in front from which on they hide it. */
+  readonly hideAt: number;
+  /** See `PointToCover`, world units; undefined: TOLERANCE of its distance. */
+  readonly tolerance: number | undefined;
+  /**
+   * Puts the label where its point is.
+   *
+   * @param x, y CSS pixels from the canvas's top left.
+   * @param depthView distance along the line of sight, world units.
+   * @param rank place among all labels by distance, 0 for the nearest.
+   */
+  place(x: number, y: number, depthView: number, rank: number): void;
+  /** Its point is not in the image. */
+  leaveSight(): void;
+  /** Something covers its point, or nothing does. */
+  cover(isCovered: boolean): void;
+}
+
+/** Part of a label's distance by which splats may be in front of it: as near as rays and picks agree. */
+const TOLERANCE = 0.02;
+
+interface SeenLabel {
+  readonly label: BoardLabel;
+  readonly point: Vector3;
+  readonly depthView: number;
+}
+
+/**
+ * All labels of a Canvas: places them after each frame, and asks the GPU for all of them together what covers them. There is
+ * never more than one question under way, and none without a frame.
+ */
+export class LabelBoard {
+  readonly #labels = new Set<BoardLabel>();
+  readonly #viewOf: () => BoardView;
+  #isFrameNoted = false;
+  #isAsking = false;
+  /** A frame was drawn after the last question was asked. */
+  #isOutdated = false;
+  #askedMs = Number.NEGATIVE_INFINITY;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(viewOf: () => BoardView) {
+    this.#viewOf = viewOf;
+  }
+
+  /** Adds a label until the returned function is called. */
+  add(label: BoardLabel): () => void {
+    this.#labels.add(label);
+    return () => {
+      this.#labels.delete(label);
+      if (this.#labels.size > 0) return;
+      clearTimeout(this.#timer);
+      this.#timer = undefined;
+    };
+  }
+
+  /** A frame is about to be drawn, in this task; call it for each label. */
+  noteFrame(): void {
+    if (this.#isFrameNoted) return;
+    this.#isFrameNoted = true;
+    // After the frame, whose matrices are known by then, and before the browser paints.
+    queueMicrotask(() => {
+      this.#isFrameNoted = false;
+      this.#placeAll();
+      this.#isOutdated = true;
+      this.#askSoon();
+    });
+  }
+
+  #placeAll(): void {
+    const { size, camera } = this.#viewOf();
+    const seen = this.#seen().sort((a, b) => a.depthView - b.depthView);
+    const hidden = new Set(this.#labels);
+    for (const [rank, { label, point, depthView }] of seen.entries()) {
+      hidden.delete(label);
+      const { x, y } = point.project(camera);
+      label.place(((1 + x) / 2) * size.width, ((1 - y) / 2) * size.height, depthView, rank);
+    }
+    for (const label of hidden) label.leaveSight();
+  }
+
+  /** Labels whose points are in the image, and in front of the camera. */
+  #seen(): SeenLabel[] {
+    const { camera } = this.#viewOf();
+    const seen: SeenLabel[] = [];
+    for (const label of this.#labels) {
+      const point = new Vector3().setFromMatrixPosition(label.object.matrixWorld);
+      const depthView = -point.clone().applyMatrix4(camera.matrixWorldInverse).z;
+      const { x, y } = point.clone().project(camera);
+      if (depthView > 0 && Math.abs(x) <= 1 && Math.abs(y) <= 1) seen.push({ label, point, depthView });
+    }
+    return seen;
+  }
+
+  #askSoon(): void {
+    if (this.#isAsking || this.#timer !== undefined || !this.#isOutdated || this.#labels.size === 0) return;
+    const waitMs = Math.max(0, this.#askedMs + CHECK_INTERVAL_MS - performance.now());
+    // Never within the frame.
+    this.#timer = setTimeout(() => {
+      this.#timer = undefined;
+      void this.#ask();
+    }, waitMs);
+  }
+
+  async #ask(): Promise<void> {
+    const { renderer, scene, camera } = this.#viewOf();
+    const asked = this.#seen().filter(({ label }) => label.canBeCovered);
+    for (const label of this.#labels) if (!label.canBeCovered) label.cover(false);
+    this.#isAsking = true;
+    this.#isOutdated = false;
+    this.#askedMs = performance.now();
+    try {
+      for (let from = 0; from < asked.length; from += LABELS_PER_QUESTION) {
+        const part = asked.slice(from, from + LABELS_PER_QUESTION);
+        const found = await coverageOf(renderer, scene, camera, part.map(pointOf));
+        for (const [i, { label }] of part.entries()) {
+          if (!this.#labels.has(label)) continue;
+          const { opacity = 0, isBehindHost = false } = found?.[i] ?? {};
+          label.cover(isBehindHost || opacity >= label.hideAt);
+        }
+      }
+    } catch (error) {
+      // The renderer reports a lost device. Labels stay as they are.
+      if (!(error instanceof DestroyedError)) console.warn(error);
+    } finally {
+      this.#isAsking = false;
+      this.#askSoon();
+    }
+  }
+}
+
+function pointOf({ point, depthView, label }: SeenLabel): PointToCover {
+  return { point: [point.x, point.y, point.z], tolerance: label.tolerance ?? TOLERANCE * depthView };
+}

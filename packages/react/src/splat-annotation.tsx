@@ -1,0 +1,153 @@
+import { extend, type ThreeElements, useFrame, useStore, useThree } from '@react-three/fiber';
+import { InvalidArgumentError } from '@websplatter/core';
+import { type CSSProperties, type ReactNode, useEffect, useLayoutEffect, useRef } from 'react';
+import { createRoot, type Root } from 'react-dom/client';
+import { type Camera, Group, type OrthographicCamera } from 'three';
+import { isServer } from './is-server.ts';
+import { LabelBoard } from './label-board.ts';
+import { LabelElement } from './label-element.ts';
+import { useLatest } from './use-latest.ts';
+import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
+
+export interface SplatAnnotationProps {
+  /** The label's point, in the space of the parent in the scene; its content is centred there. */
+  position?: ThreeElements['group']['position'];
+  /** HTML. Contexts of the app do not reach it. */
+  children?: ReactNode;
+  /** Whether the label hides when splats or opaque meshes are in front of its point; default true. */
+  occlude?: boolean;
+  /** Opacity, 0…1 without 0, of the splats in front, all together, from which on they hide the label; default 0.5. */
+  hideAt?: number;
+  /**
+   * What is in front of the point by less than this does not hide the label, world units along the line of sight; default: a
+   * fiftieth of its distance. Splats of the surface that a label stands on lie on both sides of its point.
+   */
+  tolerance?: number;
+  /** Called when the label gets hidden by splats or meshes (true), and when it is free again. It is free at first. */
+  onOcclude?: (isHidden: boolean) => void;
+  /**
+   * Distance from the camera, world units, at which the content has its own size; it shrinks and grows with the scene. Default:
+   * the same size at any distance. Under an orthographic camera: the zoom of 1 is that distance.
+   */
+  fullSizeDistance?: number;
+  /** Of the element around the content. */
+  className?: string;
+  /** Of the element around the content. */
+  style?: CSSProperties;
+}
+
+// As in splats.tsx: by class, so that it overrides no application's element.
+const PointElement = /* @__PURE__ */ extend(Group);
+
+/** By the store of a Canvas, or of a portal in it. */
+const boards = new WeakMap<object, LabelBoard>();
+
+const DEFAULT_HIDE_AT = 0.5;
+
+/**
+ * A label at a point of the scene: HTML over the canvas that fades when splats or opaque meshes cover its point, as the GPU finds
+ * in the frame itself: by the opacity of all splats in front of the point together, and by the depth of meshes. All labels of a
+ * Canvas ask together, at most ten times a second, after frames alone, and no frame waits for the answer. Labels that are hidden
+ * or outside of the image cannot be focused; one that has the focus stays.
+ *
+ * @throws InvalidArgumentError outside of a Canvas, and for numbers out of range.
+ */
+export function SplatAnnotation(props: SplatAnnotationProps): ReactNode {
+  const { hideAt = DEFAULT_HIDE_AT, tolerance, fullSizeDistance } = props;
+  if (!(hideAt > 0 && hideAt <= 1)) {
+    throw new InvalidArgumentError('hideAt', `hideAt is ${hideAt}; it must be an opacity above 0, up to 1.`);
+  }
+  checkLength('tolerance', tolerance, tolerance === 0);
+  checkLength('fullSizeDistance', fullSizeDistance, false);
+  const isOnServer = isServer();
+  useMeasuredRenderer(isOnServer ? null : undefined, '<SplatAnnotation>');
+  return isOnServer ? null : <Label {...props} hideAt={hideAt} />;
+}
+
+function checkLength(name: string, value: number | undefined, isFine: boolean): void {
+  if (value === undefined || isFine || (value > 0 && value < Number.POSITIVE_INFINITY)) return;
+  throw new InvalidArgumentError(name, `${name} is ${value}; it must be a length above 0, in world units.`);
+}
+
+function Label({
+  position,
+  children,
+  occlude = true,
+  hideAt,
+  tolerance,
+  onOcclude,
+  fullSizeDistance,
+  className = '',
+  style,
+}: SplatAnnotationProps & { hideAt: number }): ReactNode {
+  const store = useStore();
+  const invalidate = useThree((state) => state.invalidate);
+  const group = useRef<Group>(null);
+  const latest = useLatest({ occlude, hideAt, tolerance, onOcclude, fullSizeDistance });
+  const root = useRef<Root>(null);
+
+  useLayoutEffect(() => {
+    const { gl } = store.getState();
+    const element = new LabelElement(gl.domElement);
+    const made = createRoot(element.content);
+    root.current = made;
+    const cover = (isCovered: boolean) => {
+      if (element.cover(isCovered)) latest.current.onOcclude?.(isCovered);
+    };
+    const leave = boardOf(store).add({
+      object: group.current!,
+      get canBeCovered() {
+        return latest.current.occlude;
+      },
+      get hideAt() {
+        return latest.current.hideAt;
+      },
+      get tolerance() {
+        return latest.current.tolerance;
+      },
+      place: (x, y, depthView, rank) => {
+        const { camera } = store.getState();
+        element.place(x, y, scaleAt(camera, depthView, latest.current.fullSizeDistance), rank);
+      },
+      leaveSight: () => element.leaveSight(),
+      cover,
+    });
+    return () => {
+      leave();
+      element.remove();
+      // React is rendering the tree around it.
+      queueMicrotask(() => made.unmount());
+    };
+  }, [store, latest]);
+
+  useLayoutEffect(() => {
+    root.current!.render(
+      <div className={className} style={style}>
+        {children}
+      </div>,
+    );
+  });
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a frame shows each change of these.
+  useEffect(() => invalidate(), [invalidate, occlude, hideAt, tolerance, fullSizeDistance]);
+  useFrame(() => boardOf(store).noteFrame());
+  return <PointElement ref={group} position={position} />;
+}
+
+function boardOf(store: ReturnType<typeof useStore>): LabelBoard {
+  let board = boards.get(store);
+  if (!board) {
+    board = new LabelBoard(() => {
+      const state = store.getState();
+      const { scene, camera, size } = state;
+      return { renderer: rendererOf(state), scene, camera, size };
+    });
+    boards.set(store, board);
+  }
+  return board;
+}
+
+function scaleAt(camera: Camera, depthView: number, fullSizeDistance: number | undefined): number {
+  if (fullSizeDistance === undefined) return 1;
+  const { isOrthographicCamera, zoom } = camera as OrthographicCamera;
+  return isOrthographicCamera ? zoom : fullSizeDistance / depthView;
+}

@@ -1,0 +1,58 @@
+import type { PointCoverage, PointToCover } from '@websplatter/core';
+import { type Camera, type Object3D, Vector3, type WebGPURenderer } from 'three/webgpu';
+import type { SplatCloudObject, SplatHit } from './splat-cloud-object.ts';
+import { layersAround } from './splat-layer.ts';
+
+/**
+ * Returns what covers each of at most 1,024 points of the world in the frame that `renderer` drew last from `camera`: how opaque
+ * the splats in front of it are together, and whether an opaque mesh that was drawn before the splats is in front of it. One
+ * small read-back for all points of clouds with the same `renderOrder`, which no frame waits for.
+ *
+ * @param scene the scene, or any object in it.
+ * @returns null where no splats have been drawn.
+ * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError if memory is lacking;
+ *   DestroyedError if the device ends before the result is read.
+ */
+export async function coverageOf(
+  renderer: object,
+  scene: Object3D,
+  camera: Camera,
+  points: readonly PointToCover[],
+): Promise<PointCoverage[] | null> {
+  const views = layersAround(scene).flatMap(({ views }) => views.latest(renderer, camera) ?? []);
+  const [first, ...others] = await Promise.all(views.map(({ embedded }) => embedded.coverage(points)));
+  return first ? others.reduce(togetherWith, first) : null;
+}
+
+/**
+ * Returns the splat, of any cloud in the scene, that contributes most to a pixel of the frame that `renderer` drew last from
+ * `camera`; null if there is none, and before the first frame. Clouds with the highest `renderOrder` come first.
+ *
+ * @param scene the scene, or any object in it.
+ * @param xPx, yPx physical pixels from the canvas's top left.
+ * @throws GpuLimitError if memory is lacking; DestroyedError if the device ends before the result is read.
+ */
+export async function pickSplat(
+  renderer: WebGPURenderer,
+  scene: Object3D,
+  camera: Camera,
+  xPx: number,
+  yPx: number,
+): Promise<SplatHit | null> {
+  const hits = await Promise.all(layersAround(scene).map((layer) => layer.pick(renderer, camera, xPx, yPx)));
+  const hit = hits.find(Boolean);
+  if (!hit) return null;
+  const { splatIndex, point, depthView, alpha } = hit;
+  // Clouds are what layers draw.
+  const object = hit.object as unknown as SplatCloudObject;
+  return { object, splatIndex, point: new Vector3(...point), depthView, alpha };
+}
+
+/** Returns what covers points by clouds that are blended one after the other. */
+function togetherWith(some: PointCoverage[], others: PointCoverage[]): PointCoverage[] {
+  return some.map(({ isInImage, opacity, isBehindHost }, i) => ({
+    isInImage,
+    opacity: 1 - (1 - opacity) * (1 - others[i].opacity),
+    isBehindHost: isBehindHost || others[i].isBehindHost,
+  }));
+}
