@@ -242,7 +242,11 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
 });
 
 /** Points in and about the scene, each in a pixel of its own, that are covered clearly or not, with the opacity in front in float64. */
-function labelPoints(camera: DrawnCamera, size: { widthPx: number; heightPx: number }, count: number) {
+function labelPoints(
+  camera: Omit<DrawnCamera, 'background'>,
+  size: { widthPx: number; heightPx: number },
+  count: number,
+) {
   const { viewMatrix: v, projectionMatrix: p } = camera;
   const hostDepths = new Float64Array(size.widthPx * size.heightPx).fill(Number.POSITIVE_INFINITY);
   const candidates: { position: [number, number, number]; pixel: number; depthView: number }[] = [];

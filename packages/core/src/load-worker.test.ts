@@ -1,12 +1,13 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { PaletteRequest } from './clouds/palette-messages.ts';
+import type { ColliderRequest } from './collider/collider-messages.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
 import { packHarmonics } from './packing/repack-harmonics.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
-  onmessage: ((event: { data: LoadRequest | PaletteRequest }) => void) | null;
+  onmessage: ((event: { data: LoadRequest | PaletteRequest | ColliderRequest }) => void) | null;
   readonly postMessage: (reply: { kind: string }) => void;
 }
 
@@ -44,4 +45,13 @@ test('the worker that pages host finds a palette', async () => {
   const harmonics = packHarmonics(randomSplats({ count: 40 }).harmonics);
   port.onmessage?.({ data: { harmonics, count: 40, entryCount: 8 } });
   await expect.poll(() => replies.at(-1)).toBe('palette');
+});
+
+test('the worker that pages host makes a collider', async () => {
+  const grid = { start: [0, 0, 0], size: [5, 5, 5], cellSize: 1 } as const;
+  const plan = { grid, origin: [0, 0, 0], solidAt: 0.5, fewestTriangles: 0 };
+  port.onmessage?.({ data: { collider: 'plan', plan } });
+  await expect.poll(() => replies.at(-1)).toBe('taken');
+  port.onmessage?.({ data: { collider: 'end' } });
+  await expect.poll(() => replies.at(-1)).toBe('mesh');
 });

@@ -1,5 +1,6 @@
 import type { Turns } from '../turns.ts';
-import { COVARIANCE, LEAST_OPACITY, LOOSE_VALUES, MOST_OPACITY, OPACITY } from './ray-blobs.ts';
+import { LOOSE_VALUES, MOST_OPACITY } from './ray-blobs.ts';
+import { COVARIANCE, LEAST_OPACITY, OPACITY } from './splat-shape.ts';
 
 /** Blobs of a node of the lowest level, and nodes of a node of any other. */
 export const ARITY = 8;

@@ -1,11 +1,10 @@
-import { DestroyedError, SplatSourceError } from '../errors.ts';
-import { readBack } from '../gpu/read-back.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { Turns } from '../turns.ts';
 import { arrangeBlobs } from './arrange-blobs.ts';
+import { geometryPieces } from './geometry-pieces.ts';
 import { BlobCollector } from './ray-blobs.ts';
 import { RayTree } from './ray-tree.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -14,8 +13,6 @@ import type { SplatCloud } from './splat-cloud.ts';
 const MOST_SMALL_BLOBS = 32_768;
 /** Splats of a blob in large clouds. */
 const SPLATS_PER_BLOB = 32;
-/** Splats that are copied to the CPU at once: 1 MiB where they are packed. */
-const PIECE_SPLATS = 1 << 15;
 /** Longest that the calling thread is kept busy at a time. */
 const MAX_BUSY_MS = 5;
 
@@ -39,7 +36,7 @@ export async function makeRayTree(
   const collector = new BlobCollector(shares.reduce((sum, share) => sum + share, 0));
   let chunk = 0;
   const turns = new Turns(signal, MAX_BUSY_MS);
-  for await (const piece of 'geometry' in splats ? [splats.geometry] : piecesOnGpu(splats)) {
+  for await (const piece of geometryPieces(splats)) {
     const end = piece.words.length / GEOMETRY_WORDS[piece.precision];
     for (let from = 0; from < end; from += CHUNK_SPLATS) {
       await turns.give();
@@ -88,28 +85,4 @@ function blobsOfChunks(
     else low = factor;
   }
   return Uint16Array.from(angles, (angle) => shareAt(angle, low));
-}
-
-/** Geometry of a cloud on the GPU, piece by piece. */
-async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
-  const { device, name } = cloud;
-  if (cloud.isPreview)
-    throw new SplatSourceError(name, 'it is still loading: rays can be cast once it is whole.');
-  await cloud.uploaded;
-  // Other planes may take their place while a piece is worked on; those nearest to packed are the smallest.
-  const planes = () => {
-    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
-    return cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
-  };
-  for (const [page, { splatCount }] of planes().pages.entries()) {
-    for (let at = 0; at < splatCount; at += PIECE_SPLATS) {
-      const { pages, geometryPrecision: precision } = planes();
-      const stride = 4 * GEOMETRY_WORDS[precision];
-      const bytes = stride * Math.min(PIECE_SPLATS, splatCount - at);
-      const copied = await readBack(device, bytes, (encoder, target) =>
-        encoder.copyBufferToBuffer(pages[page].geometry, stride * at, target, 0, bytes),
-      );
-      yield { precision, words: new Uint32Array(copied), logScaleRange: cloud.logScaleRange };
-    }
-  }
 }

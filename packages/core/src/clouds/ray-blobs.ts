@@ -1,20 +1,20 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../packing/geometry.ts';
+import type { PackedGeometry } from '../packing/geometry.ts';
+import {
+  areaOf,
+  COVARIANCE,
+  LEAST_OPACITY,
+  OPACITY,
+  SHAPE_VALUES,
+  SIZE,
+  unpackShape,
+  WEIGHT,
+} from './splat-shape.ts';
 
 /** A blob may be more opaque in its middle than any splat: it stays opaque farther out, as what it stands for does. */
 export const MOST_OPACITY = 3;
-/** Opacity below which splats are left out, and blobs end. */
-export const LEAST_OPACITY = 0.02;
-
-/** Values of a splat on its way into a blob. */
+/** Where a shape begins. */
 const X = 0;
-export const COVARIANCE = 3;
-export const OPACITY = 9;
-/** Largest standard deviation. */
-const SIZE = 10;
-/** How much of what is seen the splat is: its opacity times its area. */
-const WEIGHT = 11;
-const SPLAT_VALUES = 12;
 /** What is kept of them once they are blobs. */
 export const LOOSE_VALUES = 10;
 /** What sets splats apart: x, y, z and size. A floor and the haze above it lie in one place but make no blob together. */
@@ -37,8 +37,8 @@ export class BlobCollector {
   #count = 0;
   /** Means, covariances and opacities. */
   readonly #blobs: Float32Array;
-  /** Splats that wait for blobs, SPLAT_VALUES each. */
-  readonly #splats = new Float64Array(CHUNK_SPLATS * SPLAT_VALUES);
+  /** Splats that wait for blobs, SHAPE_VALUES each. */
+  readonly #splats = new Float64Array(CHUNK_SPLATS * SHAPE_VALUES);
   readonly #order = new Uint16Array(CHUNK_SPLATS);
 
   /** @param most the sum of what `add` may make. */
@@ -52,11 +52,11 @@ export class BlobCollector {
     const { buffer, byteOffset, length } = geometry.words;
     const floats = new Float32Array(buffer, byteOffset, length);
     for (let i = from; i < end; i++)
-      if (unpack(geometry, floats, i, this.#splats, SPLAT_VALUES * kept)) kept++;
+      if (unpackShape(geometry, floats, i, this.#splats, SHAPE_VALUES * kept)) kept++;
     if (kept === 0) return;
     if (wanted >= kept) {
       for (let i = 0; i < kept; i++)
-        this.#put(this.#splats.subarray(SPLAT_VALUES * i, SPLAT_VALUES * (i + 1)));
+        this.#put(this.#splats.subarray(SHAPE_VALUES * i, SHAPE_VALUES * (i + 1)));
       return;
     }
     for (let i = 0; i < kept; i++) this.#order[i] = i;
@@ -95,9 +95,9 @@ export class BlobCollector {
       let weight = 0;
       let sum = 0;
       let squares = 0;
-      const base = splats[SPLAT_VALUES * this.#order[start] + axis];
+      const base = splats[SHAPE_VALUES * this.#order[start] + axis];
       for (let i = start; i < end; i++) {
-        const at = SPLAT_VALUES * this.#order[i];
+        const at = SHAPE_VALUES * this.#order[i];
         const w = splats[at + WEIGHT];
         const value = splats[at + axis] - base;
         weight += w;
@@ -121,7 +121,7 @@ export class BlobCollector {
     let high = end;
     while (low < high) {
       const splat = order[low];
-      if (this.#splats[SPLAT_VALUES * splat + axis] <= middle) low++;
+      if (this.#splats[SHAPE_VALUES * splat + axis] <= middle) low++;
       else {
         high--;
         order[low] = order[high];
@@ -133,12 +133,12 @@ export class BlobCollector {
 
   #merged(start: number, end: number): Float64Array {
     const splats = this.#splats;
-    const first = SPLAT_VALUES * this.#order[start];
-    if (end - start === 1) return splats.subarray(first, first + SPLAT_VALUES);
-    const merged = new Float64Array(SPLAT_VALUES);
+    const first = SHAPE_VALUES * this.#order[start];
+    if (end - start === 1) return splats.subarray(first, first + SHAPE_VALUES);
+    const merged = new Float64Array(SHAPE_VALUES);
     let weight = 0;
     for (let i = start; i < end; i++) {
-      const at = SPLAT_VALUES * this.#order[i];
+      const at = SHAPE_VALUES * this.#order[i];
       const w = splats[at + WEIGHT];
       weight += w;
       // About the first splat: moments about 0 would lose the digits of the covariance.
@@ -173,86 +173,4 @@ export class BlobCollector {
     if (!(blob[OPACITY] > LEAST_OPACITY)) return;
     this.#blobs.set(blob.subarray(0, LOOSE_VALUES), LOOSE_VALUES * this.#count++);
   }
-}
-
-/** Area of an ellipsoid as seen from the sides of it, on average and but for a constant. */
-function areaOf(values: Float64Array, covariance: number): number {
-  const xx = values[covariance];
-  const yy = values[covariance + 1];
-  const zz = values[covariance + 2];
-  const xy = values[covariance + 3];
-  const xz = values[covariance + 4];
-  const yz = values[covariance + 5];
-  // The sum of squares of the three areas between two axes each, which no rotation changes.
-  const squares = xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz;
-  return Math.sqrt(Math.max(1e-80, squares));
-}
-
-/** Writes splat `index` of `geometry`, whose words are `floats` too, to `target`; returns whether it can be seen at all. */
-function unpack(
-  { precision, words, logScaleRange: { min, step } }: PackedGeometry,
-  floats: Float32Array,
-  index: number,
-  target: Float64Array,
-  at: number,
-): boolean {
-  const from = index * GEOMETRY_WORDS[precision];
-  const isF32 = precision === 'f32';
-  const opacity = isF32 ? floats[from + 3] : (words[from + 4] >>> 16) / 65535;
-  if (!(opacity >= LEAST_OPACITY)) return false;
-  let sx: number;
-  let sy: number;
-  let sz: number;
-  const q = QUATERNION;
-  if (isF32) {
-    for (let k = 0; k < 4; k++) q[k] = floats[from + 4 + k];
-    sx = floats[from + 8];
-    sy = floats[from + 9];
-    sz = floats[from + 10];
-  } else {
-    sx = Math.exp(min + step * (words[from + 5] & 0xffff));
-    sy = Math.exp(min + step * (words[from + 5] >>> 16));
-    sz = Math.exp(min + step * (words[from + 6] & 0xffff));
-    unpackRotation(words[from + 6] >>> 16, words[from + 7]);
-  }
-  const [w, x, y, z] = q;
-  const xxs = 1 - 2 * (y * y + z * z);
-  const xys = 2 * (x * y - w * z);
-  const xzs = 2 * (x * z + w * y);
-  const yxs = 2 * (x * y + w * z);
-  const yys = 1 - 2 * (x * x + z * z);
-  const yzs = 2 * (y * z - w * x);
-  const zxs = 2 * (x * z - w * y);
-  const zys = 2 * (y * z + w * x);
-  const zzs = 1 - 2 * (x * x + y * y);
-  const vx = sx * sx;
-  const vy = sy * sy;
-  const vz = sz * sz;
-  const c = at + COVARIANCE;
-  for (let axis = 0; axis < 3; axis++) target[at + axis] = floats[from + axis];
-  target[c] = vx * xxs * xxs + vy * xys * xys + vz * xzs * xzs;
-  target[c + 1] = vx * yxs * yxs + vy * yys * yys + vz * yzs * yzs;
-  target[c + 2] = vx * zxs * zxs + vy * zys * zys + vz * zzs * zzs;
-  target[c + 3] = vx * xxs * yxs + vy * xys * yys + vz * xzs * yzs;
-  target[c + 4] = vx * xxs * zxs + vy * xys * zys + vz * xzs * zzs;
-  target[c + 5] = vx * yxs * zxs + vy * yys * zys + vz * yzs * zzs;
-  target[at + OPACITY] = opacity;
-  target[at + SIZE] = Math.max(sx, sy, sz);
-  target[at + WEIGHT] = opacity * areaOf(target, c);
-  return true;
-}
-
-const QUATERNION = new Float64Array(4);
-
-/** As packed geometry has it: see `packGeometry`. */
-function unpackRotation(low: number, high: number): void {
-  const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
-  const steps = [low & 0x7fff, high & 0x7fff, (high >>> 16) & 0x7fff];
-  let left = 1;
-  for (let k = 0, step = 0; k < 4; k++) {
-    if (k === largest) continue;
-    QUATERNION[k] = ((steps[step++] - ROTATION_STEPS) * Math.SQRT1_2) / ROTATION_STEPS;
-    left -= QUATERNION[k] * QUATERNION[k];
-  }
-  QUATERNION[largest] = Math.sqrt(Math.max(0, left));
 }

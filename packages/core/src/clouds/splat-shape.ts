@@ -1,0 +1,96 @@
+import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../packing/geometry.ts';
+
+/** Opacity below which splats are left out. */
+export const LEAST_OPACITY = 0.02;
+
+// A shape is what a splat is without its colour, SHAPE_VALUES numbers that begin with its centre.
+/** Covariance: xx, yy, zz, xy, xz, yz. */
+export const COVARIANCE = 3;
+export const OPACITY = 9;
+/** Largest standard deviation. */
+export const SIZE = 10;
+/** How much of what is seen the splat is: its opacity times its area. */
+export const WEIGHT = 11;
+export const SHAPE_VALUES = 12;
+
+/** Area of an ellipsoid as seen from the sides of it, on average and but for a constant. */
+export function areaOf(values: Float64Array, covariance: number): number {
+  const xx = values[covariance];
+  const yy = values[covariance + 1];
+  const zz = values[covariance + 2];
+  const xy = values[covariance + 3];
+  const xz = values[covariance + 4];
+  const yz = values[covariance + 5];
+  // The sum of squares of the three areas between two axes each, which no rotation changes.
+  const squares = xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz;
+  return Math.sqrt(Math.max(1e-80, squares));
+}
+
+/** Writes splat `index` of `geometry`, whose words are `floats` too, to `target`; returns whether it can be seen at all. */
+export function unpackShape(
+  { precision, words, logScaleRange: { min, step } }: PackedGeometry,
+  floats: Float32Array,
+  index: number,
+  target: Float64Array,
+  at: number,
+): boolean {
+  const from = index * GEOMETRY_WORDS[precision];
+  const isF32 = precision === 'f32';
+  const opacity = isF32 ? floats[from + 3] : (words[from + 4] >>> 16) / 65535;
+  if (!(opacity >= LEAST_OPACITY)) return false;
+  let sx: number;
+  let sy: number;
+  let sz: number;
+  const q = QUATERNION;
+  if (isF32) {
+    for (let k = 0; k < 4; k++) q[k] = floats[from + 4 + k];
+    sx = floats[from + 8];
+    sy = floats[from + 9];
+    sz = floats[from + 10];
+  } else {
+    sx = Math.exp(min + step * (words[from + 5] & 0xffff));
+    sy = Math.exp(min + step * (words[from + 5] >>> 16));
+    sz = Math.exp(min + step * (words[from + 6] & 0xffff));
+    unpackRotation(words[from + 6] >>> 16, words[from + 7]);
+  }
+  const [w, x, y, z] = q;
+  const xxs = 1 - 2 * (y * y + z * z);
+  const xys = 2 * (x * y - w * z);
+  const xzs = 2 * (x * z + w * y);
+  const yxs = 2 * (x * y + w * z);
+  const yys = 1 - 2 * (x * x + z * z);
+  const yzs = 2 * (y * z - w * x);
+  const zxs = 2 * (x * z - w * y);
+  const zys = 2 * (y * z + w * x);
+  const zzs = 1 - 2 * (x * x + y * y);
+  const vx = sx * sx;
+  const vy = sy * sy;
+  const vz = sz * sz;
+  const c = at + COVARIANCE;
+  for (let axis = 0; axis < 3; axis++) target[at + axis] = floats[from + axis];
+  target[c] = vx * xxs * xxs + vy * xys * xys + vz * xzs * xzs;
+  target[c + 1] = vx * yxs * yxs + vy * yys * yys + vz * yzs * yzs;
+  target[c + 2] = vx * zxs * zxs + vy * zys * zys + vz * zzs * zzs;
+  target[c + 3] = vx * xxs * yxs + vy * xys * yys + vz * xzs * yzs;
+  target[c + 4] = vx * xxs * zxs + vy * xys * zys + vz * xzs * zzs;
+  target[c + 5] = vx * yxs * zxs + vy * yys * zys + vz * yzs * zzs;
+  target[at + OPACITY] = opacity;
+  target[at + SIZE] = Math.max(sx, sy, sz);
+  target[at + WEIGHT] = opacity * areaOf(target, c);
+  return true;
+}
+
+const QUATERNION = new Float64Array(4);
+
+/** As packed geometry has it: see `packGeometry`. */
+function unpackRotation(low: number, high: number): void {
+  const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
+  const steps = [low & 0x7fff, high & 0x7fff, (high >>> 16) & 0x7fff];
+  let left = 1;
+  for (let k = 0, step = 0; k < 4; k++) {
+    if (k === largest) continue;
+    QUATERNION[k] = ((steps[step++] - ROTATION_STEPS) * Math.SQRT1_2) / ROTATION_STEPS;
+    left -= QUATERNION[k] * QUATERNION[k];
+  }
+  QUATERNION[largest] = Math.sqrt(Math.max(0, left));
+}

@@ -1,0 +1,1 @@
+export { type ColliderMesh, type ColliderMeshOptions, makeColliderMesh } from './make-collider-mesh.ts';
