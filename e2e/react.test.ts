@@ -342,6 +342,63 @@ it('shows the labels whose points nothing covers, as float64 depth tells, and as
     .toBe(0);
 });
 
+it('measures between splats that are clicked on, or chosen by keyboard, and not where a pointer drags', async () => {
+  const dots = canvas({ frameloop: 'demand', splats: [{ id: 'dots', src: 'dots.ply' }], hasMeasure: true });
+  const page = await open(dots);
+  await waitForLog(page, 'dots firstframe');
+  const measured = () =>
+    page.evaluate(() => window.page.measurements.map(({ distance, text }) => ({ distance, text })));
+  const [a, b] = [await projected(page, DOTS[0]), await projected(page, DOTS[1])];
+  await page.mouse.click(...a);
+  // Dragging turns the camera elsewhere.
+  await page.mouse.move(...b);
+  await page.mouse.down();
+  await page.mouse.move(b[0] + 30, b[1]);
+  await page.mouse.up();
+  const status = page.getByTestId('canvas').getByRole('status');
+  await expect.poll(() => status.innerText()).toBe('First point set.');
+  await page.mouse.click(2, 2);
+  await expect.poll(() => status.innerText()).toBe('There is nothing to measure here.');
+  expect(await measured()).toEqual([]);
+  await page.mouse.click(...b);
+  await expect.poll(measured).toHaveLength(1);
+  const [byPointer] = await measured();
+  const between = Math.hypot(2, 1);
+  // The point is behind the middle of the pixel, at the depth of the splat.
+  expect(Math.abs(byPointer.distance - between)).toBeLessThan(0.05);
+  expect(byPointer.text).toBe(`${(100 * byPointer.distance).toFixed(1)} cm`);
+  expect(await status.innerText()).toBe(`Distance: ${byPointer.text}`);
+
+  // By keyboard, from the middle of the canvas, where the third dot is.
+  const tool = page.getByRole('application');
+  await tool.focus();
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('Enter');
+  await expect.poll(() => status.innerText()).toBe('First point set.');
+  const { width, height } = (await page.getByTestId('canvas').boundingBox())!;
+  const steps = [b[0] - width / 2, b[1] - height / 2].map(Math.round);
+  for (const [axis, [back, forth]] of [
+    ['ArrowLeft', 'ArrowRight'],
+    ['ArrowUp', 'ArrowDown'],
+  ].entries()) {
+    const key = steps[axis] < 0 ? back : forth;
+    const pixels = Math.abs(steps[axis]);
+    for (let i = 0; i < Math.floor(pixels / 10); i++) await page.keyboard.press(key);
+    for (let i = 0; i < pixels % 10; i++) await page.keyboard.press(`Shift+${key}`);
+  }
+  await page.keyboard.press('Enter');
+  await expect.poll(measured).toHaveLength(2);
+  const byKeyboard = (await measured())[1];
+  expect(Math.abs(byKeyboard.distance - Math.hypot(1, 0.5))).toBeLessThan(0.05);
+  await page.keyboard.press('Backspace');
+  await page.keyboard.press('Enter');
+  await expect.poll(measured).toHaveLength(3);
+  expect((await measured())[2].text).toBe(byKeyboard.text);
+
+  await show(page, { ...dots, hasMeasure: false });
+  await expect.poll(() => tool.count()).toBe(0);
+});
+
 it('takes effects as props, and draws what revealing takes and no frame more', async () => {
   const quiet = canvas({ frameloop: 'demand', background: 'black' });
   const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 600 } as const };

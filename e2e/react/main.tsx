@@ -14,7 +14,12 @@ import {
   splatEngineOf,
   useSplats,
 } from '@websplatter/react';
-import { SplatAnnotation, SplatStats } from '@websplatter/react/components';
+import {
+  type Measurement,
+  SplatAnnotation,
+  SplatMeasure,
+  SplatStats,
+} from '@websplatter/react/components';
 import { type StageTimingsSource, useStageTimings } from '@websplatter/react/hooks';
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
@@ -69,6 +74,8 @@ export interface CanvasDescription {
   readonly labels?: readonly LabelDescription[];
   /** Middle of an opaque plane of 2 by 2 units that faces +z. */
   readonly wall?: readonly [number, number, number];
+  /** Measures in centimetres. */
+  readonly hasMeasure?: boolean;
 }
 
 const page = {
@@ -78,6 +85,7 @@ const page = {
   canvases: new Map<string, RootState>(),
   objects: new Map<string, SplatCloudObject>(),
   statistics: [] as FrameStatistics[],
+  measurements: [] as Measurement[],
   /** What useStageTimings has returned. */
   timings: null as StageTimingsSource | null,
   /** Times that a component has rendered whose only interest is in measurements. */
@@ -132,6 +140,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     timings,
     labels = [],
     wall,
+    hasMeasure,
     frameloop,
     accuracy,
     dpr = 1,
@@ -173,6 +182,12 @@ function OneCanvas(description: CanvasDescription): ReactNode {
           </button>
         </SplatAnnotation>
       ))}
+      {hasMeasure && (
+        <SplatMeasure
+          unit={{ name: 'cm', perWorldUnit: 100, digits: 1 }}
+          onMeasure={(measurement) => page.measurements.push(measurement)}
+        />
+      )}
       {wall && (
         <mesh position={[...wall]}>
           <planeGeometry args={[2, 2]} />

@@ -1,6 +1,7 @@
 import { DestroyedError, type PointToCover } from '@websplatter/core';
 import { coverageOf } from '@websplatter/three';
 import { type Camera, type Object3D, Vector3 } from 'three';
+import { type CanvasPlace, placeOnCanvas } from './place-on-canvas.ts';
 
 /** Shortest time between two questions to the GPU, ms: labels fade for longer than that. */
 const CHECK_INTERVAL_MS = 100;
@@ -46,7 +47,7 @@ const TOLERANCE = 0.02;
 interface SeenLabel {
   readonly label: BoardLabel;
   readonly point: Vector3;
-  readonly depthView: number;
+  readonly place: CanvasPlace;
 }
 
 /**
@@ -92,26 +93,24 @@ export class LabelBoard {
   }
 
   #placeAll(): void {
-    const { size, camera } = this.#viewOf();
-    const seen = this.#seen().sort((a, b) => a.depthView - b.depthView);
+    const seen = this.#seen().sort((a, b) => a.place.depthView - b.place.depthView);
     const hidden = new Set(this.#labels);
-    for (const [rank, { label, point, depthView }] of seen.entries()) {
+    for (const [rank, { label, place }] of seen.entries()) {
       hidden.delete(label);
-      const { x, y } = point.project(camera);
-      label.place(((1 + x) / 2) * size.width, ((1 - y) / 2) * size.height, depthView, rank);
+      label.place(place.x, place.y, place.depthView, rank);
     }
     for (const label of hidden) label.leaveSight();
   }
 
-  /** Labels whose points are in the image, and in front of the camera. */
+  /** Labels whose points are in the image. */
   #seen(): SeenLabel[] {
-    const { camera } = this.#viewOf();
+    const { camera, size } = this.#viewOf();
     const seen: SeenLabel[] = [];
     for (const label of this.#labels) {
       const point = new Vector3().setFromMatrixPosition(label.object.matrixWorld);
-      const depthView = -point.clone().applyMatrix4(camera.matrixWorldInverse).z;
-      const { x, y } = point.clone().project(camera);
-      if (depthView > 0 && Math.abs(x) <= 1 && Math.abs(y) <= 1) seen.push({ label, point, depthView });
+      const place = placeOnCanvas(point, camera, size);
+      if (place && isWithin(place.x, size.width) && isWithin(place.y, size.height))
+        seen.push({ label, point, place });
     }
     return seen;
   }
@@ -153,6 +152,10 @@ export class LabelBoard {
   }
 }
 
-function pointOf({ point, depthView, label }: SeenLabel): PointToCover {
-  return { point: [point.x, point.y, point.z], tolerance: label.tolerance ?? TOLERANCE * depthView };
+function isWithin(value: number, size: number): boolean {
+  return value >= 0 && value <= size;
+}
+
+function pointOf({ point, place, label }: SeenLabel): PointToCover {
+  return { point: [point.x, point.y, point.z], tolerance: label.tolerance ?? TOLERANCE * place.depthView };
 }

@@ -1,0 +1,27 @@
+import type { Camera, Vector3 } from 'three';
+
+/** Where a point of the world is seen. */
+export interface CanvasPlace {
+  /** CSS pixels from the canvas's left. */
+  readonly x: number;
+  /** CSS pixels from its top. */
+  readonly y: number;
+  /** Distance along the camera's line of sight, world units. */
+  readonly depthView: number;
+}
+
+/**
+ * Returns where the last frame from `camera` shows a point, also beside the canvas; null behind the camera.
+ *
+ * @param size of the canvas, CSS pixels.
+ */
+export function placeOnCanvas(
+  point: Vector3,
+  camera: Camera,
+  { width, height }: { readonly width: number; readonly height: number },
+): CanvasPlace | null {
+  const depthView = -point.clone().applyMatrix4(camera.matrixWorldInverse).z;
+  if (!(depthView > 0)) return null;
+  const { x, y } = point.clone().project(camera);
+  return { x: ((1 + x) / 2) * width, y: ((1 - y) / 2) * height, depthView };
+}
