@@ -399,6 +399,24 @@ it('measures between splats that are clicked on, or chosen by keyboard, and not 
   await expect.poll(() => tool.count()).toBe(0);
 });
 
+it('fits the camera to the splats once they have been loaded', async () => {
+  const page = await open(canvas({ frameloop: 'demand', isFitted: true }));
+  await waitForLog(page, 'canvas fits splats');
+  await waitForLog(page, 'a firstframe');
+  const places = await page.evaluate(() => {
+    const { min, max } = window.page.objects.get('a')!.data!.robustBounds;
+    const { camera, size } = window.page.canvases.get('canvas')!;
+    return Array.from({ length: 8 }, (_, i) => {
+      const corner = min.clone().set(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z);
+      const { x, y } = corner.project(camera);
+      return [x, y, size.width];
+    });
+  });
+  const fill = Math.max(...places.flatMap(([x, y]) => [Math.abs(x), Math.abs(y)]));
+  expect(fill).toBeCloseTo(1, 4);
+  expect(await logOf(page)).not.toContain('canvas fits nothing');
+});
+
 it('takes effects as props, and draws what revealing takes and no frame more', async () => {
   const quiet = canvas({ frameloop: 'demand', background: 'black' });
   const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 600 } as const };

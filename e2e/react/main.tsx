@@ -17,6 +17,7 @@ import {
 import {
   type Measurement,
   SplatAnnotation,
+  SplatBounds,
   SplatMeasure,
   SplatStats,
 } from '@websplatter/react/components';
@@ -76,6 +77,8 @@ export interface CanvasDescription {
   readonly wall?: readonly [number, number, number];
   /** Measures in centimetres. */
   readonly hasMeasure?: boolean;
+  /** Fits the camera to the splats, with the margin 1. */
+  readonly isFitted?: boolean;
 }
 
 const page = {
@@ -141,6 +144,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     labels = [],
     wall,
     hasMeasure,
+    isFitted,
     frameloop,
     accuracy,
     dpr = 1,
@@ -162,10 +166,20 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     },
     onPointerMissed: () => note(id, 'missed'),
   };
-  const clouds = splats.map((each) => {
+  const shown = splats.map((each) => {
     const Shown = each.handedOnBy ? HANDED_ON[each.handedOnBy] : OneSplats;
     return <Shown key={each.id} {...each} />;
   });
+  const clouds = isFitted ? (
+    <SplatBounds
+      margin={1}
+      onChange={(bounds) => note(id, `fits ${bounds.box().isEmpty() ? 'nothing' : 'splats'}`)}
+    >
+      {shown}
+    </SplatBounds>
+  ) : (
+    shown
+  );
   const children = (
     <>
       {background && <color attach="background" args={[background]} />}

@@ -3,6 +3,13 @@
 // What only some applications show.
 export type { Measurement, MeasureUnit } from './measure-tool.ts';
 export { SplatAnnotation, type SplatAnnotationProps } from './splat-annotation.tsx';
+export {
+  SplatBounds,
+  type SplatBoundsApi,
+  type SplatBoundsBox,
+  type SplatBoundsProps,
+  useSplatBounds,
+} from './splat-bounds.tsx';
 export { SplatMeasure, type SplatMeasureProps } from './splat-measure.tsx';
 export { SplatStats, type SplatStatsProps } from './splat-stats.tsx';
 export type { PanelCorner } from './timings-panel.ts';

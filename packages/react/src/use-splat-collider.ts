@@ -1,0 +1,72 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import type { ColliderMesh, ColliderMeshOptions } from '@websplatter/core/collider';
+import { type SplatData, splatEngineOf } from '@websplatter/three';
+import { useEffect, useState } from 'react';
+import { isSameValue } from './effect-props.ts';
+import { isServer } from './is-server.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
+import { useSame } from './use-same.ts';
+
+/** How far a collider is. */
+export interface SplatCollider {
+  /** `none` without splats, and on a server. */
+  readonly status: 'none' | 'pending' | 'made' | 'failed';
+  /** In the cloud's own space; null until it is made. Empty, with no indices, where nothing is opaque. */
+  readonly mesh: ColliderMesh | null;
+  /** What `makeColliderMesh` has rejected with; undefined unless it has. */
+  readonly error: unknown;
+}
+
+export type SplatColliderOptions = Pick<
+  ColliderMeshOptions,
+  'bounds' | 'cellSize' | 'fewestTriangles' | 'solidAt'
+>;
+
+const NONE: SplatCollider = { status: 'none', mesh: null, error: undefined };
+const PENDING: SplatCollider = { ...NONE, status: 'pending' };
+
+/**
+ * Makes a coarse mesh around what is opaque of splats, in a worker, for physics engines:
+ * `<TrimeshCollider args={[mesh.positions, mesh.indices]} />` of @react-three/rapier. The options are those of `makeColliderMesh` of
+ * `@websplatter/core/collider`. Its code is fetched when the splats are there. Other splats or options begin anew; what is under way
+ * is called off then, and when the component is unmounted.
+ *
+ * @param splats of `useSplats` or `onLoad`; none with null. A preview gives `failed`.
+ * @throws InvalidArgumentError outside of a Canvas; SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer`
+ *   did not make.
+ */
+export function useSplatCollider(
+  splats: SplatData | null | undefined,
+  options: SplatColliderOptions = {},
+): SplatCollider {
+  const renderer = useCanvasRenderer();
+  const wanted = useSame(options, isSameValue);
+  const [made, setMade] = useState<{ readonly of: readonly unknown[]; readonly collider: SplatCollider }>();
+  if (!renderer && !isServer())
+    throw new InvalidArgumentError('renderer', 'useSplatCollider needs a Canvas around it.');
+  const engine = renderer ? splatEngineOf(renderer) : null;
+  useEffect(() => {
+    if (!splats || !engine) return;
+    const abort = new AbortController();
+    const user = {};
+    const take = (collider: SplatCollider) => {
+      if (!abort.signal.aborted) setMade({ of: [splats, engine, wanted], collider });
+    };
+    const make = async () => {
+      const { makeColliderMesh } = await import('@websplatter/core/collider');
+      abort.signal.throwIfAborted();
+      const cloud = await splats.acquire(engine, user);
+      return makeColliderMesh(cloud, { ...wanted, signal: abort.signal });
+    };
+    make()
+      .then(
+        (mesh) => take({ status: 'made', mesh, error: undefined }),
+        (error: unknown) => take({ status: 'failed', mesh: null, error }),
+      )
+      .finally(() => splats.release(user));
+    return () => abort.abort();
+  }, [splats, engine, wanted]);
+  if (!splats || !engine) return NONE;
+  const isOfThese = made?.of.every((part, i) => part === [splats, engine, wanted][i]);
+  return isOfThese ? made!.collider : PENDING;
+}
