@@ -17,6 +17,9 @@ const STROKES = [
 ] as const;
 const POINT_RADIUS_PX = 5;
 const CROSS_PX = 12;
+/** A shorter line has its text above it, where it hides neither point. */
+const LONG_LINE_PX = 110;
+const TEXT_ABOVE_PX = 24;
 const TEXT_STYLE =
   'position:absolute;left:0;top:0;padding:2px 8px;border-radius:6px;width:max-content;' +
   'font:600 13px/1.4 system-ui,sans-serif;font-variant-numeric:tabular-nums;' +
@@ -76,7 +79,9 @@ export class MeasureOverlay {
     this.#text.style.display = isText ? '' : 'none';
     if (!isText) return;
     if (this.#text.textContent !== text) this.#text.textContent = text;
-    const [x, y] = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
+    const x = (from[0] + to[0]) / 2;
+    const isLong = Math.hypot(from[0] - to[0], from[1] - to[1]) >= LONG_LINE_PX;
+    const y = isLong ? (from[1] + to[1]) / 2 : Math.min(from[1], to[1]) - TEXT_ABOVE_PX;
     this.#text.style.transform = `translate3d(${x.toFixed(2)}px,${y.toFixed(2)}px,0) translate(-50%,-50%)`;
   }
 

@@ -75,7 +75,8 @@ export class MeasureTool {
 
     const { signal } = this.#abort;
     canvas.addEventListener('pointerdown', (event) => this.#press(event), { signal });
-    canvas.addEventListener('pointerup', (event) => this.#release(event), { signal });
+    // Controls may have captured the pointer for another element.
+    canvas.ownerDocument.addEventListener('pointerup', (event) => this.#release(event), { signal });
     element.addEventListener('keydown', (event) => this.#key(event), { signal });
     element.addEventListener('focus', () => this.#focus(true), { signal });
     element.addEventListener('blur', () => this.#focus(false), { signal });
@@ -104,16 +105,17 @@ export class MeasureTool {
     this.#overlay.element.remove();
   }
 
-  #press({ isPrimary, button, offsetX, offsetY }: PointerEvent): void {
-    this.#pressed = isPrimary && button === 0 ? [offsetX, offsetY] : null;
+  #press({ isPrimary, button, clientX, clientY }: PointerEvent): void {
+    this.#pressed = isPrimary && button === 0 ? [clientX, clientY] : null;
   }
 
-  #release({ isPrimary, offsetX, offsetY }: PointerEvent): void {
+  #release({ isPrimary, clientX, clientY }: PointerEvent): void {
     const pressed = this.#pressed;
     if (!isPrimary || !pressed) return;
     this.#pressed = null;
-    if (Math.hypot(offsetX - pressed[0], offsetY - pressed[1]) <= MAX_CLICK_PX)
-      void this.#set(offsetX, offsetY);
+    if (Math.hypot(clientX - pressed[0], clientY - pressed[1]) > MAX_CLICK_PX) return;
+    const { left, top } = this.#host.canvas.getBoundingClientRect();
+    void this.#set(clientX - left, clientY - top);
   }
 
   #focus(hasFocus: boolean): void {
