@@ -106,7 +106,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    expect(await links.count()).toBe(16);
+    expect(await links.count()).toBe(18);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -413,6 +413,42 @@ describe('examples of effects', () => {
     await page.getByRole('slider').fill('0.25');
     await expect.poll(covered, SELDOM).toBeLessThan(0.1);
     expect(await covered()).toBeGreaterThan(0.02);
+  });
+
+  it.runIf(isFull)('annotations: labels hide behind splats, and two clicks measure', async () => {
+    // A sheet before everything but the table's front.
+    const sheet = splatSet([{ opacity: 0.98, position: [0, 0.1, 0.2], scale: [0.5, 0.5, 0.001] }]);
+    const page = await openExample('annotations', sheet, LARGE);
+    const labels = page.getByRole('main').getByRole('button');
+    await expect.poll(() => labels.allInnerTexts(), SELDOM).toEqual(['Table']);
+    const canvas = page.locator('canvas');
+    await canvas.click({ position: { x: 200, y: 100 } });
+    await page.getByText('First point set.').waitFor({ state: 'attached' });
+    await canvas.click({ position: { x: 280, y: 100 } });
+    await page.getByText(/^Measured: \d+\.\d cm\.$/).waitFor();
+    await labels.first().click();
+    await page.getByText('Chosen: Table.').waitFor();
+  });
+
+  it.runIf(isFull)('colliders: a worker makes a mesh, on which a ball falls', async () => {
+    const page = await harness.newPage(SMALL);
+    const sheet = splatSet([{ opacity: 0.98, position: [0, 0, 0], scale: [0.5, 0.005, 0.5] }]);
+    await page.route('**/still-life.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(sheet)) }));
+    // Rapier is WebAssembly, which a page has to allow.
+    const address = `${harness.server.url}?example=colliders`;
+    await page.route(address, async (route) => {
+      const response = await route.fetch();
+      const headers = response.headers();
+      const policy = headers['content-security-policy'].replace(
+        'script-src',
+        "script-src 'wasm-unsafe-eval'",
+      );
+      await route.fulfill({ response, headers: { ...headers, 'content-security-policy': policy } });
+    });
+    await page.goto(address);
+    await page.getByText(/^[\d,]+ triangles$/).waitFor();
+    await page.getByRole('button', { name: 'Drop a ball' }).click();
+    await passTurns(page);
   });
 
   it('wind-sway does what its twin in float64 does', async () => {

@@ -81,6 +81,16 @@ const DESCRIPTIONS = [
     about: 'Splats that code makes of arrays, and gives other places and colours in every frame.',
   },
   {
+    name: 'annotations',
+    title: 'Labels and distances',
+    about: 'Labels hide where splats cover their points, and two clicks measure how far it is between them.',
+  },
+  {
+    name: 'colliders',
+    title: 'Physics',
+    about: 'Balls fall on a coarse mesh that a worker makes of the splats.',
+  },
+  {
     name: 'wind-sway',
     title: 'An effect of your own',
     about: 'Wind in twenty lines of WGSL and a list of options, written outside of the packages.',

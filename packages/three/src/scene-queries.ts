@@ -20,7 +20,8 @@ export async function coverageOf(
   points: readonly PointToCover[],
 ): Promise<PointCoverage[] | null> {
   const views = layersAround(scene).flatMap(({ views }) => views.latest(renderer, camera) ?? []);
-  const [first, ...others] = await Promise.all(views.map(({ embedded }) => embedded.coverage(points)));
+  const found = await Promise.all(views.map(({ embedded }) => embedded.coverage(points)));
+  const [first, ...others] = found.flatMap((coverage) => (coverage ? [coverage] : []));
   return first ? others.reduce(togetherWith, first) : null;
 }
 
