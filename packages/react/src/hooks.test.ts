@@ -1,5 +1,6 @@
 import { createRoot } from '@react-three/fiber';
 import { InvalidArgumentError, type SplatEngine } from '@websplatter/core';
+import { makeColliderMesh } from '@websplatter/core/collider';
 import { onStageTimings, type SplatData, splatEngineOf } from '@websplatter/three';
 import { act, createElement, type ReactNode } from 'react';
 import { renderToString } from 'react-dom/server';
@@ -7,6 +8,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import {
   type SplatsLoad,
   useSplatAccuracy,
+  useSplatCollider,
   useSplatEffects,
   useSplatMemory,
   useSplatsLoad,
@@ -49,6 +51,8 @@ vi.mock('@websplatter/three', () => ({
     }
   },
 }));
+
+vi.mock('@websplatter/core/collider', () => ({ makeColliderMesh: vi.fn() }));
 
 const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
 /** What the engine has, which a test changes. */
@@ -195,5 +199,63 @@ describe('useSplatsLoad', () => {
     const Caller = () => useSplatsLoad('d.ply').status;
     expect(renderToString(createElement(Caller))).toBe('none');
     expect(test.loads).toHaveLength(0);
+  });
+});
+
+describe('useSplatCollider', () => {
+  const cloud = {};
+  const mesh = { positions: new Float32Array(3), indices: new Uint32Array(3), cellSize: 1 };
+  const splats = () => ({ acquire: vi.fn(() => cloud), release: vi.fn() });
+  const asData = (fake: ReturnType<typeof splats>) => fake as unknown as SplatData;
+
+  /** Lets the hook fetch its code, and what follows from that. */
+  const settled = () =>
+    act(async () => {
+      await vi.dynamicImportSettled();
+    });
+
+  beforeEach(() => {
+    vi.mocked(makeColliderMesh).mockReset();
+  });
+
+  it('makes a mesh of the cloud on the GPU, once for equal options, and lets the cloud go', async () => {
+    vi.mocked(makeColliderMesh).mockResolvedValue(mesh);
+    const data = splats();
+    const renders = await rendersOf(() => useSplatCollider(asData(data), { cellSize: 0.5 }));
+    await settled();
+    expect(renders.at(-1)).toEqual({ status: 'made', mesh, error: undefined });
+    expect(renders[0]).toEqual({ status: 'pending', mesh: null, error: undefined });
+    expect(vi.mocked(makeColliderMesh).mock.calls).toEqual([
+      [cloud, { cellSize: 0.5, signal: expect.any(AbortSignal) }],
+    ]);
+    expect(data.release).toHaveBeenCalledOnce();
+  });
+
+  it('returns the error of a mesh that cannot be made', async () => {
+    const error = new InvalidArgumentError('cellSize', 'too small');
+    vi.mocked(makeColliderMesh).mockRejectedValue(error);
+    const data = asData(splats());
+    const renders = await rendersOf(() => useSplatCollider(data));
+    await settled();
+    expect(renders.at(-1)).toEqual({ status: 'failed', mesh: null, error });
+  });
+
+  it('calls off what nobody waits for any more', async () => {
+    vi.mocked(makeColliderMesh).mockReturnValue(new Promise(() => {}));
+    const data = asData(splats());
+    await rendersOf(() => useSplatCollider(data));
+    await settled();
+    const { signal } = vi.mocked(makeColliderMesh).mock.lastCall![1]!;
+    await act(async () => root.render(null));
+    expect(signal!.aborted).toBe(true);
+  });
+
+  it('makes none without splats, and needs a Canvas', async () => {
+    expect(await rendersOf(() => useSplatCollider(null))).toMatchObject([{ status: 'none', mesh: null }]);
+    expect(makeColliderMesh).not.toHaveBeenCalled();
+    const Caller = () => useSplatCollider(null).status;
+    expect(() => renderToString(createElement(Caller))).toThrow('needs a Canvas');
+    Reflect.deleteProperty(globalThis, 'document');
+    expect(renderToString(createElement(Caller))).toBe('none');
   });
 });

@@ -3,7 +3,7 @@ import { createElement, Suspense } from 'react';
 import { renderToPipeableStream, renderToString } from 'react-dom/server';
 import { prerender } from 'react-dom/static';
 import { describe, expect, it } from 'vitest';
-import { SplatStats } from './components.ts';
+import { SplatAnnotation, SplatBounds, SplatMeasure, SplatStats } from './components.ts';
 import { isSupported, SplatCanvas, Splats, SplatsFallback, useSplats } from './index.ts';
 
 it('renders a page on a server', async () => {
@@ -15,6 +15,9 @@ it('renders a page on a server', async () => {
     canvas,
     createElement(Splats, { src: 'garden.ply' }),
     createElement(SplatStats, { renderer: null }),
+    createElement(SplatAnnotation, null, 'label'),
+    createElement(SplatBounds, null, createElement(Splats, { src: 'garden.ply' })),
+    createElement(SplatMeasure),
   );
   expect(renderToString(page)).toMatch(/^<div.*<canvas.*<\/canvas>.*<\/div>$/);
   expect(await isSupported()).toBe(false);

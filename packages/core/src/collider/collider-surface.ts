@@ -11,7 +11,7 @@ export interface Triangles {
 }
 
 /** Most triangles: 100 MB with their vertices, and more than physics engines work with. */
-export const MAX_COLLIDER_TRIANGLES = 1 << 22;
+const MAX_COLLIDER_TRIANGLES = 1 << 22;
 
 /** A list of numbers whose length is not known. */
 class Growing<Values extends Float32Array | Uint32Array> {

@@ -39,7 +39,7 @@ export interface ColliderMesh extends Triangles {
 }
 
 /** Most nodes of a grid: 64 MiB. */
-export const MAX_COLLIDER_NODES = 1 << 24;
+const MAX_COLLIDER_NODES = 1 << 24;
 
 const DEFAULT_CELLS = 96;
 const DEFAULT_SOLID_AT = 0.5;
