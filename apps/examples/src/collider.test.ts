@@ -14,7 +14,7 @@ beforeAll(async () => {
   const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
   await RAPIER.init();
   warn.mockRestore();
-  const splats = packCloud(stillLife({ splats: 20_000, shDegree: 0 }), {
+  const splats = packCloud(stillLife({ splats: 30_000, shDegree: 0 }), {
     geometryPrecision: 'packed',
     shPrecision: 'u8',
   });
@@ -25,9 +25,12 @@ beforeAll(async () => {
   world.createCollider(RAPIER.ColliderDesc.trimesh(positions, indices));
 });
 
-/** Drops a ball, and returns where it is after some seconds, and how fast. */
+/** Drops a ball, by steps between which it cannot pass the hollow mesh, and returns where it is after some seconds, and how fast. */
 function dropped(x: number, y: number, z: number) {
-  const description = RAPIER.RigidBodyDesc.dynamic().setTranslation(x, y, z).setAngularDamping(8);
+  const description = RAPIER.RigidBodyDesc.dynamic()
+    .setTranslation(x, y, z)
+    .setAngularDamping(8)
+    .setCcdEnabled(true);
   const body = world.createRigidBody(description);
   world.createCollider(RAPIER.ColliderDesc.ball(RADIUS).setRestitution(0.1).setFriction(1), body);
   for (let step = 0; step < 600; step++) world.step();
@@ -40,7 +43,7 @@ function dropped(x: number, y: number, z: number) {
 it.each([
   [-0.05, 0.3],
   [0.3, 0.25],
-  [-0.4, 0.1],
+  [0.1, 0.4],
 ])('a ball that falls on the table at %s, %s rests on it, within a cell of what is seen', (x, z) => {
   const rest = dropped(x, 0.3, z);
   expect(rest.speed).toBeLessThan(0.02);
