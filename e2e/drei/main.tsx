@@ -1,0 +1,85 @@
+// A page that shows splats, and beside them one component of drei, or labels and a mesh that splats hide.
+import { type RootState, useFrame } from '@react-three/fiber';
+import { SplatCanvas, type SplatCloudObject, Splats } from '@websplatter/react';
+import { type ReactNode, Suspense, useRef } from 'react';
+import { createRoot } from 'react-dom/client';
+import { TRIALS, type Trial } from './trials.tsx';
+
+const page = {
+  trials: Object.entries(TRIALS).map(
+    ([name, { expects = 'pixels', colors = [], coversSplats = false, insteadOf = [] }]) => ({
+      name,
+      expects,
+      colors,
+      coversSplats,
+      insteadOf,
+    }),
+  ),
+  /** The newest Canvas. */
+  canvas: null as RootState | null,
+  splats: null as SplatCloudObject | null,
+  /** Frames of the newest Canvas since what it shows has been loaded. */
+  frames: 0,
+  /** What has been thrown outside of every `try`, in rendering and in frames. */
+  thrown: null as string | null,
+  /** Shows a trial by name, `''` for splats alone. */
+  show: (name: string) => {
+    page.canvas = null;
+    page.frames = 0;
+    page.thrown = null;
+    root.render(<TrialCanvas key={name} {...TRIALS[name]} />);
+  },
+  /** Whether what a trial shows otherwise than by pixels is so. */
+  holds: (name: string) => page.canvas !== null && TRIALS[name].holds?.(page.canvas) === true,
+};
+
+declare global {
+  interface Window {
+    trialPage: typeof page;
+  }
+}
+
+function TrialCanvas({ element: Element, around: Around, canvas }: Partial<Trial>): ReactNode {
+  const splats = useRef<SplatCloudObject>(null);
+  const shown = (
+    <SplatCanvas
+      flat
+      shadows="percentage"
+      dpr={1}
+      camera={{ position: [0, 0, 5], fov: 50 }}
+      onCreated={(state) => {
+        page.canvas = state;
+      }}
+      {...canvas}
+    >
+      <color attach="background" args={['#202020']} />
+      <ambientLight />
+      <directionalLight position={[2, 5, 4]} castShadow />
+      <Suspense>
+        <Splats
+          ref={(object) => {
+            page.splats = splats.current = object;
+          }}
+          src="ball.ply"
+          position-x={-1.5}
+        />
+        {Element && <Element splats={splats} />}
+        <Frames />
+      </Suspense>
+    </SplatCanvas>
+  );
+  return Around ? <Around>{shown}</Around> : shown;
+}
+
+function Frames(): ReactNode {
+  useFrame(() => {
+    page.frames++;
+  });
+  return null;
+}
+
+window.addEventListener('error', ({ message }) => {
+  page.thrown ??= message;
+});
+window.trialPage = page;
+const root = createRoot(document.getElementById('root')!);
