@@ -5,6 +5,7 @@ import {
   type Intersection,
   Matrix4,
   type Object3D,
+  OrthographicCamera,
   PerspectiveCamera,
   Quaternion,
   type Ray,
@@ -13,10 +14,13 @@ import {
   Vector3,
 } from 'three/webgpu';
 import type { PlacedData } from './data-edits.ts';
+import { engineCamera } from './splat-layer.ts';
 
 /** What shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
   readonly opacity: number;
+  /** Height in physical pixels of the latest image that shows it; undefined if there is none. */
+  readonly imageHeightPx: number | undefined;
   /** Null where they are not known yet, and the splats not drawn. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
@@ -83,13 +87,20 @@ function castRay(
   const origin = ray.origin.clone().applyMatrix4(toLocal);
   // As long as one unit of the world is there, so that distances are the world's.
   const direction = ray.origin.clone().add(ray.direction).applyMatrix4(toLocal).sub(origin);
-  const drawn = drawnRange(ray, camera);
+  const view = viewOf(ray, camera);
   const shownAt = shownBy(object, ray, camera);
   const point = new Vector3();
   const hit = tree.cast(origin.toArray(), direction.toArray(), {
-    near: Math.max(near, drawn.near),
-    far: Math.min(far, drawn.far),
+    near: Math.max(near, view?.near ?? 0),
+    far: Math.min(far, view?.far ?? Number.POSITIVE_INFINITY),
     opacity,
+    view: view
+      ? {
+          camera: engineCamera(view.camera, false),
+          modelMatrix: matrixWorld.elements,
+          heightPx: object.imageHeightPx,
+        }
+      : undefined,
     shownAt: shownAt && ((x, y, z) => shownAt(point.set(x, y, z).applyMatrix4(matrixWorld))),
   });
   if (!hit) return;
@@ -97,16 +108,26 @@ function castRay(
   intersects.push({ distance, point: ray.at(distance, new Vector3()), object });
 }
 
-/** Distances between which a camera that looks along the ray draws. Rays of an orthographic camera begin where it draws. */
-function drawnRange(ray: Ray, camera: Camera | null | undefined): { near: number; far: number } {
-  if (camera instanceof PerspectiveCamera) {
-    const { matrixWorld, near, far } = camera;
-    const forward = new Vector3().setFromMatrixColumn(matrixWorld, 2).normalize().negate();
-    const along = forward.dot(ray.direction);
-    const isFromCamera = ray.origin.distanceTo(new Vector3().setFromMatrixPosition(matrixWorld)) <= near;
-    if (isFromCamera && along > 0) return { near: near / along, far: far / along };
-  }
-  return { near: 0, far: Number.POSITIVE_INFINITY };
+/** A camera whose picture a ray belongs to, and the distances between which it draws along the ray. */
+interface RaysCamera {
+  readonly camera: PerspectiveCamera | OrthographicCamera;
+  readonly near: number;
+  readonly far: number;
+}
+
+/** Returns null for rays that a camera merely comes with: they begin elsewhere, or go where it does not look. */
+function viewOf(ray: Ray, camera: Camera | null | undefined): RaysCamera | null {
+  if (!(camera instanceof PerspectiveCamera || camera instanceof OrthographicCamera)) return null;
+  const { matrixWorld, projectionMatrix, near, far } = camera;
+  // As a canvas without a size has it.
+  if (!Number.isFinite(1 / projectionMatrix.determinant())) return null;
+  const forward = new Vector3().setFromMatrixColumn(matrixWorld, 2).normalize().negate();
+  const along = forward.dot(ray.direction);
+  // Rays of an orthographic camera begin where it draws.
+  if (camera instanceof OrthographicCamera)
+    return along > 1 - 1e-6 ? { camera, near: 0, far: Number.POSITIVE_INFINITY } : null;
+  const isFromCamera = ray.origin.distanceTo(new Vector3().setFromMatrixPosition(matrixWorld)) <= near;
+  return isFromCamera && along > 0 ? { camera, near: near / along, far: far / along } : null;
 }
 
 /** Returns what the effects that hide splats by their place leave; undefined if there are none. */

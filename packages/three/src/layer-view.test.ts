@@ -66,14 +66,15 @@ test('a texture keeps its wrapper, and another texture gets another wrapper', ()
   const view = views.use(renderer, camera, canvas, fakeView);
   const texture = (format: GPUTextureFormat) => ({ format }) as GPUTexture;
   const [color, depth] = [texture('rgba16float'), texture('r32float')];
-  view.show({ color, depth }, { xPx: 1, yPx: 2 });
+  const viewport = { xPx: 1, yPx: 2, heightPx: 100 };
+  view.show({ color, depth }, viewport);
   const { color: first, depth: firstDepth } = view;
   const disposed = vi.fn();
   for (const wrapper of [first!, firstDepth!]) wrapper.addEventListener('dispose', disposed);
-  view.show({ color, depth }, { xPx: 3, yPx: 4 });
+  view.show({ color, depth }, { ...viewport, xPx: 3 });
   expect([view.color, view.depth]).toEqual([first, firstDepth]);
   expect(disposed).not.toHaveBeenCalled();
-  view.show({ color: texture('rgba16float'), depth: null }, { xPx: 1, yPx: 2 });
+  view.show({ color: texture('rgba16float'), depth: null }, viewport);
   expect(view.color).not.toBe(first);
   expect(view.depth).toBeNull();
   expect(disposed).toHaveBeenCalledTimes(2);

@@ -1,9 +1,13 @@
 import type { CloudInstance, EmbeddedImage, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { LayerCloud } from './layer-cloud.ts';
+import type { OpenPass } from './three-bridge.ts';
 
 /** Number of a layer's draws after which a view without one of them is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
+
+/** The part of a target that an image covers. */
+type Viewport = Pick<LayerView, 'xPx' | 'yPx' | 'heightPx'>;
 
 /** What a view belongs to. */
 interface ViewPlace {
@@ -27,6 +31,8 @@ export class LayerView {
   /** Top left of the viewport that the image belongs to. */
   xPx = 0;
   yPx = 0;
+  /** Height of that viewport. */
+  heightPx = 0;
   /** Number of the layer's draw that used the view last. */
   usedAt = 0;
 
@@ -35,13 +41,13 @@ export class LayerView {
     this.embedded = embedded;
   }
 
-  /** @param place top left of the viewport in the target. */
-  show({ color, depth }: EmbeddedImage, { xPx, yPx }: Pick<LayerView, 'xPx' | 'yPx'>): void {
+  show({ color, depth }: EmbeddedImage, { xPx, yPx, heightPx }: Viewport): void {
     this.color = wrapping(this.color, color);
     if (!depth) this.depth?.dispose();
     this.depth = depth && wrapping(this.depth, depth);
     this.xPx = xPx;
     this.yPx = yPx;
+    this.heightPx = heightPx;
   }
 
   destroy(): void {

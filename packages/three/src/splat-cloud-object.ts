@@ -169,10 +169,16 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.#layer.place(this);
   }
 
+  /** @internal Height in physical pixels of the latest image that shows it; undefined if there is none. */
+  get imageHeightPx(): number | undefined {
+    return this.#layer?.heightOf(this);
+  }
+
   /**
-   * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 % opacity: where the splats are
-   * that contribute most, approximately; `pick` finds the exact splat. Splats that the ray begins inside of are left out. Misses
-   * until `data.prepareRays()` is done, which begins after the first frame; and misses previews.
+   * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 % opacity: at the depth of the
+   * splat that contributes most, as `pick` finds it, if `raycaster.camera` is the camera that the ray comes from
+   * (`setFromCamera`). Of more than half a million splats, neighbours count as one. Splats that the ray begins inside of are left
+   * out. Misses until `data.prepareRays()` is done, which begins after the first frame; and misses previews.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
     this.#data?.raycast(this, raycaster, intersects);

@@ -130,6 +130,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     return this.views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
   }
 
+  /** Height in physical pixels of the latest image with `cloud`; undefined if there is none. */
+  heightOf(cloud: LayerCloud): number | undefined {
+    return this.views.latestWith(cloud)?.heightPx || undefined;
+  }
+
   /** Frees the layer's GPU memory; the layer may be drawn again. */
   #free(): void {
     this.views.destroyAll();
@@ -260,8 +265,9 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       const view = views[part];
       if (!view) return;
       const { embedded, clouds } = view;
-      const { host } = pass.parts[part];
-      view.show(encoder ? embedded.draw(encoder, host) : embedded.makeImage(host), host);
+      const { host, heightPx } = pass.parts[part];
+      const image = encoder ? embedded.draw(encoder, host) : embedded.makeImage(host);
+      view.show(image, { ...host, heightPx });
       if (encoder) this.#outputs?.show(view, renderer, pass, part, encoder);
       images[part] = view;
       [...clouds.keys()].forEach((object, i) => {
@@ -357,7 +363,7 @@ function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
 }
 
 /** Converts three's camera, as three has prepared it for this render: matrices, clip depth from 0 to 1. */
-function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
+export function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
   const projection = camera.projectionMatrix.elements;
   const inMatrix = depthRange(projection, isReversed);
   const parametric = camera as PerspectiveCamera;

@@ -49,7 +49,7 @@ export const ROOMS: Arrows = {
   /** Host sides of the shaders in shaders/stages, under the same basenames. */
   stages: 'effects gpu shaders camera accuracy packing splats layout',
   /** Clouds on the GPU: their planes, and rays through them. */
-  clouds: 'stages gpu accuracy io packing splats layout math',
+  clouds: 'stages gpu camera accuracy io packing splats layout math',
   /** Files' rows that become clouds on the GPU itself. Loaded only when a file has such rows. */
   ingest: 'clouds stages gpu io packing splats layout math',
   /** One frame: what it needs, its buffers and the order of its stages. */

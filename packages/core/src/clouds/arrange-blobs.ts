@@ -4,16 +4,19 @@ import { COVARIANCE, LEAST_OPACITY, OPACITY } from './splat-shape.ts';
 
 /** Blobs of a node of the lowest level, and nodes of a node of any other. */
 export const ARITY = 8;
-/** Unsigned 16-bit values of a blob: mean 3, standard deviation 3, correlation 3, opacity. */
+/**
+ * Unsigned 16-bit values of a blob: mean 3, standard deviation 3, angle 3, opacity. Deviations and angles make the lower triangle
+ * L of its covariance L·Lᵀ: a row is as long as the deviation along its axis, and its direction is given by angles. Rounded
+ * correlations would make thin splats thicker, by the square root of what they are rounded by.
+ */
 export const BLOB_VALUES = 10;
 /** Means are steps between the faces of their node's box. */
 export const MEAN_STEPS = 65535;
-/** Standard deviations are powers of two, in steps of 1/512 about 1. */
-export const DEVIATION_STEPS = 512;
+/** Standard deviations are powers of two, in steps of 1/1024 about 1. */
+export const DEVIATION_STEPS = 1024;
 export const DEVIATION_ZERO = 32768;
-/** Correlations −1…1. */
-export const CORRELATION_ZERO = 32768;
-export const CORRELATION_STEPS = 32767;
+/** Angles of half a turn. Even, so that there is a right angle. */
+export const ANGLE_STEPS = 65534;
 
 /** Blobs in an order in which neighbours are near each other, and the boxes around each run of ARITY. */
 export interface RayBlobs {
@@ -128,17 +131,23 @@ function bound(blobs: Float32Array, members: Uint32Array, box: Float32Array): vo
 }
 
 function round(blob: Float32Array, box: Float32Array, values: Uint16Array): void {
-  const deviations = [0, 1, 2].map((axis) => Math.sqrt(Math.max(1e-38, blob[COVARIANCE + axis])));
   for (let axis = 0; axis < 3; axis++) {
     const side = box[3 + axis] - box[axis];
     values[axis] = side > 0 ? Math.round(((blob[axis] - box[axis]) / side) * MEAN_STEPS) : 0;
-    values[3 + axis] = Math.round(Math.log2(deviations[axis]) * DEVIATION_STEPS) + DEVIATION_ZERO;
+    const steps = 0.5 * Math.log2(Math.max(1e-38, blob[COVARIANCE + axis])) * DEVIATION_STEPS;
+    values[3 + axis] = Math.max(0, Math.min(65535, Math.round(steps) + DEVIATION_ZERO));
   }
-  // xy, xz, yz.
-  for (let k = 0; k < 3; k++) {
-    const scale = deviations[k >> 1] * deviations[k === 0 ? 1 : 2];
-    const correlation = Math.max(-1, Math.min(1, blob[COVARIANCE + 3 + k] / scale));
-    values[6 + k] = Math.round(correlation * CORRELATION_STEPS) + CORRELATION_ZERO;
-  }
+  const [xx, yy, zz, xy, xz, yz] = blob.subarray(COVARIANCE);
+  // Cholesky's decomposition. What is rounded off may leave less than nothing under a root.
+  const l00 = Math.sqrt(Math.max(1e-38, xx));
+  const l10 = xy / l00;
+  const l20 = xz / l00;
+  const l11 = Math.sqrt(Math.max(0, yy - l10 * l10));
+  const l21 = l11 > 0 ? (yz - l10 * l20) / l11 : 0;
+  const l22 = Math.sqrt(Math.max(0, zz - l20 * l20 - l21 * l21));
+  const angle = (y: number, x: number) => Math.round((Math.atan2(y, x) / Math.PI) * ANGLE_STEPS);
+  values[6] = angle(l11, l10);
+  values[7] = angle(Math.hypot(l21, l22), l20);
+  values[8] = angle(l22, l21);
   values[9] = Math.round((blob[OPACITY] / MOST_OPACITY) * 65535);
 }

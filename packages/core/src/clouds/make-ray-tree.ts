@@ -9,9 +9,9 @@ import { BlobCollector } from './ray-blobs.ts';
 import { RayTree } from './ray-tree.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** Clouds of fewer splats have a blob for each. */
-const MOST_SMALL_BLOBS = 32_768;
-/** Splats of a blob in large clouds. */
+/** Clouds of so few splats have a blob for each, and rays hit what is drawn. They take 12 MB then. */
+const MOST_SMALL_BLOBS = 1 << 19;
+/** Splats of a blob in clouds for which that is not enough. */
 const SPLATS_PER_BLOB = 32;
 /** Longest that the calling thread is kept busy at a time. */
 const MAX_BUSY_MS = 5;

@@ -1,15 +1,17 @@
-import type { Vec3 } from '../math/mat4.ts';
+import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera, projectionOf } from '../camera/camera.ts';
+import { identity4, linearPart, multiply4, type Vec3 } from '../math/mat4.ts';
 import {
+  ANGLE_STEPS,
   ARITY,
   BLOB_VALUES,
-  CORRELATION_STEPS,
-  CORRELATION_ZERO,
   DEVIATION_STEPS,
   DEVIATION_ZERO,
   MEAN_STEPS,
   type RayBlobs,
 } from './arrange-blobs.ts';
 import { MOST_OPACITY } from './ray-blobs.ts';
+import { LEAST_OPACITY } from './splat-shape.ts';
 
 /** Where a ray meets a cloud. */
 export interface RayHit {
@@ -18,7 +20,22 @@ export interface RayHit {
   readonly point: Vec3;
 }
 
+/** The image through one of whose pixels a ray goes. */
+export interface RayView {
+  readonly camera: Camera;
+  /** From the cloud's space to the world, column-major; default none. */
+  readonly modelMatrix?: ArrayLike<number>;
+  /** Height of the image, px; default 1,000. Splats are drawn larger than they are, by about half a pixel. */
+  readonly heightPx?: number;
+}
+
 export interface RayOptions {
+  /**
+   * What the ray belongs to: it then meets splats as they are drawn there, which is how `pick` meets them. Rays of a perspective
+   * camera begin where it stands, those of an orthographic one go where it looks. Default: a camera that looks along the ray, with a
+   * field of view of 50 degrees.
+   */
+  readonly view?: RayView;
   /** Splats nearer than this are passed; in units of the direction's length, default 0. */
   readonly near?: number;
   /** Splats farther away than this are not reached; in units of the direction's length, default Infinity. */
@@ -34,23 +51,20 @@ export interface RayOptions {
 const DEFAULT_MIN_OPACITY = 0.3;
 /** Opacity of a splat is limited to this when it is drawn. */
 const MOST_ALPHA = 0.99;
-/** Blobs contribute no less. */
-const LEAST_ALPHA = 0.01;
+/** Blobs contribute no less, as splats that are drawn. */
+const LEAST_ALPHA = LEAST_OPACITY;
 /** Squared standard deviations at which the most opaque blob contributes less. */
 const MOST_SQUARED = 2 * Math.log(MOST_OPACITY / LEAST_ALPHA);
 /** A ray that begins within so many standard deviations of a blob is inside of it, and begins outside. */
 const INSIDE_DEVIATIONS = 2;
-/**
- * Variance that drawing adds to each splat, 0.3 px², for an image of about 1,000 pixels' height under a field of view of 50
- * degrees: the square of what a pixel's angle is then.
- */
-const DILATION = 0.3 * 0.000_93 ** 2;
-/** Boxes are met this part of their distance early, for the same reason. */
-const BOX_SLACK = 3 * Math.sqrt(DILATION);
+/** Boxes are met early by so many standard deviations of what drawing adds to each splat. */
+const DILATION_DEVIATIONS = 3;
+const USUAL_HEIGHT_PX = 1000;
+const USUAL_FOV_DEGREES = 50;
 
 /**
- * What rays are tested against in place of a cloud's splats: blobs that each stand for some neighbouring splats, 32,768
- * of them or one for 32 splats, if that is more, and a tree of boxes around them: 770 kB for up to a million splats.
+ * What rays are tested against: a cloud's splats or, where there are more than half a million, blobs that each stand for some
+ * neighbouring splats; and a tree of boxes around them. 24 bytes for each.
  */
 export class RayTree {
   /** @internal */
@@ -87,15 +101,12 @@ export class RayTree {
     const { near = 0, far = Number.POSITIVE_INFINITY, minOpacity = DEFAULT_MIN_OPACITY } = options;
     const length = Math.hypot(...direction);
     if (!(length > 0 && length < Number.POSITIVE_INFINITY) || !origin.every(Number.isFinite)) return null;
-    const ray = [
-      ...origin.map((value, axis) => value - this.origin[axis]),
-      ...direction.map((value) => value / length),
-    ];
-    const range = [near * length, far * length] as const;
-    const walk = new Walk(this.#blobs, this.#levels, ray, options, range);
-    const found = walk.run(Math.max(minOpacity, LEAST_ALPHA));
-    if (found === null) return null;
-    const distance = found / length;
+    const from = origin.map((value, axis) => value - this.origin[axis]);
+    const ray = screenRay(from, direction, options.view ?? { camera: cameraAlong(direction, length) });
+    if (!ray) return null;
+    const walk = new Walk(this.#blobs, this.#levels, ray, options, [near, far]);
+    const distance = walk.run(Math.max(minOpacity, LEAST_ALPHA));
+    if (distance === null) return null;
     const along = (axis: number) => origin[axis] + distance * direction[axis];
     return { distance, point: [along(0), along(1), along(2)] };
   }
@@ -127,8 +138,7 @@ class Walk {
   readonly #options: RayOptions;
   readonly #near: number;
   readonly #far: number;
-  /** Origin, direction of length 1, and two directions across it. */
-  readonly #ray: Float64Array;
+  readonly #ray: ScreenRay;
   /** Nodes to visit: a heap by the distance at which the ray enters them. */
   readonly #entries: number[] = [];
   readonly #nodes: number[] = [];
@@ -141,17 +151,16 @@ class Walk {
   #heaviest = 0;
   #heaviestAt = 0;
 
-  /** @param ray origin, and direction of length 1. */
   constructor(
     blobs: RayBlobs,
     levels: readonly Float32Array[],
-    ray: readonly number[],
+    ray: ScreenRay,
     options: RayOptions,
     [near, far]: readonly [near: number, far: number],
   ) {
     this.#blobs = blobs;
     this.#levels = levels;
-    this.#ray = Float64Array.from([...ray, ...across(ray[3], ray[4], ray[5])]);
+    this.#ray = ray;
     this.#options = options;
     this.#near = near;
     this.#far = far;
@@ -195,14 +204,10 @@ class Walk {
   #enter(level: number, from: number, end: number): void {
     const boxes = this.#levels[level];
     const count = boxes.length / 6;
-    // By index: taking arrays apart by pattern takes as long as a box does.
-    const ray = this.#ray;
-    const ox = ray[0];
-    const oy = ray[1];
-    const oz = ray[2];
-    const perX = 1 / ray[3];
-    const perY = 1 / ray[4];
-    const perZ = 1 / ray[5];
+    const { ox, oy, oz, dx, dy, dz, fx, fy, fz, boxSlack } = this.#ray;
+    const perX = 1 / dx;
+    const perY = 1 / dy;
+    const perZ = 1 / dz;
     const near = this.#near;
     const far = this.#far;
     for (let index = from; index < end && index < count; index++) {
@@ -213,7 +218,7 @@ class Walk {
       const x1 = boxes[at + 3] - ox;
       const y1 = boxes[at + 4] - oy;
       const z1 = boxes[at + 5] - oz;
-      const slack = BOX_SLACK * Math.max(-x0, x1, -y0, y1, -z0, z1, 0);
+      const slack = boxSlack * (this.#ray.isOrthographic ? 1 : Math.max(-x0, x1, -y0, y1, -z0, z1, 0));
       let enter = near;
       let leave = far;
       // Along an axis the ray is at rest on: ±Infinity, or NaN on a face, which no comparison takes.
@@ -244,25 +249,17 @@ class Walk {
         if (bz > enter) enter = bz;
         if (az < leave) leave = az;
       }
-      if (enter <= leave) this.#push(enter, 32 * index + level);
+      if (!(enter <= leave)) continue;
+      // Splats are drawn in the order of their middles' depths, which those of a box may have before the ray is in it.
+      const nearest = fx * (fx > 0 ? x0 : x1) + fy * (fy > 0 ? y0 : y1) + fz * (fz > 0 ? z0 : z1);
+      this.#push(Math.max(near, nearest), 32 * index + level);
     }
   }
 
   #meetBlobs(node: number): void {
     const { values, boxes, count } = this.#blobs;
-    const ray = this.#ray;
-    const ox = ray[0];
-    const oy = ray[1];
-    const oz = ray[2];
-    const dx = ray[3];
-    const dy = ray[4];
-    const dz = ray[5];
-    const ux = ray[6];
-    const uy = ray[7];
-    const uz = ray[8];
-    const vx = ray[9];
-    const vy = ray[10];
-    const vz = ray[11];
+    const { ox, oy, oz, dx, dy, dz, fx, fy, fz, rx, ry, rz, ux, uy, uz, perDepth, dilation } = this.#ray;
+    const { tangentX, tangentY, minX, maxX, minY, maxY, isOrthographic } = this.#ray;
     const near = this.#near;
     const far = this.#far;
     const { opacity: factor = 1, shownAt } = this.#options;
@@ -276,52 +273,65 @@ class Walk {
       const x = boxes[box] + stepX * values[at] - ox;
       const y = boxes[box + 1] + stepY * values[at + 1] - oy;
       const z = boxes[box + 2] + stepZ * values[at + 2] - oz;
-      const depth = x * dx + y * dy + z * dz;
-      if (!(depth > near && depth > 0 && depth <= far)) continue;
+      const distance = x * fx + y * fy + z * fz;
+      if (!(distance > near && distance > 0 && distance <= far)) continue;
       const sx = DEVIATIONS[values[at + 3]];
       const sy = DEVIATIONS[values[at + 4]];
       const sz = DEVIATIONS[values[at + 5]];
-      const dilation = DILATION * depth * depth;
+      const perZ = isOrthographic ? 1 : 1 / (distance * perDepth);
+      const middleX = (x * rx + y * ry + z * rz) * perZ;
+      const middleY = (x * ux + y * uy + z * uz) * perZ;
+      // From the blob's middle to the ray, on a plane at depth 1.
+      const a = tangentX - middleX;
+      const b = tangentY - middleY;
+      // The rows of the Jacobian: how the place on that plane follows the place in the cloud. In units of the plane.
+      const shearX = isOrthographic ? 0 : Math.max(minX, Math.min(maxX, middleX)) * perDepth;
+      const shearY = isOrthographic ? 0 : Math.max(minY, Math.min(maxY, middleY)) * perDepth;
+      const jxx = (rx - shearX * fx) * perZ;
+      const jxy = (ry - shearX * fy) * perZ;
+      const jxz = (rz - shearX * fz) * perZ;
+      const jyx = (ux - shearY * fx) * perZ;
+      const jyy = (uy - shearY * fy) * perZ;
+      const jyz = (uz - shearY * fz) * perZ;
       // Most of a node's blobs are far off the ray.
-      const offset = x * x + y * y + z * z - depth * depth;
-      if (offset > MOST_SQUARED * (sx * sx + sy * sy + sz * sz + dilation)) continue;
-      const xy = sx * sy * correlationOf(values[at + 6]);
-      const xz = sx * sz * correlationOf(values[at + 7]);
-      const yz = sy * sz * correlationOf(values[at + 8]);
-      // Covariance times each direction across.
-      const cux = sx * sx * ux + xy * uy + xz * uz;
-      const cuy = xy * ux + sy * sy * uy + yz * uz;
-      const cuz = xz * ux + yz * uy + sz * sz * uz;
-      const cvx = sx * sx * vx + xy * vy + xz * vz;
-      const cvy = xy * vx + sy * sy * vy + yz * vz;
-      const cvz = xz * vx + yz * vy + sz * sz * vz;
-      const uu = ux * cux + uy * cuy + uz * cuz + dilation;
-      const vv = vx * cvx + vy * cvy + vz * cvz + dilation;
-      const uv = ux * cvx + uy * cvy + uz * cvz;
-      const determinant = Math.max(uu * vv - uv * uv, 1e-12 * uu * vv);
-      // From the blob's middle to the ray.
-      const a = -(x * ux + y * uy + z * uz);
-      const b = -(x * vx + y * vy + z * vz);
-      const wa = (vv * a - uv * b) / determinant;
-      const wb = (uu * b - uv * a) / determinant;
-      const squared = a * wa + b * wb;
-      if (squared > MOST_SQUARED) continue;
+      const reachX = sx * Math.abs(jxx) + sy * Math.abs(jxy) + sz * Math.abs(jxz);
+      if (a * a > MOST_SQUARED * (reachX * reachX + dilation)) continue;
+      const reachY = sx * Math.abs(jyx) + sy * Math.abs(jyy) + sz * Math.abs(jyz);
+      if (b * b > MOST_SQUARED * (reachY * reachY + dilation)) continue;
+      const l10 = sy * cosineOf(values[at + 6]);
+      const l11 = sy * sineOf(values[at + 6]);
+      const across = sz * sineOf(values[at + 7]);
+      const l20 = sz * cosineOf(values[at + 7]);
+      const l21 = across * cosineOf(values[at + 8]);
+      const l22 = across * sineOf(values[at + 8]);
+      // J·L, whose rows span the ellipse.
+      const x0 = jxx * sx + jxy * l10 + jxz * l20;
+      const x1 = jxy * l11 + jxz * l21;
+      const x2 = jxz * l22;
+      const y0 = jyx * sx + jyy * l10 + jyz * l20;
+      const y1 = jyy * l11 + jyz * l21;
+      const y2 = jyz * l22;
+      const xx = x0 * x0 + x1 * x1 + x2 * x2;
+      const yy = y0 * y0 + y1 * y1 + y2 * y2;
+      const xy = x0 * y0 + x1 * y1 + x2 * y2;
+      const c0 = x1 * y2 - x2 * y1;
+      const c1 = x2 * y0 - x0 * y2;
+      const c2 = x0 * y1 - x1 * y0;
+      // By Lagrange's identity a sum of squares, of which nothing cancels.
+      const determinant = c0 * c0 + c1 * c1 + c2 * c2 + dilation * (xx + yy + dilation);
+      const squared = ((yy + dilation) * a * a - 2 * xy * a * b + (xx + dilation) * b * b) / determinant;
+      if (!(squared <= MOST_SQUARED)) continue;
       const opacity = (values[at + 9] / 65535) * MOST_OPACITY;
       const alpha = factor * opacity * Math.exp(-0.5 * squared);
       if (alpha < LEAST_ALPHA) continue;
-      // Whether the ray begins inside: how far from the blob's middle along the ray, for a point on it.
-      const du = dx * cux + dy * cuy + dz * cuz;
-      const dv = dx * cvx + dy * cvy + dz * cvz;
-      const along = depth + du * wa + dv * wb;
-      const dd =
-        dx * (sx * sx * dx + xy * dy + xz * dz) +
-        dy * (xy * dx + sy * sy * dy + yz * dz) +
-        dz * (xz * dx + yz * dy + sz * sz * dz);
-      const spread = dd - (du * (vv * du - uv * dv) + dv * (uu * dv - uv * du)) / determinant;
-      if (along * along < (INSIDE_DEVIATIONS * INSIDE_DEVIATIONS - squared) * spread) continue;
-      const shown = shownAt ? shownAt(ox + depth * dx, oy + depth * dy, oz + depth * dz) : 1;
+      // Standard deviations between the blob's middle and where the ray begins.
+      const e0 = x / sx;
+      const e1 = (y - l10 * e0) / l11;
+      const e2 = (z - l20 * e0 - l21 * e1) / l22;
+      if (e0 * e0 + e1 * e1 + e2 * e2 < INSIDE_DEVIATIONS * INSIDE_DEVIATIONS) continue;
+      const shown = shownAt ? shownAt(ox + distance * dx, oy + distance * dy, oz + distance * dz) : 1;
       const seen = Math.min(MOST_ALPHA, alpha * shown);
-      if (seen >= LEAST_ALPHA) this.#meet(depth, seen);
+      if (seen >= LEAST_ALPHA) this.#meet(distance, seen);
     }
   }
 
@@ -378,21 +388,94 @@ class Walk {
   }
 }
 
-/** Powers of two are looked up: a ray needs hundreds of them. */
+/** Powers of two and cosines are looked up: a ray needs hundreds of them. */
 const DEVIATIONS = Float64Array.from(
   { length: 65536 },
   (_, i) => 2 ** ((i - DEVIATION_ZERO) / DEVIATION_STEPS),
 );
 
-function correlationOf(value: number): number {
-  return (value - CORRELATION_ZERO) / CORRELATION_STEPS;
+const COSINES = Float32Array.from({ length: ANGLE_STEPS + 1 }, (_, i) =>
+  Math.cos((Math.PI * i) / ANGLE_STEPS),
+);
+
+function cosineOf(angle: number): number {
+  return COSINES[angle];
 }
 
-/** Two directions that are perpendicular to x, y, z and to each other. */
-function across(x: number, y: number, z: number): number[] {
-  // Duff et al. 2017, Building an Orthonormal Basis, Revisited.
-  const sign = z < 0 ? -1 : 1;
-  const a = -1 / (sign + z);
-  const b = x * y * a;
-  return [1 + sign * x * x * a, sign * b, -sign * x, b, sign + y * y * a, -y];
+function sineOf(angle: number): number {
+  return COSINES[Math.abs(angle - ANGLE_STEPS / 2)];
+}
+
+/** A ray, and how what is around it is seen. Lengths are in the cloud's space but where another unit is given. */
+interface ScreenRay {
+  readonly ox: number;
+  readonly oy: number;
+  readonly oz: number;
+  readonly dx: number;
+  readonly dy: number;
+  readonly dz: number;
+  /** Scalar product with it: distances in units of the direction, at which the ray is as deep in the view. */
+  readonly fx: number;
+  readonly fy: number;
+  readonly fz: number;
+  /** View depth per unit of distance. */
+  readonly perDepth: number;
+  /** Scalar products with them: x and y in view space. */
+  readonly rx: number;
+  readonly ry: number;
+  readonly rz: number;
+  readonly ux: number;
+  readonly uy: number;
+  readonly uz: number;
+  /** Where the ray is on a plane at depth 1 (orthographic: any), from where it begins. */
+  readonly tangentX: number;
+  readonly tangentY: number;
+  /** What places on that plane are clamped to for the Jacobian. */
+  readonly minX: number;
+  readonly maxX: number;
+  readonly minY: number;
+  readonly maxY: number;
+  readonly isOrthographic: boolean;
+  /** Variance that is added on that plane. */
+  readonly dilation: number;
+  /** How far outside of boxes rays meet them, per unit of their distance (orthographic: altogether). */
+  readonly boxSlack: number;
+}
+
+/** Returns null unless the ray goes forward in the view. */
+function screenRay(
+  [ox, oy, oz]: readonly number[],
+  [dx, dy, dz]: Vec3,
+  { camera, modelMatrix = identity4(), heightPx = USUAL_HEIGHT_PX }: RayView,
+): ScreenRay | null {
+  const { isOrthographic, focalPx, clampX, clampY } = projectionOf(camera, heightPx, heightPx);
+  const v = linearPart(multiply4(camera.viewMatrix, modelMatrix));
+  const perDepth = -(v[2] * dx + v[5] * dy + v[8] * dz);
+  if (!(perDepth > 0)) return null;
+  // Pixels are square.
+  const dilation = DILATION_PX2 / focalPx[1] ** 2;
+  // Of an orthographic image in the cloud's space: what is as long there is at least so long in view space.
+  const leastScale = Math.max(Math.hypot(v[2], v[5], v[8]), 1e-30);
+  return {
+    ...{ ox, oy, oz, dx, dy, dz },
+    ...{ fx: -v[2] / perDepth, fy: -v[5] / perDepth, fz: -v[8] / perDepth, perDepth },
+    ...{ rx: v[0], ry: v[3], rz: v[6], ux: v[1], uy: v[4], uz: v[7] },
+    tangentX: isOrthographic ? 0 : (v[0] * dx + v[3] * dy + v[6] * dz) / perDepth,
+    tangentY: isOrthographic ? 0 : (v[1] * dx + v[4] * dy + v[7] * dz) / perDepth,
+    ...{ minX: clampX[0], maxX: clampX[1], minY: clampY[0], maxY: clampY[1] },
+    ...{ isOrthographic, dilation },
+    boxSlack: (DILATION_DEVIATIONS * Math.sqrt(dilation)) / (isOrthographic ? leastScale : 1),
+  };
+}
+
+function cameraAlong(direction: Vec3, length: number): Camera {
+  const [x, y, z] = direction.map((value) => value / length);
+  const least = Math.min(Math.abs(x), Math.abs(y), Math.abs(z));
+  return perspectiveCamera({
+    position: [0, 0, 0],
+    target: [x, y, z],
+    up: Math.abs(x) === least ? [1, 0, 0] : Math.abs(y) === least ? [0, 1, 0] : [0, 0, 1],
+    fovYDegrees: USUAL_FOV_DEGREES,
+    aspect: 1,
+  });
 }

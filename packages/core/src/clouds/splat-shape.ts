@@ -1,7 +1,7 @@
 import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../packing/geometry.ts';
 
 /** Opacity below which splats are left out. */
-export const LEAST_OPACITY = 0.02;
+export const LEAST_OPACITY = 1 / 255;
 
 // A shape is what a splat is without its colour, SHAPE_VALUES numbers that begin with its centre.
 /** Covariance: xx, yy, zz, xy, xz, yz. */

@@ -1,7 +1,9 @@
 import { DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
 import { type Camera, pixelRay, projectionOf } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
+import type { RayOptions } from '../clouds/ray-tree.ts';
 import { identity4, type Vec3 } from '../math/mat4.ts';
+import type { Harmonics } from '../packing/harmonics.ts';
 import { type CulledSplat, cullSplat } from '../reference/cull-splats.ts';
 import { pickSplat } from '../reference/pick.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
@@ -15,11 +17,13 @@ export interface TrueRay {
   readonly opacity: number;
   /** View depth of the splat that contributes most; Infinity if there is none. */
   readonly depthView: number;
+  /** For a tree to see what the pixel does. */
+  readonly options: RayOptions;
 }
 
 /** Returns the rays through `pixels` with what the reference shows there, in float64. */
 export function trueRays(
-  set: SplatSet,
+  set: SplatSet<Harmonics>,
   camera: Camera,
   widthPx: number,
   heightPx: number,
@@ -34,6 +38,7 @@ export function trueRays(
     if (splat) visible.push(splat);
   }
   visible.sort((a, b) => b.depthView - a.depthView);
+  const options = { view: { camera, heightPx }, near: camera.near, far: camera.far };
   return pixels.map(([x, y]) => {
     const there = visible.filter(
       ({ centerPx, extentPx }) =>
@@ -43,6 +48,7 @@ export function trueRays(
     const ray = pixelRay(camera, projection, [x + 0.5, y + 0.5]);
     return {
       ...ray,
+      options,
       opacity: picked?.totalOpacity ?? 0,
       depthView: picked ? there[picked.index].depthView : Number.POSITIVE_INFINITY,
     };
