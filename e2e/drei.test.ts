@@ -181,3 +181,76 @@ describe('drei beside splats', () => {
     5 * TRIAL_MS,
   );
 });
+
+/** Columns and rows of 20 pixels all over the page. */
+const PIXELS = Array.from(
+  { length: 20 },
+  (_, i) => [12 + 24 * (i % 10) + (i % 3), i < 10 ? 50 : 115] as const,
+);
+
+describe('splats in front of and behind something else', () => {
+  /** Opens the still life, drawn and ready for rays. */
+  async function openStillLife(): Promise<Page> {
+    const page = await harness.open('', TRIAL_PAGE);
+    await whenOpened(page);
+    await page.evaluate(() => window.trialPage.showStillLife({ labels: [] }));
+    const isDrawn = async () => (await window.trialPage.splats?.pick(120, 80)) != null;
+    await expect.poll(() => page.evaluate(isDrawn)).toBe(true);
+    await page.evaluate(() => window.trialPage.splats!.data!.prepareRays());
+    return page;
+  }
+
+  /** Along the line of sight of each pixel: the point at the depth that `pick` finds, and the hit of a ray, if any. */
+  const seenAt = (page: Page) =>
+    page.evaluate(async (pixels) => {
+      const { canvas, splats } = window.trialPage;
+      const { camera, raycaster, size } = canvas!;
+      const seen = [];
+      for (const [x, y] of pixels) {
+        const pick = await splats!.pick(x, y);
+        const [ndcX, ndcY] = [(2 * (x + 0.5)) / size.width - 1, 1 - (2 * (y + 0.5)) / size.height];
+        raycaster.setFromCamera(camera.position.clone().set(ndcX, ndcY, 0) as never, camera);
+        const { origin, direction } = raycaster.ray;
+        const along = direction.dot(camera.getWorldDirection(origin.clone()));
+        seen.push({
+          depthView: pick?.depthView ?? null,
+          hitDepthView: (raycaster.intersectObject(splats!)[0]?.distance ?? 0) * along,
+          origin: origin.toArray(),
+          // Of such a length that distances are view depths.
+          direction: direction.clone().divideScalar(along).toArray(),
+        });
+      }
+      return seen;
+    }, PIXELS);
+
+  it('hide just those of 20 labels of Html that their depth hides, and rays hit where pick does', async () => {
+    const page = await openStillLife();
+    const seen = await seenAt(page);
+    // The surroundings of the still life are everywhere.
+    expect(seen.filter(({ depthView }) => depthView !== null)).toHaveLength(20);
+    for (const { depthView, hitDepthView } of seen)
+      expect(Math.abs(hitDepthView / depthView! - 1)).toBeLessThan(0.02);
+    const labels = seen.map(({ origin, direction, depthView }, i) => {
+      const distance = depthView! * (i % 2 === 0 ? 0.9 : 1.1);
+      return origin.map((value, axis) => value + distance * direction[axis]) as [number, number, number];
+    });
+    await page.evaluate((places) => window.trialPage.showStillLife({ labels: places }), labels);
+    const areShown = () =>
+      page.evaluate(() =>
+        Array.from({ length: 20 }, (_, i) => document.getElementById(`label-${i}`)?.checkVisibility()),
+      );
+    await expect.poll(areShown).toEqual(labels.map((_, i) => i % 2 === 0));
+  });
+
+  it('leave every click to a mesh in front of them', async () => {
+    const page = await openStillLife();
+    const clicks = async () => {
+      for (const [xPx, yPx] of PIXELS) await page.mouse.click(xPx, yPx);
+      return page.evaluate(() => window.trialPage.clicked.splice(0));
+    };
+    expect(await clicks()).toEqual(PIXELS.map(() => 'splats'));
+    await page.evaluate(() => window.trialPage.showStillLife({ labels: [], hasMesh: true }));
+    await passTurns(page, 4);
+    expect(await clicks()).toEqual(PIXELS.map(() => 'mesh'));
+  });
+});

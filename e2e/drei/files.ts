@@ -3,6 +3,7 @@ import { createRequire } from 'node:module';
 import { dirname, join } from 'node:path';
 import { deflateSync } from 'node:zlib';
 import { encodePly } from '@websplatter/core';
+import { stillLife } from '@websplatter/scenes';
 import type { ServedFiles } from '../server.ts';
 import { splatSet } from '../three/splats.ts';
 
@@ -12,6 +13,7 @@ const text = (content: string): Uint8Array => new TextEncoder().encode(content);
 export function trialFiles(): ServedFiles {
   const red = { color: [1, 0, 0], opacity: 0.99, scale: [0.35, 0.35, 0.35] } as const;
   return {
+    'still-life.ply': encodePly(stillLife({ splats: 5000, shDegree: 0 })),
     'ball.ply': encodePly(splatSet([red])),
     'font.ttf': iconFont(),
     'green.png': png(8, 8, [64, 192, 96]),

@@ -3,6 +3,7 @@ import { type RootState, useFrame } from '@react-three/fiber';
 import { SplatCanvas, type SplatCloudObject, Splats } from '@websplatter/react';
 import { type ReactNode, Suspense, useRef } from 'react';
 import { createRoot } from 'react-dom/client';
+import { type StillLife, StillLifeScene } from './labels.tsx';
 import { TRIALS, type Trial } from './trials.tsx';
 
 const page = {
@@ -29,6 +30,9 @@ const page = {
     page.thrown = null;
     root.render(<TrialCanvas key={name} {...TRIALS[name]} />);
   },
+  /** What clicks have hit. */
+  clicked: [] as string[],
+  showStillLife: (shown: StillLife) => root.render(<StillLifeCanvas {...shown} />),
   /** Whether what a trial shows otherwise than by pixels is so. */
   holds: (name: string) => page.canvas !== null && TRIALS[name].holds?.(page.canvas) === true,
 };
@@ -69,6 +73,31 @@ function TrialCanvas({ element: Element, around: Around, canvas }: Partial<Trial
     </SplatCanvas>
   );
   return Around ? <Around>{shown}</Around> : shown;
+}
+
+function StillLifeCanvas(shown: StillLife): ReactNode {
+  return (
+    <SplatCanvas
+      flat
+      shadows="percentage"
+      dpr={1}
+      camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
+      onCreated={(state) => {
+        page.canvas = state;
+      }}
+    >
+      <Suspense>
+        <StillLifeScene
+          {...shown}
+          onSplats={(splats) => {
+            page.splats = splats;
+          }}
+          onClick={(what) => page.clicked.push(what)}
+        />
+        <Frames />
+      </Suspense>
+    </SplatCanvas>
+  );
 }
 
 function Frames(): ReactNode {

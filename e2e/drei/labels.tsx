@@ -1,0 +1,55 @@
+import { Html } from '@react-three/drei';
+import { type SplatCloudObject, Splats } from '@websplatter/react';
+import { type ReactNode, useRef } from 'react';
+import type { Vector3Tuple } from 'three';
+
+/** What is shown with the still life. */
+export interface StillLife {
+  /** Places of labels, in world space. */
+  readonly labels: readonly Vector3Tuple[];
+  /** Whether there is a mesh right before the camera. */
+  readonly hasMesh?: boolean;
+}
+
+/** Splats, with labels that they may hide, and a mesh in front of them that may take their clicks. */
+export function StillLifeScene({
+  labels,
+  hasMesh = false,
+  onSplats,
+  onClick,
+}: StillLife & {
+  readonly onSplats: (splats: SplatCloudObject | null) => void;
+  readonly onClick: (what: string) => void;
+}): ReactNode {
+  const splats = useRef<SplatCloudObject>(null!);
+  return (
+    <>
+      <Splats
+        ref={(object) => {
+          onSplats(object);
+          if (object) splats.current = object;
+        }}
+        src="still-life.ply"
+        onClick={() => onClick('splats')}
+      />
+      {hasMesh && (
+        // biome-ignore lint/a11y/noStaticElementInteractions: a mesh is no element of the page.
+        <mesh
+          position={[0.12, 0.45, 1.3]}
+          onClick={(event) => {
+            event.stopPropagation();
+            onClick('mesh');
+          }}
+        >
+          <planeGeometry />
+          <meshBasicMaterial transparent opacity={0.1} />
+        </mesh>
+      )}
+      {labels.map((place, i) => (
+        <Html key={place.join()} position={place} occlude={[splats]} eps={-1}>
+          <span id={`label-${i}`}>·</span>
+        </Html>
+      ))}
+    </>
+  );
+}
