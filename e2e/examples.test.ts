@@ -106,7 +106,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    expect(await links.count()).toBe(18);
+    expect(await links.count()).toBe(19);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -211,6 +211,13 @@ describe('examples', () => {
         .poll(async () => colorAt(await image(page), xPx, yPx), SELDOM)
         .toSatisfy(([red, green, blue]) => red > 200 && green < 120 && blue < 200);
     }
+  });
+
+  it.runIf(isFull)('labels hides one while splats lie before it', async () => {
+    const page = await openExample('labels', splatSet([{ opacity: 0.98, position: [0, 0, 0.2] }]));
+    await page.getByText('Above the table').waitFor({ state: 'attached' });
+    await page.getByText('Behind the vase').waitFor({ state: 'hidden' });
+    await page.getByText('Before the vase').waitFor();
   });
 
   // In the short run, a test of React's components counts the frames of such a Canvas.

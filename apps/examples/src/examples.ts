@@ -24,6 +24,11 @@ const DESCRIPTIONS = [
       'A click finds the exact splat under it: its row in the file, its depth and a point to put a marker on.',
   },
   {
+    name: 'labels',
+    title: 'Labels',
+    about: 'drei’s Html in the scene: a label disappears while splats lie before it.',
+  },
+  {
     name: 'demand-loop',
     title: 'Drawing on demand',
     about: 'Frames are drawn on request, and none while nothing changes.',

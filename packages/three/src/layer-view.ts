@@ -1,7 +1,6 @@
 import type { CloudInstance, EmbeddedImage, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { LayerCloud } from './layer-cloud.ts';
-import type { OpenPass } from './three-bridge.ts';
 
 /** Number of a layer's draws after which a view without one of them is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
