@@ -52,6 +52,21 @@ describe('rays', () => {
     return cloud;
   }
 
+  test('of a canvas that has no size yet hit nothing', async () => {
+    const cloud = await cloudUnder(new Matrix4());
+    for (const aspect of [Number.NaN, 0, Number.POSITIVE_INFINITY]) {
+      const camera = new PerspectiveCamera(50, aspect, 0.1, 100);
+      camera.position.set(1, 0, 5);
+      camera.updateMatrixWorld();
+      const caster = new Raycaster();
+      caster.setFromCamera(new Vector2(Number.NaN, Number.NaN), camera);
+      expect(caster.intersectObject(cloud)).toEqual([]);
+      // A ray of the application's own, which comes with that camera.
+      caster.set(camera.position, new Vector3(0, 0, -1));
+      expect(caster.intersectObject(cloud)).toHaveLength(1);
+    }
+  });
+
   const transforms = {
     identity: new Matrix4(),
     scaled: new Matrix4().makeScale(20, 0.5, 3),
