@@ -14,13 +14,12 @@ import {
   Vector3,
 } from 'three/webgpu';
 import type { PlacedData } from './data-edits.ts';
-import { engineCamera } from './splat-layer.ts';
+import type { LayerCloud } from './layer-cloud.ts';
+import { engineCamera, layersAround } from './splat-layer.ts';
 
 /** What shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
   readonly opacity: number;
-  /** Height in physical pixels of the latest image that shows it; undefined if there is none. */
-  readonly imageHeightPx: number | undefined;
   /** Null where they are not known yet, and the splats not drawn. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
@@ -98,7 +97,7 @@ function castRay(
       ? {
           camera: engineCamera(view.camera, false),
           modelMatrix: matrixWorld.elements,
-          heightPx: object.imageHeightPx,
+          heightPx: imageHeightPx(object),
         }
       : undefined,
     shownAt: shownAt && ((x, y, z) => shownAt(point.set(x, y, z).applyMatrix4(matrixWorld))),
@@ -106,6 +105,13 @@ function castRay(
   if (!hit) return;
   const { distance } = hit;
   intersects.push({ distance, point: ray.at(distance, new Vector3()), object });
+}
+
+/** Returns the height in physical pixels of the latest image that shows `object`; undefined if there is none. */
+function imageHeightPx(object: RayTarget): number | undefined {
+  const cloud = object as Object3D as LayerCloud;
+  const [view] = layersAround(cloud).flatMap(({ views }) => views.latestWith(cloud) ?? []);
+  return view?.heightPx;
 }
 
 /** A camera whose picture a ray belongs to, and the distances between which it draws along the ray. */

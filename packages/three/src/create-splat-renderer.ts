@@ -15,25 +15,6 @@ export interface SplatRendererParameters
   readonly gpu?: GPU;
 }
 
-/** Features that three requests for a device of its own if the adapter has them, but for those that the engine requests as well. */
-const THREE_FEATURES = [
-  'depth-clip-control',
-  'depth32float-stencil8',
-  'texture-compression-bc',
-  'texture-compression-bc-sliced-3d',
-  'texture-compression-etc2',
-  'texture-compression-astc',
-  'texture-compression-astc-sliced-3d',
-  'indirect-first-instance',
-  'shader-f16',
-  'rg11b10ufloat-renderable',
-  'float32-filterable',
-  'clip-distances',
-  'dual-source-blending',
-  'texture-formats-tier1',
-  'texture-formats-tier2',
-] as readonly GPUFeatureName[];
-
 interface RendererState {
   readonly engine: SplatEngine;
   readonly lostListeners: Set<(info: GPUDeviceLostInfo) => void>;
@@ -60,7 +41,8 @@ export async function createSplatRenderer({
     accuracy,
     gpu,
     powerPreference: powerPreference === 'default' ? undefined : powerPreference,
-    optionalFeatures: THREE_FEATURES,
+    // As three requests for a device of its own: those that it knows, which grow with its versions.
+    allFeatures: true,
     requiredLimits,
   });
   try {

@@ -40,6 +40,7 @@ import type { LayerCloud } from './layer-cloud.ts';
 import { ColorLayerMaterial, type Texel, ViewportImage, ViewportMaterial } from './layer-material.ts';
 import { MOST_MOTIONS, type Motion, motionBetween, type Pose, PoseHistory } from './layer-motion.ts';
 import type { LayerView } from './layer-view.ts';
+import { outputTexture } from './output-bridge.ts';
 import type { OpenPass } from './three-bridge.ts';
 
 const INTEGER_FORMATS: readonly number[] = [RedIntegerFormat, RGIntegerFormat, RGBAIntegerFormat];
@@ -121,7 +122,7 @@ export class LayerOutputs {
     const outputs = renderer.getMRT();
     const { behind, history } = outputsOfView(view);
     for (const name of otherOutputs(outputs)) {
-      const texture = pass.outputTexture(name);
+      const texture = outputTexture(renderer, name);
       // Values of other kinds cannot be read beside these.
       if (!texture || texture.format.endsWith('int')) continue;
       const copy = fittingCopy(behind.get(name), texture, splatEngineOf(renderer).device);

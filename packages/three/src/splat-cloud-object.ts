@@ -169,11 +169,6 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     this.#layer.place(this);
   }
 
-  /** @internal Height in physical pixels of the latest image that shows it; undefined if there is none. */
-  get imageHeightPx(): number | undefined {
-    return this.#layer?.heightOf(this);
-  }
-
   /**
    * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 % opacity: at the depth of the
    * splat that contributes most, as `pick` finds it, if `raycaster.camera` is the camera that the ray comes from
@@ -205,8 +200,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
    *   if a later measurement takes over; DestroyedError.
    */
   async chooseAccuracy(options?: ChooseAccuracyOptions): Promise<AccuracyChoice> {
-    const choosing = this.#layer?.chooseAccuracy(this, options);
-    if (choosing) return choosing;
+    const view = this.#layer?.views.latestWith(this);
+    if (view) return view.embedded.chooseAccuracy(options);
     const message = 'The cloud has not been drawn yet: there is no frame to measure.';
     throw new InvalidArgumentError('chooseAccuracy', message);
   }

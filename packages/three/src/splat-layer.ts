@@ -1,8 +1,6 @@
 import {
-  type AccuracyChoice,
   type AccuracyRequest,
   type AccuracySettings,
-  type ChooseAccuracyOptions,
   type CloudInstance,
   cameraFromMatrices,
   combineAccuracies,
@@ -123,16 +121,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     const { clouds } = view;
     const pick = await view.embedded.pick(xPx - view.xPx, yPx - view.yPx);
     return pick && { ...pick, object: [...clouds.keys()][pick.cloudIndex] };
-  }
-
-  /** Measures the latest frame with `cloud`; null if there is none. */
-  chooseAccuracy(cloud: LayerCloud, options?: ChooseAccuracyOptions): Promise<AccuracyChoice> | null {
-    return this.views.latestWith(cloud)?.embedded.chooseAccuracy(options) ?? null;
-  }
-
-  /** Height in physical pixels of the latest image with `cloud`; undefined if there is none. */
-  heightOf(cloud: LayerCloud): number | undefined {
-    return this.views.latestWith(cloud)?.heightPx || undefined;
   }
 
   /** Frees the layer's GPU memory; the layer may be drawn again. */

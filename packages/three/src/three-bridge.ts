@@ -1,4 +1,4 @@
-// All knowledge of three's internals is in this file and, for several cameras, in array-bridge.ts: three has no public way to
+// All knowledge of three's internals is in this file and, for several cameras and outputs, in array-bridge.ts and output-bridge.ts: three has no public way to
 // draw with WebGPU in the middle of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
 // checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
@@ -41,11 +41,6 @@ export interface OpenPass {
   readonly depth: DepthConvention | undefined;
   /** Whether objects drawn before may hide the splats; true if that is unknown. */
   readonly hasOccluders: boolean;
-  /**
-   * Returns the texture, with one sample per pixel, of the pass's output with this name: valid while it is interrupted. Null if
-   * it has none.
-   */
-  readonly outputTexture: (name: string) => GPUTexture | null;
   /**
    * Ends the pass, lets `record` record passes of its own for each part, and continues the pass as it was. Where three makes its
    * passes later, `record` is first called without an encoder for each part, only to make the image to show, and again then.
@@ -94,10 +89,6 @@ export function openPass(
     parts: [{ camera, widthPx: width, heightPx: height, host }],
     depth: context.depth ? depthConvention(renderer) : undefined,
     hasOccluders: isDepthLoaded(data) || mayHaveWrittenDepth(internals, scene, camera, drawn),
-    outputTexture: (name) => {
-      const texture = context.textures?.find((each) => each.name === name);
-      return (texture && (backend.get(texture) as TextureData).texture) ?? null;
-    },
     interrupt: (record) => {
       suspend(backend, context, data);
       try {

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { adapterLabel, hasNarrowSubgroups } from './device.ts';
+import { adapterLabel, hasNarrowSubgroups, requestSplatDevice } from './device.ts';
 
 test.each([
   ['SwiftShader', 4, true],
@@ -33,4 +33,16 @@ test.each([
   ['GPU that the browser does not name', {}],
 ])('adapters are labelled, %s', (label, info) => {
   expect(adapterLabel({ ...NOTHING, ...info } as GPUAdapterInfo)).toBe(label);
+});
+
+test('a device has the features that the engine uses, or all but experimental ones for a renderer that shares it', async () => {
+  const requested: unknown[] = [];
+  const adapter = {
+    features: new Set(['subgroups', 'shader-f16', 'chromium-experimental-thing']),
+    limits: {},
+    requestDevice: async ({ requiredFeatures }: GPUDeviceDescriptor) => requested.push(requiredFeatures),
+  } as unknown as GPUAdapter;
+  await requestSplatDevice({ adapter });
+  await requestSplatDevice({ adapter, allFeatures: true });
+  expect(requested).toEqual([['subgroups'], ['subgroups', 'shader-f16']]);
 });

@@ -7,8 +7,8 @@ export interface DeviceOptions {
   /** An adapter that has not given a device yet: each gives only one. */
   readonly adapter?: GPUAdapter;
   readonly powerPreference?: GPUPowerPreference;
-  /** Further features for a renderer that shares the device; requested if the adapter has them. */
-  readonly optionalFeatures?: readonly GPUFeatureName[];
+  /** Whether to request all features that the adapter has, but for experimental ones: for a renderer that shares the device. */
+  readonly allFeatures?: boolean;
   /** Limits that a renderer that shares the device needs. */
   readonly requiredLimits?: Readonly<Record<string, number>>;
 }
@@ -22,6 +22,9 @@ const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
   // Without it some adapters give a compatibility-mode device.
   'core-features-and-limits' as GPUFeatureName,
 ];
+
+/** Names of features that are in no specification. */
+const EXPERIMENTAL = /^(chromium|dawn)-/;
 
 /** Limits that bound the size of a scene, or of the blocks that are sorted at a time; requested at the adapter's maximum. */
 const WIDENED_LIMITS = [
@@ -39,8 +42,9 @@ const WIDENED_LIMITS = [
  */
 export async function requestSplatDevice(options: DeviceOptions = {}): Promise<GPUDevice> {
   const adapter = options.adapter ?? (await requestAdapter(options));
-  const wanted = new Set([...OPTIONAL_FEATURES, ...(options.optionalFeatures ?? [])]);
-  const requiredFeatures = [...wanted].filter((feature) => adapter.features.has(feature));
+  const isWanted = (feature: GPUFeatureName) =>
+    options.allFeatures ? !EXPERIMENTAL.test(feature) : OPTIONAL_FEATURES.includes(feature);
+  const requiredFeatures = ([...adapter.features] as GPUFeatureName[]).filter(isWanted);
   const widened = Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, adapter.limits[limit]]));
   const requiredLimits = { ...options.requiredLimits, ...widened };
   try {
