@@ -111,7 +111,7 @@ function castRay(
 function imageHeightPx(object: RayTarget): number | undefined {
   const cloud = object as Object3D as LayerCloud;
   const [view] = layersAround(cloud).flatMap(({ views }) => views.latestWith(cloud) ?? []);
-  return view?.heightPx;
+  return (view?.color?.sourceTexture as GPUTexture | undefined)?.height;
 }
 
 /** A camera whose picture a ray belongs to, and the distances between which it draws along the ray. */

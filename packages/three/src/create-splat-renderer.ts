@@ -50,7 +50,7 @@ export async function createSplatRenderer({
     await renderer.init();
     if (!hasWebGpuBackend(renderer)) {
       throw new SplatsUnsupportedRendererError(
-        'three chose its WebGL 2 backend despite its WebGPU device; the console has its message.',
+        'three chose WebGL 2 despite its WebGPU device; the console says why.',
       );
     }
     attach(renderer, engine);
@@ -114,10 +114,9 @@ function stateOf(renderer: object): RendererState {
   const state = states.get(renderer);
   if (state) return state;
   const found = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
-    ? 'is three’s WebGLRenderer'
-    : 'is another';
+    ? 'three’s WebGLRenderer'
+    : 'another';
   throw new SplatsUnsupportedRendererError(
-    'Splats need a renderer from `await createSplatRenderer({ canvas })`, in react-three-fiber from ' +
-      `\`<Canvas gl={createSplatRenderer}>\`; this one ${found}.`,
+    `Splats need a renderer of createSplatRenderer, in react-three-fiber that of a <SplatCanvas>; this one is ${found}.`,
   );
 }

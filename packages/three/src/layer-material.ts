@@ -25,7 +25,7 @@ export interface ShownImages {
 export class ViewportImage {
   /** The image's pixel at the fragment; that of `nothing` where nothing is shown. */
   readonly texel;
-  readonly #nothing: Texture;
+  readonly nothing: Texture;
   readonly #image;
   readonly #originPx = uniform(new Vector2());
   /** Pixels of the image per pixel of the target; 0 shows the image's first pixel everywhere. */
@@ -37,25 +37,20 @@ export class ViewportImage {
    */
   constructor(nothing: Texture) {
     nothing.needsUpdate = true;
-    this.#nothing = nothing;
+    this.nothing = nothing;
     this.#image = texture(nothing);
     this.texel = this.#image.load(ivec2(screenCoordinate.sub(this.#originPx).mul(this.#scale)));
   }
 
   /** @param image with its top left in the target; none: nothing is shown. */
   show(image?: Texture | null, xPx = 0, yPx = 0): void {
-    this.#image.value = image ?? this.#nothing;
+    this.#image.value = image ?? this.nothing;
     this.#originPx.value.set(xPx, yPx);
     this.#scale.value = Number(!!image);
   }
 
-  /** Returns another that shows nothing yet. */
-  another(): ViewportImage {
-    return new ViewportImage(this.#nothing.clone());
-  }
-
   dispose(): void {
-    this.#nothing.dispose();
+    this.nothing.dispose();
   }
 }
 
@@ -69,13 +64,11 @@ export type Texel = ViewportImage['texel'];
 export abstract class ViewportMaterial extends NodeMaterial {
   /** By the camera's index; only one, until several cameras draw at once. */
   readonly images: ViewportImage[];
-  readonly #kind: 'color' | 'depth';
 
   /** @param nothing a texture of one pixel that the material does not draw, with the sample type of the images. */
-  constructor(nothing: Texture, kind: 'color' | 'depth') {
+  constructor(nothing: Texture) {
     super();
     this.images = [new ViewportImage(nothing)];
-    this.#kind = kind;
     this.transparent = true;
     this.blending = NoBlending;
     this.fog = false;
@@ -92,10 +85,10 @@ export abstract class ViewportMaterial extends NodeMaterial {
   abstract shade(texel: Texel): void;
 
   /** @param shown by the camera's index. */
-  show(shown: readonly (ShownImages | null)[]): void {
+  show(shown: readonly (ShownImages | null)[], kind: 'color' | 'depth'): void {
     this.images.forEach((image, i) => {
       const of = shown[i];
-      image.show(of?.[this.#kind], of?.xPx, of?.yPx);
+      image.show(of?.[kind], of?.xPx, of?.yPx);
     });
   }
 
@@ -116,7 +109,7 @@ export abstract class ViewportMaterial extends NodeMaterial {
 /** Replaces the target's colour with the image's exact value wherever the image has some opacity. */
 export class ColorLayerMaterial extends ViewportMaterial {
   constructor() {
-    super(new DataTexture(new Uint8Array(4), 1, 1), 'color');
+    super(new DataTexture(new Uint8Array(4), 1, 1));
     this.depthTest = false;
     this.depthWrite = false;
   }

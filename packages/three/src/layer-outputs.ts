@@ -51,7 +51,7 @@ const noDepth = () => new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, Floa
 /** Writes the image's values as depth, except negative ones and those with something in front of them. */
 class DepthLayerMaterial extends ViewportMaterial {
   constructor() {
-    super(noDepth(), 'depth');
+    super(noDepth());
     this.colorWrite = false;
     this.depthFunc = LessEqualDepth;
   }

@@ -5,9 +5,6 @@ import type { LayerCloud } from './layer-cloud.ts';
 /** Number of a layer's draws after which a view without one of them is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
 
-/** The part of a target that an image covers. */
-type Viewport = Pick<LayerView, 'xPx' | 'yPx' | 'heightPx'>;
-
 /** What a view belongs to. */
 interface ViewPlace {
   readonly renderer: object;
@@ -30,8 +27,6 @@ export class LayerView {
   /** Top left of the viewport that the image belongs to. */
   xPx = 0;
   yPx = 0;
-  /** Height of that viewport. */
-  heightPx = 0;
   /** Number of the layer's draw that used the view last. */
   usedAt = 0;
 
@@ -40,13 +35,12 @@ export class LayerView {
     this.embedded = embedded;
   }
 
-  show({ color, depth }: EmbeddedImage, { xPx, yPx, heightPx }: Viewport): void {
+  show({ color, depth }: EmbeddedImage, { xPx, yPx }: Pick<LayerView, 'xPx' | 'yPx'>): void {
     this.color = wrapping(this.color, color);
     if (!depth) this.depth?.dispose();
     this.depth = depth && wrapping(this.depth, depth);
     this.xPx = xPx;
     this.yPx = yPx;
-    this.heightPx = heightPx;
   }
 
   destroy(): void {
@@ -62,17 +56,16 @@ export class LayerView {
  * it.
  */
 export class LayerViews {
-  /** Few: those of the last frames. */
+  /** Few: those of the last frames, that of the last draw at the end. */
   readonly #all = new Set<LayerView>();
   #draws = 0;
 
   /** Returns the view for a draw, made by `create` if there is none. Frees views that have long been idle. */
   use(renderer: object, camera: Camera, target: object, create: () => EmbeddedView): LayerView {
-    let view = this.latest(renderer, camera, target);
-    if (!view) {
-      view = new LayerView({ renderer, camera, target }, create());
-      this.#all.add(view);
-    }
+    const place = { renderer, camera, target };
+    const view = this.latest(renderer, camera, target) ?? new LayerView(place, create());
+    this.#all.delete(view);
+    this.#all.add(view);
     view.usedAt = ++this.#draws;
     this.#free((idle) => this.#draws - idle.usedAt > MAX_IDLE_DRAWS);
     return view;
@@ -96,7 +89,7 @@ export class LayerViews {
   }
 
   #latest(isWanted: (view: LayerView) => boolean): LayerView | null {
-    return [...this.#all].filter(isWanted).sort((a, b) => b.usedAt - a.usedAt)[0] ?? null;
+    return [...this.#all].findLast(isWanted) ?? null;
   }
 
   #free(isIdle: (view: LayerView) => boolean): void {

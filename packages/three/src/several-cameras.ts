@@ -2,7 +2,7 @@
 import { cameraIndex, select } from 'three/tsl';
 import type { ArrayCamera, Mesh, Scene, WebGPURenderer } from 'three/webgpu';
 import { MOST_CAMERAS, openArrayPass as openOf } from './array-bridge.ts';
-import { type Texel, ViewportMaterial } from './layer-material.ts';
+import { type Texel, ViewportImage, ViewportMaterial } from './layer-material.ts';
 import type { OpenPass } from './three-bridge.ts';
 
 /** The part of a layer that several cameras need. */
@@ -31,7 +31,7 @@ export function makeImages(material: ViewportMaterial, count: number): void {
   const least = Math.min(Math.max(2, count), MOST_CAMERAS);
   if (images.length >= least) return;
   const [first] = images;
-  while (images.length < least) images.push(first.another());
+  while (images.length < least) images.push(new ViewportImage(first.nothing.clone()));
   const texel = images
     .slice(1)
     .reduce<Texel>(

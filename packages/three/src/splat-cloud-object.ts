@@ -20,7 +20,6 @@ import {
   type Object3DEventMap,
   type Raycaster,
   type Scene,
-  Sphere,
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
@@ -28,7 +27,7 @@ import { SplatsPrecisionError } from './errors.ts';
 import type { CloudLayer, LayerCloud } from './layer-cloud.ts';
 import { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
-import { layerOf, rootOf, type SplatLayer } from './splat-layer.ts';
+import { layerOf, rootOf, type SplatLayer, withBounds } from './splat-layer.ts';
 
 /** Code for effects that come from the scene or change with time: loaded when a cloud has some. */
 let later: typeof import('./scene-effects.ts') | null = null;
@@ -372,10 +371,4 @@ function isInClippingGroup(object: Object3D): boolean {
   for (let at: Object3D | null = object; at; at = at.parent)
     if ((at as { isClippingGroup?: boolean }).isClippingGroup) return true;
   return false;
-}
-
-function withBounds(geometry: BufferGeometry, bounds: Box3): BufferGeometry {
-  geometry.boundingBox = bounds;
-  geometry.boundingSphere = bounds.getBoundingSphere(new Sphere());
-  return geometry;
 }

@@ -141,15 +141,7 @@ describe('the layer of a scene', () => {
 describe('a renderer that cannot draw splats', () => {
   function drawWith(renderer: object, scene: Scene): void {
     const [layer] = layersOf(scene);
-    const { geometry, material } = layer;
-    layer.onBeforeRender(
-      renderer as never,
-      scene,
-      new PerspectiveCamera(),
-      geometry,
-      material,
-      null as never,
-    );
+    layer.onBeforeRender(renderer, scene, new PerspectiveCamera());
   }
 
   test('is reported once, to all clouds with a listener', () => {

@@ -33,7 +33,7 @@ import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
 
 /** Loaded when an ArrayCamera draws. */
-let several: typeof import('./several-cameras.ts') | null = null;
+let openArrayPass: typeof import('./several-cameras.ts').openArrayPass | null = null;
 
 /** Returns the layer with this order in the scene whose root is `root`, and adds one if there is none. */
 export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
@@ -88,7 +88,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     }
     // Both have the same place and successive ids, so three draws the second directly after the first, sorted or not.
     this.#depthMesh.matrixWorld = this.matrixWorld;
-    this.onBeforeRender = (renderer, scene, camera) => this.#draw(renderer, scene, camera);
   }
 
   /** Adds `cloud`, or updates the layer for its new place. */
@@ -144,10 +143,10 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.#depthMesh.visible = depthWrite && !!this.#outputs;
   }
 
-  #draw(renderer: object, scene: Scene, camera: Camera): void {
+  override onBeforeRender(renderer: object, scene: Scene, camera: Camera): void {
     // Not drawn at all: three cannot draw a material for several cameras before that tells them apart.
     this.count = this.#depthMesh.count = 0;
-    const open = (camera as ArrayCamera).isArrayCamera ? this.#openArrayPass : openPass;
+    const open = (camera as ArrayCamera).isArrayCamera ? (openArrayPass ?? this.#loadArrayPass()) : openPass;
     // Passes with an override material are about meshes: shadows, normals, depth.
     if (!open || scene.overrideMaterial) return;
     try {
@@ -161,14 +160,15 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     }
   }
 
-  /** What opens passes of several cameras; undefined while that is loaded. */
-  get #openArrayPass() {
-    if (!several)
-      void import('./several-cameras.ts').then((loaded) => {
-        several = loaded;
+  #loadArrayPass(): null {
+    import('./several-cameras.ts').then(
+      (loaded) => {
+        openArrayPass = loaded.openArrayPass;
         this.#requestFrame();
-      });
-    return several?.openArrayPass;
+      },
+      (error) => this.#report(error),
+    );
+    return null;
   }
 
   #requestFrame(): void {
@@ -247,17 +247,13 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       return drawn && view;
     });
     if (!views.some(Boolean)) return;
-    /** By the camera's index. */
-    const images: (LayerView | null)[] = [];
     pass.interrupt((part, encoder) => {
       const view = views[part];
       if (!view) return;
       const { embedded, clouds } = view;
-      const { host, heightPx } = pass.parts[part];
-      const image = encoder ? embedded.draw(encoder, host) : embedded.makeImage(host);
-      view.show(image, { ...host, heightPx });
+      const { host } = pass.parts[part];
+      view.show(encoder ? embedded.draw(encoder, host) : embedded.makeImage(host), host);
       if (encoder) this.#outputs?.show(view, renderer, pass, part, encoder);
-      images[part] = view;
       [...clouds.keys()].forEach((object, i) => {
         // The view may have drawn its last frame instead.
         const shape = embedded.shape!.clouds[i];
@@ -265,8 +261,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
           object.announceDrawn(nowMs, shape.effects.effects);
       });
     });
-    this.material.show(images);
-    this.#outputs?.depthMaterial.show(images);
+    this.material.show(views, 'color');
+    this.#outputs?.depthMaterial.show(views, 'depth');
     this.count = this.#depthMesh.count = 1;
   }
 
@@ -382,7 +378,11 @@ function viewportTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
   // Empty bounds: three sorts the mesh by the layer's place alone, and the mesh adds nothing to the scene's extent.
-  geometry.boundingSphere = new Sphere(new Vector3(), 0);
-  geometry.boundingBox = new Box3();
+  return withBounds(geometry, new Box3());
+}
+
+export function withBounds(geometry: BufferGeometry, bounds: Box3): BufferGeometry {
+  geometry.boundingBox = bounds;
+  geometry.boundingSphere = bounds.getBoundingSphere(new Sphere());
   return geometry;
 }

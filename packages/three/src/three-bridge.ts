@@ -73,9 +73,7 @@ export function openPass(
     boolean: ['depth', 'stencil', 'viewport', 'scissor'],
     number: ['width', 'height', 'activeCubeFace', 'activeMipmapLevel', 'occlusionQueryCount'],
   });
-  const { x, y, width, height } = context.viewport
-    ? context.viewportValue
-    : { x: 0, y: 0, width: context.width, height: context.height };
+  const { x, y, width, height } = context.viewport ? context.viewportValue : { x: 0, y: 0, ...context };
   if (data.currentPass) checkResumable(data.descriptor);
   const host: HostPass = {
     color: colorOf(backend, context, data.descriptor),
