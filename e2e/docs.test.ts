@@ -13,6 +13,7 @@ import { isFull } from './full-run.ts';
 import { screenshot } from './screenshot.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
 
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 const BASE = '/some/where/';
 const PHONE = { width: 390, height: 844 };
 const TABLET = { width: 800, height: 1000 };
@@ -42,7 +43,7 @@ let browser: Browser;
 describe.runIf(isFull)('the documentation site', () => {
   beforeAll(async () => {
     folder = await mkdtemp(join(tmpdir(), 'websplatter-docs-'));
-    const build = fileURLToPath(new URL('../apps/docs/build.mjs', import.meta.url));
+    const build = join(repositoryRoot, 'apps/docs/build.mjs');
     // NODE_ENV and the export conditions of Vitest's process change the build.
     const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
     // It ends with an error where a link or an anchor of a built page leads nowhere.

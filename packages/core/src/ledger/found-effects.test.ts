@@ -13,8 +13,8 @@ const OWN_STAGES: Readonly<Record<string, string>> = {
   'depth-test': 'resolve-depth',
   'kept-colors': 'keep-colors',
 };
-/** They pack harmonics, and are no stages of a frame. */
-const PACKING: readonly string[] = ['ingest-rows', 'repack-sh'];
+/** They pack harmonics or answer what is asked of a frame, and are no stages of one. */
+const BESIDE_FRAMES: readonly string[] = ['ingest-rows', 'repack-sh', 'cover-points'];
 /** Conditions of code that is linked only together with an effect. */
 const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['DEPTH_LAYER'] };
 
@@ -76,7 +76,8 @@ describe('found effects', () => {
 
     test(`${name}: takes part in the stages that it names, and in no others`, () => {
       const asking = variants.filter(
-        ({ stage, conditions: met = {} }) => conditions.some((each) => met[each]) && !PACKING.includes(stage),
+        ({ stage, conditions: met = {} }) =>
+          conditions.some((each) => met[each]) && !BESIDE_FRAMES.includes(stage),
       );
       const own = OWN_STAGES[name] ? [OWN_STAGES[name]] : [];
       expect(new Set([...asking.map(({ stage }) => stage), ...own])).toEqual(new Set(stages));
