@@ -184,7 +184,7 @@ function neighborhood(pixel: number, widthPx: number, heightPx: number): number[
 }
 
 /** What rays are tested against, for a cloud of this size: see the README of three. */
-const RAY_BYTES = 766_000;
+const RAY_BYTES = 1_638_000;
 /** Enough for the GPU to pack them. */
 const KEPT_SPLATS = 70_000;
 
