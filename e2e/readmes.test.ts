@@ -71,11 +71,6 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
   'guide/picking.md': { ...FRAME, xPx: 'number', yPx: 'number' },
   'guide/servers.md': { Garden: "() => import('react').ReactNode" },
   'recipes/next.md': {},
-  'recipes/own-data.md': {
-    useMemo: "typeof import('react').useMemo",
-    encodePly: "typeof import('@websplatter/core').encodePly",
-    line: "(count: number) => import('@websplatter/core').SplatSet",
-  },
   'recipes/physics.md': {
     raycaster: "import('three').Raycaster",
     position: "import('three').Vector3",

@@ -81,6 +81,8 @@ export async function drawn(
     draw();
     if (engine.counters().framesDrawn - before >= splatPasses) return;
     await nextNeededFrame(scene);
+    // three renders a pass() once in a frame of the page: an attempt in the same frame would draw nothing, and need no other.
+    await nextFrame();
   }
   throw new Error('The splats were never drawn.');
 }
