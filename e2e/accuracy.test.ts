@@ -149,33 +149,36 @@ describe('accuracy in the viewer', () => {
     },
   );
 
-  it('finds a palette in a worker of its own, and goes on as before where that is called off', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
-    const before = await redraw(page, () => openTab(page, 'settings'));
-    const workers: string[] = [];
-    page.on('worker', (worker) => workers.push(worker.url()));
-    const neverDone =
-      "onmessage = () => postMessage({ kind: 'progress', part: 0.45 }); postMessage({ kind: 'ready' });";
-    const script = '**/palette-worker*';
-    await page.route(script, (route) => route.fulfill({ contentType: 'text/javascript', body: neverDone }));
-    const setting = page.getByTestId('setting-shPrecision');
-    await setting.selectOption('palette');
-    await page.getByTestId('preparing-figures').getByText('45 %').waitFor({ state: 'attached' });
-    await press(page, 'cancel-preparing');
-    await page.getByTestId('preparing').waitFor({ state: 'detached' });
-    expect(await setting.inputValue()).toBe('u8');
-    expect(workers).toHaveLength(1);
-    await page.unroute(script);
+  it.runIf(isFull)(
+    'finds a palette in a worker of its own, and goes on as before where that is called off',
+    async () => {
+      const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
+      const before = await redraw(page, () => openTab(page, 'settings'));
+      const workers: string[] = [];
+      page.on('worker', (worker) => workers.push(worker.url()));
+      const neverDone =
+        "onmessage = () => postMessage({ kind: 'progress', part: 0.45 }); postMessage({ kind: 'ready' });";
+      const script = '**/palette-worker*';
+      await page.route(script, (route) => route.fulfill({ contentType: 'text/javascript', body: neverDone }));
+      const setting = page.getByTestId('setting-shPrecision');
+      await setting.selectOption('palette');
+      await page.getByTestId('preparing-figures').getByText('45 %').waitFor({ state: 'attached' });
+      await press(page, 'cancel-preparing');
+      await page.getByTestId('preparing').waitFor({ state: 'detached' });
+      expect(await setting.inputValue()).toBe('u8');
+      expect(workers).toHaveLength(1);
+      await page.unroute(script);
 
-    await setting.selectOption('palette');
-    await expect
-      .poll(async () => changedPart(before, await viewerScreenshot(page), ROUNDING))
-      .toBeGreaterThan(0);
-    await page.getByTestId('preparing').waitFor({ state: 'detached' });
-    expect(await setting.inputValue()).toBe('palette');
-    expect(workers).toHaveLength(2);
-    expect(workers[1]).toContain('palette-worker');
-  });
+      await setting.selectOption('palette');
+      await expect
+        .poll(async () => changedPart(before, await viewerScreenshot(page), ROUNDING))
+        .toBeGreaterThan(0);
+      await page.getByTestId('preparing').waitFor({ state: 'detached' });
+      expect(await setting.inputValue()).toBe('palette');
+      expect(workers).toHaveLength(2);
+      expect(workers[1]).toContain('palette-worker');
+    },
+  );
 
   it('opens with the accuracy of the address, and says what it does not know', async () => {
     const page = await openViewer('?scene=still-life-small&accuracy=fast,shDegree:0,rasterizer:quads', SMALL);

@@ -141,26 +141,29 @@ describe('examples', () => {
     await expect.poll(async () => psnrDb(await image(page)), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('mesh-through-splats: a mesh in front hides splats, one behind shows through', async () => {
-    // A sheet of white fog through the middle of the ball's path.
-    const page = await openExample('mesh-through-splats', splatSet([{ opacity: 0.5 }]));
-    const size = await sizeOf(page);
-    const camera = drawnFrom([0.1, 0.35, 1.5], size);
-    const ballColorAt = async (z: number) => {
-      await page.getByRole('slider').evaluate((slider: HTMLInputElement, value) => {
-        slider.value = String(value);
-      }, z);
-      const { xPx, yPx } = projected(camera, [0, 0.18, z], size);
-      return async () => colorAt(await image(page), xPx, yPx);
-    };
-    const inFront = await ballColorAt(0.5);
-    await expect.poll(inFront, SELDOM).toSatisfy(([red, green]) => red > 1.5 * green);
-    const bare = await inFront();
-    const veiled = bare.map((value) => 0.5 * value + 0.5 * 255);
-    await expect
-      .poll(await ballColorAt(-0.5), SELDOM)
-      .toSatisfy((color: number[]) => color.every((value, i) => Math.abs(value - veiled[i]) < 12));
-  });
+  it.runIf(isFull)(
+    'mesh-through-splats: a mesh in front hides splats, one behind shows through',
+    async () => {
+      // A sheet of white fog through the middle of the ball's path.
+      const page = await openExample('mesh-through-splats', splatSet([{ opacity: 0.5 }]));
+      const size = await sizeOf(page);
+      const camera = drawnFrom([0.1, 0.35, 1.5], size);
+      const ballColorAt = async (z: number) => {
+        await page.getByRole('slider').evaluate((slider: HTMLInputElement, value) => {
+          slider.value = String(value);
+        }, z);
+        const { xPx, yPx } = projected(camera, [0, 0.18, z], size);
+        return async () => colorAt(await image(page), xPx, yPx);
+      };
+      const inFront = await ballColorAt(0.5);
+      await expect.poll(inFront, SELDOM).toSatisfy(([red, green]) => red > 1.5 * green);
+      const bare = await inFront();
+      const veiled = bare.map((value) => 0.5 * value + 0.5 * 255);
+      await expect
+        .poll(await ballColorAt(-0.5), SELDOM)
+        .toSatisfy((color: number[]) => color.every((value, i) => Math.abs(value - veiled[i]) < 12));
+    },
+  );
 
   it.runIf(isFull)('two-clouds sorts both as one, each with its transform and opacity', async () => {
     const page = await openExample('two-clouds', testScene());
@@ -404,7 +407,7 @@ describe('examples of effects', () => {
     await expect.poll(red, SELDOM).toBeLessThan(200);
   });
 
-  it('own-data moves the splats that it made, and hides some', async () => {
+  it.runIf(isFull)('own-data moves the splats that it made, and hides some', async () => {
     const page = await openExample('own-data', splatSet([]));
     const covered = async () =>
       1 -
