@@ -1,5 +1,5 @@
 import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
-import { readBack } from '../gpu/read-back.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { emptyBounds } from '../packing/center-bounds.ts';
@@ -96,11 +96,8 @@ async function readPlane(
   for (const [page, { start, end }] of planes.ranges.entries()) {
     for (let from = start; from < end; from += PIECE_SPLATS) {
       if (!isThere()) return null;
-      const bytes = 4 * stride * Math.min(PIECE_SPLATS, end - from);
-      const read = await readBack(device, bytes, (encoder, target) =>
-        encoder.copyBufferToBuffer(plane[page], 4 * stride * (from - start), target, 0, bytes),
-      );
-      words.set(new Uint32Array(read), stride * from);
+      const wordCount = stride * Math.min(PIECE_SPLATS, end - from);
+      words.set(await readWords(device, plane[page], wordCount, stride * (from - start)), stride * from);
     }
   }
   return isThere() ? words : null;

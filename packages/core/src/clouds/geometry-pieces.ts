@@ -1,5 +1,5 @@
 import { DestroyedError, SplatSourceError } from '../errors.ts';
-import { readBack } from '../gpu/read-back.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -40,12 +40,10 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
   for (const [page, { splatCount }] of planes().pages.entries()) {
     for (let at = 0; at < splatCount; at += PIECE_SPLATS) {
       const { pages, geometryPrecision: precision } = planes();
-      const stride = 4 * GEOMETRY_WORDS[precision];
-      const bytes = stride * Math.min(PIECE_SPLATS, splatCount - at);
-      const copied = await readBack(device, bytes, (encoder, target) =>
-        encoder.copyBufferToBuffer(pages[page].geometry, stride * at, target, 0, bytes),
-      );
-      yield { precision, words: new Uint32Array(copied), logScaleRange: cloud.logScaleRange };
+      const stride = GEOMETRY_WORDS[precision];
+      const wordCount = stride * Math.min(PIECE_SPLATS, splatCount - at);
+      const words = await readWords(device, pages[page].geometry, wordCount, stride * at);
+      yield { precision, words, logScaleRange: cloud.logScaleRange };
     }
   }
 }

@@ -7,6 +7,7 @@ import { PAIR_BYTES } from '../frame/pair-capacity.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
+import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { TilePlan } from '../layout/structs.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
@@ -163,13 +164,9 @@ async function readWalk(
   const tiles = Math.ceil(widthPx / TILE_PX) * Math.ceil(heightPx / TILE_PX);
   const pixelBytes = 4 * COST_PLANES * widthPx * heightPx;
   const { buffers } = shared;
-  const made: GPUBuffer[] = [];
-  const create = (label: string, bytes: number) => {
-    const buffer = memory.createBuffer(label, bytes, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC);
-    made.push(buffer);
-    return buffer;
-  };
-  const walk = () => {
+  const walk = (make: MakeScratch) => {
+    const create = (label: string, bytes: number) =>
+      make(label, bytes, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC);
     const pixels = create('costs per pixel', pixelBytes);
     const tileEntries = create('costs per tile', 4 * tiles);
     const contributions = create('contributions', 8 * Math.max(1, visibleCapacity));
@@ -187,23 +184,16 @@ async function readWalk(
       encoder.copyBufferToBuffer(rest, 0, target, TilePlan.bytes + pixelBytes, rest.size);
     });
   };
-  try {
-    const { result, checked } = memory.guard('Counting costs', 'Count at a smaller size.', walk);
-    result.catch(() => {});
-    await checked;
-    const bytes = await result;
-    const plan = new Uint32Array(bytes, 0, TilePlan.bytes / 4);
-    const planned = (field: keyof typeof TilePlan.offsets) => plan[TilePlan.offsets[field] / 4];
-    const restWords = stages.length > 1 ? 2 * planned('visibleCount') : tiles;
-    return {
-      widthPx,
-      heightPx,
-      pixels: new Uint32Array(bytes, TilePlan.bytes, pixelBytes / 4),
-      rest: new Uint32Array(bytes, TilePlan.bytes + pixelBytes, restWords),
-      neededPairs: planned('neededPairs'),
-      fits: planned('fits') === 1,
-    };
-  } finally {
-    for (const buffer of made) memory.destroy(buffer);
-  }
+  const bytes = await readFromScratch(memory, 'Counting costs', 'Count at a smaller size.', walk);
+  const plan = new Uint32Array(bytes, 0, TilePlan.bytes / 4);
+  const planned = (field: keyof typeof TilePlan.offsets) => plan[TilePlan.offsets[field] / 4];
+  const restWords = stages.length > 1 ? 2 * planned('visibleCount') : tiles;
+  return {
+    widthPx,
+    heightPx,
+    pixels: new Uint32Array(bytes, TilePlan.bytes, pixelBytes / 4),
+    rest: new Uint32Array(bytes, TilePlan.bytes + pixelBytes, restWords),
+    neededPairs: planned('neededPairs'),
+    fits: planned('fits') === 1,
+  };
 }

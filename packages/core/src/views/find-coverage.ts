@@ -7,6 +7,7 @@ import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
+import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
 import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../layout/cover-structs.ts';
 import { linearPart, transform3, type Vec3 } from '../math/mat4.ts';
 import { shown } from '../printable.ts';
@@ -96,16 +97,14 @@ export async function findCoverage(
   const { device, pipelines, memory } = context;
   const { visibleCapacity, dispatchRow } = plan.shape;
   const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
-  const made: GPUBuffer[] = [];
-  const create = (label: string, contents: ArrayBuffer, usage: GPUBufferUsageFlags) => {
-    const buffer = memory.createBuffer(label, contents.byteLength, usage | COPY_DST);
-    made.push(buffer);
-    device.queue.writeBuffer(buffer, 0, contents);
-    return buffer;
-  };
   const bytes = 8 * inImage.length;
   const threads = Math.max(visibleCapacity, inImage.length);
-  const find = () => {
+  const find = (make: MakeScratch) => {
+    const create = (label: string, contents: ArrayBuffer, usage: GPUBufferUsageFlags) => {
+      const buffer = make(label, contents.byteLength, usage | COPY_DST);
+      device.queue.writeBuffer(buffer, 0, contents);
+      return buffer;
+    };
     const parameters = CoverParameters.pack({ pointCount: inImage.length });
     const packed = new ArrayBuffer(CoverPoint.bytes * inImage.length);
     for (const [i, point] of inImage.entries()) CoverPoint.write(packed, point, CoverPoint.bytes * i);
@@ -128,15 +127,16 @@ export async function findCoverage(
   };
   context.counting.readbacks++;
   try {
-    const { result, checked } = memory.guard('Finding what covers points', 'Ask when less is shown.', find);
-    result.catch(() => {});
-    await checked;
-    return coveragesOf(placed, new Uint32Array(await result));
+    const found = await readFromScratch(
+      memory,
+      'Finding what covers points',
+      'Ask when less is shown.',
+      find,
+    );
+    return coveragesOf(placed, new Uint32Array(found));
   } catch (error) {
     if (error instanceof GpuLimitError) throw error;
     throw new DestroyedError('What covers points', (error as Error).message);
-  } finally {
-    for (const buffer of made) memory.destroy(buffer);
   }
 }
 

@@ -8,6 +8,7 @@ import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
+import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
 import { PICK_CONSTANTS, PickBlock, PickParameters } from '../layout/pick-structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
@@ -127,13 +128,7 @@ async function readBlocks(
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
   const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
-  const made: GPUBuffer[] = [];
-  const create = (label: string, size: number, usage: GPUBufferUsageFlags) => {
-    const buffer = memory.createBuffer(label, size, usage);
-    made.push(buffer);
-    return buffer;
-  };
-  const find = () => {
+  const find = (create: MakeScratch) => {
     const parameters = create('pick parameters', PickParameters.bytes, UNIFORM | COPY_DST);
     const blocks = create('pick blocks', bytes, STORAGE | COPY_SRC);
     const contents = PickParameters.pack({ pixelPx, blockCount });
@@ -150,15 +145,10 @@ async function readBlocks(
     });
   };
   try {
-    const { result, checked } = memory.guard('Picking', 'Pick when less is shown.', find);
-    result.catch(() => {});
-    await checked;
-    return await result;
+    return await readFromScratch(memory, 'Picking', 'Pick when less is shown.', find);
   } catch (error) {
     if (error instanceof GpuLimitError) throw error;
     throw new DestroyedError('This pick', (error as Error).message);
-  } finally {
-    for (const buffer of made) memory.destroy(buffer);
   }
 }
 

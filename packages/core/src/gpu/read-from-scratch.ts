@@ -1,0 +1,33 @@
+import type { GpuMemory } from './gpu-memory.ts';
+
+/** Makes a buffer that is freed once the result has been read. */
+export type MakeScratch = (label: string, bytes: number, usage: GPUBufferUsageFlags) => GPUBuffer;
+
+/**
+ * Returns what `find` reads back, in buffers that live no longer. `find` submits before it returns, so later work makes no difference.
+ *
+ * @param name, advice what needs the memory, and what to do where it is lacking: see `GpuMemory.guard`.
+ * @throws GpuLimitError if memory is lacking, and what `find` rejects with.
+ */
+export async function readFromScratch(
+  memory: GpuMemory,
+  name: string,
+  advice: string,
+  find: (create: MakeScratch) => Promise<ArrayBuffer>,
+): Promise<ArrayBuffer> {
+  const made: GPUBuffer[] = [];
+  const create: MakeScratch = (label, bytes, usage) => {
+    const buffer = memory.createBuffer(label, bytes, usage);
+    made.push(buffer);
+    return buffer;
+  };
+  try {
+    const { result, checked } = memory.guard(name, advice, () => find(create));
+    // What memory lacks says more than that the result is missing.
+    result.catch(() => {});
+    await checked;
+    return await result;
+  } finally {
+    for (const buffer of made) memory.destroy(buffer);
+  }
+}
