@@ -5,6 +5,7 @@
 export { followEdits } from './clouds/cloud-editor.ts';
 export { type SplatArrays, splatsFromArrays } from './editing/splats-from-arrays.ts';
 export { packSet } from './packing/pack-set.ts';
+export { colorDcOf } from './splats/color-values.ts';
 export {
   EDITED,
   type EditedRows,

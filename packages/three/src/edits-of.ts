@@ -6,10 +6,11 @@ import {
   SplatSourceError,
 } from '@websplatter/core';
 import { EDITED, followEdits, SplatEdits } from '@websplatter/core/own-data';
-import { type Box3, Sphere, type Vector3 } from 'three/webgpu';
+import type { Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import type { SplatData } from './splat-data.ts';
+import { withBounds } from './splat-layer.ts';
 
 /**
  * Returns the edits of data, by rows of its file or arrays: always the same. What is edited is shown by all objects with these data,
@@ -93,10 +94,7 @@ class EditedData implements DataEdits {
   }
 
   #show(object: SplatCloudObject): void {
-    const { geometry } = object;
-    geometry.boundingBox!.copy(this.#data.robustBounds);
-    geometry.boundingSphere ??= new Sphere();
-    geometry.boundingBox!.getBoundingSphere(geometry.boundingSphere);
+    withBounds(object.geometry, this.#data.robustBounds.clone());
     object.requestFrame();
   }
 }

@@ -7,7 +7,7 @@ import {
   resolveAccuracy,
   type SplatSet,
 } from '@websplatter/core';
-import { packSet, type SplatArrays, splatsFromArrays } from '@websplatter/core/own-data';
+import { colorDcOf, packSet, type SplatArrays, splatsFromArrays } from '@websplatter/core/own-data';
 import type { BufferAttribute, BufferGeometry } from 'three/webgpu';
 import { SplatData } from './splat-data.ts';
 
@@ -43,8 +43,6 @@ export function makeSplatData(
   return data;
 }
 
-/** √(1/4π), the harmonic of degree 0. */
-const SH_C0 = Math.sqrt(1 / (4 * Math.PI));
 /** Of three's attributes of each band, words that hold four bytes each. */
 const BAND_WORDS = [3, 4, 6] as const;
 
@@ -64,8 +62,7 @@ function arraysOf(geometry: BufferGeometry): SplatArrays {
   const sh = new Float32Array(width * count);
   for (let i = 0; i < count; i++) {
     let at = width * i;
-    for (const channel of [colors.getX(i), colors.getY(i), colors.getZ(i)])
-      sh[at++] = (channel - 0.5) / SH_C0;
+    for (const channel of [colors.getX(i), colors.getY(i), colors.getZ(i)]) sh[at++] = colorDcOf(channel);
     for (const [index, bytes] of bands.entries()) {
       const from = 4 * BAND_WORDS[index] * i;
       const values = 3 * (2 * index + 3);
