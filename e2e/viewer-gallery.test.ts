@@ -54,7 +54,7 @@ describe('the gallery of hard cases', () => {
 
   it('has pages for files that must be refused, for cases without an image and for names that no case has', async () => {
     const page = await harness.open('?scene=hard&case=input-truncated');
-    await page.getByTestId('case-refusal').getByText('Refused as truncated').waitFor();
+    await page.getByTestId('case-refusal').getByText(/^Refused as truncated\. /).waitFor();
     await page.goto(`${harness.server.url}?scene=hard&case=sort-0-keys`);
     await page.getByText('Keys for the sort alone').last().waitFor();
     expect(await page.getByTestId('case-open').count()).toBe(0);
