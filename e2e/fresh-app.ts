@@ -1,5 +1,5 @@
 import { execFile, spawn } from 'node:child_process';
-import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { mkdir, mkdtemp, readFile, rename, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -29,7 +29,7 @@ export interface FreshAppParts {
 export interface FreshApp {
   /** Runs a tool of the app's node_modules; rejects with its output if it fails. */
   run(script: string, args: readonly string[]): Promise<void>;
-  /** Replaces a piece of one of the app's files, as a developer would. */
+  /** Replaces a piece of one of the app's files, as an editor that saves safely: no reader finds it empty or half written. */
   edit(path: string, find: string, replacement: string): Promise<void>;
   /** Starts a server of a tool of the app's node_modules, which prints its address. */
   serve(
@@ -127,7 +127,11 @@ export async function makeFreshApp({
       const file = join(folder, path);
       const text = await readFile(file, 'utf8');
       if (!text.includes(find)) throw new Error(`There is no ${find} in ${path}.`);
-      await writeFile(file, text.replace(find, replacement));
+      // Written in place, the file is empty for as long as this process waits for a core. Vite then serves an empty module, and
+      // drops the second change if it comes within 50 ms of the first. No server watches node_modules.
+      const beside = join(folder, 'node_modules', '.edited');
+      await writeFile(beside, text.replace(find, replacement));
+      await rename(beside, file);
     },
     serve: async (script, args) => {
       const child = spawn(process.execPath, [tool(script), ...args], {

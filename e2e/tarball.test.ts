@@ -126,9 +126,15 @@ describe('the packed tarballs in a fresh Vite app', () => {
 
   it('show splats under the development server, without any configuration, and as they are edited', async () => {
     await expectVite('dev', async (page) => {
+      const messages = async () => (await page.consoleMessages()).map((message) => message.text());
+      // What is edited before is sent to nobody.
+      await expect.poll(messages).toContain('[vite] connected.');
       // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
       await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
+      await expect.poll(messages).toContain('[vite] hot updated: /src/app.tsx');
+      const served = await page.request.get(new URL('src/app.tsx', page.url()).href);
+      expect(await served.text(), 'the module that Vite serves').toContain('opacity: 0');
       await expect.poll(async () => isAllWhite(await screenshot(page))).toBe(true);
       expect(await page.evaluate(() => 'isOfBefore' in document.querySelector('canvas')!)).toBe(true);
     });
