@@ -517,31 +517,27 @@ async function waitForSplats(page: Page, times = 1): Promise<void> {
 
 const SLOW: SplatsDescription = { id: 'slow', src: 'slow.ply' };
 
-it.runIf(isFull)(
-  'shows what has arrived of a file, and then all of it',
-  async () => {
-    const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [SLOW] }));
-    // The rest comes only after the test has seen a part.
-    await waitForSplats(page);
-    expect(await logOf(page)).toEqual([
-      'canvas created',
-      'manager start slow.ply',
-      'canvas suspended',
-      'canvas resumed',
-    ]);
-    const countOf = () => page.evaluate(() => window.page.objects.get('slow')!.data!.count);
-    expect(await countOf()).toBeLessThan(slowScene().count);
-    expect(await pickAt(page, 'slow', await projected(page, [0, 0, 0]))).toBeNull();
-    harness.server.sendRestOfSlowFile();
-    await waitForLog(page, 'slow firstframe');
-    expect((await logOf(page)).slice(4)).toEqual(['manager idle', 'slow load slow.ply', 'slow firstframe']);
-    expect(await countOf()).toBe(slowScene().count);
-    await nextFrames(page);
-    const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
-    expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-  },
-  120_000,
-);
+it.runIf(isFull)('shows what has arrived of a file, and then all of it', async () => {
+  const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [SLOW] }));
+  // The rest comes only after the test has seen a part.
+  await waitForSplats(page);
+  expect(await logOf(page)).toEqual([
+    'canvas created',
+    'manager start slow.ply',
+    'canvas suspended',
+    'canvas resumed',
+  ]);
+  const countOf = () => page.evaluate(() => window.page.objects.get('slow')!.data!.count);
+  expect(await countOf()).toBeLessThan(slowScene().count);
+  expect(await pickAt(page, 'slow', await projected(page, [0, 0, 0]))).toBeNull();
+  harness.server.sendRestOfSlowFile();
+  await waitForLog(page, 'slow firstframe');
+  expect((await logOf(page)).slice(4)).toEqual(['manager idle', 'slow load slow.ply', 'slow firstframe']);
+  expect(await countOf()).toBe(slowScene().count);
+  await nextFrames(page);
+  const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
+  expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+});
 
 it.runIf(isFull)(
   'leaves nothing of a part on screen, nor in memory, when it is unmounted or fails',
@@ -571,7 +567,6 @@ it.runIf(isFull)(
     await waitForLog(page, 'slow error SplatSourceError');
     await expectNothing();
   },
-  120_000,
 );
 
 it('shows what useLoader has loaded for the renderer, which packs it', async () => {
@@ -591,7 +586,7 @@ it('shows what useLoader has loaded for the renderer, which packs it', async () 
   const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
   await nextFrames(page);
   expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-}, 120_000);
+});
 
 it('takes another accuracy while it draws, in the same Canvas and without suspending', async () => {
   const quiet = canvas({ frameloop: 'demand', background: 'black' });
@@ -643,7 +638,7 @@ it('aborts the fetch of what is unmounted', async () => {
   // Without a Suspense boundary inside, the whole Canvas suspends, and accepts no other children until it is unmounted.
   await expectAborted(canvas({ splats: endless, hasSuspense: false }));
   expect(await logOf(page)).toContain('canvas suspended');
-}, 120_000);
+});
 
 it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
   const page = await open(canvas({ splats: [] }));

@@ -18,6 +18,8 @@ export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];
       return (
+        // The last preview of a load has the planes of the cloud, but no rows to pick.
+        a.shape.clouds[i].cloud === b.shape.clouds[i].cloud &&
         a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
         cloud.version === other.version &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
