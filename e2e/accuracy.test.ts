@@ -16,6 +16,7 @@ import {
   viewerScreenshot,
   waitForFrameAfter,
   waitForImage,
+  waitForNotice,
   waitForState,
 } from './viewer-page.ts';
 
@@ -189,7 +190,7 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('rasterizer').getByText('quads').waitFor({ state: 'attached' });
     expect(await textOf(page, 'rasterizer-reason')).toBe('Quads were asked for');
     const other = await harness.open('?scene=still-life-small&accuracy=best', TINY);
-    await other.getByTestId('notice').getByText('no accuracy preset "best"').waitFor();
+    await waitForNotice(other, 'no accuracy preset "best"');
   });
 
   it('splits the image between two settings, and maps the error of a coarse one, and none of reference', async () => {

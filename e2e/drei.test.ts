@@ -253,7 +253,10 @@ describe('splats in front of and behind something else', () => {
     };
     expect(await clicks()).toEqual(PIXELS.map(() => 'splats'));
     await page.evaluate(() => window.trialPage.showStillLife({ labels: [], hasMesh: true }));
-    await passTurns(page, 4);
+    // It has its place from the first frame with it on.
+    await page.waitForFunction(
+      () => window.trialPage.canvas!.scene.getObjectByName('pane')?.matrixWorld.elements[14] === 1.3,
+    );
     expect(await clicks()).toEqual(PIXELS.map(() => 'mesh'));
   });
 });

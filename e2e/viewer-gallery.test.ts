@@ -1,7 +1,7 @@
 import { HARD_CASES } from '@websplatter/hardcases';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { textOf, viewerHarness, waitForState } from './viewer-page.ts';
+import { clickInTurn, textOf, viewerHarness, waitForState } from './viewer-page.ts';
 
 const harness = viewerHarness();
 
@@ -54,9 +54,12 @@ describe('the gallery of hard cases', () => {
 
   it('has pages for files that must be refused, for cases without an image and for names that no case has', async () => {
     const page = await harness.open('?scene=hard&case=input-truncated');
-    await page.getByTestId('case-refusal').getByText(/^Refused as truncated\. /).waitFor();
+    await page
+      .getByTestId('case-refusal')
+      .getByText(/^Refused as truncated\. /)
+      .waitFor();
     await page.goto(`${harness.server.url}?scene=hard&case=sort-0-keys`);
-    await page.getByText('Keys for the sort alone').last().waitFor();
+    await page.getByTestId('case').getByText('Keys for the sort alone').waitFor();
     expect(await page.getByTestId('case-open').count()).toBe(0);
     await page.goto(`${harness.server.url}?scene=hard&case=sort-0-kees`);
     await page.getByRole('link', { name: 'sort-0-keys' }).click();
@@ -91,8 +94,7 @@ describe('the page that runs the hard cases on a device', () => {
 
     const sorts = HARD_CASES.filter(({ kind }) => kind === 'sort').map(({ name }) => name);
     await page.goto(`${harness.server.url}?conformance&cases=${sorts}`);
-    await page.getByTestId('conformance-run').click();
-    await page.getByTestId('conformance-stop').click();
+    await clickInTurn(page, 'conformance-run', 'conformance-stop');
     await waitForState(page, 'done');
     expect(await textOf(page, 'conformance-headline')).toContain('stopped before');
   });
@@ -136,10 +138,9 @@ describe('the benchmark', () => {
     await reports.setInputFiles(report);
     await expect.poll(() => page.getByTestId('bench-compared').getByRole('row').count()).toBeGreaterThan(1);
     await reports.setInputFiles({ ...report, buffer: Buffer.from('{}') });
-    await page.getByText('a.json is no report of this benchmark.').waitFor();
+    await page.getByRole('status').getByText('a.json is no report of this benchmark.').waitFor();
 
-    await page.getByTestId('bench-again').click();
-    await page.getByTestId('bench-cancel').click();
+    await clickInTurn(page, 'bench-again', 'bench-cancel');
     await waitForState(page, 'cancelled');
   });
 });

@@ -41,7 +41,7 @@ describe('the viewer on plain static hosting, below a path', () => {
     expect(await textOf(page, 'scene-title')).toBe('camera-orthographic');
     await page.getByRole('link', { name: 'All hard cases' }).click();
     await page.getByTestId('gallery').waitFor();
-    await page.getByRole('link', { name: 'WebSplatter' }).click();
+    await page.getByRole('link', { name: 'WebSplatter', exact: true }).click();
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
   });

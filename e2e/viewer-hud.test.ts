@@ -131,7 +131,7 @@ describe('the figures of the viewer', () => {
     const read = () => page.evaluate(() => navigator.clipboard.readText());
     const copy = async (format: 'json' | 'csv') => {
       await page.getByTestId(`hud-copy-${format}`).click();
-      await page.getByText(`Copied as ${format.toUpperCase()}`).waitFor();
+      await page.getByTestId('hud-copied').getByText(`Copied as ${format.toUpperCase()}`).waitFor();
       return await read();
     };
     await page.getByTestId('hud-freeze').click();

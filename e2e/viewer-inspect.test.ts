@@ -67,7 +67,7 @@ describe('inspecting a scene in the viewer', () => {
     const position = await textOf(page, 'inspect-position');
     await page.getByTestId('inspect-row-input').fill('99999');
     await page.keyboard.press('Enter');
-    await page.getByText('no splat in row 99999').waitFor();
+    await page.getByTestId('inspect-problem').getByText('no splat in row 99999').waitFor();
     await page.getByTestId('inspect-row-input').fill(String(row));
     await page.keyboard.press('Enter');
     await page.getByTestId('inspect-position').waitFor();
@@ -75,7 +75,7 @@ describe('inspecting a scene in the viewer', () => {
 
     await page.getByTestId('inspect-tab-distance').click();
     await page.mouse.click(150, 300);
-    await page.getByText('Click the other end').waitFor();
+    await page.getByTestId('ruler-hint').getByText('Click the other end').waitFor();
     await page.mouse.click(250, 330);
     await page.getByTestId('ruler-length').getByText('units').waitFor();
     await page.getByTestId('known-length').fill('2.5');
@@ -94,12 +94,16 @@ describe('inspecting a scene in the viewer', () => {
     const counts = await table.locator('td').allTextContents();
     expect(counts.map((count) => Number(count.replaceAll(',', ''))).reduce((a, b) => a + b)).toBe(10_000);
     await draw(page, () => page.getByTestId('mark-opacity').press('End'));
-    await page.getByText(`0.95 to 1: ${counts.at(-1)} splats`).waitFor();
+    await page
+      .getByTestId('histogram-opacity')
+      .getByText(`0.95 to 1: ${counts.at(-1)} splats`)
+      .waitFor();
 
     // What is selected is marked; what is removed is not drawn, and comes back.
     await page.getByTestId('inspect-tab-select').click();
     await page.getByTestId('select-marked').click();
-    await page.getByText(`${counts.at(-1)} of 10,000 splats are selected`).waitFor();
+    const selectCount = page.getByTestId('select-count');
+    await selectCount.getByText(`${counts.at(-1)} of 10,000 splats are selected`).waitFor();
     await draw(page, () => page.getByTestId('select-none').click());
     const turned = await viewerScreenshot(page);
     const camera = await drawnCamera(page);
@@ -125,7 +129,7 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('select-undo').click();
     expect(await countIn(page, 'select-count')).toBe(selected);
     await draw(page, () => page.getByTestId('select-remove').click());
-    await page.getByText(`${selected.toLocaleString('en')} splats removed`).waitFor();
+    await selectCount.getByText(`${selected.toLocaleString('en')} splats removed`).waitFor();
     expect(differing(await viewerScreenshot(page), turned)).toBeGreaterThan(1000);
     await page.getByTestId('select-save-left').click();
     await page.getByTestId('save-edited').waitFor();
@@ -141,12 +145,13 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('crop-max-x').press('PageDown');
     expect(await marks(page, '[data-mark=box]')).toHaveLength(2);
     await draw(page, () => page.getByTestId('crop-max-x-number').fill('0'));
-    await page.getByText('splats stay').waitFor();
+    const cropCount = page.getByTestId('crop-count');
+    await cropCount.getByText('splats stay').waitFor();
     const kept = await countIn(page, 'crop-count');
     expect(kept).toBeLessThan(10_000);
     expect(differing(await viewerScreenshot(page), whole)).toBeGreaterThan(1000);
     await draw(page, () => page.getByTestId('crop-outside').click());
-    await page.getByText(`${(10_000 - kept).toLocaleString('en')} of 10,000 splats stay`).waitFor();
+    await cropCount.getByText(`${(10_000 - kept).toLocaleString('en')} of 10,000 splats stay`).waitFor();
 
     await page.getByTestId('crop-save').click();
     await page.getByTestId('save-cropped').waitFor();

@@ -12,6 +12,7 @@ import {
   viewerScreenshot,
   waitForFrameAfter,
   waitForImage,
+  waitForNotice,
 } from './viewer-page.ts';
 
 /** Cheap, and by a rasteriser that does not follow from times: images are compared bit for bit. */
@@ -43,7 +44,7 @@ describe('links of the viewer', () => {
     expect(isSame(moved, first)).toBe(false);
 
     await page.keyboard.press('l');
-    await page.getByTestId('notice').getByText('copied').waitFor();
+    await waitForNotice(page, 'The link is copied');
     const link = await page.evaluate(() => navigator.clipboard.readText());
     expect(link).toContain('accuracy=fast,rasterizer:tiles,resolutionScale:0.5');
     expect(link).toContain('crop=-0.1:-2:-1000:2:2:1000:inside');
@@ -73,7 +74,7 @@ describe('links of the viewer', () => {
     await waitForFrameAfter(page, beforeDrop);
     await page.waitForURL((url) => !/camera|scene|crop/.test(url.search));
     await page.keyboard.press('l');
-    await page.getByTestId('notice').getByText('file of this device').waitFor();
+    await waitForNotice(page, 'file of this device');
     const alone = await viewerScreenshot(page);
     const beforePanel = await frameCount(page);
     await page.keyboard.press('x');

@@ -76,6 +76,35 @@ export async function waitForImage(page: Page): Promise<void> {
   await waitForFrameAfter(page, 0);
 }
 
+/** Waits for a notice with this text. Call it before any other wait: it goes by itself after eight seconds. */
+export async function waitForNotice(page: Page, text: string): Promise<void> {
+  await page.getByTestId('notice').getByText(text).waitFor();
+}
+
+/**
+ * Clicks on `first`, and by the page itself on `second` as soon as that is there: it is gone again once what `first` has begun is
+ * over.
+ */
+export async function clickInTurn(page: Page, first: string, second: string): Promise<void> {
+  await page.getByTestId(first).waitFor();
+  await page.evaluate(
+    ([a, b]) =>
+      new Promise<void>((resolve) => {
+        const buttonOf = (testId: string) => document.querySelector<HTMLElement>(`[data-testid=${testId}]`);
+        const observer = new MutationObserver(() => {
+          const button = buttonOf(b);
+          if (!button) return;
+          observer.disconnect();
+          button.click();
+          resolve();
+        });
+        observer.observe(document, { childList: true, subtree: true });
+        buttonOf(a)!.click();
+      }),
+    [first, second] as const,
+  );
+}
+
 export async function textOf(page: Page, testId: string): Promise<string> {
   return (await page.getByTestId(testId).textContent()) ?? '';
 }

@@ -9,6 +9,7 @@ import {
   viewerScreenshot,
   waitForFrameAfter,
   waitForImage,
+  waitForNotice,
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
@@ -89,7 +90,7 @@ describe('effects that are asked for', () => {
 
     // The link shows the same elsewhere.
     await page.keyboard.press('l');
-    await page.getByTestId('notice').getByText('copied').waitFor();
+    await waitForNotice(page, 'The link is copied');
     const link = await page.evaluate(() => navigator.clipboard.readText());
     const other = await harness.newPage(SIZE);
     await other.goto(`${link}&noui`);

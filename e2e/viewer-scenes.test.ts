@@ -15,6 +15,7 @@ import {
   viewerScreenshot,
   waitForFrameAfter,
   waitForImage,
+  waitForNotice,
   waitForState,
 } from './viewer-page.ts';
 
@@ -109,7 +110,7 @@ describe('several files in the viewer', () => {
     await page.keyboard.press('i');
     await page.getByTestId('inspect-tab-select').click();
     await drawnAfter(page, () => page.getByTestId('select-all').click());
-    await page.getByText('260 of 260 splats are selected').waitFor();
+    await page.getByTestId('select-count').getByText('260 of 260 splats are selected').waitFor();
     await page.mouse.move(300, 10);
     await page.mouse.down();
     await page.mouse.move(420, 250);
@@ -120,12 +121,12 @@ describe('several files in the viewer', () => {
     await drawnAfter(page, () => page.getByTestId('select-remove').click());
 
     await page.evaluate(() => dispatchEvent(new Event('lose-device')));
-    await page.getByTestId('notice').getByText('GPU was lost').waitFor();
+    await waitForNotice(page, 'GPU was lost');
     await waitForImage(page);
     expect(await matrices(page)).toEqual(drawn.modelMatrices);
 
     await page.keyboard.press('x');
-    await page.getByText('Removed splats are not saved').waitFor();
+    await page.getByTestId('save-edited').getByText('Removed splats are not saved').waitFor();
     const downloading = page.waitForEvent('download');
     await page.getByTestId('save-file').click();
     const download = await downloading;

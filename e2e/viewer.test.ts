@@ -26,6 +26,7 @@ import {
   viewerScreenshot,
   waitForFrameAfter,
   waitForImage,
+  waitForNotice,
   waitForState,
 } from './viewer-page.ts';
 
@@ -264,11 +265,14 @@ describe('viewer', () => {
     const click = (testId: string) =>
       page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
     await click('save-gltf');
-    const [saved] = await Promise.all([page.waitForEvent('download'), click('save-file')]);
+    const [saved] = await Promise.all([
+      page.waitForEvent('download'),
+      waitForNotice(page, 'Saved test scene.glb'),
+      click('save-file'),
+    ]);
     expect(saved.suggestedFilename()).toBe('test scene.glb');
     const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
     expect(positions).toEqual(testScene().positions);
-    await page.getByText('Saved test scene.glb').waitFor();
   });
 
   // In the short run, a test of accuracy opens such a file, too, and looks at its picture.
@@ -422,8 +426,8 @@ describe('viewer', () => {
       { name: 'a.ply', bytes },
       { name: 'b.ply', bytes },
     ]);
+    await waitForNotice(page, 'The other file is left out');
     await page.getByTestId('scene-title').getByText('a.ply and b.ply').waitFor();
-    expect(await textOf(page, 'notice')).toContain('The other file is left out');
   });
 
   it('says what is wrong with a file that is cut off, and keeps the scene', async () => {
@@ -589,8 +593,8 @@ describe('viewer', () => {
       addEventListener('drop', () => dispatchEvent(new Event('lose-device')), { once: true });
     });
     await dropFiles(page, [{ name: 'asked.ply', bytes: encodePly(testScene()) }]);
+    await waitForNotice(page, 'GPU was lost');
     await page.getByTestId('scene-title').getByText('asked.ply').waitFor();
-    expect(await textOf(page, 'notice')).toContain('GPU was lost');
 
     // A scene that takes the GPU down can be left.
     await waitForImage(page);
@@ -606,8 +610,9 @@ describe('viewer', () => {
   it.runIf(isFull)(
     'draws with the default accuracy, and says so, where the address asks for none that exists',
     async () => {
-      const page = await openViewer('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
-      expect(await textOf(page, 'notice')).toContain('minPsnrDb:1e999');
+      const page = await harness.open('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
+      await waitForNotice(page, 'minPsnrDb:1e999');
+      await waitForImage(page);
     },
   );
 

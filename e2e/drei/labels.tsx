@@ -35,6 +35,7 @@ export function StillLifeScene({
       {hasMesh && (
         // biome-ignore lint/a11y/noStaticElementInteractions: a mesh is no element of the page.
         <mesh
+          name="pane"
           position={[0.12, 0.45, 1.3]}
           onClick={(event) => {
             event.stopPropagation();
