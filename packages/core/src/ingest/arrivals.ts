@@ -47,6 +47,7 @@ export class Arrivals {
   #earliestMs = 0;
   #isReading = false;
   #isOver = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
   #failure: { readonly error: unknown } | null = null;
 
   constructor(context: ArrangeContext, planes: ArrivingPlanes, previews: LoadPreviews) {
@@ -59,7 +60,29 @@ export class Arrivals {
   add(rows: number): void {
     this.#rows = rows;
     this.check();
-    if (this.#isReading || rows < this.#leastRows || performance.now() < this.#earliestMs) return;
+    this.#show();
+  }
+
+  /** Shows nothing from now on. */
+  end(): void {
+    this.#isOver = true;
+    clearTimeout(this.#timer);
+  }
+
+  /** @throws what showing has thrown. */
+  check(): void {
+    if (this.#failure) throw this.#failure.error;
+  }
+
+  /** Shows what has arrived, at once or when it may be: the rows after it may be long in coming. */
+  #show(): void {
+    if (this.#isReading || this.#isOver || this.#failure || this.#rows < this.#leastRows) return;
+    clearTimeout(this.#timer);
+    const waitMs = this.#earliestMs - performance.now();
+    if (waitMs > 0) {
+      this.#timer = setTimeout(() => this.#show(), waitMs);
+      return;
+    }
     this.#isReading = true;
     this.#read()
       .catch((error: unknown) => {
@@ -68,17 +91,8 @@ export class Arrivals {
       })
       .finally(() => {
         this.#isReading = false;
+        this.#show();
       });
-  }
-
-  /** Shows nothing from now on. */
-  end(): void {
-    this.#isOver = true;
-  }
-
-  /** @throws what showing has thrown. */
-  check(): void {
-    if (this.#failure) throw this.#failure.error;
   }
 
   async #read(): Promise<void> {

@@ -35,12 +35,24 @@ afterAll(() => {
 
 /** A file of which `firstBytes` can be read at once, and the rest after `go`. */
 function slowFile(bytes: Uint8Array<ArrayBuffer>, firstBytes: number, go: Promise<void>): Blob {
+  return fileInParts(bytes, [[firstBytes, go]]);
+}
+
+/** A file that stops at each of these bytes until a promise resolves. */
+function fileInParts(
+  bytes: Uint8Array<ArrayBuffer>,
+  stops: readonly (readonly [byte: number, go: Promise<void>])[],
+): Blob {
   const stream = () =>
     new ReadableStream<Uint8Array<ArrayBuffer>>({
       async start(controller) {
-        controller.enqueue(bytes.slice(0, firstBytes));
-        await go;
-        controller.enqueue(bytes.slice(firstBytes));
+        let at = 0;
+        for (const [byte, go] of stops) {
+          controller.enqueue(bytes.slice(at, byte));
+          at = byte;
+          await go;
+        }
+        controller.enqueue(bytes.slice(at));
         controller.close();
       },
     });
@@ -102,6 +114,28 @@ describe('while a file arrives', () => {
     cloud.destroy();
     expect(previews.every(({ isDestroyed }) => isDestroyed)).toBe(true);
     expect(() => view.render({ camera: CAMERA, clouds: [{ cloud: last }], ...SIZE })).toThrow(DestroyedError);
+  });
+
+  gpuTest('what comes right after a preview is shown, too, though nothing follows it', async () => {
+    const [second, rest] = [signalOf(), signalOf()];
+    const counts: number[] = [];
+    const file = fileInParts(FILE, [
+      // A piece, and another.
+      [Math.floor(0.5 * FILE.length), second.when],
+      [Math.floor(0.9 * FILE.length), rest.when],
+    ]);
+    const cloud = await engine.load(file, {
+      onPreview: ({ count }) => {
+        counts.push(count);
+        // The rest comes only after more has been shown.
+        if (counts.length === 1) second.give();
+        else rest.give();
+      },
+    });
+    expect(counts[0]).toBeLessThan(0.5 * COUNT);
+    expect(counts[1]).toBeGreaterThan(1.25 * counts[0]);
+    expect(counts[1]).toBeLessThan(0.9 * COUNT);
+    cloud.destroy();
   });
 
   gpuTest(
