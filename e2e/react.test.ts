@@ -59,9 +59,9 @@ const BY_TILES = { rasterizer: 'tiles' } as const;
 
 const SPLATS: SplatsDescription = { id: 'a', src: 'a.ply' };
 
-/** The Canvas of most tests. */
+/** The Canvas of most tests. One that drew frame after frame would keep the processor from what a test waits for. */
 function canvas(changes: Partial<CanvasDescription> = {}): CanvasDescription {
-  return { id: 'canvas', kind: 'splats', splats: [SPLATS], ...changes };
+  return { id: 'canvas', kind: 'splats', frameloop: 'demand', splats: [SPLATS], ...changes };
 }
 
 const show = (page: Page, ...canvases: CanvasDescription[]) =>
@@ -85,6 +85,24 @@ async function open(...canvases: CanvasDescription[]): Promise<Page> {
   const page = await harness.open('');
   await page.waitForFunction(() => 'page' in window);
   await show(page, ...canvases);
+  return page;
+}
+
+/**
+ * The same on a page that tests share, with a black background: the Canvas of the test before has what it has compiled, but no
+ * splats any more, and the log is empty. For tests that leave its camera where it was.
+ */
+async function openShared(changes: Partial<CanvasDescription>): Promise<Page> {
+  const empty = canvas({ background: 'black', splats: [] });
+  const page = await harness.openShared('', {}, async (opened) => {
+    await opened.waitForFunction(() => 'page' in window);
+    await show(opened, empty);
+    await waitForLog(opened, 'canvas created');
+  });
+  await show(page, empty);
+  await page.waitForFunction(() => window.page.objects.size === 0);
+  await page.evaluate(() => window.page.log.splice(0));
+  await show(page, { ...empty, ...changes });
   return page;
 }
 
@@ -194,7 +212,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
 });
 
 it('draws no frame unless asked, and then one, or one more where a shader has yet to be compiled', async () => {
-  const quiet = canvas({ frameloop: 'demand', background: 'black', timings: 'inside' });
+  const quiet = canvas({ background: 'black', timings: 'inside' });
   const page = await open(quiet);
   await waitForLog(page, 'a firstframe');
   await page.waitForFunction(() => window.page.statistics.length > 0);
@@ -281,8 +299,8 @@ function labelPoints(
 }
 
 it('shows the labels whose points nothing covers, as float64 depth tells, and asks only after frames', async () => {
-  const quiet = canvas({ frameloop: 'demand', background: 'black' });
-  const page = await open(quiet);
+  const quiet = canvas({ background: 'black' });
+  const page = await openShared({ splats: [SPLATS] });
   await waitForLog(page, 'a firstframe');
   const camera = await cameraOf(page);
   const shot = await image(page);
@@ -343,8 +361,8 @@ it('shows the labels whose points nothing covers, as float64 depth tells, and as
 });
 
 it('measures between splats that are clicked on, or chosen by keyboard, and not where a pointer drags', async () => {
-  const dots = canvas({ frameloop: 'demand', splats: [{ id: 'dots', src: 'dots.ply' }], hasMeasure: true });
-  const page = await open(dots);
+  const dots = { splats: [{ id: 'dots', src: 'dots.ply' }], hasMeasure: true };
+  const page = await openShared(dots);
   await waitForLog(page, 'dots firstframe');
   const measured = () =>
     page.evaluate(() => window.page.measurements.map(({ distance, text }) => ({ distance, text })));
@@ -395,12 +413,12 @@ it('measures between splats that are clicked on, or chosen by keyboard, and not 
   await expect.poll(measured).toHaveLength(3);
   expect((await measured())[2].text).toBe(byKeyboard.text);
 
-  await show(page, { ...dots, hasMeasure: false });
+  await show(page, canvas({ ...dots, hasMeasure: false }));
   await expect.poll(() => tool.count()).toBe(0);
 });
 
 it('fits the camera to the splats once they have been loaded', async () => {
-  const page = await open(canvas({ frameloop: 'demand', isFitted: true }));
+  const page = await open(canvas({ isFitted: true }));
   await waitForLog(page, 'canvas fits splats');
   await waitForLog(page, 'a firstframe');
   const places = await page.evaluate(() => {
@@ -418,9 +436,9 @@ it('fits the camera to the splats once they have been loaded', async () => {
 });
 
 it('takes effects as props, and draws what revealing takes and no frame more', async () => {
-  const quiet = canvas({ frameloop: 'demand', background: 'black' });
+  const quiet = canvas({ background: 'black' });
   const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 600 } as const };
-  const page = await open({ ...quiet, splats: [revealed] });
+  const page = await openShared({ splats: [revealed] });
   await waitForLog(page, 'a firstframe');
   const isRevealed = () =>
     page.evaluate(() => {
@@ -455,23 +473,24 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
     handedOnBy: 'useSplats' as const,
   };
   const requestsBefore = harness.server.requests('a.ply');
-  const page = await open(canvas({ splats: [SPLATS, second] }));
+  const drawing = (splats: CanvasDescription['splats']) => canvas({ frameloop: 'always', splats });
+  const page = await open(drawing([SPLATS, second]));
   await waitForLog(page, 'second firstframe');
   expect(harness.server.requests('a.ply') - requestsBefore).toBe(1);
   const both = await countersOf(page);
   expect(both.uploads).toBe(1);
 
-  await show(page, canvas({ splats: [SPLATS] }));
+  await show(page, drawing([SPLATS]));
   await nextFrames(page);
   expect(await countersOf(page)).toMatchObject({ uploads: 1, cloudsDestroyed: 0 });
 
   // The file never ends: the old splats stay, and nothing suspends.
-  await show(page, canvas({ splats: [{ id: 'a', src: 'endless.ply' }] }));
+  await show(page, drawing([{ id: 'a', src: 'endless.ply' }]));
   await expect.poll(() => harness.server.requests('endless.ply')).toBeGreaterThan(0);
   const { framesDrawn } = await countersOf(page);
   await nextFrames(page);
   expect((await countersOf(page)).framesDrawn).toBeGreaterThan(framesDrawn);
-  await show(page, canvas({ splats: [{ id: 'a', src: 'b.ply' }] }));
+  await show(page, drawing([{ id: 'a', src: 'b.ply' }]));
   await harness.server.whenEndlessFileIsDropped();
   await waitForLog(page, 'a firstframe', 2);
   // The old file is kept for another moment, in case that it is shown again.
@@ -589,7 +608,7 @@ it('shows what useLoader has loaded for the renderer, which packs it', async () 
 });
 
 it('takes another accuracy while it draws, in the same Canvas and without suspending', async () => {
-  const quiet = canvas({ frameloop: 'demand', background: 'black' });
+  const quiet = canvas({ background: 'black' });
   const page = await open(quiet);
   await waitForLog(page, 'a firstframe');
   await nextFrames(page);
@@ -625,8 +644,7 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
 
 it('aborts the fetch of what is unmounted', async () => {
   const endless = [{ id: 'a', src: 'endless.ply' }];
-  const page = await open(canvas({ splats: [] }));
-  await waitForLog(page, 'canvas created');
+  const page = await openShared({ splats: [] });
   const expectAborted = async (mounted: CanvasDescription, ...without: CanvasDescription[]) => {
     const requests = harness.server.requests('endless.ply');
     await show(page, mounted);
@@ -641,8 +659,9 @@ it('aborts the fetch of what is unmounted', async () => {
 });
 
 it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
-  const page = await open(canvas({ splats: [] }));
-  await waitForLog(page, 'canvas created');
+  const page = await openShared({ splats: [] });
+  const effectsOf = () => page.evaluate(() => window.page.effects);
+  const effectsBefore = await effectsOf();
   const mount = async (i: number) => {
     const isUnmountedWhileLoading = i % 5 === 4;
     const src = isUnmountedWhileLoading ? `endless.ply?${i}` : `a.ply?${i}`;
@@ -659,9 +678,7 @@ it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
   const before = await atRest(page, () => resourcesOf(page));
   for (let i = 1; i <= MOUNTS; i++) await mount(i);
   await expect.poll(() => resourcesOf(page)).toEqual(before);
-  expect(await page.evaluate(() => window.page.effects), 'StrictMode mounts twice').toBeGreaterThanOrEqual(
-    1.6 * MOUNTS,
-  );
+  expect((await effectsOf()) - effectsBefore, 'StrictMode mounts twice').toBeGreaterThanOrEqual(1.6 * MOUNTS);
 });
 
 it('comes back from the loss of its device by itself, and tells where it cannot', async () => {
@@ -729,7 +746,7 @@ it.runIf(isFull)(
 
 it('sends pointer events to splats, and picks the row of the file under a pixel', async () => {
   const dot = { id: 'dot', src: 'dot.ply', hasEvents: true };
-  const page = await open(canvas({ kind: 'bare', splats: [dot], frameloop: 'demand', timings: 'outside' }));
+  const page = await open(canvas({ kind: 'bare', splats: [dot], timings: 'outside' }));
   await waitForLog(page, 'dot firstframe');
   await page.evaluate(() => window.page.objects.get('dot')!.data!.prepareRays());
   const middle = await projected(page, [0, 0, 0]);
@@ -746,7 +763,6 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
     kind: 'bare',
     dpr: 2,
     splats: [{ id: 'dots', src: 'dots.ply' }],
-    frameloop: 'demand',
   });
   await show(page, dense);
   await waitForLog(page, 'dots firstframe');
