@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { perspectiveCamera } from './camera/camera.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
@@ -22,7 +22,7 @@ function cameraAt(x: number) {
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device?.destroy());
 

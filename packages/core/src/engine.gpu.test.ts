@@ -1,7 +1,7 @@
 import { existsSync, readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy, AccuracyPreset } from './accuracy/accuracy.ts';
 import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
@@ -45,7 +45,7 @@ beforeAll(async () => {
   const offered = ['float32-blendable', 'timestamp-query'] as GPUFeatureName[];
   const requiredFeatures = offered.filter((feature) => adapter.features.has(feature));
   canBlendFloat32 = requiredFeatures.includes('float32-blendable' as GPUFeatureName);
-  device = await createTestDevice({ requiredFeatures });
+  device = await shareTestDevice({ requiredFeatures });
   for (const preset of PRESETS)
     engines[preset] = await SplatEngine.create({ device, accuracy: byTiles(preset) });
 });
@@ -414,7 +414,7 @@ describe('a view', () => {
       "The camera's wholeProjectionMatrix must be 16 finite numbers",
     );
     expect(view.render({ ...frame, camera: { ...CAMERA, far: Number.POSITIVE_INFINITY } })).toBe(true);
-    const elsewhere = await SplatEngine.create({ device: await createTestDevice() });
+    const elsewhere = await SplatEngine.create({ device: await shareTestDevice() });
     const stranger = elsewhere.add(randomSplats({ count: 10 }), { name: 'stranger' });
     expect(() => view.render({ ...frame, clouds: [{ cloud: stranger }] })).toThrow(
       /stranger is on another GPU/,
@@ -574,7 +574,7 @@ describe('an engine', () => {
   });
 
   gpuTest('compiles what most scenes need as soon as there is a view, but not on a CPU', async () => {
-    const own = await createTestDevice();
+    const own = await shareTestDevice();
     const onCpu = await SplatEngine.create({ device: withAdapter(own, { description: 'SwiftShader' }) });
     onCpu.createView();
     expect(onCpu.counters().pipelinesCompiled).toBe(0);
@@ -635,7 +635,7 @@ describe('an engine', () => {
   });
 
   gpuTest('on a plain device: default limits, no features, wall-clock times and a notice', async () => {
-    const plain = await createTestDevice();
+    const plain = await shareTestDevice();
     const engine = await SplatEngine.create({ device: plain, accuracy: 'reference' });
     expect(engine.hasGpuTimestamps).toBe(false);
     expect(engine.accuracy.colorTarget).toBe('rgba16float');

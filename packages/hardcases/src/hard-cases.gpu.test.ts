@@ -1,7 +1,7 @@
 import { encodePly } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import { createNodeGpu } from '@websplatter/node';
-import { gpuTest } from '@websplatter/node/gpu-test';
+import { sharedTestGpu as gpu, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
 import type { HardCase, SceneCase } from './hard-case.ts';
@@ -11,8 +11,6 @@ import { HardCaseRunner, type HardCaseRunnerOptions, type HardCaseRunOptions } f
 import { COMPARED_PRESETS } from './run-images.ts';
 import { CASE_RASTERIZERS } from './run-result.ts';
 
-/** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
-const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** In the short run, some images of one preset and rasteriser show that frames do not differ. */
 const repeats = isFull ? 'all' : 'few';

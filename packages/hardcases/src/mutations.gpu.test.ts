@@ -1,13 +1,9 @@
-import { createNodeGpu } from '@websplatter/node';
-import { gpuTest } from '@websplatter/node/gpu-test';
+import { sharedTestGpu as gpu, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
 import { HardCaseRunner } from './run.ts';
 import { CASE_RASTERIZERS } from './run-result.ts';
 import { MUTATIONS } from './testing/mutations.ts';
-
-/** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
-const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
 
 let runner: HardCaseRunner;
 beforeAll(async () => {

@@ -1,7 +1,6 @@
 import { type AccuracyPreset, SplatEngine } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
-import { createNodeGpu } from '@websplatter/node';
-import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
+import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { afterAll, describe, expect } from 'vitest';
 import { WORLD_CASES } from './groups/world.ts';
 import type { SceneCase } from './hard-case.ts';
@@ -37,7 +36,7 @@ async function imagesOf(engine: SplatEngine, caseName: string): Promise<Float32A
 describe('millimetres 6.4e6 m away look like the same millimetres at the origin', () => {
   for (const accuracy of ['reference', 'high', 'balanced'] satisfies AccuracyPreset[]) {
     gpuTest(accuracy, async () => {
-      const { adapter } = await createNodeGpu();
+      const adapter = await sharedTestGpu.requestAdapter();
       const engine = await SplatEngine.create({ adapter, accuracy });
       engines.push(engine);
       watchDevice(engine.device);

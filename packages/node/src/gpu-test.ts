@@ -1,6 +1,7 @@
 import { test } from 'vitest';
 import { createNodeGpu } from './node-gpu.ts';
 import { watchDevice } from './testing/device-errors.ts';
+import { lendDevice } from './testing/shared-devices.ts';
 
 export { watchDevice };
 
@@ -23,12 +24,34 @@ export async function createTestDevice(
   return device;
 }
 
+/**
+ * The same for tests that destroy their device only when they are done with it: they take turns with others of their process, which
+ * saves what SwiftShader would take to compile the same shaders again.
+ */
+export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promise<GPUDevice> {
+  const { adapter } = await createNodeGpu();
+  const device = await lendDevice(adapter, options);
+  watchDevice(device);
+  return device;
+}
+
 /** The same, with blending in float32 where the adapter has it: `reference` is then drawn as it is asked for. */
-export async function createBlendingDevice(): Promise<GPUDevice> {
+export async function shareBlendingDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
   const blendable = 'float32-blendable' as GPUFeatureName;
-  return createTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  return shareTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
 }
+
+/** WebGPU whose adapters give such devices. Nobody watches them. */
+export const sharedTestGpu = {
+  async requestAdapter(): Promise<GPUAdapter> {
+    const { adapter } = await createNodeGpu();
+    const requestDevice = (descriptor?: GPUDeviceDescriptor) => lendDevice(adapter, descriptor);
+    return new Proxy(adapter, {
+      get: (target, name) => (name === 'requestDevice' ? requestDevice : Reflect.get(target, name)),
+    });
+  },
+};
 
 async function isGpuUsable(): Promise<boolean> {
   try {

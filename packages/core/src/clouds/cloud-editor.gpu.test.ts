@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
@@ -32,7 +32,7 @@ const MIN_PSNR_DB = 45;
 let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   // Several pages, and rows that are packed on the GPU.
   const limited = deviceWith(device, {
     limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),

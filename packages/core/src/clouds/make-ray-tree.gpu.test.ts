@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, SplatSourceError } from '../errors.ts';
@@ -14,7 +14,7 @@ const FILE = new Blob([encodePly(SPLATS)]);
 let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   // Several pages, and rows that are packed on the GPU.
   const limited = deviceWith(device, {
     limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),

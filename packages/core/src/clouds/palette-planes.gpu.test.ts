@@ -1,4 +1,4 @@
-import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { SplatSourceError } from '../errors.ts';
@@ -23,7 +23,7 @@ const CAMERA = testCameras(1).perspective;
 let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
-  device = await createBlendingDevice();
+  device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
 });
 afterAll(() => {

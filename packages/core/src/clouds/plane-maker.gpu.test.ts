@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Accuracy, resolveAccuracy } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -23,7 +23,7 @@ const REFERENCE = renderReference({ clouds: [{ set }], camera: CAMERA, ...SIZE }
 let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   // One chunk of the largest plane per page.
   const bytes = 180 * 256;
   engine = await SplatEngine.create({

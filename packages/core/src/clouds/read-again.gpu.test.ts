@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, GpuLimitError, SplatFileError, SplatSourceError } from '../errors.ts';
@@ -35,7 +35,7 @@ let onBuffer = (_label: string) => {};
 /** Label of the first buffer for which memory is lacking, if any. */
 let lackingFor: string | null = null;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   const limits = { maxStorageBufferBindingSize: BINDING_BYTES };
   const limited = readableDevice(device, limits, (label) => {
     labels.push(label);

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError } from '../errors.ts';
@@ -7,7 +7,7 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { makeColliderMesh } from './make-collider-mesh.ts';
 
 gpuTest('a collider of a cloud on the GPU is that of the same cloud in memory', async () => {
-  const engine = await SplatEngine.create({ device: await createTestDevice() });
+  const engine = await SplatEngine.create({ device: await shareTestDevice() });
   const set = randomSplats({ count: 1000, seed: 4, logScales: [-4, -2] });
   const cloud = engine.add(set);
   const options = { cellSize: 0.2, fewestTriangles: 0 };

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -35,7 +35,7 @@ const EMPTY: Readonly<Record<string, SplatValues>> = {
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device?.destroy());
 

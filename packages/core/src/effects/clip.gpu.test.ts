@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../camera/camera.ts';
 import { translated4, type Vec3 } from '../math/mat4.ts';
@@ -22,7 +22,7 @@ const VOLUMES = SHAPES.flatMap((volume) => [volume, { ...volume, keep: 'outside'
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device?.destroy());
 

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Camera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -22,7 +22,7 @@ let engine: SplatEngine;
 let view: SplatView;
 let cloud: SplatCloud;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   engine = await SplatEngine.create({ device, accuracy: 'high' });
   view = engine.createView();
   cloud = engine.add(SET);

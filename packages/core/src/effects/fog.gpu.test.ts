@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { orthographicCamera } from '../camera/camera.ts';
 import { expectAsTwin } from '../testing/expect-as-twin.ts';
@@ -31,7 +31,7 @@ const FOGS: readonly FogOptions[] = [
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device?.destroy());
 

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import type { TwinFunction } from '../reference/effects/twins.ts';
@@ -45,7 +45,7 @@ const effectTwins: Record<string, TwinFunction> = {
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device?.destroy());
 
@@ -96,7 +96,7 @@ describe('a highlight', () => {
   });
 
   gpuTest('that is requested for the first time does not hold up the camera', async () => {
-    const fresh = await createTestDevice();
+    const fresh = await shareTestDevice();
     const engine = await SplatEngine.create({ device: fresh, accuracy: 'high' });
     const view = engine.createView();
     const selection = new SplatSelection();

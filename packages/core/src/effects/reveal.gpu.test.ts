@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../camera/camera.ts';
 import { translated4, type Vec3 } from '../math/mat4.ts';
@@ -15,7 +15,7 @@ const FROM: Vec3 = [0.3, -0.1, 0.2];
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device?.destroy());
 

@@ -1,4 +1,4 @@
-import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { ACCURACY_PRESETS, type AccuracySettings } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -22,7 +22,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
-  device = await createBlendingDevice();
+  device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
   view = engine.createView();
 });

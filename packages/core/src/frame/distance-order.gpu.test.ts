@@ -1,4 +1,4 @@
-import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -28,7 +28,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
-  device = await createBlendingDevice();
+  device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
   view = engine.createView();
 });

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -29,7 +29,7 @@ function cameraAt(position: [number, number, number]): Camera {
 let lacking: { readonly label: string; readonly how: 'throws' | 'reports' } | null = null;
 let device: GPUDevice;
 beforeAll(async () => {
-  device = thatMayLackMemory(await createTestDevice());
+  device = thatMayLackMemory(await shareTestDevice());
 });
 afterEach(() => {
   lacking = null;

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { PagePlan } from '../layout/structs.ts';
@@ -9,7 +9,7 @@ import { totalChunks } from './frame-pages.ts';
 
 describe('a frame', () => {
   gpuTest('plans the work of each page on the GPU, and lists the visible splats without gaps', async () => {
-    const device = await createTestDevice();
+    const device = await shareTestDevice();
     const dispatchRow = 3;
     const frame = await InspectedFrame.draw(device, {
       clouds: [

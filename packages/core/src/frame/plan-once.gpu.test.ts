@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -63,7 +63,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   engine = await SplatEngine.create({ device });
 });
 afterAll(() => {

@@ -1,4 +1,4 @@
-import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { AccuracySettings, ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../camera/camera.ts';
@@ -21,7 +21,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
-  device = await createBlendingDevice();
+  device = await shareBlendingDevice();
   engine = await SplatEngine.create({
     device,
     accuracy: { preset: 'reference', rasterizer: 'tiles' },

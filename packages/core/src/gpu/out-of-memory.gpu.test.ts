@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
@@ -24,7 +24,7 @@ const MORE = randomSplats({ count: 700, seed: 2, shDegree: 1 });
 
 let failing: FailingDevice;
 beforeAll(async () => {
-  failing = failingDevice(await createTestDevice());
+  failing = failingDevice(await shareTestDevice());
 });
 afterAll(() => failing?.device.destroy());
 

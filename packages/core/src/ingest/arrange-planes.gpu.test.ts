@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { PageRange, Plane } from '../clouds/cloud-planes.ts';
@@ -30,7 +30,7 @@ const WORK_BYTES_PER_SPLAT = 12;
 let device: GPUDevice;
 let pipelines: Pipelines;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
 afterAll(() => device.destroy());

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -24,7 +24,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   engine = await SplatEngine.create({ device, ingestMinRows: 1 });
   view = engine.createView();
 });

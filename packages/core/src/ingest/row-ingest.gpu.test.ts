@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
@@ -27,7 +27,7 @@ let device: GPUDevice;
 let small: SplatEngine;
 let large: SplatEngine;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   const bytes = 180 * 512;
   const limited = readableDevice(device, { maxStorageBufferBindingSize: bytes });
   small = await SplatEngine.create({ device: limited, ingestMinRows: 1, maxWorkgroupsPerDimension: 2 });

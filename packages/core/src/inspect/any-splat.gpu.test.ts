@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, expect } from 'vitest';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
@@ -12,7 +12,7 @@ import { InspectedFrame } from './inspected-frame.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

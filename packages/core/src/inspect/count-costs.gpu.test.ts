@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
 import { orthographicCamera } from '../camera/camera.ts';
@@ -27,7 +27,7 @@ const accuracy = resolveAccuracy('reference');
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
+import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { STILL_LIFE_MIN_SPLATS, stillLife, stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
@@ -33,8 +32,8 @@ let clouds: CloudInstance[];
 let common: { clouds: CloudInstance[]; cameras: ReturnType<typeof perspectiveCamera>[] } & typeof SIZE;
 
 beforeAll(async () => {
-  const { gpu, adapter } = await createNodeGpu();
-  engine = await SplatEngine.create({ gpu, adapter, accuracy: 'reference' });
+  const adapter = await sharedTestGpu.requestAdapter();
+  engine = await SplatEngine.create({ adapter, accuracy: 'reference' });
   watchDevice(engine.device);
   clouds = [{ cloud: engine.add(stillLife({ splats: SPLATS }), { name: 'still life' }) }];
   const camera = perspectiveCamera({ ...stillLifeCameras[0], aspect: 1 });

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { tint } from '../effects/index.ts';
@@ -15,7 +15,7 @@ let device: GPUDevice;
 let engine: SplatEngine;
 let frame: FrameRequest;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   engine = await SplatEngine.create({ device });
   const clouds = [{ cloud: engine.add(SET), effects: [tint([1, 0.5, 0.5])] }];
   frame = { camera: CAMERA, clouds, widthPx: 16, heightPx: 16 };

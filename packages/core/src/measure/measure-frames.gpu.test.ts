@@ -1,5 +1,5 @@
 import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
@@ -22,7 +22,7 @@ let engine: SplatEngine;
 beforeAll(async () => {
   const { adapter } = await createNodeGpu();
   const offered = (['timestamp-query'] as const).filter((feature) => adapter.features.has(feature));
-  device = await createTestDevice({ requiredFeatures: offered });
+  device = await shareTestDevice({ requiredFeatures: offered });
   engine = await SplatEngine.create({ device });
 });
 afterAll(() => {
@@ -100,7 +100,7 @@ describe('measureFrames', () => {
   );
 
   gpuTest('without timestamps it knows the wall clock only', async () => {
-    const plain = await createTestDevice();
+    const plain = await shareTestDevice();
     const plainEngine = await SplatEngine.create({ device: plain });
     const measured = await measureFrames(plainEngine, {
       ...optionsFor(plainEngine),

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, onTestFinished } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -22,7 +22,7 @@ const TIMED_ROUNDS = 4;
 const shaderTexts = new Set<string>();
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   const createShaderModule = device.createShaderModule.bind(device);
   device.createShaderModule = (descriptor) => {
     shaderTexts.add(descriptor.code);

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -12,7 +12,7 @@ import { dispatchSize } from './dispatch.ts';
 
 describe('compact-chunks', () => {
   gpuTest('lists the visible chunks in storage order', async () => {
-    const device = await createTestDevice();
+    const device = await shareTestDevice();
     const pipelines = new Pipelines(device);
     for (const chunkCount of [1, 63, 64, 65, 1000]) {
       for (const visiblePart of [0, 0.3, 1]) {

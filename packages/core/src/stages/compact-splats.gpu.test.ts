@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -12,7 +12,7 @@ import { dispatchSize } from './dispatch.ts';
 
 describe('compact-splats', () => {
   gpuTest('lists the visible splats in storage order, as many as there is room for', async () => {
-    const device = await createTestDevice();
+    const device = await shareTestDevice();
     const pipelines = new Pipelines(device);
     for (const [slots, chunkCount, room] of [
       [0, 3, 0],

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -13,7 +13,7 @@ let device: GPUDevice;
 let context: { device: GPUDevice; pipelines: Pipelines; memory: GpuMemory };
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   context = { device, pipelines: new Pipelines(device), memory: new GpuMemory(device) };
 });
 afterAll(() => device?.destroy());

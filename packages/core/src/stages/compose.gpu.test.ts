@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { type DepthConvention, depthMapping, storedDepth } from '../camera/depth-convention.ts';
@@ -15,7 +15,7 @@ import type { RasterizeDepth } from './rasterize.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
@@ -11,7 +11,7 @@ import { composite, compositeState } from './composite.ts';
 describe('composite', () => {
   for (const format of ['rgba32float', 'rgba8unorm'] as const) {
     gpuTest(`composites a layer over the background, into ${format}`, async () => {
-      const device = await createTestDevice();
+      const device = await shareTestDevice();
       const pipelines = new Pipelines(device);
       const state = compositeState(format);
       await pipelines.prepare([[composite, state]]);

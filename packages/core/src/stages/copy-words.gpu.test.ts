@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -7,7 +7,7 @@ import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import { COPY_WORKGROUP, copyWords } from './copy-words.ts';
 
 gpuTest('copy-words copies every word and none beyond', async () => {
-  const device = await createTestDevice();
+  const device = await shareTestDevice();
   const pipelines = new Pipelines(device);
   for (const count of [4, 4 * COPY_WORKGROUP, 4 * COPY_WORKGROUP + 4, 50_000]) {
     const words = Uint32Array.from({ length: count }, (_, i) => Math.imul(i + 1, 0x9e3779b1));

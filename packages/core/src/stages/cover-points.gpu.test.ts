@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Camera, orthographicCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -25,7 +25,7 @@ let memory: GpuMemory;
 const counting = { readbacks: 0 };
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
   memory = new GpuMemory(device);
 });
@@ -158,7 +158,7 @@ describe('cover-points', () => {
 
 describe('coverage of a view', () => {
   gpuTest('names what is wrong with its points', async () => {
-    const engine = await SplatEngine.create({ device: await createTestDevice() });
+    const engine = await SplatEngine.create({ device: await shareTestDevice() });
     const view = engine.createEmbeddedView();
     const point: Vec3 = [0, 0, 0];
     expect(await view.coverage([{ point }])).toBeNull();

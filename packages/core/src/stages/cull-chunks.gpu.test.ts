@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { Chunk } from '../layout/structs.ts';
@@ -14,7 +14,7 @@ const KEPT_BEYOND = 1.2e-5;
 
 describe('cull-chunks', () => {
   gpuTest('keeps every chunk that the twin keeps, and none that it clearly drops', async () => {
-    const device = await createTestDevice();
+    const device = await shareTestDevice();
     let dropped = 0;
     for (const [cameraName, camera] of Object.entries(testCameras(1.5))) {
       for (const [modelName, modelMatrix] of Object.entries(TEST_MODELS)) {

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { compareCulling } from '../inspect/compare-culling.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
@@ -7,7 +7,7 @@ import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

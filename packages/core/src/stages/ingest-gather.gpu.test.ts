@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -13,7 +13,7 @@ const WIDTH = 3;
 const DISPATCH_ROW = 2;
 
 gpuTest('ingest-gather takes any word of the splats of a list, page by page', async () => {
-  const device = await createTestDevice();
+  const device = await shareTestDevice();
   const pipelines = new Pipelines(device);
   const plane = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
   // A splat may be missing, or there twice.

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -15,7 +15,7 @@ const DISPATCH_ROW = 2;
 const PAGE_START = 256;
 
 gpuTest('ingest-scatter writes one word of all splats of a page, and nothing else', async () => {
-  const device = await createTestDevice();
+  const device = await shareTestDevice();
   const before = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
   const words = Uint32Array.from({ length: PAGE_START + SPLATS }, (_, i) => Math.imul(i, 0x85ebca6b));
   const contents = PermuteParameters.pack({

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -22,7 +22,7 @@ const FIRST_SLOT = 512;
 let device: GPUDevice;
 let pipelines: Pipelines;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
 afterAll(() => device.destroy());

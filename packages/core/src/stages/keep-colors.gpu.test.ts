@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -15,7 +15,7 @@ import { keepColors } from './keep-colors.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

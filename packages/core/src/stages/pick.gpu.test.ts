@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { type Camera, orthographicCamera } from '../camera/camera.ts';
@@ -26,7 +26,7 @@ let memory: GpuMemory;
 const counting = { readbacks: 0 };
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
   memory = new GpuMemory(device);
   await pipelines.prepare([pickStage('f32'), pickStage('f16'), pickStage('paper')]);

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -13,7 +13,7 @@ let device: GPUDevice;
 let pipelines: Pipelines;
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
   await pipelines.prepare(prefixScanStages);
 });

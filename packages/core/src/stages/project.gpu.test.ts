@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
@@ -17,7 +17,7 @@ import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

@@ -1,5 +1,5 @@
 import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { beforeAll, describe, expect } from 'vitest';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -209,7 +209,7 @@ describe('radix sort', () => {
 
   gpuTest('every shape compiles on a device with as little workgroup memory as it was made for', async () => {
     for (const maxComputeWorkgroupStorageSize of sortLimitsOf(device)) {
-      const small = await createTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize } });
+      const small = await shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize } });
       for (const shape of [
         ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize)),
         ...PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, maxComputeWorkgroupStorageSize)),

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines, type RenderState } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
@@ -21,7 +21,7 @@ const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null
 const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
   await pipelines.prepare([[stage, state]]);
 });

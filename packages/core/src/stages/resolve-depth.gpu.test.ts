@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { DepthConvention } from '../camera/depth-convention.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -12,7 +12,7 @@ import { resolveDepth, resolveDepthState } from './resolve-depth.ts';
 
 let device: GPUDevice;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
 });
 afterAll(() => device.destroy());
 

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Extent, RecordPrecision } from '../accuracy/accuracy.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -35,7 +35,7 @@ const HUGE: DrawnSplat = {
 let device: GPUDevice;
 let pipelines: Pipelines;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
 afterAll(() => device.destroy());

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { RecordPrecision, SizePx } from '../accuracy/accuracy.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
@@ -27,7 +27,7 @@ const UNWRITTEN = 0xffffffff;
 let device: GPUDevice;
 let pipelines: Pipelines;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
 afterAll(() => device.destroy());

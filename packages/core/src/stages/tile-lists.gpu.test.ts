@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { RecordPrecision } from '../accuracy/accuracy.ts';
@@ -35,7 +35,7 @@ const MARGIN = 1e-4;
 let device: GPUDevice;
 let pipelines: Pipelines;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
 afterAll(() => device.destroy());

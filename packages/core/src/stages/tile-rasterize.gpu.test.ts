@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { ColorTarget, RecordPrecision, SizePx } from '../accuracy/accuracy.ts';
 import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
@@ -28,7 +28,7 @@ const SIZE = { widthPx: 75, heightPx: 69 };
 let device: GPUDevice;
 let pipelines: Pipelines;
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
 afterAll(() => device.destroy());

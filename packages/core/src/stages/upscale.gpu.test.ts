@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
@@ -34,7 +34,7 @@ describe('upscale', () => {
     ],
   ]) {
     gpuTest(`${from.join('×')} to ${to.join('×')} px, with depths`, async () => {
-      const device = await createTestDevice();
+      const device = await shareTestDevice();
       const pipelines = new Pipelines(device);
       // Depths go into a second target, here of the same format, which can be read back.
       const state = { topology: 'triangle-list', targets: [{ format: FORMAT }, { format: FORMAT }] } as const;

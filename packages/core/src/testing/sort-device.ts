@@ -1,5 +1,5 @@
 import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice } from '@websplatter/node/gpu-test';
+import { shareTestDevice } from '@websplatter/node/gpu-test';
 import { ballotDeviceOf } from '../gpu/device.ts';
 import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../stages/sort-shape.ts';
 
@@ -10,7 +10,7 @@ export async function createSortDevice(): Promise<GPUDevice> {
   const requiredFeatures = (['subgroups', 'timestamp-query'] as const).filter((feature) =>
     adapter.features.has(feature),
   );
-  return createTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize }, requiredFeatures });
+  return shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize }, requiredFeatures });
 }
 
 /** `shape` with keys ranked by ballots, in blocks that suit `device`; null if it has no subgroups. */

@@ -1,5 +1,5 @@
 import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { frameStages } from '../frame/frame.ts';
@@ -18,7 +18,7 @@ let engine: SplatEngine;
 beforeAll(async () => {
   const { adapter } = await createNodeGpu();
   const offered = (['timestamp-query'] as const).filter((feature) => adapter.features.has(feature));
-  device = await createTestDevice({ requiredFeatures: offered });
+  device = await shareTestDevice({ requiredFeatures: offered });
   engine = await SplatEngine.create({ device });
 });
 afterAll(() => {

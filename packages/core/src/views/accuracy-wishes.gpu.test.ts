@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { gpuTest, watchDevice } from '@websplatter/node/gpu-test';
+import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -17,8 +16,8 @@ let engine: SplatEngine;
 let cloud: SplatCloud;
 
 beforeAll(async () => {
-  const { gpu, adapter } = await createNodeGpu();
-  engine = await SplatEngine.create({ gpu, adapter });
+  const adapter = await sharedTestGpu.requestAdapter();
+  engine = await SplatEngine.create({ adapter });
   watchDevice(engine.device);
   cloud = engine.add(randomSplats({ count: 300, shDegree: 1 }));
 });
@@ -131,8 +130,8 @@ describe('a view with a wish', () => {
   });
 
   gpuTest('ends quietly with its view, its cloud and its engine', async () => {
-    const { gpu, adapter } = await createNodeGpu();
-    const own = await SplatEngine.create({ gpu, adapter, accuracy: WISH });
+    const adapter = await sharedTestGpu.requestAdapter();
+    const own = await SplatEngine.create({ adapter, accuracy: WISH });
     const clouds = [own.add(randomSplats({ count: 50 })), own.add(randomSplats({ count: 60 }))];
     const views = clouds.map(() => own.createView());
     const started = views.map(

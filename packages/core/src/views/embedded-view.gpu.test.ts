@@ -1,5 +1,5 @@
 import { createNodeGpu } from '@websplatter/node';
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera, projectionOf } from '../camera/camera.ts';
@@ -37,7 +37,7 @@ let high: Partial<AccuracySettings> & { readonly preset: 'high' };
 
 /** Starts the device and the engine that the helpers below draw with. */
 async function start(rasterizer: AccuracySettings['rasterizer'], features: readonly GPUFeatureName[]) {
-  device = await createTestDevice({ requiredFeatures: [...features] });
+  device = await shareTestDevice({ requiredFeatures: [...features] });
   high = { preset: 'high', rasterizer };
   engine = await SplatEngine.create({ device, accuracy: high });
   cloud = engine.add(SET);

@@ -1,4 +1,4 @@
-import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { AccuracyPreset } from '../../accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../../camera/camera.ts';
@@ -40,7 +40,7 @@ let engine: SplatEngine;
 const passes: string[] = [];
 
 beforeAll(async () => {
-  device = await createTestDevice();
+  device = await shareTestDevice();
   const createEncoder = device.createCommandEncoder.bind(device);
   device.createCommandEncoder = (descriptor) => {
     const encoder = createEncoder(descriptor);

@@ -1,4 +1,4 @@
-import { createBlendingDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { type Camera, orthographicCamera, perspectiveCamera } from '../../camera/camera.ts';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
@@ -43,7 +43,7 @@ let device: GPUDevice;
 let reference: Float64Array;
 beforeAll(async () => {
   // Quads that blend 300 layers in halves may lose more than the tests allow.
-  device = await createBlendingDevice();
+  device = await shareBlendingDevice();
   reference = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...SIZE }).data;
 });
 afterAll(() => device?.destroy());
