@@ -2,7 +2,8 @@ import { launchFirefox } from '@websplatter/tools/firefox';
 import { PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Browser, Page } from 'puppeteer-core';
 import { consoleProblem } from './browser.ts';
-import { decodePng, type Screenshot } from './screenshot.ts';
+import { decodePng } from './png.ts';
+import type { Screenshot } from './screenshot.ts';
 import { firefox, lavapipe } from './second-webgpu.ts';
 
 /** A page in Firefox with its errors and warnings of WebGPU, of which a passing test must have none. */
@@ -66,6 +67,5 @@ export function adoptStyle(page: Page, css: string): Promise<void> {
 export async function screenshotOf(page: Page, selector: string): Promise<Screenshot> {
   const element = await page.$(selector);
   if (!element) throw new Error(`The page has no ${selector}.`);
-  const png = await element.screenshot({ encoding: 'base64' });
-  return decodePng(png, (decode, encoded) => page.evaluate(decode, encoded));
+  return decodePng(await element.screenshot());
 }

@@ -1,7 +1,8 @@
 import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { changedPart, decodePng, type Screenshot } from './screenshot.ts';
+import { decodePng } from './png.ts';
+import { changedPart, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
   drawnCamera,
@@ -87,10 +88,7 @@ describe('links of the viewer', () => {
     await page.getByTestId('save-picture').click();
     const download = await downloading;
     expect(download.suggestedFilename()).toBe('own.png');
-    const png = await readFile(await download.path());
-    const picture = await decodePng(png.toString('base64'), (decode, encoded) =>
-      page.evaluate(decode, encoded),
-    );
+    const picture = decodePng(await readFile(await download.path()));
     expect(changedPart(picture, alone)).toBe(0);
   });
 });
