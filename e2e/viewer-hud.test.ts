@@ -2,6 +2,8 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { CHEAP, frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
 
+/** What draws by few passes, each of which has a name. */
+const BY_QUADS = CHEAP.replace('rasterizer:tiles', 'rasterizer:quads');
 const harness = viewerHarness();
 const { openViewer } = harness;
 const SIZE = { width: 660, height: 490 };
@@ -63,7 +65,7 @@ describe('the figures of the viewer', () => {
   it('tell all that is known of the last frames, and neither render by React nor write each frame', async () => {
     const page = await harness.newPage({ viewport: SIZE });
     await page.addInitScript(countCommits);
-    await page.goto(`${harness.server.url}${CHEAP}`);
+    await page.goto(`${harness.server.url}${BY_QUADS}`);
     await waitForFrameAfter(page, 0);
     await makeLarge(page);
     await drag(page, 2);
