@@ -59,14 +59,15 @@ fn tileEmit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
 /// Writes the pairs `start` ≤ pair < `end`.
 fn emitRun(start: u32, end: u32) {
   if (start >= end) { return; }
-  let firstRank = rankOf(start, ends[0], ends[1]);
   let lastRank = ends[1];
-  for (var rank = firstRank; rank <= lastRank; rank++) {
-    let splatStart = pairsBefore(rank);
-    if (splatStart >= end) { break; }
+  var rank = rankOf(start, ends[0], lastRank);
+  loop {
     let splatEnd = min(end, endOfPairs(rank));
-    // Splats without pairs lie in between.
-    if (splatStart < splatEnd) { emitSplat(order[tilePlan.visibleCount - 1u - rank], splatStart, start, splatEnd); }
+    emitSplat(order[tilePlan.visibleCount - 1u - rank], pairsBefore(rank), start, splatEnd);
+    if (splatEnd >= end || rank >= lastRank) { break; }
+    rank++;
+    // Most splats have pairs, but many thousands without any may follow each other: near ones beside the image.
+    if (endOfPairs(rank) <= splatEnd) { rank = rankOf(splatEnd, rank, lastRank); }
   }
 }
 
