@@ -1,5 +1,5 @@
 import { useEffect, useRef, useState } from 'react';
-import { decideFiles } from './decide-files.ts';
+import { decide } from './decide.ts';
 import { droppedFiles, type FileDropDecision, READABLE_FORMATS } from './file-drop.ts';
 import { droppedHandles } from './file-handles.ts';
 
@@ -69,9 +69,9 @@ export function DropZone({
       const isAdded = aimOf(event) === 'add';
       setAim(null);
       const items = [...(event.dataTransfer?.items ?? [])];
-      Promise.all([droppedFiles(items), droppedHandles(items)]).then(
-        ([found, handles]) => latestOnDrop.current({ ...decideFiles(found), isAdded, handles }),
-        (error) => latestOnDrop.current({ opened: [], notice: `The folder cannot be read: ${error}` }),
+      Promise.all([droppedFiles(items).then(decide), droppedHandles(items)]).then(
+        ([decision, handles]) => latestOnDrop.current({ ...decision, isAdded, handles }),
+        (error) => latestOnDrop.current({ opened: [], notice: `That cannot be read: ${error}` }),
       );
     });
     return () => listeners.abort();

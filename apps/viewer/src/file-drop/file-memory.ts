@@ -1,8 +1,7 @@
 import { joinedNames } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { decideFiles } from './decide-files.ts';
 import type { FileDropDecision } from './file-drop.ts';
-import { type AskedHandle, filesOf } from './file-handles.ts';
+import type { AskedHandle } from './file-handles.ts';
 
 /** What is kept of the files of a scene from one load of the page to the next. */
 export interface KeptFile {
@@ -66,21 +65,7 @@ export class FileMemory {
   async reopen(): Promise<FileDropDecision | null> {
     const file = this.#offered;
     if (!file) return null;
-    try {
-      const found = await filesOf(file.handles);
-      if (found) return { ...decideFiles(found), handles: file.handles };
-      this.#store.setState({ notice: `The browser may not read ${file.name} without your permission.` });
-    } catch (error) {
-      this.#store.setState({
-        lastFile: null,
-        failure: {
-          title: `${file.name} cannot be opened again`,
-          message: error instanceof Error ? error.message : String(error),
-          advice: 'It may have been moved, renamed or removed. Open it from where it is now.',
-          isFault: false,
-        },
-      });
-    }
-    return null;
+    const { reopenFile } = await import('./reopen-file.ts');
+    return reopenFile(file.name, file.handles, this.#store);
   }
 }

@@ -1,6 +1,6 @@
 import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import { decideFiles } from '../file-drop/decide-files.ts';
+import { decide } from '../file-drop/decide.ts';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
@@ -162,11 +162,11 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           multiple
           hidden
           data-testid="file-input"
-          onChange={(event) => {
-            const decision = decideFiles(chosenFiles(event.target.files ?? []));
-            follow({ ...decision, isAdded: isAdding.current });
+          onChange={({ target }) => {
+            const isAdded = isAdding.current;
+            void decide(chosenFiles(target.files ?? [])).then((decision) => follow({ ...decision, isAdded }));
             // So that choosing the same file again is a change.
-            event.target.value = '';
+            target.value = '';
           }}
         />
         <DropZone canAdd={hasScene} onDrop={follow} />
@@ -188,5 +188,5 @@ async function chooseFiles(
   if (handles === null) input?.click();
   if (!handles?.length) return;
   const found = await filesOf(handles);
-  if (found) followDrop({ ...decideFiles(found), isAdded, handles }, store, viewer);
+  if (found) followDrop({ ...(await decide(found)), isAdded, handles }, store, viewer);
 }

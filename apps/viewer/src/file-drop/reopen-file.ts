@@ -1,0 +1,28 @@
+import type { ViewerStore } from '../state/store.ts';
+import { decideFiles } from './decide-files.ts';
+import type { FileDropDecision } from './file-drop.ts';
+import { type AskedHandle, filesOf } from './file-handles.ts';
+
+/** Reads the scene `name` that was opened before the page was loaded anew; null, and the reason in `store`, where that did not come about. */
+export async function reopenFile(
+  name: string,
+  handles: readonly AskedHandle[],
+  store: ViewerStore,
+): Promise<FileDropDecision | null> {
+  try {
+    const found = await filesOf(handles);
+    if (found) return { ...decideFiles(found), handles };
+    store.setState({ notice: `The browser may not read ${name} without your permission.` });
+  } catch (error) {
+    store.setState({
+      lastFile: null,
+      failure: {
+        title: `${name} cannot be opened again`,
+        message: error instanceof Error ? error.message : String(error),
+        advice: 'It may have been moved, renamed or removed. Open it from where it is now.',
+        isFault: false,
+      },
+    });
+  }
+  return null;
+}
