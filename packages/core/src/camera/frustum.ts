@@ -1,4 +1,5 @@
 import { stretchBound } from '../math/mat4.ts';
+import type { CameraBeside } from './beside.ts';
 import type { Projection } from './camera.ts';
 import type { CloudView } from './cloud-view.ts';
 
@@ -28,6 +29,7 @@ const MARGIN_PX = 0.5;
  *
  * @param alphaCutoff opacity at which a splat ends.
  * @param moved how far effects may move splats and how much they may enlarge them.
+ * @param beside cameras whose frusta are to be inside of the sides, too.
  */
 export function frustumSides(
   view: CloudView,
@@ -35,35 +37,41 @@ export function frustumSides(
   alphaCutoff: number,
   dilationPx2: number,
   moved: SplatReach = { displacement: 0, growth: 1 },
+  beside: readonly Pick<CameraBeside, 'offset' | 'projection'>[] = [],
 ): readonly FrustumSide[] {
-  const { isOrthographic, focalPx, edgesX, edgesY, clampX, clampY, near, far } = projection;
+  const { isOrthographic, near, far } = projection;
+  const cameras: readonly Pick<CameraBeside, 'offset' | 'projection'>[] = [
+    { offset: [0, 0], projection },
+    ...beside,
+  ];
   const stretch = stretchBound(view.linear);
   // Reach of a splat of opacity 1, in standard deviations.
   const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every side is (x, y, z, w): the first four as multiples of x or y and of depth = −z.
-  const side = (
-    axis: 0 | 1,
-    edges: readonly [number, number],
-    clamp: readonly [number, number],
-    high: 0 | 1,
-  ) => {
-    const [low, top] = edges[0] < edges[1] ? edges : [edges[1], edges[0]];
-    const margin = marginPx / Math.abs(focalPx[axis]);
-    const edge = high ? top + margin : low - margin;
-    const sign = high ? -1 : 1;
+  const side = (axis: 0 | 1, sign: -1 | 1) => {
+    /** Of each camera, what a splat's x or y is at least, times `sign`: `from`, and `slope` per unit of depth. */
+    const bounds = cameras.map(({ offset, projection: { focalPx, edgesX, edgesY, clampX, clampY } }) => {
+      const edges = axis === 0 ? edgesX : edgesY;
+      const slope = Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
+      return { from: sign * offset[axis], slope, clamp: axis === 0 ? clampX : clampY };
+    });
+    const slope = Math.min(...bounds.map((bound) => bound.slope));
+    // The side with the least slope begins at near; without perspective no slope depends on the depth.
+    const at = isOrthographic ? 1 : near;
+    const from = Math.min(...bounds.map((bound) => bound.from + at * (bound.slope - slope)));
+    const steepest = isOrthographic ? 0 : Math.max(...bounds.flatMap(({ clamp }) => clamp.map(Math.abs)));
     const normal: [number, number, number] = [0, 0, 0];
     normal[axis] = sign;
-    if (!isOrthographic) normal[2] = sign * edge;
-    const steepest = isOrthographic ? 0 : Math.max(Math.abs(clamp[0]), Math.abs(clamp[1]));
+    if (!isOrthographic) normal[2] = slope;
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
-    return toCloudSpace(view, normal, isOrthographic ? -sign * edge : 0, reach);
+    return toCloudSpace(view, normal, isOrthographic ? -from - slope : -from, reach);
   };
   const sides: FrustumSide[] = [
-    side(0, edgesX, clampX, 0),
-    side(0, edgesX, clampX, 1),
-    side(1, edgesY, clampY, 0),
-    side(1, edgesY, clampY, 1),
+    side(0, 1),
+    side(0, -1),
+    side(1, 1),
+    side(1, -1),
     toCloudSpace(view, [0, 0, -1], -near, 0),
     // For an infinite view everything is inside.
     far === Number.POSITIVE_INFINITY

@@ -6,14 +6,9 @@ import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
 /** Buffers that one part holds and stages of other parts bind, by their names in those stages. */
-export interface SharedBuffers {
+export interface SharedBuffers extends CullingBuffers {
   readonly view: GPUBuffer;
   readonly pageUniforms: GPUBuffer;
-  readonly pagePlans: GPUBuffer;
-  readonly depthRange: GPUBuffer;
-  readonly slotCount: GPUBuffer;
-  readonly projectDispatches: GPUBuffer;
-  readonly visibleSplats: GPUBuffer;
   readonly records: GPUBuffer;
   /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
@@ -32,6 +27,22 @@ export interface SharedBuffers {
   readonly sortedRecords: GPUBuffer;
 }
 
+/** Those that finding the visible splats takes, which views that take their order find there. */
+interface CullingBuffers {
+  readonly cullParameters: GPUBuffer;
+  readonly chunkCount: GPUBuffer;
+  readonly chunkOffsets: GPUBuffer;
+  readonly visibleChunks: GPUBuffer;
+  readonly slotCount: GPUBuffer;
+  readonly visibilityMasks: GPUBuffer;
+  readonly splatOffsets: GPUBuffer;
+  readonly pagePlans: GPUBuffer;
+  readonly depthRange: GPUBuffer;
+  readonly cullDispatches: GPUBuffer;
+  readonly projectDispatches: GPUBuffer;
+  readonly visibleSplats: GPUBuffer;
+}
+
 /** Textures that splats are blended in, or that blended splats are enlarged into. */
 export interface LayerTextures {
   /** Premultiplied RGBA in the space that splats are blended in. */
@@ -42,7 +53,8 @@ export interface LayerTextures {
 
 /** GPU memory that parts share. Each part publishes its own in `commit`, and reads other parts' in `bind` and `record`. */
 export class SharedMemory {
-  readonly buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
+  /** A new object whenever one of them is replaced. */
+  buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
   /** One `HostDepth`, for shapes with depth. */
   hostDepth: GPUBuffer | null = null;
   /** One `HostViewport`, for frames inside another renderer's frame. */

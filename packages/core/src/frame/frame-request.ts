@@ -46,6 +46,17 @@ export interface FrameRequest {
   readonly force?: boolean;
 }
 
+/** @throws InvalidArgumentError */
+function checkCamera(camera: Camera): void {
+  for (const name of ['viewMatrix', 'projectionMatrix', 'wholeProjectionMatrix'] as const) {
+    const isLeftOut = name === 'wholeProjectionMatrix' && camera[name] === undefined;
+    if (!isLeftOut && !isMatrix(camera?.[name])) {
+      throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
+    }
+  }
+  checkDepths(camera.near, camera.far);
+}
+
 function isMatrix(values: ArrayLike<number> | undefined): boolean {
   return values?.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
@@ -54,7 +65,10 @@ function isMatrix(values: ArrayLike<number> | undefined): boolean {
  * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud, GpuLimitError
  *   for one that found no memory.
  */
-export function checkRequest(request: FrameRequest, device: GPUDevice): void {
+export function checkRequest(
+  request: FrameRequest & { readonly beside?: readonly Camera[] },
+  device: GPUDevice,
+): void {
   const { camera, clouds, widthPx, heightPx, background = [0, 0, 0], sortBy = 'auto' } = request ?? {};
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
@@ -62,13 +76,7 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
       `The image size is ${shown(widthPx)}×${shown(heightPx)}; use whole numbers of pixels.`,
     );
   }
-  for (const name of ['viewMatrix', 'projectionMatrix', 'wholeProjectionMatrix'] as const) {
-    const isLeftOut = name === 'wholeProjectionMatrix' && camera[name] === undefined;
-    if (!isLeftOut && !isMatrix(camera?.[name])) {
-      throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
-    }
-  }
-  checkDepths(camera.near, camera.far);
+  for (const each of [camera, ...(request.beside ?? [])]) checkCamera(each);
   if (!SORTED_BY.includes(sortBy)) {
     throw invalidOption('sortBy', sortBy, SORTED_BY.join(' or '));
   }

@@ -13,7 +13,7 @@ import {
   type QuadsSample,
   SharedMemory,
 } from './frame-part.ts';
-import type { FramePlan } from './frame-plan.ts';
+import type { FramePlan, LentOrder } from './frame-plan.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 import { Compose } from './parts/compose.ts';
 import { Composite } from './parts/composite.ts';
@@ -62,12 +62,14 @@ export class FrameParts {
   readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
+  /** The order of the last frame, if that has found it for views from beside, too. */
+  lentOrder: LentOrder | null = null;
   readonly #memory: GpuMemory;
   readonly #device: GPUDevice;
   readonly #ordering: readonly FramePart<OrderRecording>[];
   readonly #drawing: readonly FramePart<DrawRecording>[];
   readonly #parts: readonly FramePart<never>[];
-  #shape: FrameShape | null = null;
+  #plan: FramePlan | null = null;
   #isDestroyed = false;
 
   /** @param context what the parts of a view need from it. */
@@ -96,17 +98,12 @@ export class FrameParts {
 
   /** Shape of the last frame that room was made for; null before the first. */
   get shape(): FrameShape | null {
-    return this.#shape;
+    return this.#plan?.shape ?? null;
   }
 
   /** Pages of the clouds of `shape`. */
   get pages(): readonly FramePage[] {
-    return this.#shape ? pagesOf(this.#shape) : [];
-  }
-
-  /** Buffers that stages share or that are compared with twins, by name. */
-  get buffers() {
-    return { ...this.shared.buffers, ...this.preprocess.buffers };
+    return this.shape ? pagesOf(this.shape) : [];
   }
 
   /**
@@ -124,25 +121,33 @@ export class FrameParts {
       if (change) changes.push(change);
     }
     const isReplaced = changes.length > 0;
+    if (isReplaced) {
+      this.lentOrder = null;
+      // What has been lent stays as it was.
+      this.shared.buffers = { ...this.shared.buffers };
+    }
     try {
       this.#keepColors(plan);
       // The old memory is freed before the new is made: both together would be the most that a view ever holds.
       for (const change of changes) change.free();
       for (const change of changes) change.make();
-      if (isReplaced || shape !== this.#shape) for (const part of this.#parts) part.bind?.(shape);
+      if (isReplaced || shape !== this.shape) for (const part of this.#parts) part.bind?.(shape);
     } catch (error) {
       this.destroy();
       throw error;
     }
-    this.#shape = shape;
+    this.#plan = plan;
     for (const part of this.#parts) part.write?.(plan);
     return isReplaced;
   }
 
   /** Records finding and sorting the visible splats. */
   recordOrder(encoder: GPUCommandEncoder, timer: GpuTimer, isColorsOnly: boolean): void {
-    const recording = { encoder, timer, shape: this.#shape!, isColorsOnly };
+    const plan = this.#plan!;
+    const recording = { encoder, timer, shape: plan.shape, isColorsOnly };
     for (const part of this.#ordering) part.record(recording);
+    if (!isColorsOnly)
+      this.lentOrder = plan.shape.order === 'lent' ? { plan, buffers: this.shared.buffers } : null;
   }
 
   /** Records drawing the visible splats to `destination`. @throws GpuLimitError before it records anything. */
@@ -152,7 +157,7 @@ export class FrameParts {
     destination: Destination,
     sample: QuadsSample | null = null,
   ): void {
-    const shape = this.#shape!;
+    const shape = this.shape!;
     if (destination.kind === 'host') this.compose.fitHost(shape, destination.pass);
     const recording = { encoder, timer, shape, destination, sample };
     for (const part of this.#drawing) {
@@ -164,20 +169,22 @@ export class FrameParts {
 
   /** Records drawing the last image over another background. */
   recordBackground(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
-    this.composite.record({ encoder, timer, shape: this.#shape!, destination, sample: null });
+    this.composite.record({ encoder, timer, shape: this.shape!, destination, sample: null });
   }
 
   destroy(): void {
     this.#isDestroyed = true;
+    this.lentOrder = null;
     this.#memory.destroyAll();
   }
 
   /** Takes colours from the records of the last frame, before they are replaced or overwritten. */
   #keepColors(plan: FramePlan): void {
     const pages = this.keptColors.keep(plan);
-    if (!this.#shape || pages.length === 0) return;
+    const { shape } = this;
+    if (!shape || pages.length === 0) return;
     const encoder = this.#device.createCommandEncoder({ label: 'websplatter keep colors' });
-    this.keptColors.record(encoder, this.#shape, pages);
+    this.keptColors.record(encoder, shape, pages);
     this.#device.queue.submit([encoder.finish()]);
   }
 }

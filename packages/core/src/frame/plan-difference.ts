@@ -1,19 +1,56 @@
+import type { CameraBeside } from '../camera/beside.ts';
+import type { Camera } from '../camera/camera.ts';
 import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
-import type { FramePlan } from './frame-plan.ts';
+import { type FramePlan, withShape } from './frame-plan.ts';
+import { isSameList } from './frame-shape.ts';
 
 /** Whether both frames show the same splats in the same places and the same order, whichever rasteriser draws them. */
 export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
   return (
+    a.taken === b.taken &&
+    isSameCamera(a.camera, b.camera) &&
+    isSameList(a.beside, b.beside, isSameBeside) &&
+    showsSameSplats(a, b)
+  );
+}
+
+/** Whether cameras see the same, at the same size. */
+function isSameCamera(a: Camera, b: Camera): boolean {
+  return (
+    isSameNumber(a.near, b.near) &&
+    isSameNumber(a.far, b.far) &&
+    isSameNumbers(a.viewMatrix, b.viewMatrix) &&
+    isSameNumbers(a.projectionMatrix, b.projectionMatrix) &&
+    isSameNumbers(wholeOf(a), wholeOf(b))
+  );
+}
+
+function isSameBeside(a: CameraBeside, b: CameraBeside): boolean {
+  return isSameCamera(a.camera, b.camera);
+}
+
+/**
+ * Returns `plan` with the order of the view that it asks for, if that has the same splats, in the order that is right for its camera.
+ * It has the shape of `last` if the two are equal.
+ */
+export function withTakenOrder(plan: FramePlan, last: FramePlan | null): FramePlan {
+  const taken = plan.request.orderOf?.lentOrder;
+  const isMeant = taken?.plan.beside.some(({ camera }) => isSameCamera(camera, plan.camera));
+  if (!taken || !isMeant || !showsSameSplats(taken.plan, plan)) return plan;
+  const { visibleCapacity, keyBits } = taken.plan.shape;
+  return withShape(
+    { ...plan, taken, shape: { ...plan.shape, order: 'taken', visibleCapacity, keyBits } },
+    last,
+  );
+}
+
+function showsSameSplats(a: FramePlan, b: FramePlan): boolean {
+  return (
     a.request.widthPx === b.request.widthPx &&
     a.request.heightPx === b.request.heightPx &&
-    isSameNumber(a.camera.near, b.camera.near) &&
-    isSameNumber(a.camera.far, b.camera.far) &&
     a.shape.accuracy === b.shape.accuracy &&
     a.shape.sortsByDistance === b.shape.sortsByDistance &&
-    isSameNumbers(a.camera.viewMatrix, b.camera.viewMatrix) &&
-    isSameNumbers(a.camera.projectionMatrix, b.camera.projectionMatrix) &&
-    isSameNumbers(wholeOf(a), wholeOf(b)) &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];
@@ -77,8 +114,8 @@ function isSameValues(a: GpuValues<GpuFields> | null, b: GpuValues<GpuFields> | 
   });
 }
 
-function wholeOf({ camera }: FramePlan): ArrayLike<number> {
-  return camera.wholeProjectionMatrix ?? camera.projectionMatrix;
+function wholeOf({ wholeProjectionMatrix, projectionMatrix }: Camera): ArrayLike<number> {
+  return wholeProjectionMatrix ?? projectionMatrix;
 }
 
 function isSameNumbers(a: ArrayLike<number>, b: ArrayLike<number>): boolean {

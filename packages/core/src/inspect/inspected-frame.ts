@@ -8,6 +8,7 @@ import type { EffectUse } from '../effects/effect.ts';
 import { usesOf } from '../effects/effects.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
+import type { SharedBuffers } from '../frame/frame-part.ts';
 import { type FramePlan, planFrame } from '../frame/frame-plan.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
 import { hasNarrowSubgroups } from '../gpu/device.ts';
@@ -178,8 +179,8 @@ export class InspectedFrame {
   }
 
   /** Contents of one of the frame's buffers, read back once: no later frame changes the buffers. */
-  words(name: keyof FrameParts['buffers']): Promise<Uint32Array<ArrayBuffer>> {
-    const words = this.#words.get(name) ?? readWords(this.#device, this.parts.buffers[name]);
+  words(name: keyof SharedBuffers): Promise<Uint32Array<ArrayBuffer>> {
+    const words = this.#words.get(name) ?? readWords(this.#device, this.parts.shared.buffers[name]);
     this.#words.set(name, words);
     return words;
   }

@@ -4,11 +4,17 @@ import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../err
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination, QuadsSample } from '../frame/frame-part.ts';
-import { type FramePlan, planFrame, showsClouds, withKeptColors } from '../frame/frame-plan.ts';
+import {
+  type FramePlan,
+  type LentOrder,
+  planFrame,
+  showsClouds,
+  withKeptColors,
+} from '../frame/frame-plan.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
 import { canKeepColors } from '../frame/parts/kept-colors.ts';
-import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
+import { isSameColors, isSameOrder, withTakenOrder } from '../frame/plan-difference.ts';
 import { RecentNeeds } from '../frame/recent-needs.ts';
 import type { BallotDevice } from '../gpu/device.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
@@ -89,6 +95,8 @@ export abstract class ViewCore {
    * has called `onReady`, for its host to prepare the frame again.
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
+  /** @internal Whether the device has not yet said if it had memory for the last frames. */
+  isChecking = false;
   protected readonly context: ViewContext;
   protected parts: FrameParts;
   protected timer: GpuTimer;
@@ -109,7 +117,6 @@ export abstract class ViewCore {
   #asked: FramePlan | null = null;
   /** Settles when the device has said whether it had memory for the last frames; rejects if not. */
   #checking: Promise<void> = Promise.resolve();
-  #isChecking = false;
   #newestCheck = 0;
   /** The last frame for which there was memory, and the one before: to divide a frame takes memory, too. */
   #sound: FramePlan | null = null;
@@ -203,6 +210,9 @@ export abstract class ViewCore {
   ): Promise<Found | null> {
     const { pipelines } = this.context;
     while (this.#prepared && !this.#isDestroyed) {
+      const { taken, request } = this.#prepared;
+      // The other view has found another order since: what this one has drawn can no longer be told.
+      if (taken && taken !== request.orderOf?.lentOrder) return null;
       const stage = stageOf(this.#prepared);
       if (pipelines.areReady([stage])) return find(this.#prepared, stage);
       // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
@@ -267,6 +277,11 @@ export abstract class ViewCore {
   /** @internal GPU memory of the view. */
   get memory(): GpuMemoryReport {
     return this.context.memory.report();
+  }
+
+  /** @internal The order of the last frame, if that has found it for views from beside, too. */
+  get lentOrder(): LentOrder | null {
+    return this.parts.lentOrder;
   }
 
   /** @internal Shape of the last frame; null before the first. */
@@ -415,7 +430,8 @@ export abstract class ViewCore {
     let checked: Promise<void> | null;
     try {
       // A frame in memory that is still being checked may be as invalid as that.
-      ({ checked } = this.context.memory.guard('A frame', advice, work, this.#isChecking));
+      const isUnsure = this.isChecking || (!!plan.taken && plan.request.orderOf!.isChecking);
+      ({ checked } = this.context.memory.guard('A frame', advice, work, isUnsure));
     } catch (error) {
       if (parts.isDestroyed) {
         void this.#restore(this.#takeLack(error as Error, plan));
@@ -428,10 +444,10 @@ export abstract class ViewCore {
       return null;
     }
     const check = ++this.#newestCheck;
-    this.#isChecking = true;
+    this.isChecking = true;
     const checking: Promise<void> = checked.then(
       () => {
-        if (check === this.#newestCheck) this.#isChecking = false;
+        if (check === this.#newestCheck) this.isChecking = false;
         if (parts === this.parts) this.#takeSound(plan);
       },
       (error: Error) => this.giveUp(error, plan, parts, checking),
@@ -542,7 +558,7 @@ export abstract class ViewCore {
     this.free();
     this.parts = this.#newParts();
     this.timer = this.#newTimer();
-    this.#isChecking = false;
+    this.isChecking = false;
     this.#sound = this.#soundBefore = null;
     this.#prepared = null;
     this.#needs = new RecentNeeds();
@@ -577,7 +593,7 @@ export abstract class ViewCore {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const read = () => this.timer.read(++this.#frameNumber, totalSplats, submittedMs);
     // What is read may turn out not to exist.
-    const statistics = await this.context.memory.guard('A frame', '', read, this.#isChecking).result;
+    const statistics = await this.context.memory.guard('A frame', '', read, this.isChecking).result;
     if (!statistics || this.#isDestroyed || !this.#prepared) return null;
     this.#learn(statistics);
     this.context.onMeasured();
@@ -634,7 +650,7 @@ export abstract class ViewCore {
     depth: RasterizeDepth | null,
     faster = depth?.layerFormat ? this.#choice.forDepth : this.#choice.rasterizer,
   ): FramePlan {
-    return planFrame(request, {
+    const plan = planFrame(request, {
       accuracy,
       depth,
       faster,
@@ -647,6 +663,7 @@ export abstract class ViewCore {
       last: this.#prepared,
       recent: this.#needs.value,
     });
+    return withTakenOrder(plan, this.#prepared);
   }
 
   /** While the shaders of the other rasteriser compile, the one of the last frame goes on. */

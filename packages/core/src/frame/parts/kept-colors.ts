@@ -219,6 +219,8 @@ export class KeptColors {
 /** Whether a cloud has view-dependent colours that only the viewpoint changes. */
 export function canKeepColors({ clouds, shape }: FramePlan, cloudIndex: number): boolean {
   const { shDegree, effects } = shape.clouds[cloudIndex];
+  // Another view replaces the list of visible splats, which tells whose colour a record has.
+  if (shape.order === 'taken') return false;
   if (shDegree === 0 || clouds[cloudIndex].reach.displacement > 0) return false;
   // This package's effects keep a splat's base colour; callers' effects might not.
   if (effects.effects.some((effect) => effect.hooks.splat && !CLOUD_EFFECTS.includes(effect))) return false;

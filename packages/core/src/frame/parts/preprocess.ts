@@ -28,7 +28,7 @@ import {
   type SharedBuffers,
   useCompute,
 } from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
+import type { FramePlan, LentOrder } from '../frame-plan.ts';
 import { type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
 import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 
@@ -59,29 +59,24 @@ function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: numbe
     /** The visible splats in storage order. */
     visibleSplats: [4 * visibleCapacity, STORAGE],
     records: [record.bytes * Math.max(1, visibleCapacity), STORAGE],
-  } as const satisfies Readonly<Record<string, readonly [bytes: number, usage: GPUBufferUsageFlags]>>;
+  } as const satisfies Partial<
+    Record<keyof SharedBuffers, readonly [bytes: number, usage: GPUBufferUsageFlags]>
+  >;
 }
 
 type BufferName = keyof ReturnType<typeof bufferTable>;
 type Buffers = Readonly<Record<BufferName, GPUBuffer>>;
 
-const SHARED = [
-  'view',
-  'pageUniforms',
-  'pagePlans',
-  'depthRange',
-  'slotCount',
-  'projectDispatches',
-  'visibleSplats',
-  'records',
-  'drawArguments',
-] as const satisfies readonly (BufferName & keyof SharedBuffers)[];
+/** What a frame has for itself that takes the order of another view; the rest is that view's. */
+const OWN: readonly BufferName[] = ['view', 'pageUniforms', 'drawArguments', 'records'];
 
 /** The part's memory for frames that have the same buffers. */
 interface Held {
   readonly buffers: Buffers;
-  readonly chunkScan: PrefixScan;
-  readonly splatScan: PrefixScan;
+  /** Null where the order of another view is taken. */
+  readonly scans: { readonly chunks: PrefixScan; readonly splats: PrefixScan } | null;
+  /** Buffers of that view. */
+  readonly taken: LentOrder['buffers'] | undefined;
   /** The shape that the buffers were made for. */
   readonly shape: FrameShape;
 }
@@ -104,8 +99,10 @@ const cloudStages = perShape((shape) =>
     const { accuracy, shortensKeys } = shape;
     // What their variants depend on has one name everywhere; the planes at hand may not be those of the settings.
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
+    // Splats are tested against one image; the frustum has those of all cameras that the order is found for.
+    const culling = shape.order === 'own' ? accuracy.culling : 'frustum';
     return {
-      cullSplats: cullSplats(variant),
+      cullSplats: cullSplats({ ...variant, culling }),
       project: project({
         ...variant,
         shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
@@ -147,18 +144,14 @@ export class Preprocess implements FramePart<OrderRecording> {
     return stagesOf(shape);
   }
 
-  /** The part's buffers by name, for comparisons with twins. */
-  get buffers(): Buffers {
-    return this.#held!.buffers;
-  }
-
   /** Bytes of one cloud's selection bits. */
   selectionBytes(cloudIndex: number): number {
     return this.#effects.selectionBytes(cloudIndex);
   }
 
-  fit({ shape }: FramePlan): PartChange | null {
-    if (this.#held && hasSameBuffers(this.#held.shape, shape)) return null;
+  fit({ shape, taken }: FramePlan): PartChange | null {
+    const held = this.#held;
+    if (held && hasSameBuffers(held.shape, shape) && held.taken === taken?.buffers) return null;
     const { shared } = this.#context;
     const pages = pagesOf(shape);
     // The largest buffer of a frame, besides the pairs', whose number is limited.
@@ -167,15 +160,15 @@ export class Preprocess implements FramePart<OrderRecording> {
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
-        this.#held = this.#make(shape, pages);
-        for (const name of SHARED) shared.buffers[name] = this.#held.buffers[name];
+        this.#held = this.#make(shape, pages, taken?.buffers);
+        Object.assign(shared.buffers, this.#held.buffers);
       },
     };
   }
 
   bind(shape: FrameShape): void {
     const { pipelines, shared } = this.#context;
-    const buffers = { ...shared.buffers, ...this.buffers };
+    const { buffers } = shared;
     this.#effects.fit(shape);
     const stages = cloudStages(shape);
     this.#groups = {
@@ -205,12 +198,13 @@ export class Preprocess implements FramePart<OrderRecording> {
 
   write(plan: FramePlan): void {
     const { queue } = this.#context.device;
-    queue.writeBuffer(this.buffers.view, 0, viewUniforms(plan));
+    const { view, pageUniforms } = this.#held!.buffers;
+    queue.writeBuffer(view, 0, viewUniforms(plan));
     const bytes = PAGE_STRIDE_BYTES * pagesOf(plan.shape).length;
     if (this.#pageContents.byteLength !== bytes) this.#pageContents = new ArrayBuffer(bytes);
     writePageUniforms(plan, this.#pageContents);
     // Deno 2.9 ends at a write of no bytes.
-    if (bytes > 0) queue.writeBuffer(this.buffers.pageUniforms, 0, this.#pageContents);
+    if (bytes > 0) queue.writeBuffer(pageUniforms, 0, this.#pageContents);
     this.#effects.write(plan);
   }
 
@@ -220,22 +214,27 @@ export class Preprocess implements FramePart<OrderRecording> {
       timestampWrites: timer.writes('preprocess'),
     });
     const pages = pagesOf(shape);
-    if (!isColorsOnly) this.#recordCulling(pass, shape, pages);
+    if (!isColorsOnly) {
+      this.#recordCulling(pass, shape, pages);
+      useCompute(pass, this.#context.pipelines, planProject, this.#groups!.planProject);
+      pass.dispatchWorkgroups(1);
+    }
     const stages = cloudStages(shape);
     let stage: StageDefinition | null = null;
     for (const [index, { cloudIndex, chunkCount }] of pages.entries()) {
       stage = this.#usePipeline(pass, stages[cloudIndex].project, stage);
       pass.setBindGroup(0, this.#groups!.pages[index].project);
-      const indirect = { buffer: this.buffers.projectDispatches, offset: 12 * index };
+      const indirect = { buffer: this.#held!.buffers.projectDispatches, offset: 12 * index };
       dispatchAtMost(pass, projectWorkgroups(chunkCount), shape.dispatchRow, indirect);
     }
     pass.end();
   }
 
-  /** Lists the visible splats in storage order. */
+  /** Lists the visible splats in storage order, unless another view has. */
   #recordCulling(pass: GPUComputePassEncoder, shape: FrameShape, pages: readonly FramePage[]): void {
     const { pipelines } = this.#context;
-    const { buffers, chunkScan, splatScan } = this.#held!;
+    const { buffers, scans } = this.#held!;
+    if (!scans) return;
     const groups = this.#groups!;
     const stages = cloudStages(shape);
     // At least one workgroup: Dawn warns about empty dispatches.
@@ -247,7 +246,7 @@ export class Preprocess implements FramePart<OrderRecording> {
       pass.setBindGroup(0, groups.pages[index].cullChunks);
       pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
     }
-    chunkScan.record(pass);
+    scans.chunks.record(pass);
     useCompute(pass, pipelines, compactChunks, groups.compactChunks);
     pass.dispatchWorkgroups(...chunkWorkgroups(totalChunks(pages)));
     useCompute(pass, pipelines, planCull, groups.planCull);
@@ -259,9 +258,7 @@ export class Preprocess implements FramePart<OrderRecording> {
       const indirect = { buffer: buffers.cullDispatches, offset: 12 * index };
       dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
     }
-    splatScan.record(pass);
-    useCompute(pass, pipelines, planProject, groups.planProject);
-    pass.dispatchWorkgroups(1);
+    scans.splats.record(pass);
     useCompute(pass, pipelines, compactSplats, groups.compactSplats);
     const indirect = { buffer: buffers.cullDispatches, offset: 12 * pages.length };
     dispatchAtMost(pass, totalChunks(pages), shape.dispatchRow, indirect);
@@ -277,7 +274,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     return stage;
   }
 
-  #make(shape: FrameShape, pages: readonly FramePage[]): Held {
+  #make(shape: FrameShape, pages: readonly FramePage[], taken: Held['taken']): Held {
     const { device, pipelines } = this.#context;
     const memory = this.#memory;
     const chunkCount = totalChunks(pages);
@@ -287,14 +284,20 @@ export class Preprocess implements FramePart<OrderRecording> {
       const options = { label, values, inputCount, maxCount: chunkCount, dispatchRow: shape.dispatchRow };
       return new PrefixScan(device, pipelines, memory, options);
     };
-    for (const [name, [bytes, usage]] of Object.entries(bufferTable(shape, pages.length, chunkCount))) {
+    const table = Object.entries(bufferTable(shape, pages.length, chunkCount));
+    for (const [key, [bytes, usage]] of table) {
+      const name = key as BufferName;
       const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-      buffers[name as BufferName] = memory.createBuffer(`frame ${name}`, bytes, flags);
+      const isTaken = taken && !OWN.includes(name);
+      buffers[name] = isTaken ? taken[name] : memory.createBuffer(`frame ${name}`, bytes, flags);
     }
-    const chunkScan = scan(buffers.chunkOffsets, buffers.chunkCount);
-    const splatScan = scan(buffers.splatOffsets, buffers.slotCount);
+    if (taken) return { buffers, scans: null, taken, shape };
+    const scans = {
+      chunks: scan(buffers.chunkOffsets, buffers.chunkCount),
+      splats: scan(buffers.splatOffsets, buffers.slotCount),
+    };
     writeConstants(device.queue, buffers, shape, pages);
-    return { buffers, chunkScan, splatScan, shape };
+    return { buffers, scans, taken, shape };
   }
 }
 
