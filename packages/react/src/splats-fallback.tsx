@@ -30,9 +30,7 @@ export class SplatsFallback extends Component<SplatsFallbackProps, { readonly er
       throw error;
     if (typeof fallback === 'function') return fallback(error);
     return fallback === undefined ? (
-      <p role="alert">
-        This 3D view cannot be shown here. Try a recent version of Chrome, Edge, Firefox or Safari.
-      </p>
+      <p role="alert">This 3D view cannot be shown here. Try a recent Chrome, Edge, Firefox or Safari.</p>
     ) : (
       fallback
     );

@@ -49,9 +49,7 @@ export async function createSplatRenderer({
     const renderer = new WebGPURenderer({ ...parameters, device: engine.device });
     await renderer.init();
     if (!hasWebGpuBackend(renderer)) {
-      throw new SplatsUnsupportedRendererError(
-        'three chose WebGL 2 despite its WebGPU device; the console says why.',
-      );
+      throw new SplatsUnsupportedRendererError('three fell back to WebGL 2; the console says why.');
     }
     attach(renderer, engine);
     return renderer;
@@ -117,6 +115,6 @@ function stateOf(renderer: object): RendererState {
     ? 'three’s WebGLRenderer'
     : 'another';
   throw new SplatsUnsupportedRendererError(
-    `Splats need a renderer of createSplatRenderer, in react-three-fiber that of a <SplatCanvas>; this one is ${found}.`,
+    `Splats need a renderer of createSplatRenderer, in react-three-fiber a <SplatCanvas>; this one is ${found}.`,
   );
 }

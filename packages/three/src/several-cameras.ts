@@ -1,4 +1,5 @@
 // What drawing with an ArrayCamera needs; few applications do.
+import type { EmbeddedView } from '@websplatter/core';
 import { cameraIndex, select } from 'three/tsl';
 import type { ArrayCamera, Mesh, Scene, WebGPURenderer } from 'three/webgpu';
 import { MOST_CAMERAS, openArrayPass as openOf } from './array-bridge.ts';
@@ -10,7 +11,10 @@ export interface ArrayLayer extends Mesh {
   reportDrawing(error: unknown): void;
 }
 
-/** As `openPass`, for the cameras of `camera`; `layer` can show an image for each from then on. */
+/**
+ * As `openPass`, for the cameras of `camera`; `layer` can show an image for each from then on. The first camera finds the order of
+ * splats for all that look the same way from beside it, such as both eyes.
+ */
 export function openArrayPass(
   renderer: WebGPURenderer,
   scene: Scene,
@@ -21,7 +25,16 @@ export function openArrayPass(
     const { material } = mesh as Mesh;
     if (material instanceof ViewportMaterial) makeImages(material, camera.cameras.length);
   }
-  return openOf(renderer, scene, camera, layer, (error) => layer.reportDrawing(error));
+  const pass = openOf(renderer, scene, camera, layer, (error) => layer.reportDrawing(error));
+  if (!pass) return null;
+  let first: EmbeddedView | null = null;
+  const sort: OpenPass['sort'] = (view, toEngine) => {
+    first ??= view;
+    if (view !== first) return { orderOf: first };
+    const isReversed = pass.depth?.compare === 'greater-equal';
+    return { beside: pass.parts.slice(1).map((part) => toEngine(part.camera, isReversed)) };
+  };
+  return { ...pass, sort };
 }
 
 /** Makes `material` show an image for each of `count` cameras. It keeps its shader for one camera until several draw. */

@@ -37,8 +37,7 @@ let openArrayPass: typeof import('./several-cameras.ts').openArrayPass | null = 
 
 /** Returns the layer with this order in the scene whose root is `root`, and adds one if there is none. */
 export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
-  const isIt = (child: Object3D) => child instanceof SplatLayer && child.renderOrder === renderOrder;
-  const found = root.children.find(isIt) as SplatLayer | undefined;
+  const found = layersIn(root).find((layer) => layer.renderOrder === renderOrder);
   const layer = found ?? new SplatLayer(renderOrder);
   if (!found) root.add(layer);
   return layer;
@@ -46,10 +45,11 @@ export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
 
 /** Returns the layers of the scene that `object` is in: that which is drawn last comes first. */
 export function layersAround(object: Object3D): SplatLayer[] {
-  const isLayer = (child: Object3D): child is SplatLayer => child instanceof SplatLayer;
-  return rootOf(object)
-    .children.filter(isLayer)
-    .sort((a, b) => b.renderOrder - a.renderOrder);
+  return layersIn(rootOf(object)).sort((a, b) => b.renderOrder - a.renderOrder);
+}
+
+function layersIn(root: Object3D): SplatLayer[] {
+  return root.children.filter((child) => child instanceof SplatLayer);
 }
 
 /** Returns the object at the top of the tree that `object` is in; `object` itself if it has no parent. */
@@ -206,6 +206,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
           hasOccluders: pass.hasOccluders,
           writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
           accuracy: accuracyOf(clouds.keys()),
+          ...pass.sort?.(embedded, engineCamera),
         });
       const prepare = (objects: readonly LayerCloud[]) => {
         const settings = planesFor(objects, engine);
