@@ -61,7 +61,8 @@ fn emitRun(start: u32, end: u32) {
   if (start >= end) { return; }
   let lastRank = ends[1];
   var rank = rankOf(start, ends[0], lastRank);
-  loop {
+  // Each splat has at least one of the pairs.
+  for (var splat = 0u; splat < TILE_EMIT_RUN; splat++) {
     let splatEnd = min(end, endOfPairs(rank));
     emitSplat(order[tilePlan.visibleCount - 1u - rank], pairsBefore(rank), start, splatEnd);
     if (splatEnd >= end || rank >= lastRank) { break; }
