@@ -1,8 +1,13 @@
+import { lateCode, NOT_FETCHED } from '../ui/late.tsx';
 import type { FileDropDecision } from './file-drop.ts';
 import type { FoundFile } from './found-file.ts';
 
-/** As `decideFiles`, whose code is loaded when somebody brings files. */
-export async function decide(found: readonly FoundFile[]): Promise<FileDropDecision> {
-  const { decideFiles } = await import('./decide-files.ts');
-  return decideFiles(found);
+const code = lateCode(() => import('./decide-files.ts'));
+
+/** As `decideFiles`, whose code the first picture does not wait for. */
+export function decide(found: readonly FoundFile[]): Promise<FileDropDecision> {
+  return code().then(
+    ({ decideFiles }) => decideFiles(found),
+    () => ({ opened: [], notice: NOT_FETCHED }),
+  );
 }

@@ -118,7 +118,7 @@ it('says so where a scene is shown coarser than it was wanted', async () => {
   Object.assign(scene.clouds[0].cloud, { fit });
   await startSession();
   await loaded(scene);
-  expect(store.getState().notice).toContain('shown with u8 harmonics');
+  await expect.poll(() => store.getState().notice).toContain('shown with u8 harmonics');
 });
 
 describe('After the device was lost', () => {

@@ -1,4 +1,4 @@
-import { isSoftwareAdapter, type SplatCloud, type SplatEngine } from '@websplatter/core';
+import { type CloudFit, isSoftwareAdapter, type SplatCloud, type SplatEngine } from '@websplatter/core';
 import type { Sphere } from '../camera/scene-bounds.ts';
 import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-camera.ts';
 import { joinedFailures, reportFailure } from '../messages/failure-report.ts';
@@ -15,7 +15,6 @@ import type { AddressedScene } from './addressed-scene.ts';
 import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
 import { droppedWarning } from './dropped-splats.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
-import { fitNotice } from './fit-notice.ts';
 import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import {
@@ -367,8 +366,7 @@ export class Scenes {
     if (previous?.session === session)
       this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
     this.#setNewest(scene);
-    for (const { cloud } of loaded.clouds)
-      if (cloud.fit) store.setState({ notice: fitNotice(titleOf(source), cloud.fit) });
+    for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
     if (loaded.isZUp && !joins) store.setState({ notice: Z_UP_NOTICE });
     if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source));
     onClouds();
@@ -507,6 +505,12 @@ export class Scenes {
   #tell({ notice, failure }: Pick<FirstSource, 'notice' | 'failure'>): void {
     if (notice !== null) this.#options.store.setState({ notice });
     if (failure !== null) this.#options.store.setState({ failure });
+  }
+
+  /** Says so of a cloud that is coarser than was wanted. Few are. */
+  async #tellFit(title: string, fit: CloudFit): Promise<void> {
+    const { fitNotice } = await import('./fit-notice.ts');
+    this.#options.store.setState({ notice: fitNotice(title, fit) });
   }
 
   #tellQueue(): void {
