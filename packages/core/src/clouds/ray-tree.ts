@@ -92,7 +92,7 @@ export class RayTree {
 
   /**
    * Returns where a ray in the cloud's own space meets splats: at the depth of those that contribute most to what is seen along
-   * it, as `pick` does. Splats that the ray begins inside of are left out. Takes some microseconds, and waits for nothing.
+   * it, as `pick` does. Splats that the ray begins inside of are left out. Waits for nothing.
    *
    * @param direction vector of any length but 0.
    * @returns null if all splats on the ray together have less than `minOpacity`, or the ray is not finite.
