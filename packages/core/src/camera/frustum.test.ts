@@ -4,13 +4,14 @@ import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { identity4 } from '../math/mat4.ts';
 import { chunkClearance, isChunkInFrustum } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
+import type { SplatSet } from '../splats/splat-set.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
 import { uniform } from '../testing/uniform.ts';
 import { besideOf } from './beside.ts';
-import { perspectiveCamera, projectionOf } from './camera.ts';
-import { cloudView } from './cloud-view.ts';
+import { type Projection, perspectiveCamera, projectionOf } from './camera.ts';
+import { type CloudView, cloudView } from './cloud-view.ts';
 import { frustumSides } from './frustum.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
@@ -19,6 +20,20 @@ const LOG_SCALES = [
   [-3, 2],
   [-3, -1],
 ] as const;
+
+/** Of each splat that is surely drawn, its index and the smallest chunk that holds it: itself. */
+function drawnChunks(set: SplatSet, view: CloudView, projection: Projection) {
+  // At near and far exactly, the rounding of the plane itself decides.
+  const surely = { ...projection, near: projection.near + 1e-9, far: projection.far * (1 - 1e-9) };
+  const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
+  return Array.from({ length: set.count }, (_, i) => i)
+    .filter((i) => cullSplat(set, i, view, surely, settings))
+    .map((i) => {
+      const position = set.positions.subarray(3 * i, 3 * i + 3);
+      const maxScale = Math.exp(Math.max(...set.logScales.subarray(3 * i, 3 * i + 3)));
+      return { i, chunk: { minPosition: position, maxPosition: position, maxScale } };
+    });
+}
 
 describe('frustumSides', () => {
   test('every drawn splat is in a chunk that passes, for any camera and model', () => {
@@ -29,25 +44,11 @@ describe('frustumSides', () => {
         // Large splats right in front of the camera are the hard case: their Jacobian is the steepest.
         const set = randomSplats({ count: 40, seed, shDegree: 0, logScales: LOG_SCALES[size] });
         const projection = projectionOf(camera, 64, 48);
-        // At near and far exactly, the rounding of the plane itself decides.
-        const surely = {
-          ...projection,
-          near: projection.near + 1e-9,
-          far: projection.far * (1 - 1e-9),
-        };
         const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);
         const planes = frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2);
-        for (let i = 0; i < set.count; i++) {
-          const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
-          if (!cullSplat(set, i, view, surely, settings)) continue;
+        for (const { i, chunk } of drawnChunks(set, view, projection)) {
           drawn++;
-          const position = set.positions.subarray(3 * i, 3 * i + 3);
-          // The smallest chunk that holds the splat: itself.
-          const maxScale = Math.exp(Math.max(...set.logScales.subarray(3 * i, 3 * i + 3)));
-          const clearance = chunkClearance(
-            { minPosition: position, maxPosition: position, maxScale },
-            planes,
-          );
+          const clearance = chunkClearance(chunk, planes);
           if (clearance < -1e-12) expect.fail(`splat ${i} is drawn; its chunk fails by ${clearance}`);
         }
       }),
@@ -74,15 +75,8 @@ describe('frustumSides', () => {
         const alone = frustumSides(view, own, ALPHA_CUTOFF, DILATION_PX2);
         const moved = { displacement: 0, growth: 1 };
         const sides = frustumSides(view, own, ALPHA_CUTOFF, DILATION_PX2, moved, [beside]);
-        const { near, far } = beside.projection;
-        const surely = { ...beside.projection, near: near + 1e-9, far: far * (1 - 1e-9) };
-        for (let i = 0; i < set.count; i++) {
-          const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
-          if (!cullSplat(set, i, viewBeside, surely, settings)) continue;
+        for (const { i, chunk } of drawnChunks(set, viewBeside, beside.projection)) {
           drawn++;
-          const position = set.positions.subarray(3 * i, 3 * i + 3);
-          const maxScale = Math.exp(Math.max(...set.logScales.subarray(3 * i, 3 * i + 3)));
-          const chunk = { minPosition: position, maxPosition: position, maxScale };
           const clearance = chunkClearance(chunk, sides);
           if (clearance < -1e-12) expect.fail(`splat ${i} is drawn; its chunk fails by ${clearance}`);
           if (!isChunkInFrustum(chunk, alone)) onlyBeside++;

@@ -49,18 +49,26 @@ export function frustumSides(
   const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every side is (x, y, z, w): the first four as multiples of x or y and of depth = −z.
+  /** Least x or y, times `sign`, per unit of depth. */
+  const slopeOf = ({ focalPx, edgesX, edgesY }: Projection, axis: 0 | 1, sign: -1 | 1) => {
+    const edges = axis === 0 ? edgesX : edgesY;
+    return Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
+  };
+  // Without lists: each cloud of a frame takes this.
   const side = (axis: 0 | 1, sign: -1 | 1) => {
-    /** Of each camera, what a splat's x or y is at least, times `sign`: `from`, and `slope` per unit of depth. */
-    const bounds = cameras.map(({ offset, projection: { focalPx, edgesX, edgesY, clampX, clampY } }) => {
-      const edges = axis === 0 ? edgesX : edgesY;
-      const slope = Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
-      return { from: sign * offset[axis], slope, clamp: axis === 0 ? clampX : clampY };
-    });
-    const slope = Math.min(...bounds.map((bound) => bound.slope));
+    let slope = Number.POSITIVE_INFINITY;
+    let steepest = 0;
+    for (const { projection: seen } of cameras) {
+      slope = Math.min(slope, slopeOf(seen, axis, sign));
+      const clamp = axis === 0 ? seen.clampX : seen.clampY;
+      steepest = Math.max(steepest, Math.abs(clamp[0]), Math.abs(clamp[1]));
+    }
+    if (isOrthographic) steepest = 0;
     // The side with the least slope begins at near; without perspective no slope depends on the depth.
     const at = isOrthographic ? 1 : near;
-    const from = Math.min(...bounds.map((bound) => bound.from + at * (bound.slope - slope)));
-    const steepest = isOrthographic ? 0 : Math.max(...bounds.flatMap(({ clamp }) => clamp.map(Math.abs)));
+    let from = Number.POSITIVE_INFINITY;
+    for (const { offset, projection: seen } of cameras)
+      from = Math.min(from, sign * offset[axis] + at * (slopeOf(seen, axis, sign) - slope));
     const normal: [number, number, number] = [0, 0, 0];
     normal[axis] = sign;
     if (!isOrthographic) normal[2] = slope;

@@ -90,7 +90,8 @@ export function planFrame(request: FrameRequest & OrderSharing, options: PlanOpt
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);
   const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
-  const sortsByDistance = !projection.isOrthographic && asksForDistance(request);
+  const { isOrthographic } = projection;
+  const sortsByDistance = !isOrthographic && asksForDistance(request);
   const beside = sortsByDistance
     ? []
     : (request.beside ?? []).flatMap(
@@ -99,7 +100,6 @@ export function planFrame(request: FrameRequest & OrderSharing, options: PlanOpt
   const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy, beside));
   const isSameScene = last !== null && showsClouds(last, request.clouds);
   const recent = isSameScene ? options.recent : { visibleSplats: 0, depthBits: 0 };
-  const { isOrthographic } = projection;
   const needs = {
     visibleSplats: mostVisibleSplats(clouds),
     depthBits: keyBitsFor(camera, clouds, sortsByDistance),
