@@ -6,6 +6,7 @@ import { SplatEngine } from './create-engine.ts';
 import { DestroyedError, InvalidArgumentError } from './errors.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import { deviceWith } from './testing/device-with.ts';
+import { prepared } from './testing/prepared.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import { seededRandom } from './testing/seeded-random.ts';
 import { signalOf } from './testing/signal.ts';
@@ -130,11 +131,7 @@ describe('the end of an engine', () => {
     const engine = await newEngine();
     const view = engine.createEmbeddedView();
     const frame = { camera: cameraAt(0), clouds: [{ cloud: engine.add(SET) }], ...SIZE };
-    while (!view.prepare(frame)) {
-      await new Promise<void>((resolve) => {
-        view.onReady = resolve;
-      });
-    }
+    await prepared(view, frame);
     const color = device.createTexture({
       size: [SIZE.widthPx, SIZE.heightPx],
       format: 'rgba16float',

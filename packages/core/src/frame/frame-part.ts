@@ -51,7 +51,7 @@ export interface LayerTextures {
   readonly depthLayer: GPUTexture | null;
 }
 
-/** GPU memory that parts share. Each part publishes its own in `commit`, and reads other parts' in `bind` and `record`. */
+/** GPU memory that parts share. Each part publishes its own when it makes them, and reads other parts' in `bind` and `record`. */
 export class SharedMemory {
   /** A new object whenever one of them is replaced. */
   buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };

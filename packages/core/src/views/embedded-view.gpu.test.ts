@@ -15,6 +15,7 @@ import { invert3, linearPart, transform3 } from '../math/mat4.ts';
 import { compose } from '../reference/compose.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import { prepared } from '../testing/prepared.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
@@ -136,15 +137,6 @@ function drawWall(
   pass.draw(3);
   pass.end();
   device.queue.submit([encoder.finish()]);
-}
-
-/** Prepares a frame, and waits until the view has its shaders. */
-async function prepared(view: EmbeddedView, frame: EmbeddedFrameRequest): Promise<void> {
-  while (!view.prepare(frame)) {
-    await new Promise<void>((resolve) => {
-      view.onReady = resolve;
-    });
-  }
 }
 
 function record(view: EmbeddedView, pass: Parameters<EmbeddedView['draw']>[1]): EmbeddedImage {

@@ -8,6 +8,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { compose } from '../reference/compose.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
+import { prepared } from '../testing/prepared.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import type { EmbeddedFrameRequest, EmbeddedView } from './embedded-view.ts';
@@ -41,14 +42,6 @@ function eye(rightBy: number, turnedBy = 0): Camera {
 
 const LEFT = eye(-HALF_DISTANCE);
 const RIGHT = eye(HALF_DISTANCE);
-
-async function prepared(view: EmbeddedView, frame: EmbeddedFrameRequest): Promise<void> {
-  while (!view.prepare(frame)) {
-    await new Promise<void>((resolve) => {
-      view.onReady = resolve;
-    });
-  }
-}
 
 /** Prepares until shaders of the frame that is asked for are there. */
 async function prepareAs(
