@@ -49,31 +49,31 @@ export function frustumSides(
   const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every side is (x, y, z, w): the first four as multiples of x or y and of depth = −z.
-  /** Least x or y, times `sign`, per unit of depth. */
-  const slopeOf = ({ focalPx, edgesX, edgesY }: Projection, axis: 0 | 1, sign: -1 | 1) => {
-    const edges = axis === 0 ? edgesX : edgesY;
-    return Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
-  };
   // Without lists: each cloud of a frame takes this.
   const side = (axis: 0 | 1, sign: -1 | 1) => {
+    /** Least x or y, times `sign`, per unit of depth. */
+    const slopeOf = ({ focalPx, edgesX, edgesY }: Projection) => {
+      const edges = axis === 0 ? edgesX : edgesY;
+      return Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
+    };
     let slope = Number.POSITIVE_INFINITY;
     let steepest = 0;
-    for (const { projection: seen } of cameras) {
-      slope = Math.min(slope, slopeOf(seen, axis, sign));
-      const clamp = axis === 0 ? seen.clampX : seen.clampY;
-      steepest = Math.max(steepest, Math.abs(clamp[0]), Math.abs(clamp[1]));
+    for (const { projection } of cameras) {
+      slope = Math.min(slope, slopeOf(projection));
+      const clamp = axis === 0 ? projection.clampX : projection.clampY;
+      if (!isOrthographic) steepest = Math.max(steepest, Math.abs(clamp[0]), Math.abs(clamp[1]));
     }
-    if (isOrthographic) steepest = 0;
     // The side with the least slope begins at near; without perspective no slope depends on the depth.
     const at = isOrthographic ? 1 : near;
     let from = Number.POSITIVE_INFINITY;
-    for (const { offset, projection: seen } of cameras)
-      from = Math.min(from, sign * offset[axis] + at * (slopeOf(seen, axis, sign) - slope));
+    for (const { offset, projection } of cameras)
+      from = Math.min(from, sign * offset[axis] + at * (slopeOf(projection) - slope));
     const normal: [number, number, number] = [0, 0, 0];
     normal[axis] = sign;
-    if (!isOrthographic) normal[2] = slope;
+    if (isOrthographic) from += slope;
+    else normal[2] = slope;
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
-    return toCloudSpace(view, normal, isOrthographic ? -from - slope : -from, reach);
+    return toCloudSpace(view, normal, -from, reach);
   };
   const sides: FrustumSide[] = [
     side(0, 1),
