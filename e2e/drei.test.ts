@@ -44,7 +44,11 @@ async function whenOpened(page: Page): Promise<void> {
   await page.waitForFunction(() => 'trialPage' in window);
 }
 
-const openTrials = () => harness.openShared('', TRIAL_PAGE, whenOpened);
+async function openTrials(): Promise<Page> {
+  const page = await harness.openShared('', TRIAL_PAGE);
+  await whenOpened(page);
+  return page;
+}
 
 const trialsOf = (page: Page) => page.evaluate(() => window.trialPage.trials);
 

@@ -88,21 +88,11 @@ async function open(...canvases: CanvasDescription[]): Promise<Page> {
   return page;
 }
 
-/**
- * The same on a page that tests share, with a black background: the Canvas of the test before has what it has compiled, but no
- * splats any more, and the log is empty. For tests that leave its camera where it was.
- */
+/** The same in a window that tests share, with one Canvas on a black background. */
 async function openShared(changes: Partial<CanvasDescription>): Promise<Page> {
-  const empty = canvas({ background: 'black', splats: [] });
-  const page = await harness.openShared('', {}, async (opened) => {
-    await opened.waitForFunction(() => 'page' in window);
-    await show(opened, empty);
-    await waitForLog(opened, 'canvas created');
-  });
-  await show(page, empty);
-  await page.waitForFunction(() => window.page.objects.size === 0);
-  await page.evaluate(() => window.page.log.splice(0));
-  await show(page, { ...empty, ...changes });
+  const page = await harness.openShared('');
+  await page.waitForFunction(() => 'page' in window);
+  await show(page, canvas({ background: 'black', splats: [], ...changes }));
   return page;
 }
 

@@ -1,5 +1,4 @@
 import type { BrowserContextOptions, Page } from 'playwright-core';
-import { atRest } from './at-rest.ts';
 import { appHarness, type Harness } from './harness.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 
@@ -17,7 +16,7 @@ export const SMALL = { viewport: { width: 240, height: 160 } } as const;
 export interface ViewerHarness extends Harness {
   /** Opens a page at the viewer's `address`, by default a small scene, and waits for its first image. */
   openViewer(address?: string, options?: BrowserContextOptions): Promise<Page>;
-  /** The same, once for all tests that ask for it: they find the scene that was open last. */
+  /** The same in a window that tests share (`openShared`). */
   shareViewer(address: string, options?: BrowserContextOptions): Promise<Page>;
 }
 
@@ -29,9 +28,8 @@ export function viewerHarness(): ViewerHarness {
     return page;
   };
   const shareViewer = async (address: string, options: BrowserContextOptions = {}) => {
-    const page = await harness.openShared(address, options, waitForImage);
-    // The test before may not have waited for the last picture that it caused.
-    await atRest(page, () => frameCount(page));
+    const page = await harness.openShared(address, options);
+    await waitForImage(page);
     return page;
   };
   return Object.assign(harness, { openViewer, shareViewer });
@@ -73,10 +71,16 @@ export async function waitForFrameAfter(page: Page, frames: number): Promise<voi
   await page.waitForFunction(isAtRestAfter, frames);
 }
 
-/** Waits for the first frame. */
+/** Waits for the first frame of a page that has just been opened. */
 export async function waitForImage(page: Page): Promise<void> {
   await waitForState(page, 'ready');
   await waitForFrameAfter(page, 0);
+}
+
+/** Waits until the picture at rest shows the scene with this title, and nothing is being loaded. */
+export async function waitForScene(page: Page, title: string): Promise<void> {
+  await page.waitForSelector(`canvas[data-resting][data-scene=${JSON.stringify(title)}]`);
+  await waitForState(page, 'ready');
 }
 
 /** Waits for a notice with this text. Call it before any other wait: it goes by itself after eight seconds. */

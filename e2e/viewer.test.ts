@@ -27,6 +27,7 @@ import {
   waitForFrameAfter,
   waitForImage,
   waitForNotice,
+  waitForScene,
   waitForState,
 } from './viewer-page.ts';
 
@@ -201,10 +202,8 @@ describe('viewer', () => {
     page.on('worker', (worker) => started.push(worker.url()));
     const open = async (name: string, bytes: Uint8Array, ...formats: readonly string[]) => {
       started = [];
-      const frames = await frameCount(page);
       await dropFiles(page, [{ name, bytes }]);
-      await waitForFrameAfter(page, frames);
-      await waitForState(page, 'ready');
+      await waitForScene(page, name);
       expect(await textOf(page, 'scene-title')).toBe(name);
       expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual(formats);
     };
@@ -227,13 +226,11 @@ describe('viewer', () => {
   it('shows a PLY that is dropped, as the float64 reference does', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
     const before = await viewerScreenshot(page);
-    const frames = await frameCount(page);
     const file = { name: 'test scene.ply', bytes: encodePly(testScene()) };
     await dropFiles(page, [file], async () => {
       expect(await page.getByTestId('drop-overlay').isVisible()).toBe(true);
     });
-    await waitForFrameAfter(page, frames);
-    await waitForState(page, 'ready');
+    await waitForScene(page, 'test scene.ply');
     expect(await page.getByTestId('drop-overlay').isVisible()).toBe(false);
     expect(await textOf(page, 'scene-title')).toBe('test scene.ply');
     expect(await textOf(page, 'scene')).toContain('400 splats');
@@ -278,11 +275,9 @@ describe('viewer', () => {
   // In the short run, a test of accuracy opens such a file, too, and looks at its picture.
   it.runIf(isFull)('shows a file whose rows the GPU takes', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
-    const frames = await frameCount(page);
     const set = testScene(70_000);
     await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
-    await waitForFrameAfter(page, frames);
-    await waitForState(page, 'ready');
+    await waitForScene(page, 'many.ply');
     expect(await textOf(page, 'scene')).toContain('70,000 splats');
     const shot = await viewerScreenshot(page);
     expect(psnrAgainstReference(shot, await drawnCamera(page), [set])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
@@ -308,10 +303,9 @@ describe('viewer', () => {
     await expect.poll(async () => changedPart(early, await viewerScreenshot(page))).toBeGreaterThan(0.02);
 
     harness.server.sendRestOfSlowFile();
-    await waitForState(page, 'ready');
+    await waitForScene(page, 'slow.ply');
     expect(await textOf(page, 'scene')).toContain('80,000 splats');
     expect(await page.getByTestId('load').count()).toBe(0);
-    await waitForFrameAfter(page, 0);
     const drawn = await drawnCamera(page);
     expect(psnrAgainstReference(await viewerScreenshot(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(
       MIN_PSNR_DB,
@@ -372,7 +366,7 @@ describe('viewer', () => {
     await waitForState(page, 'loading');
 
     await page.evaluate(() => (window as unknown as { release: () => void }).release());
-    await waitForState(page, 'ready');
+    await waitForScene(page, 'later.ply');
     expect(await textOf(page, 'scene-title')).toBe('later.ply');
   });
 
@@ -383,10 +377,8 @@ describe('viewer', () => {
     for (let i = 0; i < set.count; i += 2) set.positions[3 * i + 1] = Number.NaN;
     set.opacityLogits[1] = Number.NaN;
     set.colorDc[3 * 3] = Number.POSITIVE_INFINITY;
-    const frames = await frameCount(page);
     await dropFiles(page, [{ name: 'half.ply', bytes: encodePly(set) }]);
-    await waitForFrameAfter(page, frames);
-    await waitForState(page, 'ready');
+    await waitForScene(page, 'half.ply');
     expect(await textOf(page, 'scene')).toContain('198 splats · harmonics degree 1 · 202 left out');
     expect(await textOf(page, 'warning')).toContain('More than half of the splats were left out');
     expect(await textOf(page, 'warning')).toContain('202 of the 400 rows in half.ply');
@@ -411,10 +403,8 @@ describe('viewer', () => {
     await page.keyboard.press('Escape');
     expect(await page.getByTestId('warning').count()).toBe(0);
 
-    const framesBefore = await frameCount(page);
     await dropFiles(page, [{ name: 'whole.ply', bytes: encodePly(testScene()) }]);
-    await page.getByTestId('scene-title').getByText('whole.ply').waitFor();
-    await waitForFrameAfter(page, framesBefore);
+    await waitForScene(page, 'whole.ply');
     expect(await page.getByTestId('dropped').count()).toBe(0);
   });
 
@@ -658,7 +648,7 @@ describe('viewer', () => {
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     await dropFiles(page, [{ name: 'next.ply', bytes: encodePly(testScene()) }]);
     await harness.server.whenEndlessFileIsDropped();
-    await waitForImage(page);
+    await waitForScene(page, 'next.ply');
     expect(await textOf(page, 'scene-title')).toBe('next.ply');
   });
 

@@ -1,12 +1,14 @@
+import { titleOfAll } from '../scene/scene-source.ts';
 import type { DrawnFrame } from './drawn-frame.ts';
 
 /**
- * For tests and other observers of the page: writes on the canvas that an image is at rest (`data-resting`), its camera
- * (`data-camera`), and how many frames have been drawn (`data-frames`).
+ * For tests and other observers of the page: writes on the canvas that an image is at rest (`data-resting`), the title of the
+ * scene that it shows (`data-scene`), its camera (`data-camera`), and how many frames have been drawn (`data-frames`).
  */
-export function writeRest(canvas: HTMLCanvasElement, { frame }: DrawnFrame, frameCount: number): void {
+export function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFrame, frameCount: number): void {
   const { camera, clouds, background } = frame;
   canvas.dataset.resting = '';
+  canvas.dataset.scene = titleOfAll(scene.parts.map(({ source }) => source));
   canvas.dataset.frames = String(frameCount);
   canvas.dataset.camera = JSON.stringify({
     viewMatrix: Array.from(camera.viewMatrix),
