@@ -1,135 +1,146 @@
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { defaultClientConditions, defaultServerConditions } from 'vite';
-import { defineConfig } from 'vitest/config';
-import LongestFirst from './packages/tools/longest-first.ts';
+import { defineConfig, type TestProjectInlineConfiguration } from 'vitest/config';
+import { BaseSequencer, type TestSpecification } from 'vitest/node';
 import { PATIENCE_MS } from './packages/tools/src/patience.ts';
 
 // Tests run on the sources, not on dist: every workspace package exports its src under this condition.
 const conditions = ['@websplatter/source', ...defaultClientConditions];
-const resolve = { conditions };
-const ssr = { resolve: { conditions, externalConditions: conditions } };
-
-// What drives browsers runs in Node: puppeteer-core's WebSockets are of no use under the condition `browser`.
+// puppeteer-core and playwright-core run in Node, where their builds for browsers fail.
 const nodeConditions = ['@websplatter/source', ...defaultServerConditions];
-const node = {
-  resolve: { conditions: nodeConditions },
-  ssr: { resolve: { conditions: nodeConditions, externalConditions: nodeConditions } },
-};
 
-/** Ends what hangs. No test waits for it, nor should a machine that does other things, too, ever come near. */
+function resolvedBy(names: readonly string[]) {
+  const resolve = { conditions: [...names] };
+  return { resolve, ssr: { resolve: { ...resolve, externalConditions: [...names] } } };
+}
+
+/** Ends a test whose own waits do not. */
 const TEST_TIMEOUT_MS = 300_000;
-/** For `expect.poll`, which would wait for a second. */
-const patience = { poll: { timeout: PATIENCE_MS } };
 
-const unit = {
-  // As many as there are cores in CI, where Vitest would take one of two.
-  maxWorkers: 2,
-  pool: 'threads',
+const common = {
+  environment: 'node',
   testTimeout: TEST_TIMEOUT_MS,
   hookTimeout: TEST_TIMEOUT_MS,
-  expect: patience,
-  environment: 'node',
-} as const;
-/** For tests with Dawn in Node. Two files at a time: SwiftShader rests while twins compute. */
-const gpu = {
-  sequence: { groupOrder: 1 },
+  expect: { poll: { timeout: PATIENCE_MS } },
+  // Continuous integration has two cores, of which Vitest would take one.
   maxWorkers: 2,
-  environment: 'node',
+} as const;
+
+/** Dawn in Node: on SwiftShader where there is no GPU. */
+const gpu = {
+  ...common,
   pool: 'forks',
   setupFiles: 'packages/node/src/testing/watch-devices.ts',
-  testTimeout: TEST_TIMEOUT_MS,
-  expect: patience,
-  hookTimeout: TEST_TIMEOUT_MS,
 } as const;
 
-const unitTests = [
-  'packages/*/src/**/*.test.ts',
-  'packages/tools/**/*.test.mjs',
-  'apps/*/src/**/*.test.ts',
-  'apps/*/src/**/*.test.tsx',
-];
+/** Two processes take file after file, which keep what they have imported and compiled. */
+const inSharedProcesses = { isolate: false } as const;
 
-/** Tests that put other modules in place of imported ones, for which they must be the first to import them. */
+const unitTests = [
+  'packages/*/src/**/*.test.{ts,tsx}',
+  'packages/tools/**/*.test.mjs',
+  'apps/*/src/**/*.test.{ts,tsx}',
+];
+const gpuTests = 'packages/*/src/**/*.gpu.test.ts';
+const longGpuTests = ['packages/*/src/**/*.long.gpu.test.ts', 'packages/hardcases/src/**/*.gpu.test.ts'];
+/** A process of the terminal remembers which rasteriser was faster. */
+const terminalTests = 'packages/cli/src/*.gpu.test.ts';
+
+/** Tests that call `vi.mock` must be the first of their process to import what they replace. */
 const mockingTests = ['packages', 'apps'].flatMap((room) =>
   readdirSync(room, { recursive: true, encoding: 'utf8' })
     .map((path) => join(room, path))
     .filter((path) => /^[^/]+\/[^/]+\/src\/.*\.test\.tsx?$/.test(path))
     .filter((path) => /\bvi\.(?:do)?[mM]ock\(/.test(readFileSync(path, 'utf8'))),
 );
-const gpuTests = 'packages/*/src/**/*.gpu.test.ts';
-/** Tests that must have a process of their own: the terminal's, too, since a process knows which rasteriser was faster before. */
-const apartGpuTests = [
-  ...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')),
-  'packages/cli/src/*.gpu.test.ts',
+const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
+
+const e2e = (name: string, include: string[], exclude: string[] = []) =>
+  ({
+    ...resolvedBy(nodeConditions),
+    test: {
+      ...common,
+      ...inSharedProcesses,
+      name,
+      include,
+      exclude,
+      pool: 'forks',
+      globalSetup: 'e2e/built-apps.ts',
+    },
+  }) as const;
+
+const viewerTests = ['e2e/viewer*.test.ts', 'e2e/{accuracy,effects,hard-cases}.test.ts'];
+const hostTests = ['e2e/{react,three,drei,examples}.test.ts'];
+const secondWebGpuTests = ['e2e/{firefox,wgpu}.test.ts'];
+const smokeTests = ['e2e/smoke/*.test.ts'];
+
+/**
+ * Groups of projects, which run one after another; the projects of a group share the workers. `npm test` runs the first two
+ * groups. The others, named `full:…`, are the shards of `npm run test:full`.
+ */
+const groups: TestProjectInlineConfiguration[][] = [
+  [
+    {
+      ...resolvedBy(conditions),
+      test: {
+        ...common,
+        ...inSharedProcesses,
+        name: 'unit',
+        pool: 'threads',
+        include: unitTests,
+        exclude: [gpuTests, ...mockingTests],
+      },
+    },
+    {
+      ...resolvedBy(conditions),
+      test: { ...common, name: 'unit-mocking', pool: 'threads', include: mockingTests, exclude: [gpuTests] },
+    },
+  ],
+  [
+    {
+      ...resolvedBy(conditions),
+      test: {
+        ...gpu,
+        ...inSharedProcesses,
+        name: 'gpu',
+        include: [gpuTests],
+        exclude: [...longGpuTests, ...apartGpuTests],
+      },
+    },
+    {
+      ...resolvedBy(conditions),
+      test: { ...gpu, name: 'gpu-apart', include: apartGpuTests, exclude: longGpuTests },
+    },
+    e2e('smoke', smokeTests),
+  ],
+  [{ ...resolvedBy(conditions), test: { ...gpu, name: 'full:gpu', include: longGpuTests } }],
+  [e2e('full:viewer', viewerTests)],
+  [e2e('full:hosts', hostTests)],
+  [e2e('full:second-webgpu', secondWebGpuTests)],
+  [
+    e2e(
+      'full:packages',
+      ['e2e/**/*.test.ts'],
+      [...smokeTests, ...viewerTests, ...hostTests, ...secondWebGpuTests],
+    ),
+  ],
 ];
+
+/** Keeps the files of a project together: shared processes end where a file of another project follows. */
+class ByProject extends BaseSequencer {
+  override async sort(files: TestSpecification[]): Promise<TestSpecification[]> {
+    const sorted = await super.sort(files);
+    return sorted.toSorted((a, b) => a.project.name.localeCompare(b.project.name));
+  }
+}
 
 export default defineConfig({
   test: {
-    sequence: { sequencer: LongestFirst },
+    sequence: { sequencer: ByProject },
     reporters: ['default', './packages/tools/plain-line-reporter.ts'],
-    projects: [
-      {
-        resolve,
-        ssr,
-        test: {
-          ...unit,
-          name: 'unit',
-          // The same two threads take file after file: importing the sources again for each would take as long as the tests.
-          isolate: false,
-          include: unitTests,
-          exclude: [gpuTests, ...mockingTests],
-        },
-      },
-      {
-        resolve,
-        ssr,
-        test: {
-          ...unit,
-          name: 'unit-mocking',
-          include: mockingTests,
-          exclude: [gpuTests],
-        },
-      },
-      {
-        resolve,
-        ssr,
-        test: {
-          ...gpu,
-          name: 'gpu',
-          // Two processes take file after file: each by itself would start Vulkan, and import and compile core, again.
-          isolate: false,
-          include: [gpuTests],
-          exclude: apartGpuTests,
-        },
-      },
-      {
-        resolve,
-        ssr,
-        test: {
-          ...gpu,
-          name: 'gpu-apart',
-          include: apartGpuTests,
-        },
-      },
-      {
-        ...node,
-        test: {
-          name: 'e2e',
-          globalSetup: 'e2e/built-apps.ts',
-          // With those before: pages wait more than they compute.
-          sequence: { groupOrder: 1 },
-          maxWorkers: 2,
-          environment: 'node',
-          // Each file would import Vite, Playwright and the sources again.
-          isolate: false,
-          include: ['e2e/**/*.test.ts'],
-          pool: 'forks',
-          testTimeout: TEST_TIMEOUT_MS,
-          expect: patience,
-          hookTimeout: TEST_TIMEOUT_MS,
-        },
-      },
-    ],
+    projects: groups.flatMap((projects, groupOrder) =>
+      projects.map((project) => ({ ...project, test: { ...project.test, sequence: { groupOrder } } })),
+    ),
   },
 });

@@ -223,30 +223,10 @@ describe('viewer', () => {
     await open('a.splat', scene('splat'), 'splat');
   });
 
-  it('shows a PLY that is dropped, as the float64 reference does', async () => {
+  it('turns a file over that was dropped, and saves it as glTF', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
-    const before = await viewerScreenshot(page);
-    const file = { name: 'test scene.ply', bytes: encodePly(testScene()) };
-    await dropFiles(page, [file], async () => {
-      expect(await page.getByTestId('drop-overlay').isVisible()).toBe(true);
-    });
+    await dropFiles(page, [{ name: 'test scene.ply', bytes: encodePly(testScene()) }]);
     await waitForScene(page, 'test scene.ply');
-    expect(await page.getByTestId('drop-overlay').isVisible()).toBe(false);
-    expect(await textOf(page, 'scene-title')).toBe('test scene.ply');
-    expect(await textOf(page, 'scene')).toContain('400 splats');
-    expect(await page.title()).toContain('test scene.ply');
-
-    const shot = await viewerScreenshot(page);
-    expect(changedPart(before, shot)).toBeGreaterThan(0.3);
-    const drawn = await drawnCamera(page);
-    // Files have y down, as captures do, and the viewer turns them.
-    expect(drawn.modelMatrices[0]?.[5]).toBe(-1);
-    expect(psnrAgainstReference(shot, drawn, [testScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    // Make sure that the comparison can fail: against the scene the other way up, it does.
-    expect(psnrAgainstReference(shot, { ...drawn, modelMatrices: [null] }, [testScene()])).toBeLessThan(
-      MIN_PSNR_DB,
-    );
-
     const framesBeforeFlip = await frameCount(page);
     await page.keyboard.press('u');
     await waitForFrameAfter(page, framesBeforeFlip);

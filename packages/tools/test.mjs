@@ -1,19 +1,22 @@
-// `npm test`: sets up a fresh clone, then runs all tests. `--full` (npm run test:full) adds the slow ones;
-// other arguments go to Vitest, e.g. `npm test -- packages/cli`.
+// `npm test`: sets up a fresh clone, then runs the tests of the first tier. `--full` (npm run test:full) runs all tests. Other
+// arguments go to Vitest, e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';
 
+const isFull = process.argv.includes('--full');
+const args = process.argv.slice(2).filter((arg) => arg !== '--full');
+
 ensureInstalled();
-const chromiumPath = ensureChromium();
-const hasSecondWebGpu = ensureSecondWebGpu();
+const env = { ...process.env, CHROMIUM_PATH: ensureChromium(), WEBSPLATTER_REQUIRE_GPU: '1' };
+if (isFull) {
+  env.WEBSPLATTER_FULL = '1';
+  if (ensureSecondWebGpu()) env.WEBSPLATTER_REQUIRE_SECOND_WEBGPU = '1';
+}
 const { build } = await import('./build.mjs');
 await build().catch((error) => fail(error.message));
 
-const args = process.argv.slice(2).filter((arg) => arg !== '--full');
-const env = { ...process.env, CHROMIUM_PATH: chromiumPath, WEBSPLATTER_REQUIRE_GPU: '1' };
-if (hasSecondWebGpu) env.WEBSPLATTER_REQUIRE_SECOND_WEBGPU = '1';
-if (process.argv.includes('--full')) env.WEBSPLATTER_FULL = '1';
 const vitest = join(repositoryRoot, 'node_modules/vitest/vitest.mjs');
-const { status } = await runTool(vitest, ['run', ...args], { cwd: repositoryRoot, env });
+const tier = isFull || args.includes('--project') ? [] : ['--project', '!full:*'];
+const { status } = await runTool(vitest, ['run', ...tier, ...args], { cwd: repositoryRoot, env });
 process.exit(status ?? 1);
