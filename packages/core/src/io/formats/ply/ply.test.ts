@@ -1,5 +1,3 @@
-import { existsSync, readFileSync } from 'node:fs';
-import { resolve } from 'node:path';
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { WebSplatterError } from '../../../errors.ts';
@@ -919,37 +917,4 @@ describe('properties', () => {
       ),
       { numRuns: 100 },
     ));
-});
-
-const playbot = resolve(import.meta.dirname, '../../../../../../../shared/scenes/playbot-lod3.ply');
-const playbotExists = existsSync(playbot);
-if (!playbotExists) console.info('skipped: ../shared/scenes/playbot-lod3.ply is not there');
-
-describe.skipIf(!playbotExists)('a real scene (playbot-lod3.ply)', () => {
-  test('31,000 splats of degree 2, as its bytes say, and back to the same bytes', async () => {
-    const bytes = readFileSync(playbot);
-    const set = await read(bytes);
-    expect(set).toMatchObject({ count: 31_000, origin: [0, 0, 0], dropped: {}, harmonics: { degree: 2 } });
-    const body = bytes.subarray(bytes.indexOf('end_header\n') + 11);
-    const names = [
-      'x',
-      'y',
-      'z',
-      'rot_0',
-      'rot_1',
-      'rot_2',
-      'rot_3',
-      'scale_0',
-      'scale_1',
-      'scale_2',
-      'opacity',
-    ];
-    names.push('f_dc_0', 'f_dc_1', 'f_dc_2', ...Array.from({ length: 24 }, (_, i) => `f_rest_${i}`));
-    for (const row of [0, 1, 12_345, 30_999]) {
-      const expected = names.map((_, i) => body.readFloatLE((row * names.length + i) * 4));
-      expect(names.map((name) => valueIn(set, name, row))).toEqual(expected);
-    }
-    const again = await read(encodePly(set));
-    expect(Buffer.from(encodePly(again)).equals(encodePly(set))).toBe(true);
-  });
 });

@@ -1,5 +1,3 @@
-import { existsSync, readFileSync } from 'node:fs';
-import { resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError } from '../../../errors.ts';
@@ -421,54 +419,5 @@ test('any damage gives splats or a typed error', { timeout: 3_600_000 }, async (
       for (const column of [positions, logScales, rotations, colorDc])
         if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
     }
-  });
-});
-
-const scene = (name: string) => resolve(import.meta.dirname, `../../../../../../../shared/scenes/${name}`);
-const SPZ = scene('playbot-lod3.spz');
-const PLY = scene('playbot-lod3.ply');
-const scenesExist = existsSync(SPZ) && existsSync(PLY);
-if (!scenesExist) console.info('skipped: ../shared/scenes/playbot-lod3.spz or .ply is not there');
-
-describe.skipIf(!scenesExist)('a real scene (playbot-lod3.spz)', () => {
-  test('31,000 splats of degree 2, as in its PLY but for the steps of the format', async () => {
-    const [spz, ply] = await Promise.all([read(readFileSync(SPZ)), read(readFileSync(PLY))]);
-    expect(spz).toMatchObject({ count: 31_000, origin: [0, 0, 0], dropped: {}, harmonics: { degree: 2 } });
-    let worst = { position: 0, logScale: 0, opacity: 0, color: 0, rotation: 0, harmonic1: 0, harmonic: 0 };
-    const sigmoid = (logit: number) => 1 / (1 + Math.exp(-logit));
-    const clamped = (value: number, most: number) => Math.max(-most, Math.min(most, value));
-    const far = (a: number, b: number) => Math.abs(a - b);
-    const note = (what: keyof typeof worst, error: number) => {
-      if (!(error <= worst[what])) worst = { ...worst, [what]: error };
-    };
-    for (let i = 0; i < 3 * spz.count; i++) {
-      note('position', far(spz.positions[i], ply.positions[i]));
-      note('logScale', far(spz.logScales[i], ply.logScales[i]));
-      note('color', far(spz.colorDc[i], clamped(ply.colorDc[i], 0.5 / 0.15)));
-    }
-    for (let row = 0; row < spz.count; row++) {
-      note('opacity', far(sigmoid(spz.opacityLogits[row]), sigmoid(ply.opacityLogits[row])));
-      const [a, b] = [spz, ply].map(({ rotations }) => rotations.subarray(4 * row, 4 * row + 4));
-      const product = (p: Float32Array, q: Float32Array) =>
-        p.reduce((sum, value, i) => sum + value * q[i], 0);
-      const cosine = Math.abs(product(a, b)) / Math.sqrt(product(a, a) * product(b, b));
-      note('rotation', 2 * Math.acos(Math.min(1, cosine)));
-      const [from, to] = [harmonicsOf(ply, row), harmonicsOf(spz, row)];
-      for (let i = 0; i < from.length; i++)
-        note(i < 9 ? 'harmonic1' : 'harmonic', far(clamped(from[i], 1), to[i]));
-    }
-    // Half a step each. Positions are multiples of 2^-12, log scales of 1/16, opacities of 1/255.
-    expect(worst.position).toBeLessThanOrEqual(2 ** -13);
-    expect(worst.logScale).toBeLessThanOrEqual(1 / 32);
-    expect(worst.opacity).toBeLessThanOrEqual(0.5 / 255 + 1e-7);
-    // The colour of degree 0 times 0.15 is a multiple of 1/255.
-    expect(worst.color).toBeLessThanOrEqual(0.5 / 255 / 0.15 + 1e-6);
-    // Three components of steps of sqrt(1/2)/511 are off by half a step; the fourth one, at least 1/2, follows from them, by up to
-    // twice as much as they are off together. The angle is twice the length of all that.
-    const off = (Math.sqrt(3) * Math.SQRT1_2) / 511 / 2;
-    expect(worst.rotation).toBeLessThanOrEqual(2 * Math.hypot(off, 2 * off));
-    // Its writer keeps 5 bits of degree 1 and 4 of the others, of bytes for -1 to 1; the largest byte is 255 and not 256.
-    expect(worst.harmonic1).toBeLessThanOrEqual(4.5 / 128);
-    expect(worst.harmonic).toBeLessThanOrEqual(8.5 / 128);
   });
 });

@@ -1,0 +1,215 @@
+import { readFileSync } from 'node:fs';
+import { describe, expect, test } from 'vitest';
+import { transformSplats } from '../../editing/transform-splats.ts';
+import { type Harmonics, readCoefficients } from '../../packing/harmonics.ts';
+import { normalizedRotation } from '../../packing/rotation.ts';
+import { ROW_SLOT } from '../../splats/splat-row.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../splats/splat-set.ts';
+import { fixtureSplats } from '../../testing/fixtures/fixture-splats.ts';
+import { readSplats } from '../loading/read-splats.ts';
+import { encodePly } from './ply/write-ply.ts';
+
+const SH_C0 = 0.28209479177387814;
+
+type Splats = SplatSet<Harmonics>;
+
+const readFixture = (name: string) =>
+  readSplats(readFileSync(new URL(`../../testing/fixtures/${name}`, import.meta.url)), {
+    shPrecision: 'f32',
+    name,
+  });
+
+/** By `ROW_SLOT`, but a unit quaternion, and the opacity from 0 to 1. */
+function rowOf({ harmonics, ...set }: Splats, i: number): Float64Array {
+  const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(harmonics.degree));
+  for (let k = 0; k < 3; k++) {
+    row[ROW_SLOT.position + k] = set.positions[3 * i + k] + set.origin[k];
+    row[ROW_SLOT.logScale + k] = set.logScales[3 * i + k];
+    row[ROW_SLOT.colorDc + k] = set.colorDc[3 * i + k];
+  }
+  normalizedRotation(set.rotations, 4 * i, row.subarray(ROW_SLOT.rotation, ROW_SLOT.rotation + 4));
+  row[ROW_SLOT.opacity] = 1 / (1 + Math.exp(-set.opacityLogits[i]));
+  readCoefficients(harmonics, i, row.subarray(ROW_SLOT.harmonics));
+  return row;
+}
+
+/** Errors of each property's values; those of the position, log scale and colour by axis or channel. */
+type Errors = Record<keyof typeof ROW_SLOT, Float64Array>;
+
+/**
+ * Compares each splat with the nearest of `truth`, since writers sort splats; harmonics that `found` lacks are not compared.
+ * Also returns the largest angle between rotations, in radians.
+ */
+function errorsOf(found: Splats, truth: Splats): { worst: Errors; mean: Errors; angle: number } {
+  const trueRows = Array.from({ length: truth.count }, (_, i) => rowOf(truth, i));
+  const length = ROW_SLOT.harmonics + coefficientsPerSplat(found.harmonics.degree);
+  const [worst, mean] = [new Float64Array(length), new Float64Array(length)];
+  let angle = 0;
+  const nearest = new Set<number>();
+  for (let i = 0; i < found.count; i++) {
+    const row = rowOf(found, i);
+    const distances = trueRows.map((each) =>
+      Math.hypot(each[0] - row[0], each[1] - row[1], each[2] - row[2]),
+    );
+    const at = distances.indexOf(Math.min(...distances));
+    nearest.add(at);
+    const expected = trueRows[at];
+    const rotation = row.subarray(ROW_SLOT.rotation, ROW_SLOT.rotation + 4);
+    const product = rotation.reduce((sum, part, k) => sum + part * expected[ROW_SLOT.rotation + k], 0);
+    if (product < 0) for (let k = 0; k < 4; k++) rotation[k] *= -1;
+    const away = rotation.map((part, k) => part - expected[ROW_SLOT.rotation + k]);
+    angle = Math.max(angle, 4 * Math.asin(Math.hypot(...away) / 2));
+    for (let slot = 0; slot < length; slot++) {
+      const error = Math.abs(row[slot] - expected[slot]);
+      worst[slot] = Math.max(worst[slot], error);
+      mean[slot] += error / found.count;
+    }
+  }
+  expect(nearest.size).toBe(truth.count);
+  expect(found).toMatchObject({ count: truth.count, origin: [0, 0, 0], dropped: {} });
+  return { worst: byProperty(worst), mean: byProperty(mean), angle };
+}
+
+function byProperty(row: Float64Array): Errors {
+  const starts = [...Object.values(ROW_SLOT), row.length];
+  const properties = Object.entries(ROW_SLOT).map(([name, start], i) => [
+    name,
+    row.subarray(start, starts[i + 1]),
+  ]);
+  return Object.fromEntries(properties);
+}
+
+/** Greatest less least value of a column, by axis or channel. */
+function extents(column: Float32Array): number[] {
+  return [0, 1, 2].map((axis) => {
+    const values = column.filter((_, i) => i % 3 === axis);
+    return Math.max(...values) - Math.min(...values);
+  });
+}
+
+function expectWithin(errors: Float64Array, bounds: readonly number[] | number): void {
+  for (const [i, error] of errors.entries())
+    expect(error, `value ${i}`).toBeLessThanOrEqual(typeof bounds === 'number' ? bounds : bounds[i]);
+}
+
+/** With the colours that bytes can hold. */
+const clamped = (truth: Splats): Splats => ({
+  ...truth,
+  colorDc: truth.colorDc.map((value) => Math.max(-0.5 / SH_C0, Math.min(0.5 / SH_C0, value))),
+});
+
+describe.each([2, 3] as const)(
+  'a file of degree %i that splat-transform wrote from a PLY of ours',
+  (degree) => {
+    const truth = fixtureSplats(degree);
+
+    test('as PLY holds the same bits in the same order', async () => {
+      const set = await readFixture(`degree-${degree}.ply`);
+      expect(set.fileFacts?.format).toBe('ply');
+      expect(Buffer.from(encodePly(set)).equals(encodePly(truth))).toBe(true);
+    });
+
+    test('as compressed PLY holds the same splats within half a step of its chunks', async () => {
+      const set = await readFixture(`degree-${degree}.compressed.ply`);
+      expect(set).toMatchObject({
+        harmonics: { degree },
+        fileFacts: { format: 'compressed-ply', writer: 'splat-transform 3.7.0' },
+      });
+      const { worst } = errorsOf(set, truth);
+      // No chunk's bounds are wider than those of all splats.
+      const halfSteps = (column: Float32Array, levels: readonly number[]) =>
+        extents(column).map((extent, axis) => extent / levels[axis] / 2 + 1e-5);
+      expectWithin(worst.position, halfSteps(truth.positions, [2047, 1023, 2047]));
+      expectWithin(worst.logScale, halfSteps(truth.logScales, [2047, 1023, 2047]));
+      expectWithin(worst.colorDc, halfSteps(truth.colorDc, [255, 255, 255]));
+      expectWithin(worst.opacity, 1 / 255 / 2 + 1e-6);
+      // The largest part follows from three that are off by half a step of √2 / 1023.
+      expectWithin(worst.rotation, (3 * Math.SQRT2) / 1023 / 2);
+      expectWithin(worst.harmonics, 8 / 256 / 2 + 1e-6);
+    });
+
+    test('as SOG holds the same splats within the steps of its bytes', async () => {
+      const set = await readFixture(`degree-${degree}.sog`);
+      expect(set).toMatchObject({ harmonics: { degree }, fileFacts: { format: 'sog', variant: '2' } });
+      expect(set.isAntialiased).toBeUndefined();
+      const { worst, mean } = errorsOf(set, truth);
+      // The writer rounds down, to a step of (max − min) / 65535 of ln(|v| + 1), which stretches by up to the largest |v| + 1.
+      const logs = truth.positions.map((value) => Math.sign(value) * Math.log1p(Math.abs(value)));
+      const stretch = 1 + Math.max(...truth.positions.map(Math.abs));
+      expectWithin(
+        worst.position,
+        extents(logs).map((extent) => (extent / 65535) * stretch),
+      );
+      // The nearest of 256 values; were they as far apart as can be, half a step of the extent / 255.
+      const halfSteps = (column: Float32Array) => extents(column).map((extent) => extent / 255 / 2);
+      expectWithin(mean.logScale, halfSteps(truth.logScales));
+      expectWithin(mean.colorDc, halfSteps(truth.colorDc));
+      // Rounded down to a step of √2 / 255; the largest component follows from three such errors.
+      expectWithin(worst.rotation, (3 * Math.SQRT2) / 255);
+      // Rounded down.
+      expectWithin(worst.opacity, 1.001 / 255);
+      // Found by clustering, for which there is no bound; a wrong order would be far off.
+      expectWithin(mean.harmonics, 0.006);
+    });
+
+    test('as SPZ holds the same splats, in the same order, within half a step each', async () => {
+      const set = await readFixture(`degree-${degree}.spz`);
+      expect(set).toMatchObject({ harmonics: { degree }, fileFacts: { format: 'spz', variant: '4' } });
+      const { worst, angle } = errorsOf(set, truth);
+      expect(set.positions.findIndex((value, i) => Math.abs(value - truth.positions[i]) > 2 ** -13)).toBe(-1);
+      // Positions are multiples of 2^-12, log scales of 1/16, opacities of 1/255.
+      expectWithin(worst.position, 2 ** -13);
+      expectWithin(worst.logScale, 1 / 32);
+      expectWithin(worst.opacity, 0.5 / 255 + 1e-7);
+      // The colour of degree 0 times 0.15 is a multiple of 1/255.
+      expectWithin(worst.colorDc, 0.5 / 255 / 0.15 + 1e-6);
+      // Three components of steps of sqrt(1/2)/511 are off by half a step; the fourth one, at least 1/2, follows from them, by up to
+      // twice as much as they are off together. The angle is twice the length of all that.
+      const off = (Math.sqrt(3) * Math.SQRT1_2) / 511 / 2;
+      expect(angle).toBeLessThanOrEqual(2 * Math.hypot(off, 2 * off));
+      // Its writer keeps 5 bits of degree 1 and 4 of the others, of bytes for -1 to 1; the largest byte is 255 and not 256.
+      expectWithin(worst.harmonics.subarray(0, 9), 4.5 / 128);
+      expectWithin(worst.harmonics.subarray(9), 8.5 / 128);
+    });
+
+    test('as GLB holds the same splats, turned y up, but for rounding', async () => {
+      const set = await readFixture(`degree-${degree}.glb`);
+      const fileFacts = { format: 'gltf', variant: 'glb', writer: 'splat-transform 3.7.0' };
+      expect(set).toMatchObject({ harmonics: { degree }, fileFacts });
+      const { worst } = errorsOf(set, transformSplats(truth, { rotation: [0, 0, 0, 1] }));
+      for (const errors of Object.values(worst)) expectWithin(errors, 2e-6);
+    });
+  },
+);
+
+test('a .splat that gsplat.js wrote from a PLY of ours holds the same splats in the same order', async () => {
+  const truth = clamped(fixtureSplats(2));
+  const set = await readFixture('degree-2.splat');
+  expect(set.fileFacts?.format).toBe('splat');
+  expect(set.positions).toEqual(truth.positions);
+  const { worst } = errorsOf(set, truth);
+  expectWithin(worst.logScale, 1e-6);
+  // Half a step of a byte.
+  expectWithin(worst.colorDc, (0.5 / 255 + 1e-6) / SH_C0);
+  expectWithin(worst.opacity, 0.5 / 255 + 1e-6);
+  // Four parts that are half a step off, and one step at 0, turn what is then made as long as 1 again.
+  expectWithin(worst.rotation, 2 / 128);
+});
+
+test('a .ksplat that GaussianSplats3D wrote from a PLY of ours holds the same splats', async () => {
+  const truth = clamped(fixtureSplats(2));
+  const set = await readFixture('degree-2.ksplat');
+  const fileFacts = { format: 'ksplat', variant: '0.1, level 1' };
+  expect(set).toMatchObject({ harmonics: { degree: 2 }, fileFacts });
+  const { worst } = errorsOf(set, truth);
+  // Half a step of 16 bits in blocks 5 across.
+  expectWithin(worst.position, 5 / 2 / 32767 / 2 + 1e-6);
+  // Its writer cuts off what halves and bytes cannot hold, which is up to one step of them.
+  expectWithin(worst.logScale, 2 ** -10);
+  expectWithin(worst.colorDc, (1 / 255 + 1e-6) / SH_C0);
+  expectWithin(worst.opacity, 1 / 255 + 1e-6);
+  // Four parts that are up to 2^-11 off, together.
+  expectWithin(worst.rotation, 2 ** -10);
+  // Those from 1/4 to 1/2 are multiples of 2^-12.
+  expectWithin(worst.harmonics, 2 ** -12);
+});
