@@ -1,44 +1,44 @@
-import { existsSync, readFileSync } from 'node:fs';
-import { fileURLToPath } from 'node:url';
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { Accuracy, AccuracyPreset } from './accuracy/accuracy.ts';
-import { type Camera, cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
+import type { Accuracy } from './accuracy/accuracy.ts';
+import { cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
 import { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
 import type { FrameRequest } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
-import { readSplats } from './io/loading/read-splats.ts';
 import { Chunk } from './layout/structs.ts';
 import { type Mat4, translated4 } from './math/mat4.ts';
-import type { Harmonics } from './packing/harmonics.ts';
 import { packCloud } from './packing/packed-cloud.ts';
 import { compareImages, renderReference } from './reference/index.ts';
-import type { ShDegree, SplatSet } from './splats/splat-set.ts';
+import type { ShDegree } from './splats/splat-set.ts';
 import { deviceWith, limitsWith } from './testing/device-with.ts';
+import { objectScene } from './testing/object-scene.ts';
 import { ownHarmonics } from './testing/own-harmonics.ts';
+import {
+  byTiles,
+  draw,
+  drawAlone,
+  expectObjectAccurate,
+  expectPresetsAccurate,
+  MIN_PSNR_DB,
+  type PresetEngines,
+  presetEngines,
+  type Scene,
+} from './testing/preset-engines.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
 import type { FrameStatistics } from './timing/frame-statistics.ts';
-import type { SplatView } from './views/splat-view.ts';
 
-/** PSNR that each preset must reach against the float64 reference, dB on the target's own values. */
-const MIN_PSNR_DB = { reference: 60, high: 50, balanced: 45 } satisfies Partial<
-  Record<AccuracyPreset, number>
->;
-type ComparedPreset = keyof typeof MIN_PSNR_DB;
-const PRESETS = Object.keys(MIN_PSNR_DB) as ComparedPreset[];
 const SIZE = { widthPx: 64, heightPx: 64 };
 const CAMERAS = testCameras(1);
 const CAMERA = CAMERAS.perspective;
 
 let device: GPUDevice;
 let canBlendFloat32: boolean;
-/** One engine per preset on one device, so that each pipeline is compiled once. */
-const engines = {} as Record<ComparedPreset, SplatEngine>;
+let engines: PresetEngines;
 
 beforeAll(async () => {
   const { adapter } = await createNodeGpu();
@@ -46,55 +46,15 @@ beforeAll(async () => {
   const requiredFeatures = offered.filter((feature) => adapter.features.has(feature));
   canBlendFloat32 = requiredFeatures.includes('float32-blendable' as GPUFeatureName);
   device = await shareTestDevice({ requiredFeatures });
-  for (const preset of PRESETS)
-    engines[preset] = await SplatEngine.create({ device, accuracy: byTiles(preset) });
+  engines = await presetEngines(device);
 });
 afterAll(() => {
-  for (const engine of Object.values(engines)) engine.destroy();
+  for (const engine of Object.values(engines ?? {})) engine.destroy();
   device?.destroy();
 });
 
-/** Images are compared bit for bit: their rasteriser must not follow from times. */
-function byTiles(preset: AccuracyPreset): Accuracy {
-  return { preset, rasterizer: 'tiles' };
-}
-
-interface Scene {
-  readonly clouds: readonly {
-    readonly set: SplatSet<Harmonics>;
-    readonly modelMatrix?: ArrayLike<number>;
-    readonly opacity?: number;
-    readonly shDegree?: ShDegree;
-  }[];
-  readonly camera: Camera;
-}
-
-async function draw(view: SplatView, frame: FrameRequest): Promise<Float32Array> {
-  view.render(frame);
-  return (await view.readPixels()).data;
-}
-
-/** Draws `scene` with its own view, then frees everything. */
-async function drawScene(engine: SplatEngine, { clouds, camera }: Scene, size = SIZE): Promise<Float32Array> {
-  const view = engine.createView();
-  const instances = clouds.map(({ set, ...placement }) => ({ cloud: engine.add(set), ...placement }));
-  try {
-    return await draw(view, { camera, clouds: instances, ...size });
-  } finally {
-    view.destroy();
-    for (const { cloud } of instances) cloud.destroy();
-  }
-}
-
-async function expectAccurate(scene: Scene, size = SIZE, presets = PRESETS): Promise<void> {
-  const reference = renderReference({ ...scene, ...size });
-  expect(reference.visibleSplats).toBeGreaterThan(20);
-  for (const preset of presets) {
-    const image = await drawScene(engines[preset], scene, size);
-    const { psnrDb } = compareImages(image, reference.data, size);
-    expect(psnrDb, preset).toBeGreaterThanOrEqual(MIN_PSNR_DB[preset]);
-  }
-}
+const drawScene = (engine: SplatEngine, scene: Scene) => drawAlone(engine, scene, SIZE);
+const expectAccurate = (scene: Scene) => expectPresetsAccurate(engines, scene, SIZE);
 
 const smallScene: Scene = { clouds: [{ set: randomSplats({ count: 600 }) }], camera: CAMERA };
 
@@ -179,19 +139,7 @@ describe('images against the float64 reference', () => {
     });
   });
 
-  gpuTest('a scanned robot from ../shared/scenes, 256×256', async ({ skip }) => {
-    const path = fileURLToPath(new URL('../../../../shared/scenes/playbot-lod3.ply', import.meta.url));
-    if (!existsSync(path)) skip('../shared/scenes/playbot-lod3.ply is not here');
-    const set = await readSplats(readFileSync(path), { shPrecision: 'f32' });
-    const camera = perspectiveCamera({
-      position: [1.6, -1, 2.2],
-      target: [0, 0, 0],
-      up: [0, -1, 0],
-      fovYDegrees: 50,
-      aspect: 1,
-    });
-    await expectAccurate({ clouds: [{ set }], camera }, { widthPx: 256, heightPx: 256 });
-  });
+  gpuTest('an object alone, 256×256', () => expectObjectAccurate(engines, objectScene(5000)));
 });
 
 describe('a view', () => {

@@ -1,16 +1,19 @@
-import { existsSync, readFileSync } from 'node:fs';
-import { fileURLToPath } from 'node:url';
 import { stillLife, stillLifeCameras } from '@websplatter/scenes';
 import { beforeAll, describe, expect, test } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
-import { readSplats } from '../io/loading/read-splats.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import { objectScene } from '../testing/object-scene.ts';
+import {
+  expectRaysAsShown,
+  isBare,
+  isCovered,
+  partWithin2Percent,
+  randomRays,
+} from '../testing/random-rays.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
-import { seededRandom } from '../testing/seeded-random.ts';
-import { type TrueRay, trueRays } from '../testing/true-rays.ts';
+import type { TrueRay } from '../testing/true-rays.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
 
@@ -115,41 +118,6 @@ describe('a tree', () => {
   });
 });
 
-type View = Omit<Parameters<typeof perspectiveCamera>[0], 'aspect'>;
-
-/** 200 random pixels of each camera, and what the reference shows there. */
-function randomRays(set: SplatSet<Harmonics>, cameras: readonly View[]): TrueRay[] {
-  const [widthPx, heightPx] = [640, 480];
-  const random = seededRandom(11);
-  return cameras.flatMap((camera) => {
-    const pixels = Array.from(
-      { length: 200 },
-      () => [Math.floor(random() * widthPx), Math.floor(random() * heightPx)] as const,
-    );
-    return trueRays(set, perspectiveCamera({ ...camera, aspect: 4 / 3 }), widthPx, heightPx, pixels);
-  });
-}
-
-const isBare = ({ opacity }: TrueRay) => opacity < 0.1;
-const isCovered = ({ opacity }: TrueRay) => opacity > 0.5;
-
-/** Part of the rays at what is covered that hit within 2 % of the depth of the splat that contributes most. */
-function partWithin2Percent(tree: RayTree, rays: readonly TrueRay[]): number {
-  const covered = rays.filter(isCovered);
-  const right = covered.filter(({ origin, direction, depthView, options }) => {
-    const hit = tree.cast(origin, direction, options);
-    return hit !== null && Math.abs(hit.distance / depthView - 1) <= 0.02;
-  });
-  return right.length / covered.length;
-}
-
-function expectMisses(tree: RayTree, rays: readonly TrueRay[], least: number): void {
-  const bare = rays.filter(isBare);
-  expect(bare.length).toBeGreaterThanOrEqual(least);
-  const hit = bare.filter(({ origin, direction, options }) => tree.cast(origin, direction, options) !== null);
-  expect(hit).toHaveLength(0);
-}
-
 describe('1,000 random rays, against what the reference picks,', () => {
   test('at a still life hit within 2 % of the depth, wherever splats cover a pixel', async () => {
     const set = stillLife({ splats: 20_000 });
@@ -157,22 +125,8 @@ describe('1,000 random rays, against what the reference picks,', () => {
     expect(partWithin2Percent(await makeRayTree(pack(set), {}), rays)).toBeGreaterThanOrEqual(0.999);
   });
 
-  test('at a scanned robot all hit within 2 % of the depth, and miss where fewer than 10 % is covered', async ({
-    skip,
-  }) => {
-    const path = fileURLToPath(new URL('../../../../../shared/scenes/playbot-lod3.ply', import.meta.url));
-    if (!existsSync(path)) skip('../shared/scenes/playbot-lod3.ply is not here');
-    const set = await readSplats(readFileSync(path), { shPrecision: 'f32' });
-    const cameras = [0, 1, 2, 3, 4].map((i) => ({
-      position: [2.2 * Math.cos(1.3 * i), 0.6 * Math.sin(2 * i), 2.2 * Math.sin(1.3 * i)] as const,
-      target: [0, 0, 0] as const,
-      fovYDegrees: 50,
-    }));
-    const [tree, rays] = [await makeRayTree(pack(set), {}), randomRays(set, cameras)];
-    expect(rays.filter(isCovered).length).toBeGreaterThan(100);
-    expect(partWithin2Percent(tree, rays)).toBe(1);
-    expectMisses(tree, rays, 100);
-  });
+  test('at an object alone all hit within 2 % of the depth, and miss where fewer than 10 % is covered', () =>
+    expectRaysAsShown(objectScene(20_000)));
 
   describe('at a still life whose splats share blobs,', () => {
     let rays: TrueRay[];
