@@ -1,10 +1,10 @@
 import { createHash } from 'node:crypto';
-import { existsSync, readFileSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { encodePly, readSplats } from '@websplatter/core';
-import type { Page } from 'playwright-core';
+import type { Page, Worker } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
 import { isFull } from './full-run.ts';
@@ -34,8 +34,9 @@ import {
 /** For images that are compared bit for bit: their rasteriser must not follow from times. */
 const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles,resolutionScale:0.25';
 
-/** One scene in several formats; they are skipped where they are not there. */
-const SCENES = fileURLToPath(new URL('../../shared/scenes/', import.meta.url));
+/** One scene in several formats, written by other programs. */
+const FIXTURES = fileURLToPath(new URL('../packages/core/src/testing/fixtures/', import.meta.url));
+const fixture = (end: string) => new Uint8Array(readFileSync(`${FIXTURES}degree-2.${end}`));
 
 /** Core as it is shipped. */
 const CORE = fileURLToPath(new URL('../packages/core/dist/', import.meta.url));
@@ -44,6 +45,12 @@ const harness = viewerHarness();
 const { newPage, openViewer, shareViewer } = harness;
 /** For scenes whose picture is compared. */
 const TINY = { viewport: { width: 160, height: 120 } };
+
+/** Drops a file, and waits until it is shown. */
+async function openFile(page: Page, name: string, bytes: Uint8Array): Promise<void> {
+  await dropFiles(page, [{ name, bytes }]);
+  await waitForScene(page, name);
+}
 
 /** Columns of a set whose bits are compared. */
 const COLUMNS = ['positions', 'logScales', 'rotations', 'opacityLogits', 'colorDc'] as const;
@@ -196,37 +203,43 @@ describe('viewer', () => {
     expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
   });
 
-  it('reads each format in a worker of its own, by its bytes where its name is wrong', async () => {
+  it.each([
+    { name: 'a.ply.gz', bytes: () => gzipSync(encodePly(testScene(260))), workers: ['gzip'] },
+    { name: 'misnamed.spz', bytes: () => encodePly(testScene(260)), workers: ['spz', 'ply'] },
+    { name: 'misnamed.ply', bytes: () => fixture('sog'), workers: ['ply', 'zip'] },
+    { name: 'a.sog', bytes: () => fixture('sog'), workers: ['zip'] },
+    { name: 'a.spz', bytes: () => fixture('spz'), workers: ['spz'] },
+    { name: 'a.compressed.ply', bytes: () => fixture('compressed.ply'), workers: ['compressed-ply'] },
+    { name: 'a.splat', bytes: () => fixture('splat'), workers: ['splat'] },
+    { name: 'a.ksplat', bytes: () => fixture('ksplat'), workers: ['ksplat'] },
+    { name: 'a.glb', bytes: () => fixture('glb'), workers: ['gltf'] },
+  ])('reads $name in workers of its formats alone: $workers', async ({ name, bytes, workers }) => {
+    const page = await shareViewer(CHEAP, TINY);
+    const started: string[] = [];
+    const note = (worker: Worker) => started.push(worker.url());
+    page.on('worker', note);
+    await openFile(page, name, bytes());
+    page.off('worker', note);
+    expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual(workers);
+    expect(await textOf(page, 'scene')).toContain('260 splats');
+  });
+
+  it('shows a PLY in gzip as the float64 reference does', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
-    let started: string[] = [];
-    page.on('worker', (worker) => started.push(worker.url()));
-    const open = async (name: string, bytes: Uint8Array, ...formats: readonly string[]) => {
-      started = [];
-      await dropFiles(page, [{ name, bytes }]);
-      await waitForScene(page, name);
-      expect(await textOf(page, 'scene-title')).toBe(name);
-      expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual(formats);
-    };
-    await open('packed.ply.gz', gzipSync(encodePly(testScene())), 'gzip');
+    await openFile(page, 'packed.ply.gz', gzipSync(encodePly(testScene())));
     expect(
       psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [testScene()]),
     ).toBeGreaterThan(MIN_PSNR_DB);
-    await open('misnamed.spz', encodePly(testScene()), 'spz', 'ply');
-    if (!existsSync(SCENES)) return console.info(`skipped: ${SCENES} is not there`);
-    const scene = (end: string) => new Uint8Array(readFileSync(`${SCENES}playbot-lod3.${end}`));
-    await open('misnamed.ply', scene('sog'), 'ply', 'zip');
-    expect(await textOf(page, 'scene')).toContain('31,000 splats');
-    await expectSameSplats(page, scene('sog'));
-    if (!isFull) return;
-    await open('a.spz', scene('spz'), 'spz');
-    await open('a.compressed.ply', scene('compressed.ply'), 'compressed-ply');
-    await open('a.splat', scene('splat'), 'splat');
+  });
+
+  it('decodes the images of a SOG by the browser to the values of our own decoder', async () => {
+    const page = await harness.open(CHEAP, TINY);
+    await expectSameSplats(page, fixture('sog'));
   });
 
   it('turns a file over that was dropped, and saves it as glTF', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
-    await dropFiles(page, [{ name: 'test scene.ply', bytes: encodePly(testScene()) }]);
-    await waitForScene(page, 'test scene.ply');
+    await openFile(page, 'test scene.ply', encodePly(testScene()));
     const framesBeforeFlip = await frameCount(page);
     await page.keyboard.press('u');
     await waitForFrameAfter(page, framesBeforeFlip);
