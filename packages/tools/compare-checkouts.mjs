@@ -14,7 +14,7 @@ const USAGE = `npm run compare-checkouts -- A B [OPTION…]
   A, B            folders with built packages (npm ci); node_modules and .git are not needed with --dawn
   --cases NAMES   only these, separated by commas: groups (effects) or cases (effects/fog)
   --size WxH      size of the images, px; default 96x64
-  --playbot FILE  default ../shared/scenes/playbot-lod3.ply beside A
+  --playbot FILE  a captured scene to draw, too
   --dawn FILE     the dawn.node of npm's webgpu, for folders without node_modules
   --keep DIR      keep the images there, raw float32, in a and b
 Ends with 0 where all is identical, 1 where anything differs, fails or is missing, 2 where it could not be compared.`;
@@ -78,7 +78,7 @@ function readOptions() {
         size: { widthPx: Number(width), heightPx: Number(height) },
         dawn: values.dawn ? resolve(values.dawn) : null,
         // One file for both.
-        playbot: resolve(values.playbot ?? join(checkouts[0].folder, '../shared/scenes/playbot-lod3.ply')),
+        playbot: values.playbot ? resolve(values.playbot) : null,
       },
     };
   } catch (error) {
