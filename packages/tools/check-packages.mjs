@@ -37,8 +37,8 @@ const packed = await pack(folder).catch((error) => fail(error.stderr || error.me
 const problems = (
   await Promise.all([
     ...PUBLISHED.map(missingFiles),
+    ...PUBLISHED.map(changelogProblems),
     allManifestProblems(),
-    changelogProblems(),
     publishProblems(),
     viewerProblems(),
     PUBLISHED.flatMap((name) => scriptProblems(join(repositoryRoot, 'packages', name, 'dist'))),
@@ -87,12 +87,11 @@ function readManifest(path) {
   return JSON.parse(readFileSync(join(repositoryRoot, path, 'package.json'), 'utf8'));
 }
 
-function changelogProblems() {
-  const changelog = readFileSync(join(repositoryRoot, 'CHANGELOG.md'), 'utf8');
-  const versions = PUBLISHED.map((name) => readManifest(`packages/${name}`).version);
-  return [...new Set(versions)]
-    .filter((version) => !changelog.includes(`\n## ${version} `))
-    .map((version) => `CHANGELOG.md: there is no section for ${version}`);
+function changelogProblems(name) {
+  const path = `packages/${name}/CHANGELOG.md`;
+  const { version } = readManifest(`packages/${name}`);
+  const hasSection = readFileSync(join(repositoryRoot, path), 'utf8').includes(`\n## ${version}\n`);
+  return hasSection ? [] : [`${path}: there is no section for ${version}`];
 }
 
 /** Lets npm do all of a publication but the last step, from the packages' folders, without asking a registry. */

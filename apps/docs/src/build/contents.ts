@@ -4,7 +4,6 @@
 export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'README.md': 'project/overview.md',
   'ARCHITECTURE.md': 'project/architecture.md',
-  'CHANGELOG.md': 'project/changelog.md',
   'CONTRIBUTING.md': 'project/contributing.md',
   'SECURITY.md': 'project/security.md',
   'apps/bench/README.md': 'project/bench.md',
