@@ -12,10 +12,9 @@ import {
   summaryLine,
 } from '@websplatter/hardcases';
 import { createNodeGpu } from '@websplatter/node';
-import packageJson from '../package.json' with { type: 'json' };
 import type { Console } from './console.ts';
 import { UsageError } from './input-error.ts';
-import { currentCommit } from './machine.ts';
+import { currentCommit, version } from './machine.ts';
 import { parseStrictly } from './render-options.ts';
 
 interface HardCaseOptions {
@@ -40,7 +39,7 @@ export async function hardcases(args: readonly string[], console: Console): Prom
     sizePx,
     place: {
       program: `Node ${process.versions.node}`,
-      version: packageJson.version,
+      version,
       commit: currentCommit(),
     },
     onResult: (result) => {

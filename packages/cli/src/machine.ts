@@ -1,4 +1,5 @@
 import os from 'node:os';
+import corePackage from '../../core/package.json' with { type: 'json' };
 import { commitOf } from '../../tools/src/commit.ts';
 
 /** Describes this machine, for measurements. */
@@ -12,6 +13,9 @@ export function describeMachine() {
     node: process.versions.node,
   };
 }
+
+/** Of the published packages, which this program is built from; its own manifest is not released. */
+export const version: string = corePackage.version;
 
 /** Commit of the working copy that this program runs from, as apps that are built name theirs. */
 export function currentCommit(): string | null {

@@ -1,5 +1,4 @@
 import { printable, WebSplatterError } from '@websplatter/core';
-import packageJson from '../package.json' with { type: 'json' };
 import { accuracy } from './accuracy.ts';
 import { bench } from './bench.ts';
 import type { Console } from './console.ts';
@@ -7,6 +6,7 @@ import { convert } from './convert.ts';
 import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
 import { describeSystemError, UsageError } from './input-error.ts';
+import { version } from './machine.ts';
 import { render } from './render.ts';
 import { soak } from './soak.ts';
 import { USAGE } from './usage.ts';
@@ -69,7 +69,7 @@ function endWithoutOutput(error: NodeJS.ErrnoException): void {
 
 async function dispatch([name, ...args]: readonly string[], console: Console): Promise<void> {
   if (name === undefined) throw new UsageError('command', 'no command');
-  if (name === '--version') return console.out(`${packageJson.version}\n`);
+  if (name === '--version') return console.out(`${version}\n`);
   if (name === '--help' || name === '-h' || args.includes('--help') || args.includes('-h'))
     return console.out(USAGE);
   if (!Object.hasOwn(COMMANDS, name)) throw new UsageError('command', `there is no command ${name}`);

@@ -127,7 +127,7 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
   'packages/cli/src/machine.ts':
-    'names the commit as the builds of apps do, and is bundled: no package that ships imports tools',
+    'names version and commit as the builds of apps do, and is bundled: no package that ships imports tools',
   'apps/viewer/vite.config.ts':
     "strips shaders as the packages' build does, and asks which version it builds, both of which no browser runs",
   'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
