@@ -50,7 +50,7 @@ const terminalTests = 'packages/cli/src/*.gpu.test.ts';
 /** Tests that call `vi.mock` must be the first of their process to import what they replace. */
 const mockingTests = ['packages', 'apps'].flatMap((room) =>
   readdirSync(room, { recursive: true, encoding: 'utf8' })
-    .map((path) => join(room, path))
+    .map((path) => join(room, path).replaceAll('\\', '/'))
     .filter((path) => /^[^/]+\/[^/]+\/src\/.*\.test\.tsx?$/.test(path))
     .filter((path) => /\bvi\.(?:do)?[mM]ock\(/.test(readFileSync(path, 'utf8'))),
 );
