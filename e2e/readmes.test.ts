@@ -32,6 +32,7 @@ const READMES: Readonly<Record<string, Examples>> = {
     of: '@websplatter/react',
     given: { canvas: 'HTMLCanvasElement' },
   },
+  'packages/node/README.md': { of: '@websplatter/node', given: {} },
   'packages/react/README.md': {
     of: '@websplatter/react',
     given: {
