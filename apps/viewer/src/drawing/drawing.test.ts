@@ -58,6 +58,15 @@ it('has recovered when a whole scene is at rest on the screen, not with a part o
   expect(session.canvas.dataset.resting).toBe('');
 });
 
+it('tells of no picture at rest after the session has ended, until another has drawn', async () => {
+  const { drawing, session, scene, scenes } = setUp();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  drawing.request();
+  await expect.poll(() => session.canvas.dataset.resting).toBe('');
+  drawing.stop();
+  expect(session.canvas.dataset.resting).toBeUndefined();
+});
+
 it('draws nothing while the code of the view mode is on its way', async () => {
   const { drawing, store, main, whenComplete } = setUp();
   store.setState({ viewMode: 'opacity' });

@@ -61,8 +61,10 @@ export class Drawing {
     this.#loop.request();
   }
 
+  /** The session has ended, and its picture with it. */
   stop(): void {
     this.#loop.stop();
+    if (this.#drawn) clearRest(this.#drawn.scene.session.canvas);
   }
 
   setBackground(color: Vec3): void {
