@@ -1,4 +1,5 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
+import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { isFull } from './full-run.ts';
@@ -6,17 +7,18 @@ import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.t
 import { changedPart, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
+  clickInTurn,
   drawnCamera,
   dropFiles,
-  frameCount,
   loseDeviceOnDemand,
+  redraw,
   SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
-  waitForFrameAfter,
   waitForImage,
   waitForNotice,
+  waitForScene,
   waitForState,
 } from './viewer-page.ts';
 
@@ -25,6 +27,8 @@ const { newPage, openViewer } = harness;
 /** A measurement draws a hundred frames, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
 const ATTACHED = { state: 'attached' } as const;
+/** The end of a measurement. */
+const MEASURED = { state: 'attached', timeout: LONG_PATIENCE_MS } as const;
 /** Steps of 255 that images of the same settings may differ by where each rasteriser may draw: presets leave that to times. */
 const ROUNDING = 1;
 const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
@@ -34,11 +38,9 @@ function withoutHarmonics(set: SplatSet): SplatSet {
   return { ...set, harmonics: { degree: 0, coefficients: new Float32Array(0) } };
 }
 
-/** Does something that changes the image, and waits for the new frame. */
-async function redraw(page: Page, action: () => Promise<unknown>): Promise<Screenshot> {
-  const frames = await frameCount(page);
-  await action();
-  await waitForFrameAfter(page, frames);
+/** Does what changes the image, and captures the new one. */
+async function shotAfter(page: Page, action: () => Promise<unknown>): Promise<Screenshot> {
+  await redraw(page, action);
   return viewerScreenshot(page);
 }
 
@@ -104,23 +106,23 @@ const bytesHeld = async (page: Page, label: string) =>
 describe('accuracy in the viewer', () => {
   it('draws with the setting that is chosen, and keeps it in the address', async () => {
     const page = await openViewer(undefined, SMALL);
-    await redraw(page, () => dropFiles(page, [{ name: 'test.ply', bytes: encodePly(testScene()) }]));
-    await waitForState(page, 'ready');
+    await dropFiles(page, [{ name: 'test.ply', bytes: encodePly(testScene()) }]);
+    await waitForScene(page, 'test.ply');
     await openTab(page, 'settings');
     // The panel leaves so little free that the scene would be small.
     for (let step = 0; step < 10; step++) await page.keyboard.press('+');
     // A CPU draws with the most exact settings, which take it less time than the usual default.
     expect(await page.getByTestId('preset-reference').getAttribute('aria-pressed')).toBe('true');
-    await redraw(page, () => press(page, 'preset-balanced'));
+    await shotAfter(page, () => press(page, 'preset-balanced'));
     await page.waitForURL(/accuracy=balanced$/);
-    const flat = await redraw(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
+    const flat = await shotAfter(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
     const drawn = await drawnCamera(page);
     expect(psnrAgainstReference(flat, drawn, [withoutHarmonics(testScene())])).toBeGreaterThan(MIN_PSNR_DB);
     expect(psnrAgainstReference(flat, drawn, [testScene()])).toBeLessThan(MIN_PSNR_DB);
     await page.waitForURL(/accuracy=balanced,shDegree:0/);
     expect(await textOf(page, 'accuracy-custom')).toContain('balanced');
 
-    const full = await redraw(page, () => press(page, 'preset-balanced'));
+    const full = await shotAfter(page, () => press(page, 'preset-balanced'));
     expect(psnrAgainstReference(full, drawn, [testScene()])).toBeGreaterThan(MIN_PSNR_DB);
     await press(page, 'preset-reference');
     await page.waitForURL((url) => !url.search.includes('accuracy'));
@@ -134,8 +136,8 @@ describe('accuracy in the viewer', () => {
       await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=balanced`);
       await waitForImage(page);
       const set = testScene(70_000);
-      await redraw(page, () => dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]));
-      await waitForState(page, 'ready');
+      await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
+      await waitForScene(page, 'many.ply');
       expect(await bytesHeld(page, 'many.ply geometry 0')).toEqual([32 * set.count]);
       expect(await buffersMade(page, 'ingest rows')).toBe(1);
 
@@ -154,7 +156,7 @@ describe('accuracy in the viewer', () => {
     'finds a palette in a worker of its own, and goes on as before where that is called off',
     async () => {
       const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
-      const before = await redraw(page, () => openTab(page, 'settings'));
+      const before = await shotAfter(page, () => openTab(page, 'settings'));
       const workers: string[] = [];
       page.on('worker', (worker) => workers.push(worker.url()));
       const neverDone =
@@ -195,18 +197,18 @@ describe('accuracy in the viewer', () => {
 
   it('splits the image between two settings, and maps the error of a coarse one, and none of reference', async () => {
     const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', SMALL);
-    const left = await redraw(page, () => openTab(page, 'settings'));
-    const right = await redraw(page, () => press(page, 'preset-balanced'));
+    const left = await shotAfter(page, () => openTab(page, 'settings'));
+    const right = await shotAfter(page, () => press(page, 'preset-balanced'));
     const part = (shot: Screenshot, side: 'left' | 'right') =>
       side === 'left' ? columns(shot, 0, 116) : columns(shot, 124, 240);
     expect(changedPart(part(left, 'left'), part(right, 'left'), 2)).toBeGreaterThan(0.01);
     expect(changedPart(part(left, 'right'), part(right, 'right'), 2)).toBeGreaterThan(0.01);
 
     await press(page, 'accuracy-tab-compare');
-    await redraw(page, () => press(page, 'compare-split'));
-    await redraw(page, () => page.getByTestId('side-right').selectOption('balanced'));
+    await shotAfter(page, () => press(page, 'compare-split'));
+    await shotAfter(page, () => page.getByTestId('side-right').selectOption('balanced'));
     await press(page, 'accuracy-tab-settings');
-    await redraw(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
+    await shotAfter(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
     const split = await viewerScreenshot(page, WITHOUT_LINE);
     expect(changedPart(part(split, 'left'), part(left, 'left'), ROUNDING)).toBe(0);
     expect(changedPart(part(split, 'right'), part(right, 'right'), ROUNDING)).toBe(0);
@@ -226,7 +228,7 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('error-max').getByText('Largest').waitFor();
     expect(await textOf(page, 'error-part-16+')).toMatch(/^(?!0 %)\d/);
     expect(await page.getByTestId('error-map').isVisible()).toBe(true);
-    await redraw(page, () => press(page, 'preset-reference'));
+    await shotAfter(page, () => press(page, 'preset-reference'));
     await page.getByTestId('error-max').getByText('Largest error: 0 of 255').waitFor();
     expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
   });
@@ -261,7 +263,8 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('setting-shDegree').waitFor({ state: 'attached' });
     await press(page, 'accuracy-tab-measure');
     await dropFiles(page, file);
-    await page.getByTestId('circumstances').getByText('400 splats').waitFor(ATTACHED);
+    await page.getByTestId('circumstances').getByText('400 splats').waitFor(MEASURED);
+    await waitForScene(page, 'test.ply');
     expect(await textOf(page, 'circumstances')).toContain('software adapter');
     expect(await choice.getAttribute('data-met')).toBe('true');
     expect(await choice.textContent()).toContain('44 dB');
@@ -272,20 +275,19 @@ describe('accuracy in the viewer', () => {
     await page.waitForURL(/accuracy=minPsnrDb:44/);
 
     // Called off once there is a choice, a measurement changes nothing.
-    await press(page, 'measure');
-    await press(page, 'cancel-sweep');
+    await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor({ state: 'attached' });
     expect(await choice.getAttribute('data-met')).toBe('true');
     expect(await wish.textContent()).toBe('Keeps: at least 44 dBEnd');
 
     // Another of the points is drawn in its place, and ends the wish.
     const other = page.locator('[data-testid=accuracy-point][aria-pressed=false]').last();
-    await redraw(page, () => other.evaluate((button: HTMLElement) => button.click()));
+    await shotAfter(page, () => other.evaluate((button: HTMLElement) => button.click()));
     expect(await page.locator('[data-testid=accuracy-point][aria-pressed=true]').count()).toBe(1);
     await wish.waitFor({ state: 'detached' });
     expect(await choice.count()).toBe(0);
     // Check the images themselves, too.
-    const exact = await redraw(page, () => press(page, 'preset-reference'));
+    const exact = await shotAfter(page, () => press(page, 'preset-reference'));
     expect(psnrOf(picked, exact)).toBeGreaterThan(43);
     if (!isFull) return;
 
@@ -293,25 +295,24 @@ describe('accuracy in the viewer', () => {
     await press(page, 'preset-balanced');
     const rows = page.getByTestId('point-table').locator('tbody tr');
     const chosenRows = await rows.count();
-    await press(page, 'measure');
-    await press(page, 'cancel-sweep');
+    await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await rows.count()).toBe(chosenRows);
     await press(page, 'measure');
-    await coarse.waitFor(ATTACHED);
+    await coarse.waitFor(MEASURED);
     expect(await coarse.getAttribute('aria-label')).toMatch(/^Harmonics degree 0: \d/);
     expect(await rows.count()).toBe(await points.count());
-    const clicked = await redraw(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
+    const clicked = await shotAfter(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
     expect(await coarse.getAttribute('aria-pressed')).toBe('true');
     expect(changedPart(picked, clicked, 2)).toBeGreaterThan(0.01);
     // Another page shows the same, and its picture makes room for a panel, too.
     const linked = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
-    await redraw(linked, () => dropFiles(linked, file));
-    await waitForState(linked, 'ready');
-    const shown = await redraw(linked, () => openTab(linked, 'settings'));
+    await dropFiles(linked, file);
+    await waitForScene(linked, 'test.ply');
+    const shown = await shotAfter(linked, () => openTab(linked, 'settings'));
     expect(changedPart(clicked, shown, ROUNDING)).toBe(0);
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('false');
-    await redraw(page, () => page.keyboard.press('ArrowRight'));
+    await shotAfter(page, () => page.keyboard.press('ArrowRight'));
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
   });
 

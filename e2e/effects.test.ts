@@ -1,8 +1,9 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
+import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { testScene } from './test-scene.ts';
-import { dropFiles, frameCount, SMALL, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
+import { clickInTurn, dropFiles, redraw, SMALL, textOf, viewerHarness, waitForScene } from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
 
@@ -19,9 +20,8 @@ const effect = (page: Page, name: string) => page.getByTestId(`effect-${name}`);
 const isOn = (page: Page, name: string) => effect(page, name).getAttribute('data-on');
 
 async function open(page: Page, set: SplatSet): Promise<void> {
-  const frames = await frameCount(page);
   await dropFiles(page, [{ name: 'test.ply', bytes: encodePly(set) }]);
-  await waitForFrameAfter(page, frames);
+  await waitForScene(page, 'test.ply');
 }
 
 describe('effects in the viewer', () => {
@@ -41,15 +41,12 @@ describe('effects in the viewer', () => {
 
     // The viewer turns files, and the harmonics of this one are all zero.
     await open(page, withEmptyHarmonics(testScene()));
-    // A frame of the scene before may come first.
-    await expect.poll(() => isOn(page, 'harmonics')).toBe('false');
+    expect(await isOn(page, 'harmonics')).toBe('false');
     expect(await effect(page, 'harmonics').textContent()).toContain('nothing above 0 could be seen');
     expect(await textOf(page, 'scene')).toContain('harmonics degree 1, seen up to 0');
     expect(await isOn(page, 'transform')).toBe('true');
     expect(await effect(page, 'transform').textContent()).toContain('Acts in no shader');
-    const frames = await frameCount(page);
-    await page.keyboard.press('u');
-    await waitForFrameAfter(page, frames);
+    await redraw(page, () => page.keyboard.press('u'));
     expect(await isOn(page, 'transform')).toBe('false');
 
     // Only one panel is open at a time.
@@ -69,25 +66,19 @@ describe('effects in the viewer', () => {
     const press = (testId: string) =>
       page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
     const cautions = page.getByTestId('effect-cautions');
-    await press('measure');
-    await page.getByTestId('sweep-progress').waitFor({ state: 'attached' });
-    await press('cancel-sweep');
+    await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor({ state: 'attached' });
     expect(await cautions.count()).toBe(0);
 
-    const beforeBrightness = await frameCount(page);
-    await press('switch-brightness');
-    await waitForFrameAfter(page, beforeBrightness);
+    await redraw(page, () => press('switch-brightness'));
     await press('measure');
-    await cautions.waitFor({ state: 'attached' });
+    await cautions.waitFor({ state: 'attached', timeout: LONG_PATIENCE_MS });
     expect(await textOf(page, 'cost-brightness')).toMatch(/^[±−]?[\d.,]+ ms$/);
     expect(await cautions.textContent()).toContain('software adapter');
     expect(await effect(page, 'harmonics').textContent()).toMatch(/\d ms · .*(of each frame|take the same)/);
     expect(await effect(page, 'fog').textContent()).not.toContain('ms');
     expect(await cautions.getAttribute('data-stale')).toBe('false');
-    const frames = await frameCount(page);
-    await page.keyboard.press('ArrowRight');
-    await waitForFrameAfter(page, frames);
+    await redraw(page, () => page.keyboard.press('ArrowRight'));
     expect(await cautions.getAttribute('data-stale')).toBe('true');
   });
 });

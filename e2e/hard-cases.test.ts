@@ -7,13 +7,12 @@ import { changedPart } from './screenshot.ts';
 import { type AppServer, startAppServer } from './server.ts';
 import {
   drawnCamera,
-  frameCount,
+  redraw,
   SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
-  waitForFrameAfter,
-  waitForImage,
+  waitForScene,
   waitForState,
 } from './viewer-page.ts';
 
@@ -54,8 +53,8 @@ describe('hard cases', () => {
     await page.keyboard.press('ArrowDown');
     await page.keyboard.press('Enter');
     await page.getByTestId('case-open').click();
-    await waitForImage(page);
     const hardCase = sceneCase('camera-orthographic');
+    await waitForScene(page, hardCase.name);
     expect(await textOf(page, 'scene-title')).toBe(hardCase.name);
     expect(await textOf(page, 'scene-topic')).toBe('Camera');
     expect(await textOf(page, 'scene-about')).toBe(hardCase.breaks);
@@ -73,11 +72,7 @@ describe('hard cases', () => {
       expect(psnrAgainstReference(shot, drawn, sets)).toBeGreaterThanOrEqual(MIN_PSNR_DB);
       return shot;
     };
-    const press = async (key: string) => {
-      const frames = await frameCount(page);
-      await page.keyboard.press(key);
-      await waitForFrameAfter(page, frames);
-    };
+    const press = (key: string) => redraw(page, () => page.keyboard.press(key));
     await expectOwnImage('front');
     await press(']');
     expect(await textOf(page, 'camera')).toBe('oblique 2 of 2');
@@ -112,9 +107,7 @@ describe('hard cases', () => {
 
   it('offers similar names for one that does not exist', async () => {
     const page = await harness.open('?scene=hard:camera-ortographic', SMALL);
-    await page.getByTestId('error').waitFor();
-    await waitForFrameAfter(page, 0);
-    await waitForState(page, 'error');
+    await waitForScene(page, 'Still life, small', 'error');
     expect(await textOf(page, 'error-message')).toContain('“camera-ortographic”');
     const links = page.getByTestId('error').getByRole('link');
     expect(await links.first().getAttribute('href')).toBe('?scene=hard:camera-orthographic');
@@ -126,8 +119,7 @@ describe('hard cases', () => {
     const refused = HARD_CASES.find(({ kind }) => kind === 'refused-file');
     if (!refused) throw new Error('There is no refused file.');
     const page = await harness.open(`?scene=hard:${refused.name}`, SMALL);
-    await page.getByTestId('error').waitFor();
-    await waitForFrameAfter(page, 0);
+    await waitForScene(page, refused.name, 'error');
     expect(await textOf(page, 'error-message')).toContain(refused.name);
   });
 });
@@ -152,7 +144,7 @@ describe('the page that runs hard cases in any browser', () => {
     expect(await outcome.textContent()).toBe(`${headline}.`);
     const report = (await page.locator('#report-text').textContent()) ?? '';
     expect(report).toContain(`WebSplatter: ${headline}\n`);
-    expect(await page.evaluate(() => document.activeElement?.id)).toBe('result-heading');
+    await expect.poll(() => page.evaluate(() => document.activeElement?.id)).toBe('result-heading');
 
     const copied = page.locator('#copied');
     await page.evaluate(() => {

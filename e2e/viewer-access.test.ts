@@ -6,7 +6,7 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { isFull } from './full-run.ts';
 import { testScene } from './test-scene.ts';
-import { CHEAP, dropFiles, textOf, viewerHarness, waitForImage, waitForState } from './viewer-page.ts';
+import { CHEAP, dropFiles, textOf, viewerHarness, waitForScene, waitForState } from './viewer-page.ts';
 
 const harness = viewerHarness();
 const { openViewer } = harness;
@@ -163,7 +163,7 @@ describe('the gallery of hard cases', () => {
 
     await page.getByTestId('gallery').waitFor();
     await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }], undefined, 'gallery');
-    await waitForImage(page);
+    await waitForScene(page, 'dropped.ply');
     expect(await textOf(page, 'scene-title')).toBe('dropped.ply');
     expect(new URL(page.url()).search).toBe('');
     // Files have y down and are turned; the button tells of what a person does.

@@ -32,7 +32,7 @@ describe('the gallery of hard cases', () => {
     const verdict = page.getByTestId('case-verdict');
     await verdict.getByText('✓ The tests demand 55 dB.').waitFor();
     expect(await verdict.textContent()).toMatch(/^PSNR \d+\.\d dB\./);
-    expect(await shownImages(page)).toBe(3);
+    await expect.poll(() => shownImages(page)).toBe(3);
     expect(await textOf(page, 'case-legend')).toContain('Largest difference of a channel:');
     expect(new URL(page.url()).search).toBe('?scene=hard&q=scale&case=scale-zero-all');
 

@@ -9,11 +9,10 @@ import {
   CHEAP,
   CHEAPLY,
   dropFiles,
-  frameCount,
   textOf,
   viewerHarness,
-  waitForFrameAfter,
   waitForImage,
+  waitForScene,
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
@@ -31,13 +30,13 @@ describe('the viewer on plain static hosting, below a path', () => {
   it('draws, and its links lead to the gallery, to a case and back', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html${CHEAP}`);
-    await waitForImage(page);
+    await waitForScene(page, 'Still life, small');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
     await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic&${CHEAPLY}`);
     await page.getByTestId('gallery-case').getByRole('link').first().click();
     await page.getByTestId('case-open').click();
-    await waitForImage(page);
+    await waitForScene(page, 'camera-orthographic');
     expect(await textOf(page, 'scene-title')).toBe('camera-orthographic');
     await page.getByRole('link', { name: 'All hard cases' }).click();
     await page.getByTestId('gallery').waitFor();
@@ -51,24 +50,24 @@ describe('files that the address of the viewer names', () => {
   it('are opened relative to the page, one or several, and what cannot be is told', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply&${CHEAPLY}`);
-    await waitForImage(page);
+    await waitForScene(page, 'a.ply and b.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 clouds · 500 splats');
 
     await page.goto(`${host.url}index.html?url=b.ply&${CHEAPLY}`);
-    await waitForImage(page);
+    await waitForScene(page, 'b.ply');
     expect(await textOf(page, 'scene')).toContain('100 splats');
 
     await page.goto(`${host.url}index.html${CHEAP}&src=missing.ply`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error-message')).toContain('missing.ply');
-    await waitForFrameAfter(page, 0);
+    await waitForScene(page, 'Still life, small', 'error');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
     await page.goto(`${host.url}index.html${CHEAP}&src=http://[`);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
-    await waitForFrameAfter(page, 0);
+    await waitForScene(page, 'Still life, small', 'error');
   });
 });
 
@@ -119,7 +118,7 @@ describe('the file that was open', () => {
         Array.from(encodePly(testScene(50))),
       );
       const showsMine = async () => {
-        await page.getByTestId('scene-title').getByText('mine.ply').waitFor();
+        await waitForScene(page, 'mine.ply');
         expect(await textOf(page, 'scene')).toContain('50 splats');
         await waitForKept(page, 'mine.ply');
       };
@@ -132,9 +131,8 @@ describe('the file that was open', () => {
       expect(await page.getByTestId('reopen').count()).toBe(0);
 
       // A drop that a script makes has no handles.
-      const frames = await frameCount(page);
       await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
-      await waitForFrameAfter(page, frames);
+      await waitForScene(page, 'dropped.ply');
       await waitForKept(page, 'dropped.ply');
       await page.reload();
       await page.getByTestId('reopen').getByText('dropped.ply').waitFor();

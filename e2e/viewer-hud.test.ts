@@ -1,6 +1,6 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { CHEAP, frameCount, textOf, viewerHarness, waitForFrameAfter } from './viewer-page.ts';
+import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
 /** What draws by few passes, each of which has a name. */
 const BY_QUADS = CHEAP.replace('rasterizer:tiles', 'rasterizer:quads');
@@ -41,9 +41,7 @@ async function drag(page: Page, frames: number): Promise<void> {
   await page.mouse.move(450, 400);
   await page.mouse.down();
   for (let step = 1; step <= frames; step++) {
-    const before = await frameCount(page);
-    await page.mouse.move(450 + 4 * step, 400);
-    await waitForFrameAfter(page, before);
+    await redraw(page, () => page.mouse.move(450 + 4 * step, 400));
   }
   await page.mouse.up();
 }
@@ -52,6 +50,10 @@ async function makeLarge(page: Page): Promise<void> {
   await page.getByTestId('hud-more').click();
   await page.getByTestId('left-peak').waitFor();
 }
+
+/** Waits until a figure matches `pattern`: frames are measured, and figures written, after they have been drawn. */
+const waitForFigure = (page: Page, testId: string, pattern: RegExp) =>
+  expect.poll(() => textOf(page, testId), { message: testId }).toMatch(pattern);
 
 /** How many different colours the chart of a side has. */
 function chartColors(page: Page, side: 'left' | 'right'): Promise<number> {
@@ -66,12 +68,10 @@ describe('the figures of the viewer', () => {
     const page = await harness.newPage({ viewport: SIZE });
     await page.addInitScript(countCommits);
     await page.goto(`${harness.server.url}${BY_QUADS}`);
-    await waitForFrameAfter(page, 0);
+    await waitForImage(page);
     await makeLarge(page);
     await drag(page, 2);
-    await page.waitForFunction(() =>
-      /\d/.test(document.querySelector('[data-testid=left-peak]')!.textContent),
-    );
+    await waitForFigure(page, 'left-peak', /\d/);
     await page.getByTestId('hud').evaluate((hud) => {
       const { counts } = window as unknown as { counts: Counts };
       new MutationObserver(() => counts.writes++).observe(hud, {
@@ -91,20 +91,23 @@ describe('the figures of the viewer', () => {
     expect(after.writes - before.writes, 'writes of figures').toBeLessThanOrEqual(
       elapsedMs * WRITES_PER_MS + WRITES_AT_ENDS,
     );
-    expect(await chartColors(page, 'left'), 'colours of the chart').toBeGreaterThan(3);
+    await expect
+      .poll(() => chartColors(page, 'left'), { message: 'colours of the chart' })
+      .toBeGreaterThan(3);
 
-    expect(await textOf(page, 'sort-keys')).toBe('16 bits');
+    await waitForFigure(page, 'sort-keys', /^16 bits$/);
+    await waitForFigure(page, 'candidate-splats', /^[\d,]+$/);
     expect(Number((await textOf(page, 'candidate-splats')).replaceAll(',', ''))).toBeGreaterThan(1000);
-    expect(await textOf(page, 'memory-total')).toMatch(/^[\d.]+ MB$/);
-    expect(await textOf(page, 'memory-limit')).toMatch(/^[\d.]+ [MG]B$/);
-    for (const name of ['own-ms', 'render-ms']) expect(await textOf(page, name)).toMatch(/^[\d.,]+$/);
+    await waitForFigure(page, 'memory-total', /^[\d.]+ MB$/);
+    await waitForFigure(page, 'memory-limit', /^[\d.]+ [MG]B$/);
+    for (const name of ['own-ms', 'render-ms']) await waitForFigure(page, name, /^[\d.,]+$/);
     // What quads run, tiles do not.
     const passes = page.getByTestId('hud-passes');
     expect(await page.getByTestId('pass-rasterize').isVisible()).toBe(false);
     await passes.locator('summary').focus();
     await page.keyboard.press('Enter');
     await page.getByTestId('pass-rasterize').waitFor();
-    expect(await textOf(page, 'pass-upscale')).toMatch(/^[\d.,]+$/);
+    await waitForFigure(page, 'pass-upscale', /^[\d.,]+$/);
     expect(await page.getByTestId('pass-tiles').isVisible()).toBe(false);
 
     // Both sides of a split image.
@@ -112,9 +115,7 @@ describe('the figures of the viewer', () => {
     await page.getByTestId('accuracy-tab-compare').click();
     await page.getByTestId('compare-split').click();
     await page.getByTestId('side-right').selectOption('fast');
-    await page.waitForFunction(() =>
-      /tiles|quads/.test(document.querySelector('[data-testid=right-rasterizer]')?.textContent ?? ''),
-    );
+    await waitForFigure(page, 'right-rasterizer', /tiles|quads/);
     await page.waitForFunction(() => {
       const times = document.querySelectorAll('[data-figure="right.total"], [data-figure="right.peak"]');
       return times.length === 2 && [...times].every(({ textContent }) => /\d/.test(textContent));
@@ -136,6 +137,7 @@ describe('the figures of the viewer', () => {
       await page.getByTestId('hud-copied').getByText(`Copied as ${format.toUpperCase()}`).waitFor();
       return await read();
     };
+    await waitForFigure(page, 'left-peak', /\d/);
     await page.getByTestId('hud-freeze').click();
     const frozen = JSON.parse(await copy('json'));
     const numbers = frozen.sides.left.frames.map(({ frame }: { frame: number }) => frame);

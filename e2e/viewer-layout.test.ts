@@ -1,6 +1,16 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { CHEAP, frameCount, textOf, viewerHarness, waitForFrameAfter, waitForState } from './viewer-page.ts';
+import { passTurns } from './at-rest.ts';
+import {
+  CHEAP,
+  drawnCamera,
+  frameCount,
+  redraw,
+  textOf,
+  viewerHarness,
+  waitForImage,
+  waitForState,
+} from './viewer-page.ts';
 
 const harness = viewerHarness();
 const { openViewer } = harness;
@@ -109,6 +119,7 @@ describe('the viewer in windows of any size', () => {
       expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error`).toEqual([]);
     }
     await page.keyboard.press('c');
+    await page.locator('.dock h2').waitFor();
     for (const size of SWEPT.filter(({ width }) => width < 900)) {
       await resize(page, size);
       const seen = [...toolbarAt(size), '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
@@ -122,7 +133,7 @@ describe('the viewer in windows of any size', () => {
     await page.getByTestId('command-effects').click();
     const height = async () => Math.round((await box(page, 'effects')).height);
     const grip = page.getByTestId('sheet-grip');
-    expect(await height()).toBe(320);
+    await expect.poll(height).toBe(320);
     // The picture has moved above the sheet, and what is drawn over it.
     await page.getByTestId('switch-clip').click();
     await page.getByTestId('clip-handle').waitFor();
@@ -161,12 +172,12 @@ describe('the keyboard in the viewer', () => {
     const page = await openViewer(CHEAP, { viewport: SIZES[3] });
     const outline = () =>
       page.getByTestId('viewport').evaluate((canvas) => getComputedStyle(canvas).outlineStyle);
-    let frames = await frameCount(page);
-    await page.mouse.move(400, 300);
-    await page.mouse.down();
-    await page.mouse.move(430, 310);
-    await page.mouse.up();
-    await waitForFrameAfter(page, frames);
+    await redraw(page, async () => {
+      await page.mouse.move(400, 300);
+      await page.mouse.down();
+      await page.mouse.move(430, 310);
+      await page.mouse.up();
+    });
     expect(await focused(page)).toBe('viewport');
     expect(await outline()).toBe('none');
     await page.keyboard.press('Tab');
@@ -177,7 +188,7 @@ describe('the keyboard in the viewer', () => {
     // One stop of the Tab key for the whole toolbar; arrows go along it.
     await page.keyboard.press('Tab');
     expect(await focused(page)).toBe('command-open');
-    frames = await frameCount(page);
+    const frames = await frameCount(page);
     for (const [key, reached] of [
       ['ArrowRight', 'command-frame'],
       ['End', 'more'],
@@ -189,6 +200,7 @@ describe('the keyboard in the viewer', () => {
       expect(await focused(page), key).toBe(reached);
     }
 
+    await passTurns(page);
     expect(await frameCount(page), 'frames drawn because of arrows').toBe(frames);
     await page.keyboard.press('c');
     await page.getByTestId('accuracy-tab-settings').click();
@@ -200,20 +212,15 @@ describe('the keyboard in the viewer', () => {
       expect((await box(page, 'setting-alphaCutoff')).y, `the slider's place after ${key}`).toBe(before.y);
     }
     expect(await textOf(page, 'accuracy-custom')).toContain('Opacity cutoff');
-    const { viewMatrix } = await page
-      .getByTestId('viewport')
-      .evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? '{}'));
+    await waitForImage(page);
+    const { viewMatrix } = await drawnCamera(page);
     await page.keyboard.press('?');
     await page.getByTestId('help').waitFor();
     await page.keyboard.press('Escape');
     await page.getByTestId('help').waitFor({ state: 'hidden' });
     expect(await focused(page)).toBe('setting-alphaCutoff');
-    await page.keyboard.press('Escape');
-    await page.getByTestId('accuracy').waitFor({ state: 'detached' });
-    await waitForFrameAfter(page, frames);
-    const after = await page
-      .getByTestId('viewport')
-      .evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? '{}'));
-    expect(after.viewMatrix, 'the camera').toEqual(viewMatrix);
+    await redraw(page, () => page.keyboard.press('Escape'));
+    expect(await page.getByTestId('accuracy').count()).toBe(0);
+    expect((await drawnCamera(page)).viewMatrix, 'the camera').toEqual(viewMatrix);
   });
 });

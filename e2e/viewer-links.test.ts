@@ -7,13 +7,13 @@ import { testScene } from './test-scene.ts';
 import {
   drawnCamera,
   dropFiles,
-  frameCount,
+  redraw,
   textOf,
   viewerHarness,
   viewerScreenshot,
-  waitForFrameAfter,
   waitForImage,
   waitForNotice,
+  waitForScene,
 } from './viewer-page.ts';
 
 /** Cheap, and by a rasteriser that does not follow from times: images are compared bit for bit. */
@@ -37,9 +37,9 @@ describe('links of the viewer', () => {
       permissions: ['clipboard-read', 'clipboard-write'],
     });
     const first = await viewerScreenshot(page);
-    const frames = await frameCount(page);
-    for (const key of ['ArrowLeft', 'ArrowUp', '+', 'w', 'u']) await page.keyboard.press(key);
-    await waitForFrameAfter(page, frames);
+    await redraw(page, async () => {
+      for (const key of ['ArrowLeft', 'ArrowUp', '+', 'w', 'u']) await page.keyboard.press(key);
+    });
     await page.waitForURL(/[?&]camera=[^&]*,flipped:1/);
     const moved = await viewerScreenshot(page);
     expect(isSame(moved, first)).toBe(false);
@@ -64,23 +64,18 @@ describe('links of the viewer', () => {
     expect(isSame(await viewerScreenshot(other), moved)).toBe(true);
     expect(await other.getByTestId('toolbar').count()).toBe(0);
     for (const key of ['Escape', '?', 'x', 'h']) await other.keyboard.press(key);
+    await redraw(other, () => other.keyboard.press('u'));
     expect(await other.getByTestId('save').count()).toBe(0);
-    const beforeReset = await frameCount(other);
-    await other.keyboard.press('u');
-    await waitForFrameAfter(other, beforeReset);
 
     // A file of this device cannot be linked, and its camera is no other scene's.
-    const beforeDrop = await frameCount(page);
     await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene()) }]);
-    await waitForFrameAfter(page, beforeDrop);
+    await waitForScene(page, 'own.ply');
     await page.waitForURL((url) => !/camera|scene|crop/.test(url.search));
     await page.keyboard.press('l');
     await waitForNotice(page, 'file of this device');
     const alone = await viewerScreenshot(page);
-    const beforePanel = await frameCount(page);
-    await page.keyboard.press('x');
+    await redraw(page, () => page.keyboard.press('x'));
     expect(await textOf(page, 'save')).toContain('file of this device');
-    await waitForFrameAfter(page, beforePanel);
     expect(changedPart(await viewerScreenshot(page), alone)).toBeGreaterThan(0.1);
 
     // As it is without the panel.

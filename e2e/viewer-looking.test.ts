@@ -1,22 +1,12 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import {
-  CHEAP,
-  type DrawnCamera,
-  drawnCamera,
-  frameCount,
-  textOf,
-  viewerHarness,
-  waitForFrameAfter,
-} from './viewer-page.ts';
+import { CHEAP, type DrawnCamera, drawnCamera, redraw, textOf, viewerHarness } from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
 
 /** Does something that changes the image, and returns the camera of the image that follows. */
 async function after(page: Page, act: () => Promise<unknown>): Promise<DrawnCamera> {
-  const frames = await frameCount(page);
-  await act();
-  await waitForFrameAfter(page, frames);
+  await redraw(page, act);
   return drawnCamera(page);
 }
 

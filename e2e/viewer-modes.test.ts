@@ -24,11 +24,11 @@ import { testScene } from './test-scene.ts';
 import {
   drawnCamera,
   dropFiles,
-  frameCount,
+  redraw,
   textOf,
   viewerHarness,
   viewerScreenshot,
-  waitForFrameAfter,
+  waitForScene,
 } from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
@@ -98,13 +98,6 @@ async function reference(page: Page, mode: keyof typeof TWINS, size: Screenshot)
   return referenceImage(await drawnCamera(page), [SCENE], size, effects);
 }
 
-/** Does what changes the picture, and waits for it. */
-async function after(page: Page, act: () => Promise<unknown>): Promise<void> {
-  const frames = await frameCount(page);
-  await act();
-  await waitForFrameAfter(page, frames);
-}
-
 /** What legends of maps must say, with numbers of a scene of so many splats. */
 const NOTES = {
   'tile-cost': /^At most (\d+), (\d+) on average in a list\.$/,
@@ -136,10 +129,11 @@ describe('view modes of the viewer', () => {
     const page = await openViewer(`?scene=still-life-small&mode=ellipsoids&${accuracy}`, {
       viewport: { width: 300, height: 200 },
     });
-    await after(page, () => dropFiles(page, [{ name: 'own.ply', bytes: encodePly(SCENE) }]));
+    await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(SCENE) }]);
+    await waitForScene(page, 'own.ply');
     let before: Screenshot | null = null;
     for (const mode of Object.keys(TWINS) as (keyof typeof TWINS)[]) {
-      if (mode !== 'ellipsoids') await after(page, () => page.keyboard.press('m'));
+      if (mode !== 'ellipsoids') await redraw(page, () => page.keyboard.press('m'));
       expect((await textOf(page, 'mode-legend')).toLowerCase()).toContain(mode);
       await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
       const shot = await viewerScreenshot(page);
@@ -148,7 +142,7 @@ describe('view modes of the viewer', () => {
       if (before) expect(psnrDb(before), `what was shown before ${mode}`).toBeLessThan(MIN_PSNR_DB - 10);
       before = shot;
     }
-    await after(page, () => page.keyboard.press('m'));
+    await redraw(page, () => page.keyboard.press('m'));
     for (const mode of ['tile-cost', 'pixel-cost', 'contribution'] as const) {
       if (mode !== 'tile-cost') await page.keyboard.press('m');
       await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
@@ -161,18 +155,18 @@ describe('view modes of the viewer', () => {
       };
       new MutationObserver(note).observe(element, { childList: true, characterData: true, subtree: true });
     });
-    await after(page, () => page.getByTestId('viewport').press('ArrowLeft'));
+    await redraw(page, () => page.getByTestId('viewport').press('ArrowLeft'));
     await checkMap(page, 'contribution');
     expect(await notes.getAttribute('data-was-older')).toBe('');
     await page.keyboard.press('m');
     await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
     await page.waitForURL((url) => !url.searchParams.has('mode'));
 
-    await page.setViewportSize({ width: 900, height: 600 });
-    await page.keyboard.press('v');
-    await after(page, () => page.getByTestId('mode-depth').click());
+    await redraw(page, () => page.setViewportSize({ width: 900, height: 600 }));
+    await redraw(page, () => page.keyboard.press('v'));
+    await redraw(page, () => page.getByTestId('mode-depth').click());
     expect(await page.getByTestId('mode-depth').getAttribute('aria-pressed')).toBe('true');
-    await after(page, () => page.getByRole('button', { name: 'Back to colours' }).click());
+    await redraw(page, () => page.getByRole('button', { name: 'Back to colours' }).click());
     expect(await page.getByTestId('mode-colours').getAttribute('aria-pressed')).toBe('true');
   });
 });

@@ -1,6 +1,7 @@
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { appHarness, type Harness } from './harness.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
+import type { ServedFiles } from './server.ts';
 
 /**
  * For pages whose picture is not what is tested, in an address: few pixels to draw, by few shaders. By tiles: quads take SwiftShader
@@ -20,8 +21,8 @@ export interface ViewerHarness extends Harness {
   shareViewer(address: string, options?: BrowserContextOptions): Promise<Page>;
 }
 
-export function viewerHarness(): ViewerHarness {
-  const harness = appHarness('apps/viewer');
+export function viewerHarness(files: ServedFiles = {}): ViewerHarness {
+  const harness = appHarness('apps/viewer', files, noteNotices);
   const openViewer = async (address = '?scene=still-life-small', options: BrowserContextOptions = {}) => {
     const page = await harness.open(address, options);
     await waitForImage(page);
@@ -48,9 +49,43 @@ export interface DrawnCamera {
   readonly background: [number, number, number];
 }
 
+/** For `addInitScript`: keeps the texts of all notices, each of which is gone again after eight seconds. */
+export function noteNotices(): void {
+  const notices: string[] = [];
+  let last: string | null = null;
+  Object.assign(window, { notices });
+  new MutationObserver(() => {
+    const notice = document.querySelector('[data-testid=notice]');
+    const text = notice?.checkVisibility() ? notice.textContent : null;
+    if (text !== null && text !== last) notices.push(text);
+    last = text;
+  }).observe(document, { childList: true, characterData: true, subtree: true });
+}
+
+/** Where a wait fails, says what was awaited and what the viewer tells of itself instead. */
+async function awaited(page: Page, what: string, wait: Promise<unknown>): Promise<void> {
+  try {
+    await wait;
+  } catch (error) {
+    const told = () => ({
+      title: document.title,
+      ...document.documentElement.dataset,
+      ...document.querySelector('canvas')?.dataset,
+      notices: (window as unknown as { notices?: string[] }).notices,
+      error: document.querySelector('[data-testid=error]')?.textContent,
+    });
+    // A page that hangs answers nothing.
+    const found = await page
+      .waitForFunction(told, undefined, { timeout: 5000 })
+      .then((handle) => handle.jsonValue())
+      .catch(String);
+    throw new Error(`${what} did not come. The page tells ${JSON.stringify(found)}`, { cause: error });
+  }
+}
+
 /** Waits until the viewer is in `state` (`data-state` of the document). */
 export async function waitForState(page: Page, state: string): Promise<void> {
-  await page.waitForSelector(`html[data-state="${state}"]`);
+  await awaited(page, `The state “${state}”`, page.waitForSelector(`html[data-state="${state}"]`));
 }
 
 export function frameCount(page: Page): Promise<number> {
@@ -68,24 +103,43 @@ export function isAtRestAfter(frames: number): boolean {
 
 /** Waits until the viewer has drawn more than `frames` frames and is at rest. */
 export async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
-  await page.waitForFunction(isAtRestAfter, frames);
+  await awaited(page, `A rest after frame ${frames}`, page.waitForFunction(isAtRestAfter, frames));
 }
 
-/** Waits for the first frame of a page that has just been opened. */
-export async function waitForImage(page: Page): Promise<void> {
-  await waitForState(page, 'ready');
+/**
+ * Does what changes the picture in one step, and waits until the new one is at rest. What opens a file changes it in several:
+ * `waitForScene`.
+ */
+export async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
+  // Frames are counted when they rest: those of what was done before belong to that.
   await waitForFrameAfter(page, 0);
+  const frames = await frameCount(page);
+  await act();
+  await waitForFrameAfter(page, frames);
 }
 
-/** Waits until the picture at rest shows the scene with this title, and nothing is being loaded. */
-export async function waitForScene(page: Page, title: string): Promise<void> {
-  await page.waitForSelector(`canvas[data-resting][data-scene=${JSON.stringify(title)}]`);
-  await waitForState(page, 'ready');
+/** Waits for the first picture of a page that has just been opened, and until nothing is being loaded. */
+export async function waitForImage(page: Page): Promise<void> {
+  const selector = 'html[data-state=ready] canvas[data-resting]';
+  await awaited(page, 'A picture', page.waitForSelector(selector, { state: 'attached' }));
 }
 
-/** Waits for a notice with this text. Call it before any other wait: it goes by itself after eight seconds. */
+/** Waits until the picture at rest shows the scene with this title, and the viewer is in `state`. */
+export async function waitForScene(page: Page, title: string, state = 'ready'): Promise<void> {
+  const selector = `html[data-state=${state}] canvas[data-resting][data-scene=${JSON.stringify(title)}]`;
+  const wait = page.waitForSelector(selector, { state: 'attached' });
+  await awaited(page, `A picture of “${title}” in the state “${state}”`, wait);
+}
+
+/** Waits for a notice with this text, after those that were awaited before; it may be gone again by then. */
 export async function waitForNotice(page: Page, text: string): Promise<void> {
-  await page.getByTestId('notice').getByText(text).waitFor();
+  const isNoted = (wanted: string) => {
+    const { notices } = window as unknown as { notices: string[] };
+    const index = notices.findIndex((each) => each.includes(wanted));
+    notices.splice(0, index + 1);
+    return index >= 0;
+  };
+  await awaited(page, `A notice “${text}”`, page.waitForFunction(isNoted, text));
 }
 
 /**

@@ -3,22 +3,15 @@ import { describe, expect, it } from 'vitest';
 import { changedPart, colorsIn } from './screenshot.ts';
 import {
   CHEAP,
-  frameCount,
+  redraw,
   textOf,
   viewerHarness,
   viewerScreenshot,
-  waitForFrameAfter,
   waitForImage,
   waitForNotice,
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
-/** Does something that changes the image, and waits for the new one. */
-async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
-  const frames = await frameCount(page);
-  await act();
-  await waitForFrameAfter(page, frames);
-}
 
 /** The image without the clip's handle. */
 const picture = (page: Page) => viewerScreenshot(page, '.clip-gizmo { visibility: hidden !important; }');
@@ -67,6 +60,7 @@ describe('effects that are asked for', () => {
     await redraw(page, () => page.keyboard.press('Home'));
     expect(await radius.getAttribute('aria-valuetext')).toBe('0.000 units');
     expect(changedPart(await picture(page), cut, 2)).toBeGreaterThan(0.1);
+    await page.waitForURL(/effects=clip:sphere:/);
     await redraw(page, () => click('reset-clip'));
     await page.waitForURL(/effects=clip:plane:/);
     await redraw(page, () => click('switch-clip'));

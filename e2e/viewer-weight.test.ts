@@ -15,6 +15,7 @@ import {
   viewerHarness,
   waitForFrameAfter,
   waitForImage,
+  waitForScene,
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
@@ -47,8 +48,8 @@ describe.runIf(isFull)('the viewer as one file', () => {
       mimeType: 'application/octet-stream',
       buffer: Buffer.from(encodePly(testScene())),
     });
-    await page.waitForFunction(() => document.title.startsWith('a.ply'));
-    await waitForImage(page);
+    await waitForScene(page, 'a.ply');
+    expect(await page.title()).toMatch(/^a\.ply/);
   });
 
   it('shows a file of the page that embeds it, without an interface', async () => {

@@ -6,7 +6,7 @@ import { gzipSync } from 'node:zlib';
 import { encodePly, readSplats } from '@websplatter/core';
 import type { Page, Worker } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { passTurns } from './at-rest.ts';
+import { atRest, passTurns } from './at-rest.ts';
 import { isFull } from './full-run.ts';
 import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
@@ -20,11 +20,11 @@ import {
   dropFiles,
   frameCount,
   loseDeviceOnDemand,
+  redraw,
   SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
-  waitForFrameAfter,
   waitForImage,
   waitForNotice,
   waitForScene,
@@ -240,9 +240,7 @@ describe('viewer', () => {
   it('turns a file over that was dropped, and saves it as glTF', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
     await openFile(page, 'test scene.ply', encodePly(testScene()));
-    const framesBeforeFlip = await frameCount(page);
-    await page.keyboard.press('u');
-    await waitForFrameAfter(page, framesBeforeFlip);
+    await redraw(page, () => page.keyboard.press('u'));
     const flipped = await drawnCamera(page);
     expect(flipped.modelMatrices).toEqual([null]);
     expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
@@ -290,7 +288,8 @@ describe('viewer', () => {
     await waitForState(page, 'loading');
     expect(await page.getByTestId('load').isVisible()).toBe(true);
     await expect.poll(async () => colorsIn(await viewerScreenshot(page))).toBeGreaterThan(50);
-    const early = await viewerScreenshot(page);
+    // What has arrived comes in several parts.
+    const early = await atRest(page, () => viewerScreenshot(page));
     expect(changedPart(before, early)).toBeGreaterThan(0.1);
     await page.keyboard.press('ArrowRight');
     await expect.poll(async () => changedPart(early, await viewerScreenshot(page))).toBeGreaterThan(0.02);
@@ -351,9 +350,7 @@ describe('viewer', () => {
     expect(await page.getByTestId('load').isVisible()).toBe(true);
 
     const before = await viewerScreenshot(page);
-    const frames = await frameCount(page);
-    await page.keyboard.press('ArrowRight');
-    await waitForFrameAfter(page, frames);
+    await redraw(page, () => page.keyboard.press('ArrowRight'));
     expect(changedPart(before, await viewerScreenshot(page))).toBeGreaterThan(0.05);
     expect(await textOf(page, 'scene-title')).toBe(title);
     await waitForState(page, 'loading');
@@ -410,7 +407,8 @@ describe('viewer', () => {
       { name: 'b.ply', bytes },
     ]);
     await waitForNotice(page, 'The other file is left out');
-    await page.getByTestId('scene-title').getByText('a.ply and b.ply').waitFor();
+    await waitForScene(page, 'a.ply and b.ply');
+    expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
   });
 
   it('says what is wrong with a file that is cut off, and keeps the scene', async () => {
@@ -433,9 +431,7 @@ describe('viewer', () => {
 
   it('says so where the address leads to no splats, and shows the built-in scene', async () => {
     const page = await harness.open(`${CHEAP}&file=index.html`);
-    await page.getByTestId('error').waitFor();
-    await waitForFrameAfter(page, 0);
-    await waitForState(page, 'error');
+    await waitForScene(page, 'Still life, small', 'error');
     expect(await textOf(page, 'error')).toContain('Unknown file format');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
   });
@@ -445,9 +441,7 @@ describe('viewer', () => {
     const backingSize = () =>
       page.getByTestId('viewport').evaluate((canvas: HTMLCanvasElement) => [canvas.width, canvas.height]);
     expect(await backingSize()).toEqual([400, 240]);
-    const frames = await frameCount(page);
-    await page.setViewportSize({ width: 150, height: 190 });
-    await waitForFrameAfter(page, frames);
+    await redraw(page, () => page.setViewportSize({ width: 150, height: 190 }));
     expect(await backingSize()).toEqual([300, 380]);
     const { projectionMatrix } = await drawnCamera(page);
     expect(projectionMatrix[5] / projectionMatrix[0]).toBeCloseTo(150 / 190);
@@ -458,9 +452,7 @@ describe('viewer', () => {
     const start = await viewerScreenshot(page);
     const act = async (what: string, action: () => Promise<void>) => {
       const before = await viewerScreenshot(page);
-      const frames = await frameCount(page);
-      await action();
-      await waitForFrameAfter(page, frames);
+      await redraw(page, action);
       const after = await viewerScreenshot(page);
       expect(changedPart(before, after), what).toBeGreaterThan(0.05);
       return after;
@@ -516,7 +508,7 @@ describe('viewer', () => {
     await page.evaluate(() => {
       GPU.prototype.requestAdapter = (window as unknown as { request: GPU['requestAdapter'] }).request;
     });
-    expect(await focusedTestId(page)).toBe('retry');
+    await expect.poll(() => focusedTestId(page)).toBe('retry');
     await page.keyboard.press('Enter');
     await waitForImage(page);
   });
@@ -527,25 +519,24 @@ describe('viewer', () => {
       await page.addInitScript(script);
     await page.goto(`${harness.server.url}${BY_TILES}`);
     await waitForImage(page);
-    let frames = await frameCount(page);
-    await page.keyboard.press('ArrowLeft');
-    await waitForFrameAfter(page, frames);
+    await redraw(page, () => page.keyboard.press('ArrowLeft'));
     const before = await viewerScreenshot(page);
 
     // The GPU process ends, and there is no adapter from then on.
     harness.expectProblem(/external Instance reference|WebGPU Device Lost/);
-    frames = await frameCount(page);
     await page.keyboard.press('?');
+    await page.getByTestId('help').waitFor();
     await send(page, 'adapters-go');
     const session = await harness.browser.newBrowserCDPSession();
     await session.send('Browser.crashGpuProcess' as never).catch(() => {});
+    await waitForNotice(page, 'GPU was lost');
     // All attempts have failed: it is left to a person.
     await page.getByTestId('prospect').getByText('Several attempts').waitFor();
     expect(await textOf(page, 'status-reason')).toContain('no GPU');
     expect(await page.getByTestId('help').isVisible()).toBe(false);
     // The page stays, has the keyboard, and keeps it.
     for (const key of ['Escape', 'Escape']) await page.keyboard.press(key);
-    expect(await focusedTestId(page)).toBe('recover');
+    await expect.poll(() => focusedTestId(page)).toBe('recover');
     await page.getByTestId('viewport').focus();
     expect(await focusedTestId(page)).toBe('recover');
     for (const [key, reached] of [
@@ -559,7 +550,7 @@ describe('viewer', () => {
     }
     await send(page, 'adapters-come-back');
     await page.keyboard.press('Enter');
-    await waitForFrameAfter(page, frames);
+    await waitForScene(page, 'Still life, small');
     expect(await focusedTestId(page)).toBe('viewport');
     expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
 
@@ -576,16 +567,16 @@ describe('viewer', () => {
     });
     await dropFiles(page, [{ name: 'asked.ply', bytes: encodePly(testScene()) }]);
     await waitForNotice(page, 'GPU was lost');
-    await page.getByTestId('scene-title').getByText('asked.ply').waitFor();
+    await waitForScene(page, 'asked.ply');
 
     // A scene that takes the GPU down can be left.
-    await waitForImage(page);
     await send(page, 'adapters-go');
     await send(page, 'lose-device');
     await page.getByTestId('prospect').getByText('Several attempts').waitFor();
     await send(page, 'adapters-come-back');
     await page.getByTestId('open-small-scene').click();
-    await page.getByTestId('scene-title').getByText('Still life, small').waitFor();
+    await waitForScene(page, 'Still life, small');
+    expect(await textOf(page, 'scene-title')).toBe('Still life, small');
   });
 
   // In the short run, a test of accuracy opens an address that asks for a preset that does not exist.
@@ -615,7 +606,7 @@ describe('viewer', () => {
     await waitForTimes(page);
     const requested = () =>
       page.evaluate(() => (window as unknown as { requestedFrames: number }).requestedFrames);
-    const framesBefore = await frameCount(page);
+    const framesBefore = await atRest(page, () => frameCount(page));
     const requestedBefore = await requested();
     expect(requestedBefore).toBeGreaterThan(0);
     await passTurns(page, 60);
@@ -630,7 +621,7 @@ describe('viewer', () => {
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
     await page.getByTestId('cancel-load').click();
     await harness.server.whenEndlessFileIsDropped();
-    await waitForImage(page);
+    await waitForScene(page, 'Still life, small');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
     expect(await page.getByTestId('load').count()).toBe(0);
     expect(await page.getByTestId('error').count()).toBe(0);
