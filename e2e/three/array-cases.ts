@@ -23,6 +23,7 @@ import {
   type Stage,
   shotOf,
   targetPixels,
+  until,
 } from './stage.ts';
 
 /** Distance of a person's eyes, in metres. */
@@ -204,13 +205,13 @@ export const arrayCases = {
     scene.add(cloud);
     const array = arrayOf(camerasOf('eyes'));
     const target = layeredTarget();
-    for (let attempt = 0; attempt < 500 && errors.length === 0; attempt++) {
+    // The code for several cameras, and then the words, are loaded.
+    await until(() => {
       renderer.setRenderTarget(target);
       renderer.render(scene, array);
       renderer.setRenderTarget(null);
-      // The code for several cameras, and then the words, are loaded.
-      await new Promise((resolve) => setTimeout(resolve, 10));
-    }
+      return errors.length > 0;
+    });
     target.dispose();
     return { errors, after: await shotOf(stage, () => renderer.render(scene, stage.camera)) };
   },

@@ -81,6 +81,7 @@ import {
   shotWith,
   targetPixels,
   targetShot,
+  until,
 } from './stage.ts';
 
 /** For images that are compared: their rasteriser must not follow from times. */
@@ -107,12 +108,6 @@ function errorsOf(cloud: SplatCloudObject): string[] {
   const errors: string[] = [];
   cloud.onError = (error) => errors.push(`${error.name}: ${error.message}`);
   return errors;
-}
-
-/** Waits for the first of `errors`: the words for what few meet are loaded. */
-async function whenTold(errors: readonly string[]): Promise<void> {
-  for (let attempt = 0; attempt < 500 && errors.length === 0; attempt++)
-    await new Promise((resolve) => setTimeout(resolve, 10));
 }
 
 /** A lit box over a lit floor that it throws a shadow on. */
@@ -563,6 +558,7 @@ export const cases = {
       errors[name] = errorsOf(cloud);
       stage.scene.add(cloud);
       images[name] = await shot(stage);
+      await until(() => errors[name].length > 0);
       cloud.removeFromParent();
     }
     return { errors, othersErrors, images };
@@ -699,8 +695,7 @@ export const cases = {
       return [...geometry, ...sh].join(' ');
     };
     const becomes = async (precisions: string) => {
-      for (let attempt = 0; attempt < 500 && held() !== precisions; attempt++)
-        await new Promise((resolve) => setTimeout(resolve, 10));
+      await until(() => held() === precisions);
       return held();
     };
     const errors = errorsOf(cloud);
@@ -726,6 +721,7 @@ export const cases = {
     await shot(stage);
     const together = await becomes('f32 f32');
     await shot(stage);
+    await until(() => otherErrors.length > 0);
     return {
       held: { loaded, finer, coarser, together },
       errors,
@@ -796,13 +792,14 @@ export const cases = {
     const childrenAfter = scene.children.length;
     for (const cloud of [first, second, twin]) cloud.dispose();
     renderer.render(scene, camera);
-    await new Promise((resolve) => setTimeout(resolve, 50));
+    const bytesLeft = () => engine.memory().totalBytes - start.bytes;
+    await until(() => bytesLeft() === 0);
     return {
       uploadsOfOne: one.uploads - start.counters.uploads,
       uploadsInAll: end.uploads - start.counters.uploads,
       childrenWith,
       childrenAfter,
-      bytesLeft: engine.memory().totalBytes - start.bytes,
+      bytesLeft: bytesLeft(),
     };
   },
 
@@ -943,7 +940,8 @@ export const cases = {
       renderer.render(scene, camera);
     }
     renderer.setRenderTarget(null);
-    await whenTold(errors);
+    // The words for what few meet are loaded.
+    await until(() => errors.length > 0);
     return { errors, inTarget: await targetPixels(renderer, target), after: await shot(stage) };
   },
 
@@ -1088,7 +1086,7 @@ export const cases = {
     onDeviceLost(disposed, () => told.push('disposed'));
     await disposed.dispose();
     await splatEngineOf(disposed).lost;
-    await new Promise((resolve) => setTimeout(resolve, 20));
+    await nextFrame();
     return told;
   },
 };

@@ -1,6 +1,7 @@
 import { packCloud } from '@websplatter/core';
 import { type ClipOptions, clip } from '@websplatter/core/effects';
 import { clipVolumeOf, SplatCloudObject, SplatData, splatEngineOf } from '@websplatter/three';
+import { PATIENCE_MS } from '@websplatter/tools/patience';
 import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { traa } from 'three/addons/tsl/display/TRAANode.js';
 import {
@@ -209,7 +210,8 @@ export const postCases = {
 async function passShot({ renderer }: Stage, pipeline: RenderPipeline, hasSplats = true): Promise<Pixels> {
   const engine = splatEngineOf(renderer);
   const before = engine.counters().framesDrawn;
-  for (let attempt = 0; attempt < 500; attempt++) {
+  const endMs = performance.now() + PATIENCE_MS;
+  while (performance.now() < endMs) {
     await nextFrame();
     pipeline.render();
     const pixels = canvasPixels(renderer);

@@ -87,6 +87,12 @@ export async function drawn(
   throw new Error('The splats were never drawn.');
 }
 
+/** Waits until `isDone`, or for as long as tests wait for anything. */
+export async function until(isDone: () => boolean): Promise<void> {
+  const endMs = performance.now() + PATIENCE_MS;
+  while (!isDone() && performance.now() < endMs) await new Promise((resolve) => setTimeout(resolve, 10));
+}
+
 /** Waits for the next frame of the page, of which three has heard, too. */
 export async function nextFrame(): Promise<void> {
   for (let i = 0; i < 2; i++) await new Promise((resolve) => requestAnimationFrame(resolve));
@@ -143,8 +149,9 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
  * The same when effects are on or off as `expected`, by name: until their shaders are compiled the image stays as it was.
  */
 export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
-  // Many, because what is animated asks for frames while shaders compile.
-  for (let attempt = 0; attempt < 500; attempt++) {
+  const endMs = performance.now() + PATIENCE_MS;
+  // Many times, because what is animated asks for frames while shaders compile.
+  while (performance.now() < endMs) {
     // Listens before: shaders may be ready while the pixels are read, and nothing would tell so again.
     const needed = nextNeededFrame(stage.scene);
     needed.catch(() => {});
