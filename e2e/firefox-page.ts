@@ -1,5 +1,5 @@
 import { launchFirefox } from '@websplatter/tools/firefox';
-import { PATIENCE_MS } from '@websplatter/tools/patience';
+import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Browser, Page } from 'puppeteer-core';
 import { consoleProblem } from './browser.ts';
 import { decodePng } from './png.ts';
@@ -28,7 +28,7 @@ export async function openPage(
   scripts: readonly (() => void)[] = [],
 ): Promise<FirefoxPage> {
   const page = await browser.newPage();
-  page.setDefaultTimeout(PATIENCE_MS);
+  page.setDefaultTimeout(LONG_PATIENCE_MS);
   const problems: string[] = [];
   page.on('pageerror', (error) => problems.push(`page error: ${error}`));
   page.on('console', (message) => {
