@@ -112,12 +112,10 @@ const plus = ({ splats, passes }: { splats: number; passes: number }, frames: nu
   passes: passes + 2 * frames,
 });
 
-const nextFrames = (page: Page) =>
-  page.evaluate(
-    () => new Promise<void>((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve()))),
-  );
-
 const image = (page: Page) => screenshot(page.getByTestId('canvas'));
+
+/** The image once it stays as it is. */
+const imageAtRest = (page: Page) => atRest(page, () => image(page));
 
 const overlayOf = (page: Page) =>
   page.getByTestId('canvas').getByRole('group', { name: 'Cost of the splats' });
@@ -375,7 +373,7 @@ it('measures between splats that are clicked on, or chosen by keyboard, and not 
   // The point is behind the middle of the pixel, at the depth of the splat.
   expect(Math.abs(byPointer.distance - between)).toBeLessThan(0.05);
   expect(byPointer.text).toBe(`${(100 * byPointer.distance).toFixed(1)} cm`);
-  expect(await status.innerText()).toBe(`Distance: ${byPointer.text}`);
+  await expect.poll(() => status.innerText()).toBe(`Distance: ${byPointer.text}`);
 
   // By keyboard, from the middle of the canvas, where the third dot is.
   const tool = page.getByRole('application');
@@ -427,16 +425,18 @@ it('fits the camera to the splats once they have been loaded', async () => {
 
 it('takes effects as props, and draws what revealing takes and no frame more', async () => {
   const quiet = canvas({ background: 'black' });
-  const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 600 } as const };
+  const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 2000 } as const };
   const page = await openShared({ splats: [revealed] });
+  // In the page, at each of its frames: a test that asks from outside may come when all is over.
+  const waitForReveal = (isOn: boolean) =>
+    page.waitForFunction((wanted) => {
+      const { canvases, engine } = window.page;
+      const effects = canvases.has('canvas') ? engine('canvas').effects() : [];
+      return effects.find(({ name }) => name === 'reveal')?.isOn === wanted;
+    }, isOn);
+  await waitForReveal(true);
+  await waitForReveal(false);
   await waitForLog(page, 'a firstframe');
-  const isRevealed = () =>
-    page.evaluate(() => {
-      const effects = window.page.engine('canvas').effects();
-      return effects.find(({ name }) => name === 'reveal')?.isOn === false;
-    });
-  expect(await isRevealed()).toBe(false);
-  await expect.poll(isRevealed).toBe(true);
   const before = await atRest(page, () => framesOf(page));
   expect(before.splats).toBeGreaterThan(2);
   const whole = await image(page);
@@ -471,15 +471,14 @@ it('reads a file once and uploads it once, however often it is shown, and keeps 
   expect(both.uploads).toBe(1);
 
   await show(page, drawing([SPLATS]));
-  await nextFrames(page);
+  await passTurns(page, 2);
   expect(await countersOf(page)).toMatchObject({ uploads: 1, cloudsDestroyed: 0 });
 
   // The file never ends: the old splats stay, and nothing suspends.
   await show(page, drawing([{ id: 'a', src: 'endless.ply' }]));
   await expect.poll(() => harness.server.requests('endless.ply')).toBeGreaterThan(0);
   const { framesDrawn } = await countersOf(page);
-  await nextFrames(page);
-  expect((await countersOf(page)).framesDrawn).toBeGreaterThan(framesDrawn);
+  await expect.poll(async () => (await countersOf(page)).framesDrawn).toBeGreaterThan(framesDrawn);
   await show(page, drawing([{ id: 'a', src: 'b.ply' }]));
   await harness.server.whenEndlessFileIsDropped();
   await waitForLog(page, 'a firstframe', 2);
@@ -543,9 +542,10 @@ it.runIf(isFull)('shows what has arrived of a file, and then all of it', async (
   await waitForLog(page, 'slow firstframe');
   expect((await logOf(page)).slice(4)).toEqual(['manager idle', 'slow load slow.ply', 'slow firstframe']);
   expect(await countOf()).toBe(slowScene().count);
-  await nextFrames(page);
   const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
-  expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  expect(psnrAgainstReference(await imageAtRest(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(
+    MIN_PSNR_DB,
+  );
 });
 
 it.runIf(isFull)(
@@ -554,8 +554,7 @@ it.runIf(isFull)(
     const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
     const page = await open(quiet);
     await waitForLog(page, 'canvas created');
-    await nextFrames(page);
-    const empty = await image(page);
+    const empty = await imageAtRest(page);
     const expectNothing = async () => {
       await expect.poll(async () => changedPart(empty, await image(page), 0)).toBe(0);
       const left = () =>
@@ -593,16 +592,16 @@ it('shows what useLoader has loaded for the renderer, which packs it', async () 
   await waitForLog(page, 'slow firstframe');
   expect(await countersOf(page)).toMatchObject({ uploads: 1 });
   const drawn = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
-  await nextFrames(page);
-  expect(psnrAgainstReference(await image(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  expect(psnrAgainstReference(await imageAtRest(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(
+    MIN_PSNR_DB,
+  );
 });
 
 it('takes another accuracy while it draws, in the same Canvas and without suspending', async () => {
   const quiet = canvas({ background: 'black' });
   const page = await open(quiet);
   await waitForLog(page, 'a firstframe');
-  await nextFrames(page);
-  const balanced = await image(page);
+  const balanced = await imageAtRest(page);
   const held = () =>
     page.evaluate(() => {
       const engine = window.page.engine('canvas');
@@ -676,23 +675,21 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }), bare);
   for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
   const requests = ['a.ply', 'b.ply'].map(harness.server.requests);
-  const atFirst = await image(page);
+  const atFirst = await imageAtRest(page);
   await page.evaluate(() => {
     const { camera, invalidate } = window.page.canvases.get('canvas')!;
     camera.position.x -= 2;
     invalidate();
   });
-  await nextFrames(page);
-  const before = await image(page);
-  expect(changedPart(atFirst, before)).toBeGreaterThan(0.02);
+  await expect.poll(async () => changedPart(atFirst, await image(page))).toBeGreaterThan(0.02);
+  const before = await imageAtRest(page);
   await page.evaluate(() => {
     for (const id of ['canvas', 'bare']) window.page.engine(id).device.destroy();
   });
   await waitForLog(page, 'a devicelost');
   await waitForLog(page, 'b devicelost');
   await waitForLog(page, 'a firstframe', 2);
-  await nextFrames(page);
-  expect(changedPart(before, await image(page), 0)).toBe(0);
+  await expect.poll(async () => changedPart(before, await image(page), 0)).toBe(0);
   // Memory holds no splats: what was on the device is read again, once.
   expect(harness.server.requests('a.ply')).toBe(requests[0] + 1);
   const log = await logOf(page);
@@ -756,7 +753,8 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   });
   await show(page, dense);
   await waitForLog(page, 'dots firstframe');
-  await nextFrames(page);
+  // It has its size before it is drawn at that.
+  await imageAtRest(page);
   for (const [row, position] of DOTS.entries()) {
     const hit = await pickAt(page, 'dots', await projected(page, position));
     expect(hit, `row ${row}`).toMatchObject({ splatIndex: row, isItself: true });
@@ -777,12 +775,11 @@ it('says what to do in a Canvas with a WebGLRenderer', async () => {
 it.runIf(isFull)('comes back from the end of the GPU process', async () => {
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }));
   await waitForLog(page, 'a firstframe');
-  const before = await image(page);
+  const before = await imageAtRest(page);
   for (const problem of [/WebGPU Device Lost/, /external Instance reference/]) harness.expectProblem(problem);
   const session = await harness.browser.newBrowserCDPSession();
   await session.send('Browser.crashGpuProcess' as never).catch(() => {});
   await waitForLog(page, 'a devicelost');
   await waitForLog(page, 'a firstframe', 2);
-  await nextFrames(page);
-  expect(changedPart(before, await image(page), 0)).toBe(0);
+  await expect.poll(async () => changedPart(before, await image(page), 0)).toBe(0);
 });
