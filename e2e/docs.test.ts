@@ -5,6 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
+import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { AxeResults } from 'axe-core';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
@@ -158,7 +159,7 @@ describe.runIf(isFull)('the documentation site', () => {
     const { page, problems } = await open(path);
     await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
     await page.getByRole('button', { name: 'Measure here' }).click();
-    await page.getByRole('columnheader', { name: column }).first().waitFor();
+    await page.getByRole('columnheader', { name: column }).first().waitFor({ timeout: LONG_PATIENCE_MS });
     expect(await page.locator('ws-measure tbody tr').count()).toBeGreaterThanOrEqual(leastRows);
     await page.getByRole('button', { name: 'Copy as text' }).click();
     await page.getByRole('status').getByText('Copied.').waitFor();

@@ -1,5 +1,5 @@
 import { readFileSync } from 'node:fs';
-import { PATIENCE_MS } from '@websplatter/tools/patience';
+import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
@@ -135,7 +135,8 @@ async function dragAcross(page: Page, isClick: boolean): Promise<void> {
 /** In a page of its own, in which drei may complain. */
 async function failureOf(name: string): Promise<{ outcome: Outcome; complaints: string[] }> {
   const context = await harness.browser.newContext(TRIAL_PAGE);
-  context.setDefaultTimeout(PATIENCE_MS);
+  // Some keep the page's thread for half a minute.
+  context.setDefaultTimeout(LONG_PATIENCE_MS);
   const page = await context.newPage();
   const complaints: string[] = [];
   page.on('console', (message) => complaints.push(message.text()));
