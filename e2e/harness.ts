@@ -53,6 +53,8 @@ export function appHarness(
     watchedPages = [];
     expectedProblems = [];
     for (const { page } of watched) await page.context().close();
+    // What a page still does, and complains about, would fall to the next test. Pages that have crashed say so themselves.
+    for (const { page } of sharedPages.values()) await page.goto('about:blank').catch(() => {});
     const ofShared = [...sharedPages.values()].flatMap((each) => each.problems);
     const problems = [...watched.flatMap((each) => each.problems), ...ofShared.slice(problemsOfShared)];
     problemsOfShared = ofShared.length;
@@ -95,8 +97,6 @@ export function appHarness(
       const shared = sharedPages.get(key) ?? (await newWatched(options));
       sharedPages.set(key, shared);
       const { page } = shared;
-      // Away from the app first: an address that differs in its hash alone would load nothing.
-      await page.goto('about:blank');
       const session = await page.context().newCDPSession(page);
       await session.send('Storage.clearDataForOrigin', {
         origin: new URL(server.url).origin,
