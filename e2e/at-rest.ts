@@ -5,12 +5,13 @@ import type { Page } from 'playwright-core';
 const QUIET_TURNS = 15;
 
 /** Lets `page` run for `turns` animation frames, whether or not it draws in them. */
-export function passTurns(page: Page, turns = QUIET_TURNS): Promise<void> {
-  return page.evaluate(
+export async function passTurns(page: Page, turns = QUIET_TURNS): Promise<void> {
+  // Unlike `evaluate`, it gives up where a page hangs.
+  await page.waitForFunction(
     (count) =>
-      new Promise<void>((resolve) => {
+      new Promise<boolean>((resolve) => {
         const next = (left: number) => {
-          if (left === 0) resolve();
+          if (left === 0) resolve(true);
           else requestAnimationFrame(() => next(left - 1));
         };
         next(count);

@@ -71,6 +71,7 @@ async function awaited(page: Page, what: string, wait: Promise<unknown>): Promis
       title: document.title,
       ...document.documentElement.dataset,
       ...document.querySelector('canvas')?.dataset,
+      camera: undefined,
       notices: (window as unknown as { notices?: string[] }).notices,
       error: document.querySelector('[data-testid=error]')?.textContent,
     });
@@ -102,7 +103,7 @@ export function isAtRestAfter(frames: number): boolean {
 }
 
 /** Waits until the viewer has drawn more than `frames` frames and is at rest. */
-export async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
+async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
   await awaited(page, `A rest after frame ${frames}`, page.waitForFunction(isAtRestAfter, frames));
 }
 
@@ -148,22 +149,23 @@ export async function waitForNotice(page: Page, text: string): Promise<void> {
  */
 export async function clickInTurn(page: Page, first: string, second: string): Promise<void> {
   await page.getByTestId(first).waitFor();
-  await page.evaluate(
+  const clicks = page.waitForFunction(
     ([a, b]) =>
-      new Promise<void>((resolve) => {
+      new Promise<boolean>((resolve) => {
         const buttonOf = (testId: string) => document.querySelector<HTMLElement>(`[data-testid=${testId}]`);
         const observer = new MutationObserver(() => {
           const button = buttonOf(b);
           if (!button) return;
           observer.disconnect();
           button.click();
-          resolve();
+          resolve(true);
         });
         observer.observe(document, { childList: true, subtree: true });
         buttonOf(a)!.click();
       }),
     [first, second] as const,
   );
+  await awaited(page, `“${second}” after a click on “${first}”`, clicks);
 }
 
 export async function textOf(page: Page, testId: string): Promise<string> {

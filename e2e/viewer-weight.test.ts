@@ -9,11 +9,10 @@ import { testScene } from './test-scene.ts';
 import {
   CHEAP,
   drawnCamera,
-  frameCount,
   isAtRestAfter,
+  redraw,
   textOf,
   viewerHarness,
-  waitForFrameAfter,
   waitForImage,
   waitForScene,
 } from './viewer-page.ts';
@@ -133,8 +132,8 @@ describe('the toolbar of small windows', () => {
     // A key runs its command here too, and closes the menu.
     await page.keyboard.press('Enter');
     expect(await menu.isVisible()).toBe(true);
-    const framesOfWhole = await frameCount(page);
-    await page.keyboard.press('v');
+    // The picture goes where the panel leaves room.
+    await redraw(page, () => page.keyboard.press('v'));
     expect(await menu.isVisible()).toBe(false);
     await page.getByTestId('view').waitFor();
     await more.tap();
@@ -145,8 +144,7 @@ describe('the toolbar of small windows', () => {
     // What lies beside it closes it.
     await page.touchscreen.tap(180, 40);
     expect(await menu.isVisible()).toBe(false);
-    // The picture has gone where the panels leave room.
-    await waitForFrameAfter(page, framesOfWhole);
+    await waitForImage(page);
     // A gamepad whose right stick is held to the right turns the view.
     const before = await drawnCamera(page);
     await page.evaluate(() => {
