@@ -82,6 +82,31 @@ function watchBuffers(): void {
   Object.assign(window, { buffersMade: made });
 }
 
+/**
+ * For `addInitScript`: a measurement stands still from the start, or `hold-measurement`, to `release-measurement`. It may be over
+ * in a second otherwise.
+ */
+function holdMeasurement(): void {
+  const { mapAsync } = GPUBuffer.prototype;
+  let release = () => {};
+  let released: Promise<void>;
+  const hold = () => {
+    released = new Promise((resolve) => {
+      release = resolve;
+    });
+  };
+  hold();
+  addEventListener('hold-measurement', hold);
+  addEventListener('release-measurement', () => release());
+  GPUBuffer.prototype.mapAsync = async function (...range) {
+    await mapAsync.apply(this, range);
+    if (this.label === 'compare read-back') await released;
+  };
+}
+
+const send = (page: Page, event: string) =>
+  page.evaluate((type) => void dispatchEvent(new Event(type)), event);
+
 interface WatchedBuffer {
   readonly label: string;
   readonly bytes: number;
@@ -165,7 +190,7 @@ describe('accuracy in the viewer', () => {
       await page.route(script, (route) => route.fulfill({ contentType: 'text/javascript', body: neverDone }));
       const setting = page.getByTestId('setting-shPrecision');
       await setting.selectOption('palette');
-      await page.getByTestId('preparing-figures').getByText('45 %').waitFor({ state: 'attached' });
+      await page.getByTestId('preparing-figures').getByText('45 %').waitFor(ATTACHED);
       await press(page, 'cancel-preparing');
       await page.getByTestId('preparing').waitFor({ state: 'detached' });
       expect(await setting.inputValue()).toBe('u8');
@@ -189,7 +214,7 @@ describe('accuracy in the viewer', () => {
     expect(await page.getByTestId('setting-shDegree').inputValue()).toBe('0');
     expect(await page.getByTestId('setting-colorTarget').inputValue()).toBe('rgba8unorm');
     expect(await page.getByTestId('setting-rasterizer').inputValue()).toBe('quads');
-    await page.getByTestId('rasterizer').getByText('quads').waitFor({ state: 'attached' });
+    await page.getByTestId('rasterizer').getByText('quads').waitFor(ATTACHED);
     expect(await textOf(page, 'rasterizer-reason')).toBe('Quads were asked for');
     const other = await harness.open('?scene=still-life-small&accuracy=best', TINY);
     await waitForNotice(other, 'no accuracy preset "best"');
@@ -233,10 +258,13 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
   });
 
-  // One measurement for all of this, and in the full run another: drawn on the CPU, each takes ten seconds and more.
+  // One measurement for all of this, and in the full run another: drawn on the CPU, each takes its time.
   it('measures what settings cost, chooses by the error that is wished for, and draws with what is clicked', async () => {
     const file = [{ name: 'test.ply', bytes: encodePly(testScene()) }];
-    const page = await openViewer('?scene=still-life-small&accuracy=minPsnrDb:40', TINY);
+    const page = await newPage(TINY);
+    await page.addInitScript(holdMeasurement);
+    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
+    await waitForImage(page);
     await openTab(page, 'measure');
     const choice = page.getByTestId('choice');
     const wish = page.getByTestId('kept-wish');
@@ -246,23 +274,27 @@ describe('accuracy in the viewer', () => {
     const preset = (name: string) => page.getByTestId(`preset-${name}`).getAttribute('aria-pressed');
 
     // A wish that is called off before a choice has been made is gone.
-    await progress.waitFor({ state: 'attached' });
+    await progress.waitFor(ATTACHED);
     expect(await wish.textContent()).toContain('Keeps: at least 40 dB');
     expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
     expect(await preset('balanced')).toBe('false');
     await press(page, 'cancel-sweep');
     await wish.waitFor({ state: 'detached' });
     expect(await preset('balanced')).toBe('true');
+    await send(page, 'release-measurement');
+    await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await points.count()).toBe(0);
 
     // A scene that is opened later is measured for the wish, too. The page stays responsive meanwhile.
+    await send(page, 'hold-measurement');
     await page.getByTestId('wish-value').fill('44');
     await press(page, 'wish-submit');
-    await progress.waitFor({ state: 'attached' });
+    await progress.waitFor(ATTACHED);
     await press(page, 'accuracy-tab-settings');
-    await page.getByTestId('setting-shDegree').waitFor({ state: 'attached' });
+    await page.getByTestId('setting-shDegree').waitFor(ATTACHED);
     await press(page, 'accuracy-tab-measure');
     await dropFiles(page, file);
+    await send(page, 'release-measurement');
     await page.getByTestId('circumstances').getByText('400 splats').waitFor(MEASURED);
     await waitForScene(page, 'test.ply');
     expect(await textOf(page, 'circumstances')).toContain('software adapter');
@@ -276,7 +308,7 @@ describe('accuracy in the viewer', () => {
 
     // Called off once there is a choice, a measurement changes nothing.
     await clickInTurn(page, 'measure', 'cancel-sweep');
-    await page.getByTestId('measure').waitFor({ state: 'attached' });
+    await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await choice.getAttribute('data-met')).toBe('true');
     expect(await wish.textContent()).toBe('Keeps: at least 44 dBEnd');
 
@@ -318,16 +350,16 @@ describe('accuracy in the viewer', () => {
 
   it.runIf(isFull)('measures a wish anew when the device was lost', async () => {
     const page = await newPage(TINY);
-    await page.addInitScript(loseDeviceOnDemand);
+    for (const script of [loseDeviceOnDemand, holdMeasurement]) await page.addInitScript(script);
     await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
     await waitForImage(page);
     await openTab(page, 'measure');
     const progress = page.getByTestId('sweep-progress');
-    await progress.waitFor({ state: 'attached' });
+    await progress.waitFor(ATTACHED);
     await page.evaluate(() => dispatchEvent(new Event('lose-device')));
     await progress.waitFor({ state: 'detached' });
     await waitForState(page, 'ready');
-    await progress.waitFor({ state: 'attached' });
+    await progress.waitFor(ATTACHED);
     expect(await textOf(page, 'kept-wish')).toContain('at least 40 dB');
   });
 });
