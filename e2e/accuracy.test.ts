@@ -166,7 +166,8 @@ describe('accuracy in the viewer', () => {
       expect(await bytesHeld(page, 'many.ply geometry 0')).toEqual([32 * set.count]);
       expect(await buffersMade(page, 'ingest rows')).toBe(1);
 
-      await openTab(page, 'settings');
+      // The picture makes room for the panel.
+      await redraw(page, () => openTab(page, 'settings'));
       await press(page, 'preset-reference');
       await expect.poll(() => bytesHeld(page, 'many.ply geometry 0')).toEqual([64 * set.count]);
       expect(await buffersMade(page, 'ingest rows')).toBe(2);

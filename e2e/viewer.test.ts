@@ -449,6 +449,9 @@ describe('viewer', () => {
 
   it('moves the view by keys, mouse and wheel, and goes back', async () => {
     const page = await openViewer(BY_TILES);
+    // Figures reach nearly to the middle of so small a window, and further where a frame takes a second.
+    await page.keyboard.press('h');
+    await page.getByTestId('hud').waitFor({ state: 'detached' });
     const start = await viewerScreenshot(page);
     const act = async (what: string, action: () => Promise<void>) => {
       const before = await viewerScreenshot(page);
