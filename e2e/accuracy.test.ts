@@ -2,7 +2,6 @@ import { encodePly, type SplatSet } from '@websplatter/core';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
@@ -153,61 +152,55 @@ describe('accuracy in the viewer', () => {
     await page.waitForURL((url) => !url.search.includes('accuracy'));
   });
 
-  it.runIf(isFull)(
-    'reads a file whose rows the GPU takes again in the same way, for finer planes',
-    async () => {
-      const page = await newPage(TINY);
-      await page.addInitScript(watchBuffers);
-      await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=balanced`);
-      await waitForImage(page);
-      const set = testScene(70_000);
-      await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
-      await waitForScene(page, 'many.ply');
-      expect(await bytesHeld(page, 'many.ply geometry 0')).toEqual([32 * set.count]);
-      expect(await buffersMade(page, 'ingest rows')).toBe(1);
+  it('reads a file whose rows the GPU takes again in the same way, for finer planes', async () => {
+    const page = await newPage(TINY);
+    await page.addInitScript(watchBuffers);
+    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=balanced`);
+    await waitForImage(page);
+    const set = testScene(70_000);
+    await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
+    await waitForScene(page, 'many.ply');
+    expect(await bytesHeld(page, 'many.ply geometry 0')).toEqual([32 * set.count]);
+    expect(await buffersMade(page, 'ingest rows')).toBe(1);
 
-      // The picture makes room for the panel.
-      await redraw(page, () => openTab(page, 'settings'));
-      await press(page, 'preset-reference');
-      await expect.poll(() => bytesHeld(page, 'many.ply geometry 0')).toEqual([64 * set.count]);
-      expect(await buffersMade(page, 'ingest rows')).toBe(2);
-      expect(await bytesHeld(page, 'ingest rows')).toEqual([]);
-      const { width: widthPx, height: heightPx } = TINY.viewport;
-      const psnrDb = referenceImage(await drawnCamera(page), [set], { widthPx, heightPx });
-      await expect.poll(async () => psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    },
-  );
+    // The picture makes room for the panel.
+    await redraw(page, () => openTab(page, 'settings'));
+    await press(page, 'preset-reference');
+    await expect.poll(() => bytesHeld(page, 'many.ply geometry 0')).toEqual([64 * set.count]);
+    expect(await buffersMade(page, 'ingest rows')).toBe(2);
+    expect(await bytesHeld(page, 'ingest rows')).toEqual([]);
+    const { width: widthPx, height: heightPx } = TINY.viewport;
+    const psnrDb = referenceImage(await drawnCamera(page), [set], { widthPx, heightPx });
+    await expect.poll(async () => psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
 
-  it.runIf(isFull)(
-    'finds a palette in a worker of its own, and goes on as before where that is called off',
-    async () => {
-      const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
-      const before = await shotAfter(page, () => openTab(page, 'settings'));
-      const workers: string[] = [];
-      page.on('worker', (worker) => workers.push(worker.url()));
-      const neverDone =
-        "onmessage = () => postMessage({ kind: 'progress', part: 0.45 }); postMessage({ kind: 'ready' });";
-      const script = '**/palette-worker*';
-      await page.route(script, (route) => route.fulfill({ contentType: 'text/javascript', body: neverDone }));
-      const setting = page.getByTestId('setting-shPrecision');
-      await setting.selectOption('palette');
-      await page.getByTestId('preparing-figures').getByText('45 %').waitFor(ATTACHED);
-      await press(page, 'cancel-preparing');
-      await page.getByTestId('preparing').waitFor({ state: 'detached' });
-      expect(await setting.inputValue()).toBe('u8');
-      expect(workers).toHaveLength(1);
-      await page.unroute(script);
+  it('finds a palette in a worker of its own, and goes on as before where that is called off', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
+    const before = await shotAfter(page, () => openTab(page, 'settings'));
+    const workers: string[] = [];
+    page.on('worker', (worker) => workers.push(worker.url()));
+    const neverDone =
+      "onmessage = () => postMessage({ kind: 'progress', part: 0.45 }); postMessage({ kind: 'ready' });";
+    const script = '**/palette-worker*';
+    await page.route(script, (route) => route.fulfill({ contentType: 'text/javascript', body: neverDone }));
+    const setting = page.getByTestId('setting-shPrecision');
+    await setting.selectOption('palette');
+    await page.getByTestId('preparing-figures').getByText('45 %').waitFor(ATTACHED);
+    await press(page, 'cancel-preparing');
+    await page.getByTestId('preparing').waitFor({ state: 'detached' });
+    expect(await setting.inputValue()).toBe('u8');
+    expect(workers).toHaveLength(1);
+    await page.unroute(script);
 
-      await setting.selectOption('palette');
-      await expect
-        .poll(async () => changedPart(before, await viewerScreenshot(page), ROUNDING))
-        .toBeGreaterThan(0);
-      await page.getByTestId('preparing').waitFor({ state: 'detached' });
-      expect(await setting.inputValue()).toBe('palette');
-      expect(workers).toHaveLength(2);
-      expect(workers[1]).toContain('palette-worker');
-    },
-  );
+    await setting.selectOption('palette');
+    await expect
+      .poll(async () => changedPart(before, await viewerScreenshot(page), ROUNDING))
+      .toBeGreaterThan(0);
+    await page.getByTestId('preparing').waitFor({ state: 'detached' });
+    expect(await setting.inputValue()).toBe('palette');
+    expect(workers).toHaveLength(2);
+    expect(workers[1]).toContain('palette-worker');
+  });
 
   it('opens with the accuracy of the address, and says what it does not know', async () => {
     const page = await openViewer('?scene=still-life-small&accuracy=fast,shDegree:0,rasterizer:quads', SMALL);
@@ -322,7 +315,6 @@ describe('accuracy in the viewer', () => {
     // Check the images themselves, too.
     const exact = await shotAfter(page, () => press(page, 'preset-reference'));
     expect(psnrOf(picked, exact)).toBeGreaterThan(43);
-    if (!isFull) return;
 
     // Without a wish it tries every setting, and a measurement that is called off leaves what was there.
     await press(page, 'preset-balanced');
@@ -349,7 +341,7 @@ describe('accuracy in the viewer', () => {
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
   });
 
-  it.runIf(isFull)('measures a wish anew when the device was lost', async () => {
+  it('measures a wish anew when the device was lost', async () => {
     const page = await newPage(TINY);
     for (const script of [loseDeviceOnDemand, holdMeasurement]) await page.addInitScript(script);
     await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);

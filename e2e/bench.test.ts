@@ -5,7 +5,6 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { encodePly, type SplatSet } from '@websplatter/core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB } from './reference.ts';
 import { testScene } from './test-scene.ts';
 
@@ -77,10 +76,7 @@ function run(
   });
 }
 
-test('what was packed measures this project beside a peer that draws less, whose pictures show it', async ({
-  skip,
-}) => {
-  if (!isFull) skip('set WEBSPLATTER_FULL=1');
+test('what was packed measures this project beside a peer that draws less, whose pictures show it', async () => {
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
   const own = ['floor-webgl2', 'websplatter', 'websplatter-three'];
   const peers = [...own, `faint=${faintAdapter}`].join();
@@ -121,8 +117,7 @@ test('what was packed measures this project beside a peer that draws less, whose
   expect(await readdir(join(folder, 'pictures'))).toEqual(pictures);
 });
 
-test('loads alone are measured of each format, by the peers that read it', async ({ skip }) => {
-  if (!isFull) skip('set WEBSPLATTER_FULL=1');
+test('loads alone are measured of each format, by the peers that read it', async () => {
   await writeFile(join(folder, 'tiny.splat'), splatFile(testScene()));
   const peers = ['floor-webgl2', 'websplatter', `faint=${faintAdapter}`].join();
   const few = '--size 64x48 --picture-size 64x48 --rounds 2'.split(' ');

@@ -10,7 +10,6 @@ import type { AxeResults } from 'axe-core';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
-import { isFull } from './full-run.ts';
 import { screenshot } from './screenshot.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
 
@@ -41,7 +40,7 @@ let host: StaticHost;
 let browser: Browser;
 
 // It takes a minute of processor time to build; the short run has the tests of its pages below apps/docs.
-describe.runIf(isFull)('the documentation site', () => {
+describe('the documentation site', () => {
   beforeAll(async () => {
     folder = await mkdtemp(join(tmpdir(), 'websplatter-docs-'));
     const build = join(repositoryRoot, 'apps/docs/build.mjs');

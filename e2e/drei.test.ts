@@ -4,7 +4,6 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
 import { trialFiles } from './drei/files.ts';
-import { isFull } from './full-run.ts';
 import { appHarness } from './harness.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
 
@@ -148,11 +147,11 @@ async function failureOf(name: string): Promise<{ outcome: Outcome; complaints: 
 }
 
 describe('drei beside splats', () => {
-  it.each(isFull ? WORKING : ['OrbitControls', 'Html occlude'])('%s works', async (name) => {
+  it.each(WORKING)('%s works', async (name) => {
     expect(await outcomeOf(await openTrials(), name)).toBe('works');
   });
 
-  for (const { name, what } of isFull ? FAILING : []) {
+  for (const { name, what } of FAILING) {
     it(`${name} ${what}`, async () => {
       const { outcome, complaints } = await failureOf(name);
       if (what.startsWith('throws')) expect(outcome).toBe('throws');
@@ -162,7 +161,7 @@ describe('drei beside splats', () => {
     });
   }
 
-  it.runIf(isFull)(
+  it(
     'is tried as far as the README says, and what it names instead works',
     async () => {
       const page = await openTrials();
@@ -222,27 +221,24 @@ describe('splats in front of and behind something else', () => {
       return seen;
     }, PIXELS);
 
-  it.runIf(isFull)(
-    'hide just those of 20 labels of Html that their depth hides, and rays hit where pick does',
-    async () => {
-      const page = await openStillLife();
-      const seen = await seenAt(page);
-      // The surroundings of the still life are everywhere.
-      expect(seen.filter(({ depthView }) => depthView !== null)).toHaveLength(20);
-      for (const { depthView, hitDepthView } of seen)
-        expect(Math.abs(hitDepthView / depthView! - 1)).toBeLessThan(0.02);
-      const labels = seen.map(({ origin, direction, depthView }, i) => {
-        const distance = depthView! * (i % 2 === 0 ? 0.9 : 1.1);
-        return origin.map((value, axis) => value + distance * direction[axis]) as [number, number, number];
-      });
-      await page.evaluate((places) => window.trialPage.showStillLife({ labels: places }), labels);
-      const areShown = () =>
-        page.evaluate(() =>
-          Array.from({ length: 20 }, (_, i) => document.getElementById(`label-${i}`)?.checkVisibility()),
-        );
-      await expect.poll(areShown).toEqual(labels.map((_, i) => i % 2 === 0));
-    },
-  );
+  it('hide just those of 20 labels of Html that their depth hides, and rays hit where pick does', async () => {
+    const page = await openStillLife();
+    const seen = await seenAt(page);
+    // The surroundings of the still life are everywhere.
+    expect(seen.filter(({ depthView }) => depthView !== null)).toHaveLength(20);
+    for (const { depthView, hitDepthView } of seen)
+      expect(Math.abs(hitDepthView / depthView! - 1)).toBeLessThan(0.02);
+    const labels = seen.map(({ origin, direction, depthView }, i) => {
+      const distance = depthView! * (i % 2 === 0 ? 0.9 : 1.1);
+      return origin.map((value, axis) => value + distance * direction[axis]) as [number, number, number];
+    });
+    await page.evaluate((places) => window.trialPage.showStillLife({ labels: places }), labels);
+    const areShown = () =>
+      page.evaluate(() =>
+        Array.from({ length: 20 }, (_, i) => document.getElementById(`label-${i}`)?.checkVisibility()),
+      );
+    await expect.poll(areShown).toEqual(labels.map((_, i) => i % 2 === 0));
+  });
 
   it('leave every click to a mesh in front of them', async () => {
     const page = await openStillLife();

@@ -7,7 +7,6 @@ import { ring } from '../apps/examples/scenes/ring.ts';
 import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
 import { windSwayTwin } from '../apps/examples/src/effects/wind-sway-twin.ts';
 import { atRest, passTurns } from './at-rest.ts';
-import { isFull } from './full-run.ts';
 import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
@@ -142,31 +141,28 @@ describe('examples', () => {
     await expect.poll(async () => psnrDb(await image(page)), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it.runIf(isFull)(
-    'mesh-through-splats: a mesh in front hides splats, one behind shows through',
-    async () => {
-      // A sheet of white fog through the middle of the ball's path.
-      const page = await openExample('mesh-through-splats', splatSet([{ opacity: 0.5 }]));
-      const size = await sizeOf(page);
-      const camera = drawnFrom([0.1, 0.35, 1.5], size);
-      const ballColorAt = async (z: number) => {
-        await page.getByRole('slider').evaluate((slider: HTMLInputElement, value) => {
-          slider.value = String(value);
-        }, z);
-        const { xPx, yPx } = projected(camera, [0, 0.18, z], size);
-        return async () => colorAt(await image(page), xPx, yPx);
-      };
-      const inFront = await ballColorAt(0.5);
-      await expect.poll(inFront, SELDOM).toSatisfy(([red, green]) => red > 1.5 * green);
-      const bare = await inFront();
-      const veiled = bare.map((value) => 0.5 * value + 0.5 * 255);
-      await expect
-        .poll(await ballColorAt(-0.5), SELDOM)
-        .toSatisfy((color: number[]) => color.every((value, i) => Math.abs(value - veiled[i]) < 12));
-    },
-  );
+  it('mesh-through-splats: a mesh in front hides splats, one behind shows through', async () => {
+    // A sheet of white fog through the middle of the ball's path.
+    const page = await openExample('mesh-through-splats', splatSet([{ opacity: 0.5 }]));
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0.1, 0.35, 1.5], size);
+    const ballColorAt = async (z: number) => {
+      await page.getByRole('slider').evaluate((slider: HTMLInputElement, value) => {
+        slider.value = String(value);
+      }, z);
+      const { xPx, yPx } = projected(camera, [0, 0.18, z], size);
+      return async () => colorAt(await image(page), xPx, yPx);
+    };
+    const inFront = await ballColorAt(0.5);
+    await expect.poll(inFront, SELDOM).toSatisfy(([red, green]) => red > 1.5 * green);
+    const bare = await inFront();
+    const veiled = bare.map((value) => 0.5 * value + 0.5 * 255);
+    await expect
+      .poll(await ballColorAt(-0.5), SELDOM)
+      .toSatisfy((color: number[]) => color.every((value, i) => Math.abs(value - veiled[i]) < 12));
+  });
 
-  it.runIf(isFull)('two-clouds sorts both as one, each with its transform and opacity', async () => {
+  it('two-clouds sorts both as one, each with its transform and opacity', async () => {
     const page = await openExample('two-clouds', testScene());
     const size = await sizeOf(page);
     const drawn: DrawnCamera = {
@@ -186,7 +182,7 @@ describe('examples', () => {
     await expect.poll(psnrAs({ opacities: [1, 0.5] }), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it.runIf(isFull)('picking says which splat was clicked and puts a marker on it', async () => {
+  it('picking says which splat was clicked and puts a marker on it', async () => {
     const scale = [0.08, 0.08, 0.08] as const;
     const opacity = 0.97;
     const rows: Vec3[] = [
@@ -217,7 +213,7 @@ describe('examples', () => {
     }
   });
 
-  it.runIf(isFull)('labels hides one while splats lie before it', async () => {
+  it('labels hides one while splats lie before it', async () => {
     const page = await openExample('labels', splatSet([{ opacity: 0.98, position: [0, 0, 0.2] }]));
     await page.getByText('Above the table').waitFor({ state: 'attached' });
     const areShown = () =>
@@ -225,8 +221,7 @@ describe('examples', () => {
     await expect.poll(areShown, SELDOM).toEqual([true, false]);
   });
 
-  // In the short run, a test of React's components counts the frames of such a Canvas.
-  it.runIf(isFull)('demand-loop draws one frame for each that is asked for, and none besides', async () => {
+  it('demand-loop draws one frame for each that is asked for, and none besides', async () => {
     const page = await openExample('demand-loop', testScene());
     const frames = async () => Number(await page.locator('output').textContent());
     await expect.poll(async () => new Set((await image(page)).data).size, SELDOM).toBeGreaterThan(100);
@@ -242,7 +237,7 @@ describe('examples', () => {
     expect(changedPart(shotAtRest, await image(page), 0)).toBe(0);
   });
 
-  it.runIf(isFull)('suspense shows a placeholder and a progress bar until the file is there', async () => {
+  it('suspense shows a placeholder and a progress bar until the file is there', async () => {
     let deliver = (_scene: SplatSet) => {};
     const page = await openExample(
       'suspense',
@@ -261,36 +256,33 @@ describe('examples', () => {
     await expect.poll(async () => psnrDb(await image(page)), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it.runIf(isFull)(
-    'accuracy takes settings by name, or an outcome, and says what it chose for that and why',
-    async () => {
-      // Splats so small that half the resolution does not suffice.
-      const scale = [0.01, 0.01, 0.01] as const;
-      const positions = Array.from({ length: 25 }, (_, i): Vec3 => [(i % 5) / 5 - 0.4, i / 25 - 0.4, 0]);
-      const color = [0.1, 0.2, 0.4] as const;
-      const scene = splatSet(positions.map((position) => ({ position, scale, color, opacity: 0.9 })));
-      const page = await openExample('accuracy', scene);
-      const size = await sizeOf(page);
-      const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
-      const shownDb = async () => psnrDb(await image(page));
-      await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-      const request = page.getByRole('combobox', { name: 'Accuracy' });
-      await request.selectOption('Half the resolution');
-      await expect.poll(shownDb, SELDOM).toBeLessThan(MIN_PSNR_DB);
-      await request.selectOption('At least 45 dB');
-      const why = page.getByRole('status');
-      expect(await why.textContent()).toContain('Measuring');
-      await expect
-        .poll(() => why.textContent(), { ...SELDOM, timeout: LONG_PATIENCE_MS })
-        .toMatch(/^“.*” is the fastest .*45 dB: .* in .* ms/);
-      await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(44);
-      await request.selectOption('Balanced');
-      await why.waitFor({ state: 'detached' });
-      await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-    },
-  );
+  it('accuracy takes settings by name, or an outcome, and says what it chose for that and why', async () => {
+    // Splats so small that half the resolution does not suffice.
+    const scale = [0.01, 0.01, 0.01] as const;
+    const positions = Array.from({ length: 25 }, (_, i): Vec3 => [(i % 5) / 5 - 0.4, i / 25 - 0.4, 0]);
+    const color = [0.1, 0.2, 0.4] as const;
+    const scene = splatSet(positions.map((position) => ({ position, scale, color, opacity: 0.9 })));
+    const page = await openExample('accuracy', scene);
+    const size = await sizeOf(page);
+    const psnrDb = referenceImage(drawnFrom([0.12, 0.45, 1.44], size), [scene], size);
+    const shownDb = async () => psnrDb(await image(page));
+    await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const request = page.getByRole('combobox', { name: 'Accuracy' });
+    await request.selectOption('Half the resolution');
+    await expect.poll(shownDb, SELDOM).toBeLessThan(MIN_PSNR_DB);
+    await request.selectOption('At least 45 dB');
+    const why = page.getByRole('status');
+    expect(await why.textContent()).toContain('Measuring');
+    await expect
+      .poll(() => why.textContent(), { ...SELDOM, timeout: LONG_PATIENCE_MS })
+      .toMatch(/^“.*” is the fastest .*45 dB: .* in .* ms/);
+    await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(44);
+    await request.selectOption('Balanced');
+    await why.waitFor({ state: 'detached' });
+    await expect.poll(shownDb, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
 
-  it.runIf(isFull)('several-views shows each camera its own image', async () => {
+  it('several-views shows each camera its own image', async () => {
     const page = await openExample('several-views', testScene());
     const positions: Vec3[] = [
       [0.1, 0.45, 1.5],
@@ -324,7 +316,7 @@ describe('examples of effects', () => {
     return { page, psnrWith };
   }
 
-  it.runIf(isFull)('colour takes a tint, a brightness, an opacity and a degree', async () => {
+  it('colour takes a tint, a brightness, an opacity and a degree', async () => {
     const { page, psnrWith } = await openWithTestScene('colour');
     await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByLabel('Tint').fill('#ff8000');
@@ -340,7 +332,7 @@ describe('examples of effects', () => {
     await expect.poll(changed, SELDOM).toBe(0);
   });
 
-  it.runIf(isFull)('clip cuts off what lies beyond a plane, or within a ball', async () => {
+  it('clip cuts off what lies beyond a plane, or within a ball', async () => {
     const { page, psnrWith } = await openWithTestScene('clip');
     const plane = { shape: 'plane', point: [0.2, 0, 0], normal: [-1, 0, 0] } as const;
     const cut = psnrWith({ effects: [clip({ volumes: [plane], softEdge: 0.05 })] });
@@ -353,7 +345,7 @@ describe('examples of effects', () => {
     await expect.poll(outside, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it.runIf(isFull)('reveal ends with the whole scene, every time', async () => {
+  it('reveal ends with the whole scene, every time', async () => {
     const { page, psnrWith } = await openWithTestScene('reveal');
     const whole = psnrWith();
     // With reduced motion it appears at once.
@@ -367,7 +359,7 @@ describe('examples of effects', () => {
     await expect.poll(whole, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it.runIf(isFull)('selection highlights what lies around the splat that was clicked', async () => {
+  it('selection highlights what lies around the splat that was clicked', async () => {
     const scale = [0.05, 0.05, 0.05] as const;
     const rows: Vec3[] = [
       [0, 0, 0],
@@ -394,7 +386,7 @@ describe('examples of effects', () => {
     await expect.poll(() => redAt(0), SELDOM).toBeLessThan(40);
   });
 
-  it.runIf(isFull)('fog hides splats, or meshes alone', async () => {
+  it('fog hides splats, or meshes alone', async () => {
     const page = await openExample(
       'fog',
       splatSet([{ color: [0, 0, 0], opacity: 0.98, position: [0, 0, -1] }]),
@@ -405,7 +397,7 @@ describe('examples of effects', () => {
     await expect.poll(green, SELDOM).toBeLessThan(40);
   });
 
-  it.runIf(isFull)('depth-write hides the ring behind splats', async () => {
+  it('depth-write hides the ring behind splats', async () => {
     const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, -0.2] }]));
     const size = await sizeOf(page);
     const { xPx, yPx } = projected(drawnFrom([0.12, 0.45, 1.44], size), [-0.2, 0.222, -0.278], size);
@@ -415,7 +407,7 @@ describe('examples of effects', () => {
     await expect.poll(red, SELDOM).toBeLessThan(200);
   });
 
-  it.runIf(isFull)('own-data moves the splats that it made, and hides some', async () => {
+  it('own-data moves the splats that it made, and hides some', async () => {
     const page = await openExample('own-data', splatSet([]));
     const covered = async () =>
       1 -
@@ -433,7 +425,7 @@ describe('examples of effects', () => {
     expect(await covered()).toBeGreaterThan(0.02);
   });
 
-  it.runIf(isFull)('annotations: labels hide behind splats, and two clicks measure', async () => {
+  it('annotations: labels hide behind splats, and two clicks measure', async () => {
     // A sheet before everything but the table's front.
     const sheet = splatSet([{ opacity: 0.98, position: [0, 0.1, 0.2], scale: [0.5, 0.5, 0.001] }]);
     const page = await openExample('annotations', sheet, LARGE);
@@ -448,7 +440,7 @@ describe('examples of effects', () => {
     await page.getByText('Chosen: Table.').waitFor();
   });
 
-  it.runIf(isFull)('colliders: a worker makes a mesh, on which a ball falls', async () => {
+  it('colliders: a worker makes a mesh, on which a ball falls', async () => {
     const page = await harness.newPage(SMALL);
     const sheet = splatSet([{ opacity: 0.98, position: [0, 0, 0], scale: [0.5, 0.005, 0.5] }]);
     await page.route('**/still-life.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(sheet)) }));

@@ -8,7 +8,6 @@ import { launchBrowser } from './browser.ts';
 import { expectSplats } from './expect-splats.ts';
 import { type FreshApp, type FreshAppParts, makeFreshApp } from './fresh-app.ts';
 import { APP_KINDS } from './fresh-apps.ts';
-import { isFull } from './full-run.ts';
 import { startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
@@ -27,53 +26,49 @@ async function inFreshApp(parts: FreshAppParts, use: (app: FreshApp) => Promise<
   }
 }
 
-describe.runIf(isFull)(
-  'the packed tarballs in a fresh app show splats that a worker has read',
-  {
-    timeout: TIMEOUT_MS,
-  },
-  () => {
-    let browser: Browser;
+describe('the packed tarballs in a fresh app show splats that a worker has read', {
+  timeout: TIMEOUT_MS,
+}, () => {
+  let browser: Browser;
 
-    beforeAll(async () => {
-      browser = await launchBrowser();
-    });
+  beforeAll(async () => {
+    browser = await launchBrowser();
+  });
 
-    afterAll(() => browser?.close());
+  afterAll(() => browser?.close());
 
-    it.each(APP_KINDS)('$name', async ({ build, shown, pages = [''], headers = {}, ...parts }) => {
-      await inFreshApp({ ...parts, files: scene }, async (app) => {
-        for (const [script, ...args] of build) await app.run(script, args);
-        const host =
-          'folder' in shown
-            ? await startStaticHost(join(app.folder, shown.folder), '/', scene, headers)
-            : await app.serve(shown.server[0], shown.server.slice(1));
-        try {
-          for (const page of pages) {
-            const path = 'folder' in shown ? `${page || 'index'}.html` : page;
-            await expectSplats(browser, host.url + path);
-          }
-        } finally {
-          await host.close();
+  it.each(APP_KINDS)('$name', async ({ build, shown, pages = [''], headers = {}, ...parts }) => {
+    await inFreshApp({ ...parts, files: scene }, async (app) => {
+      for (const [script, ...args] of build) await app.run(script, args);
+      const host =
+        'folder' in shown
+          ? await startStaticHost(join(app.folder, shown.folder), '/', scene, headers)
+          : await app.serve(shown.server[0], shown.server.slice(1));
+      try {
+        for (const page of pages) {
+          const path = 'folder' in shown ? `${page || 'index'}.html` : page;
+          await expectSplats(browser, host.url + path);
         }
-      });
+      } finally {
+        await host.close();
+      }
     });
+  });
 
-    it('an import map, with packages and workers of another origin', async () => {
-      await inFreshApp({ sources: {} }, async (app) => {
-        const cors = { 'access-control-allow-origin': '*' };
-        const network = await startStaticHost(join(app.folder, 'node_modules'), '/', {}, cors);
-        const page = new TextEncoder().encode(importMapPage(network.url));
-        const host = await startStaticHost(app.folder, '/', { ...scene, 'index.html': page }, {});
-        try {
-          await expectSplats(browser, `${host.url}index.html`);
-        } finally {
-          await Promise.all([host.close(), network.close()]);
-        }
-      });
+  it('an import map, with packages and workers of another origin', async () => {
+    await inFreshApp({ sources: {} }, async (app) => {
+      const cors = { 'access-control-allow-origin': '*' };
+      const network = await startStaticHost(join(app.folder, 'node_modules'), '/', {}, cors);
+      const page = new TextEncoder().encode(importMapPage(network.url));
+      const host = await startStaticHost(app.folder, '/', { ...scene, 'index.html': page }, {});
+      try {
+        await expectSplats(browser, `${host.url}index.html`);
+      } finally {
+        await Promise.all([host.close(), network.close()]);
+      }
     });
-  },
-);
+  });
+});
 
 /** React has no ES modules, so the page uses three alone. */
 const importMapPage = (packages: string) => `<!doctype html>
@@ -174,7 +169,7 @@ test('uses the packages', async () => {
 });
 `;
 
-describe.runIf(isFull)('the packed tarballs in a fresh app', { timeout: TIMEOUT_MS }, () => {
+describe('the packed tarballs in a fresh app', { timeout: TIMEOUT_MS }, () => {
   it('type-check under every module resolution', async () => {
     const resolutions = [
       ['ESNext', 'bundler'],

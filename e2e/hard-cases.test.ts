@@ -1,7 +1,6 @@
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
 import { afterAll, describe, expect, it } from 'vitest';
-import { isFull } from './full-run.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart } from './screenshot.ts';
 import { type AppServer, startAppServer } from './server.ts';
@@ -89,7 +88,7 @@ describe('hard cases', () => {
   });
 
   const shown = ['input-half-of-all-rows-nan', 'camera-off-centre', 'depth-all-equal-two-clouds'];
-  it.each(isFull ? shown : shown.slice(0, 1))('shows %s as float64 defines it', async (name) => {
+  it.each(shown)('shows %s as float64 defines it', async (name) => {
     const page = await harness.openViewer(`?scene=hard:${name}`, SMALL);
     const hardCase = sceneCase(name);
     const drawn = await drawnCamera(page);

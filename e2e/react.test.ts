@@ -3,7 +3,6 @@ import { renderReference } from '@websplatter/core/reference';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { atRest, passTurns } from './at-rest.ts';
-import { isFull } from './full-run.ts';
 import { appHarness } from './harness.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
 import { skipRecoveryWaits } from './recovery-waits.ts';
@@ -13,7 +12,7 @@ import { slowScene, testScene } from './test-scene.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
 /** What a mount leaves is seen after two; every fifth is unmounted while it loads. */
-const MOUNTS = isFull ? 50 : 6;
+const MOUNTS = 50;
 
 /** Rows of `dots.ply`: small opaque splats, far enough apart for each to have pixels of its own. */
 const DOTS = [
@@ -526,7 +525,7 @@ async function waitForSplats(page: Page, times = 1): Promise<void> {
 
 const SLOW: SplatsDescription = { id: 'slow', src: 'slow.ply' };
 
-it.runIf(isFull)('shows what has arrived of a file, and then all of it', async () => {
+it('shows what has arrived of a file, and then all of it', async () => {
   const page = await open(canvas({ background: 'black', frameloop: 'demand', splats: [SLOW] }));
   // The rest comes only after the test has seen a part.
   await waitForSplats(page);
@@ -549,34 +548,31 @@ it.runIf(isFull)('shows what has arrived of a file, and then all of it', async (
   );
 });
 
-it.runIf(isFull)(
-  'leaves nothing of a part on screen, nor in memory, when it is unmounted or fails',
-  async () => {
-    const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
-    const page = await open(quiet);
-    await waitForLog(page, 'canvas created');
-    const empty = await imageAtRest(page);
-    const expectNothing = async () => {
-      await expect.poll(async () => changedPart(empty, await image(page), 0)).toBe(0);
-      const left = () =>
-        page.evaluate(() => {
-          const { totalBytes, frames } = window.page.engine('canvas').memory();
-          const { workers } = window.page.countResources();
-          return { workers, bytes: totalBytes - frames.totalBytes };
-        });
-      await expect.poll(left).toEqual({ workers: 0, bytes: 0 });
-    };
-    await show(page, { ...quiet, splats: [SLOW] });
-    await waitForSplats(page);
-    await show(page, quiet);
-    await expectNothing();
-    await show(page, { ...quiet, splats: [{ ...SLOW, hasErrors: true }] });
-    await waitForSplats(page, 2);
-    harness.server.cutSlowFile();
-    await waitForLog(page, 'slow error SplatSourceError');
-    await expectNothing();
-  },
-);
+it('leaves nothing of a part on screen, nor in memory, when it is unmounted or fails', async () => {
+  const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
+  const page = await open(quiet);
+  await waitForLog(page, 'canvas created');
+  const empty = await imageAtRest(page);
+  const expectNothing = async () => {
+    await expect.poll(async () => changedPart(empty, await image(page), 0)).toBe(0);
+    const left = () =>
+      page.evaluate(() => {
+        const { totalBytes, frames } = window.page.engine('canvas').memory();
+        const { workers } = window.page.countResources();
+        return { workers, bytes: totalBytes - frames.totalBytes };
+      });
+    await expect.poll(left).toEqual({ workers: 0, bytes: 0 });
+  };
+  await show(page, { ...quiet, splats: [SLOW] });
+  await waitForSplats(page);
+  await show(page, quiet);
+  await expectNothing();
+  await show(page, { ...quiet, splats: [{ ...SLOW, hasErrors: true }] });
+  await waitForSplats(page, 2);
+  harness.server.cutSlowFile();
+  await waitForLog(page, 'slow error SplatSourceError');
+  await expectNothing();
+});
 
 it('shows what useLoader has loaded for the renderer, which packs it', async () => {
   const requests = harness.server.requests('slow.ply');
@@ -703,34 +699,31 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   expect(['canvas', 'bare'].map((id) => times(`${id} created`))).toEqual([2, 1]);
 });
 
-it.runIf(isFull)(
-  'gives up where the device is lost again and again, or there is no adapter any more',
-  async () => {
-    harness.expectProblem(/lost again and again/);
-    const page = await harness.newPage();
-    await page.addInitScript(skipRecoveryWaits);
-    await page.goto(harness.server.url);
-    await page.waitForFunction(() => 'page' in window);
-    await show(page, canvas({ splats: [] }));
-    for (let losses = 1; losses <= 5; losses++) {
-      await waitForLog(page, 'canvas created', losses);
-      await page.evaluate(() => window.page.engine('canvas').device.destroy());
-    }
-    const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost again and again/;
-    await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(message));
+it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
+  harness.expectProblem(/lost again and again/);
+  const page = await harness.newPage();
+  await page.addInitScript(skipRecoveryWaits);
+  await page.goto(harness.server.url);
+  await page.waitForFunction(() => 'page' in window);
+  await show(page, canvas({ splats: [] }));
+  for (let losses = 1; losses <= 5; losses++) {
+    await waitForLog(page, 'canvas created', losses);
+    await page.evaluate(() => window.page.engine('canvas').device.destroy());
+  }
+  const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost again and again/;
+  await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(message));
 
-    // Another one begins anew.
-    harness.expectProblem(/found no GPU/);
-    await show(page, canvas({ id: 'next', splats: [] }));
-    await waitForLog(page, 'next created');
-    await page.evaluate(() => {
-      GPU.prototype.requestAdapter = async () => null;
-      window.page.engine('next').device.destroy();
-    });
-    const noGpu = /^next fallback WebGpuUnavailableError: WebGPU found no GPU/;
-    await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(noGpu));
-  },
-);
+  // Another one begins anew.
+  harness.expectProblem(/found no GPU/);
+  await show(page, canvas({ id: 'next', splats: [] }));
+  await waitForLog(page, 'next created');
+  await page.evaluate(() => {
+    GPU.prototype.requestAdapter = async () => null;
+    window.page.engine('next').device.destroy();
+  });
+  const noGpu = /^next fallback WebGpuUnavailableError: WebGPU found no GPU/;
+  await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(noGpu));
+});
 
 it('sends pointer events to splats, and picks the row of the file under a pixel', async () => {
   const dot = { id: 'dot', src: 'dot.ply', hasEvents: true };
@@ -772,8 +765,7 @@ it('says what to do in a Canvas with a WebGLRenderer', async () => {
     .toContainEqual(expect.stringMatching(/fallback SplatsUnsupportedRendererError: .*<SplatCanvas>/));
 });
 
-// In the short run, the viewer does, and the test of a lost device above: React hears of both in the same way.
-it.runIf(isFull)('comes back from the end of the GPU process', async () => {
+it('comes back from the end of the GPU process', async () => {
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }));
   await waitForLog(page, 'a firstframe');
   const before = await imageAtRest(page);

@@ -5,7 +5,6 @@ import { syntheticPly } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
-import { isFull } from './full-run.ts';
 import { motionErrors } from './motion-reference.ts';
 import { MIN_PSNR_DB } from './reference.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
@@ -368,27 +367,25 @@ describe('three 0.187', () => {
 
     test.each([
       ['everything', {}],
-      ...(isFull
-        ? ([
-            ['camera', {}],
-            ['cloud', {}],
-            ['everything', { antialias: true }],
-            ['everything', { logarithmicDepthBuffer: true }],
-            ['everything', { reversedDepthBuffer: true }],
-          ] as const)
-        : []),
-    ] as const)('gives effects the motion of splats and of what they leave free: %s %o', async (...how) => {
-      const { splats, wall, largestPx } = motionErrors(await run('motion', ...how));
-      expect(largestPx).toBeGreaterThan(2);
-      // A splat that reaches out of its cloud's bounds may be taken for one of another cloud, with another motion.
-      const [moves] = how;
-      expect(splats.filter((px) => px > 0.01).length).toBeLessThan(
-        moves === 'everything' ? 0.02 * splats.length : 1,
-      );
-      expect(splats.length).toBeGreaterThan(200);
-      expect(Math.max(...wall)).toBeLessThan(0.01);
-      expect(wall.length).toBeGreaterThan(2000);
-    });
+      ['camera', {}],
+      ['cloud', {}],
+      ['everything', { antialias: true }],
+      ['everything', { logarithmicDepthBuffer: true }],
+      ['everything', { reversedDepthBuffer: true }],
+    ] as const)(
+      'gives effects the motion of splats and of what they leave free: %s %o',
+      async (moves, parameters) => {
+        const { splats, wall, largestPx } = motionErrors(await run('motion', moves, parameters));
+        expect(largestPx).toBeGreaterThan(2);
+        // A splat that reaches out of its cloud's bounds may be taken for one of another cloud, with another motion.
+        expect(splats.filter((px) => px > 0.01).length).toBeLessThan(
+          moves === 'everything' ? 0.02 * splats.length : 1,
+        );
+        expect(splats.length).toBeGreaterThan(200);
+        expect(Math.max(...wall)).toBeLessThan(0.01);
+        expect(wall.length).toBeGreaterThan(2000);
+      },
+    );
 
     test('and other outputs are what meshes wrote, to ambient occlusion, where splats write none', async () => {
       const without = await run('occlusion', null);
@@ -403,7 +400,7 @@ describe('three 0.187', () => {
       expect(Math.max(...velocity.data.filter((_, i) => i % 4 < 2).map(Math.abs))).toBeLessThan(1e-6);
     });
 
-    test.runIf(isFull)('lets TRAA keep a still picture, and blur a moving one less', async () => {
+    test('lets TRAA keep a still picture, and blur a moving one less', async () => {
       const still = await run('temporal', 32, 0, true);
       expect(psnrOf(still.temporal, still.plain)).toBeGreaterThan(45);
       const [followed, left] = [
@@ -488,7 +485,7 @@ describe('three 0.187', () => {
       }
     });
 
-    test.runIf(isFull)('behind an oblique near plane', async () => {
+    test('behind an oblique near plane', async () => {
       expectBetweenMeshes(await run('obliqueNearPlane', 1.5));
       // On the left it passes between the splat and the wall behind.
       const cut = await run('obliqueNearPlane', 2.8);
@@ -525,7 +522,7 @@ describe('three 0.187', () => {
       }
     });
 
-    test.runIf(isFull)('the faces of a cube', async () => {
+    test('the faces of a cube', async () => {
       const faces = await run('cubeCamera');
       const grey: Rgba = [decoded(127.5), decoded(127.5), decoded(127.5), 1];
       const tops = faces.map((face) => pixelAt(face, 0.5, 0.25));
@@ -601,33 +598,30 @@ describe('three 0.187', () => {
       });
     }
 
-    test.each(['eyes', ...(isFull ? (['apart'] as const) : [])] as const)(
-      'in viewports, %s',
-      async (cameras) => {
-        const result = await run('arrayViewports', { cameras });
-        expectTestScene(result.shots);
-        expectAsAlone(result);
-        // Eyes that look the same way share one.
-        expect(result.orders).toBe(cameras === 'eyes' ? 1 : 2);
-      },
-    );
+    test.each(['eyes', 'apart'] as const)('in viewports, %s', async (cameras) => {
+      const result = await run('arrayViewports', { cameras });
+      expectTestScene(result.shots);
+      expectAsAlone(result);
+      // Eyes that look the same way share one.
+      expect(result.orders).toBe(cameras === 'eyes' ? 1 : 2);
+    });
 
-    test.runIf(isFull)('in viewports, before and behind a multisampled mesh', async () => {
+    test('in viewports, before and behind a multisampled mesh', async () => {
       expectAsAlone(await run('arrayViewports', { cameras: 'eyes', hasWall: true, antialias: true }));
     });
 
-    test.runIf(isFull).each([0, 4])('in layers of a target with %i samples', async (samples) => {
+    test.each([0, 4])('in layers of a target with %i samples', async (samples) => {
       const shots = await run('arrayLayers', { cameras: 'eyes' }, samples);
       expectTestScene(shots.map((shot) => ({ ...shot, pixels: encodedPixels(shot.pixels) })));
     });
 
-    test.runIf(isFull)('write depth', async () => {
+    test('write depth', async () => {
       const { onCanvas, layers } = await run('arrayDepth');
       for (const x of [0.25, 0.75]) expectPixel(pixelAt(onCanvas, x, 0.5), [230, 230, 230, 255]);
       for (const layer of layers) expectPixel(pixelAt(encodedPixels(layer), 0.5, 0.5), [230, 230, 230, 255]);
     });
 
-    test.runIf(isFull)('are picked by one of the cameras', async () => {
+    test('are picked by one of the cameras', async () => {
       const { byArray, alone } = await run('arrayPick');
       expect(byArray).toContainEqual(expect.any(Number));
       expect(byArray).toEqual(alone);
@@ -655,7 +649,7 @@ describe('three 0.187', () => {
       expectPixel(rightOf(pixels), [0, 255, 0, 255]);
     });
 
-    test.runIf(isFull)('occlusion queries', async () => {
+    test('occlusion queries', async () => {
       const pixels = await run('occlusionQuery');
       expectPixel(leftOf(pixels), GREY);
       expectPixel(rightOf(pixels), RED);
@@ -728,38 +722,31 @@ describe('three 0.187', () => {
       });
     });
 
-    test.runIf(isFull)(
-      'are packed by the GPU of a renderer that they are loaded for, and read again where they were freed',
-      async () => {
-        const { images, rows, ...rest } = await run('loadedForRenderer');
-        expect(rest).toEqual({
-          packedOnCpu: 0,
-          // A geometry of 32 bytes each, and bounds of chunks.
-          bytesLoaded: 32 * 70_000 + 32 * Math.ceil(70_000 / 256),
-          bytesDisposed: 0,
-          bytesLeft: 0,
-          errors: [],
-        });
-        expect(Math.max(...images.first.data)).toBeGreaterThan(100);
-        expect(images.again).toEqual(images.first);
-        expect(images.other).toEqual(images.first);
-        // Opacities, rotations and sizes may have been rounded to the next step.
-        expectEachPixel(images.cpu, images.first, (pixel) => pixel, 1);
-        expect(rows.inMemory.length).toBeGreaterThan(100);
-        expect(rows.onGpu).toEqual(rows.inMemory);
-        expect(rows.readAgain).toEqual(rows.inMemory);
-      },
-    );
+    test('are packed by the GPU of a renderer that they are loaded for, and read again where they were freed', async () => {
+      const { images, rows, ...rest } = await run('loadedForRenderer');
+      expect(rest).toEqual({
+        packedOnCpu: 0,
+        // A geometry of 32 bytes each, and bounds of chunks.
+        bytesLoaded: 32 * 70_000 + 32 * Math.ceil(70_000 / 256),
+        bytesDisposed: 0,
+        bytesLeft: 0,
+        errors: [],
+      });
+      expect(Math.max(...images.first.data)).toBeGreaterThan(100);
+      expect(images.again).toEqual(images.first);
+      expect(images.other).toEqual(images.first);
+      // Opacities, rotations and sizes may have been rounded to the next step.
+      expectEachPixel(images.cpu, images.first, (pixel) => pixel, 1);
+      expect(rows.inMemory.length).toBeGreaterThan(100);
+      expect(rows.onGpu).toEqual(rows.inMemory);
+      expect(rows.readAgain).toEqual(rows.inMemory);
+    });
 
     test.each([
       ['loaded for its renderer', 'renderer', 0, 8],
-      ...(isFull
-        ? ([
-            ['packed on the CPU', 'memory', 0, 8],
-            // Shows that the bytes are seen: 32 of geometry, and at degree 3 more than 45 of harmonics.
-            ['from a buffer, which cannot be read again', 'buffer', 77, 100],
-          ] as const)
-        : []),
+      ['packed on the CPU', 'memory', 0, 8],
+      // Shows that the bytes are seen: 32 of geometry, and at degree 3 more than 45 of harmonics.
+      ['from a buffer, which cannot be read again', 'buffer', 77, 100],
     ] as const)('hold on the page, %s, some bytes each', async (_, how, least, most) => {
       // What any load leaves.
       await run('keepShown', how, 'kept.ply');
@@ -886,32 +873,32 @@ describe('three 0.185', () => {
   });
 
   const unusual = [{ antialias: true }, { logarithmicDepthBuffer: true }, { reversedDepthBuffer: true }];
-  test.each([{}, ...(isFull ? unusual : [])])('meshes before and behind %o', async (parameters) => {
+  test.each([{}, ...unusual])('meshes before and behind %o', async (parameters) => {
     expectBetweenMeshes(await run('betweenMeshes', parameters));
   });
 
-  test.each([{}, ...(isFull ? [{ samples: 4 }] : [])])('render target %o', async (options) => {
+  test.each([{}, { samples: 4 }])('render target %o', async (options) => {
     const linear = decoded(127.5);
     expectPixel(leftOf(await run('renderTarget', options)), [linear, linear, linear, 1], 1e-3);
   });
 
-  test.runIf(isFull)('viewports with scissors', async () => {
+  test('viewports with scissors', async () => {
     const pixels = await run('viewports', {});
     expectPixel(pixelAt(pixels, 0.1, 0.2), GREY);
     expectPixel(pixelAt(pixels, 0.6, 0.2), [0, 0, 0, 255]);
     expectPixel(pixelAt(pixels, 0.6, 0.7), GREY);
   });
 
-  test.runIf(isFull)('canvas without output pass', async () => {
+  test('canvas without output pass', async () => {
     const linear = 255 * decoded(127.5);
     expectPixel(leftOf(await run('withoutOutputPass', {})), [linear, linear, linear, 255], 1);
   });
 
-  test.runIf(isFull)('pass() with several outputs', async () => {
+  test('pass() with several outputs', async () => {
     expectPixel(leftOf(await run('postProcessing', {})), GREY);
   });
 
-  test.runIf(isFull)('several cameras in viewports; in layers, the error says what to do', async () => {
+  test('several cameras in viewports; in layers, the error says what to do', async () => {
     const { shots, alone } = await run('arrayViewports', { cameras: 'apart' });
     shots.forEach(({ pixels }, i) => {
       expect(psnrOf(pixels, alone[i])).toBeGreaterThan(MIN_PSNR_DB);
@@ -925,17 +912,17 @@ describe('three 0.185', () => {
     expectPixel(leftOf(await run('depthWriteBack', true, {})), [230, 230, 230, 255]);
   });
 
-  test.runIf(isFull)('lit meshes with shadows', async () => {
+  test('lit meshes with shadows', async () => {
     const images = await run('overLitMeshes', {});
     expectEachPixel(images.with, images.without, underHalfWhite);
   });
 
-  test.runIf(isFull)('occlusion queries and bundles', async () => {
+  test('occlusion queries and bundles', async () => {
     expectPixel(leftOf(await run('occlusionQuery', {})), GREY);
     expectBetweenMeshes(await run('bundleGroup', {}));
   });
 
-  test.runIf(isFull)('compiled before they are first drawn', async () => {
+  test('compiled before they are first drawn', async () => {
     for (const pixels of await run('compileAsync')) expectPixel(leftOf(pixels), GREY);
   });
 

@@ -4,7 +4,6 @@ import { encodePly } from '@websplatter/core';
 import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { isFull } from './full-run.ts';
 import { testScene } from './test-scene.ts';
 import { CHEAP, dropFiles, textOf, viewerHarness, waitForScene, waitForState } from './viewer-page.ts';
 
@@ -12,32 +11,22 @@ const harness = viewerHarness();
 const { openViewer } = harness;
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-/** In the short run, what does not follow from colours is looked at in the light theme only. */
-const RULES_OF_DARK = isFull ? null : ['cat.color'];
-/** States that the short run passes through without a look: others have controls of the same kinds. */
-const LOOKED_AT_IN_FULL = ['a view mode', 'compare', 'split image', 'a phone', 'save', 'clouds', 'help'];
-
 const MAP_MODES = ['tile-cost', 'pixel-cost', 'contribution'];
 
-/** What axe-core finds wrong with the page as it is, in words; `tags`: of these kinds of rules only. */
-async function violations(page: Page, tags: readonly string[] | null): Promise<string[]> {
-  const { violations: found } = await page.evaluate(
-    (runOnly) => {
-      const { axe } = window as unknown as { axe: { run: (options: object) => Promise<AxeResults> } };
-      return axe.run({ resultTypes: ['violations'], ...(runOnly && { runOnly }) });
-    },
-    tags && [...tags],
-  );
+/** What axe-core finds wrong with the page as it is, in words. */
+async function violations(page: Page): Promise<string[]> {
+  const { violations: found } = await page.evaluate(() => {
+    const { axe } = window as unknown as { axe: { run: (options: object) => Promise<AxeResults> } };
+    return axe.run({ resultTypes: ['violations'] });
+  });
   return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
 }
 
 /** Expects no violation in the light and in the dark theme. */
 async function expectAccessible(page: Page, state: string): Promise<void> {
-  if (!isFull && LOOKED_AT_IN_FULL.includes(state)) return;
   for (const colorScheme of ['light', 'dark'] as const) {
     await page.emulateMedia({ colorScheme });
-    const tags = colorScheme === 'dark' ? RULES_OF_DARK : null;
-    expect(await violations(page, tags), `${state}, ${colorScheme}`).toEqual([]);
+    expect(await violations(page), `${state}, ${colorScheme}`).toEqual([]);
   }
 }
 
@@ -68,7 +57,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     for (let presses = 0; presses < 3; presses++) await page.keyboard.press('m');
     await page.getByTestId('mode-scale').waitFor();
     await expectAccessible(page, 'a view mode');
-    if (isFull) await expectMapsAccessible(page);
+    await expectMapsAccessible(page);
     await page.keyboard.press('c');
     for (const tab of ['measure', 'settings', 'compare']) {
       await page.getByTestId(`accuracy-tab-${tab}`).click();

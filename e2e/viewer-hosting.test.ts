@@ -1,7 +1,6 @@
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { isFull } from './full-run.ts';
 import { builtApp } from './server.ts';
 import { type StaticHost, startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
@@ -100,56 +99,53 @@ async function waitForKept(page: Page, name: string | null): Promise<void> {
 }
 
 describe('the file that was open', () => {
-  it.runIf(isFull)(
-    'is offered again after a reload: read by its handle where there is one, else to be chosen',
-    async () => {
-      const page = await harness.newPage();
-      await page.addInitScript(pickFromOwnFiles);
-      await page.goto(`${host.url}index.html${CHEAP}`);
-      await waitForImage(page);
-      expect(await page.getByTestId('reopen').count()).toBe(0);
-      await page.evaluate(
-        async (bytes) => {
-          const folder = await navigator.storage.getDirectory();
-          const writable = await (await folder.getFileHandle('mine.ply', { create: true })).createWritable();
-          await writable.write(Uint8Array.from(bytes));
-          await writable.close();
-        },
-        Array.from(encodePly(testScene(50))),
-      );
-      const showsMine = async () => {
-        await waitForScene(page, 'mine.ply');
-        expect(await textOf(page, 'scene')).toContain('50 splats');
-        await waitForKept(page, 'mine.ply');
-      };
-      await page.getByTestId('command-open').click();
-      await showsMine();
-      await page.reload();
-      await page.getByTestId('reopen').getByText('mine.ply was open before').waitFor();
-      await page.getByTestId('reopen-file').click();
-      await showsMine();
-      expect(await page.getByTestId('reopen').count()).toBe(0);
+  it('is offered again after a reload: read by its handle where there is one, else to be chosen', async () => {
+    const page = await harness.newPage();
+    await page.addInitScript(pickFromOwnFiles);
+    await page.goto(`${host.url}index.html${CHEAP}`);
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+    await page.evaluate(
+      async (bytes) => {
+        const folder = await navigator.storage.getDirectory();
+        const writable = await (await folder.getFileHandle('mine.ply', { create: true })).createWritable();
+        await writable.write(Uint8Array.from(bytes));
+        await writable.close();
+      },
+      Array.from(encodePly(testScene(50))),
+    );
+    const showsMine = async () => {
+      await waitForScene(page, 'mine.ply');
+      expect(await textOf(page, 'scene')).toContain('50 splats');
+      await waitForKept(page, 'mine.ply');
+    };
+    await page.getByTestId('command-open').click();
+    await showsMine();
+    await page.reload();
+    await page.getByTestId('reopen').getByText('mine.ply was open before').waitFor();
+    await page.getByTestId('reopen-file').click();
+    await showsMine();
+    expect(await page.getByTestId('reopen').count()).toBe(0);
 
-      // A drop that a script makes has no handles.
-      await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
-      await waitForScene(page, 'dropped.ply');
-      await waitForKept(page, 'dropped.ply');
-      await page.reload();
-      await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
-      expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
-      await page.getByTestId('reopen-file').click();
-      await showsMine();
+    // A drop that a script makes has no handles.
+    await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
+    await waitForScene(page, 'dropped.ply');
+    await waitForKept(page, 'dropped.ply');
+    await page.reload();
+    await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
+    expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
+    await page.getByTestId('reopen-file').click();
+    await showsMine();
 
-      await page.reload();
-      await page.getByTestId('forget-file').click();
-      await waitForKept(page, null);
-      await page.reload();
-      await waitForImage(page);
-      expect(await page.getByTestId('reopen').count()).toBe(0);
-      // Another page of this window asks for its own scene.
-      await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
-      await waitForImage(page);
-      expect(await page.getByTestId('reopen').count()).toBe(0);
-    },
-  );
+    await page.reload();
+    await page.getByTestId('forget-file').click();
+    await waitForKept(page, null);
+    await page.reload();
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+    // Another page of this window asks for its own scene.
+    await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+  });
 });

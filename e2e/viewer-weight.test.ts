@@ -3,7 +3,6 @@ import { pathToFileURL } from 'node:url';
 import { encodePly } from '@websplatter/core';
 import type { Frame, Page } from 'playwright-core';
 import { beforeAll, describe, expect, it } from 'vitest';
-import { isFull } from './full-run.ts';
 import { builtApp } from './server.ts';
 import { testScene } from './test-scene.ts';
 import {
@@ -26,7 +25,7 @@ function firstPictures(page: Page): Promise<number[]> {
   return page.evaluate(() => performance.getEntriesByName('first picture').map(({ duration }) => duration));
 }
 
-describe.runIf(isFull)('the viewer as one file', () => {
+describe('the viewer as one file', () => {
   let file: string;
   beforeAll(async () => {
     file = join(await builtApp('apps/viewer/vite.embed.config.ts'), 'embed.html');

@@ -7,7 +7,6 @@ import { encodePly, readSplats } from '@websplatter/core';
 import type { Page, Worker } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { atRest, passTurns } from './at-rest.ts';
-import { isFull } from './full-run.ts';
 import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart, colorsIn } from './screenshot.ts';
@@ -263,8 +262,7 @@ describe('viewer', () => {
     expect(positions).toEqual(testScene().positions);
   });
 
-  // In the short run, a test of accuracy opens such a file, too, and looks at its picture.
-  it.runIf(isFull)('shows a file whose rows the GPU takes', async () => {
+  it('shows a file whose rows the GPU takes', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
     const set = testScene(70_000);
     await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
@@ -304,7 +302,7 @@ describe('viewer', () => {
     );
   });
 
-  it.runIf(isFull)('goes back to a whole scene if the rest of a file is called off', async () => {
+  it('goes back to a whole scene if the rest of a file is called off', async () => {
     const page = await newPage(TINY);
     await page.addInitScript(() => {
       const titles: (string | undefined)[] = [];
@@ -582,15 +580,11 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene-title')).toBe('Still life, small');
   });
 
-  // In the short run, a test of accuracy opens an address that asks for a preset that does not exist.
-  it.runIf(isFull)(
-    'draws with the default accuracy, and says so, where the address asks for none that exists',
-    async () => {
-      const page = await harness.open('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
-      await waitForNotice(page, 'minPsnrDb:1e999');
-      await waitForImage(page);
-    },
-  );
+  it('draws with the default accuracy, and says so, where the address asks for none that exists', async () => {
+    const page = await harness.open('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
+    await waitForNotice(page, 'minPsnrDb:1e999');
+    await waitForImage(page);
+  });
 
   it('draws nothing and asks for no frame while nothing happens', async () => {
     const page = await newPage();

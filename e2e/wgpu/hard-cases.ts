@@ -1,11 +1,10 @@
-// For Deno: runs the hard cases that the arguments name, or all of them, and writes the report.
+// For Deno: runs the hard cases, and writes the report.
 import process from 'node:process';
-import { chooseCases, HARD_CASES, jsonReport, runHardCases } from '@websplatter/hardcases';
+import { HARD_CASES, jsonReport, runHardCases } from '@websplatter/hardcases';
 
-const names = process.argv.slice(2);
 const report = await runHardCases({
   gpu: navigator.gpu,
-  cases: names.length === 0 ? HARD_CASES : chooseCases(names),
+  cases: HARD_CASES,
   place: { program: navigator.userAgent, version: 'source', commit: null },
 });
 process.stdout.write(jsonReport(report));

@@ -1,5 +1,4 @@
-// For Deno: compiles every variant of every stage by naga, and makes pipelines of one variant of each entry point or, if the
-// argument is `all`, of every compute stage.
+// For Deno: compiles every variant of every stage by naga, and makes pipelines of those of compute stages.
 import process from 'node:process';
 import { requestSplatDevice } from '@websplatter/core';
 import { Pipelines, type StageDefinition } from '../../packages/core/src/gpu/pipelines.ts';
@@ -41,13 +40,11 @@ for (const [code, variant] of byCode) {
 
 // Pipelines of render stages follow from their layers; hard cases make them.
 const compute = variants.filter(({ entryPoint }) => entryPoint !== undefined);
-const byEntryPoint = new Map(compute.map((stage) => [`${stage.stage} ${stage.entryPoint}`, stage]));
-const stages = process.argv[2] === 'all' ? compute : [...byEntryPoint.values()];
 const pipelines = new Pipelines(device);
-for (const stage of stages) {
+for (const stage of compute) {
   await pipelines.prepare([stage]).catch((error) => failures.push(`${describe(stage)}: ${error}`));
 }
 
 const stageNames = [...new Set(variants.map(({ stage }) => stage))];
-const compiled = { moduleCount: byCode.size, pipelineCount: stages.length, stageNames, leftOut, failures };
+const compiled = { moduleCount: byCode.size, pipelineCount: compute.length, stageNames, leftOut, failures };
 process.stdout.write(JSON.stringify(compiled satisfies CompiledShaders));

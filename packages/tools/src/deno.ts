@@ -15,23 +15,14 @@ export function findDeno(): string | undefined {
   }
 }
 
-export interface DenoOptions {
-  /** Description (ICD) of the Vulkan driver that WebGPU uses. */
-  readonly driverFile: string;
-  readonly args?: readonly string[];
-}
-
 /**
  * Runs a script in Deno and returns what it writes.
  *
+ * @param driverFile description (ICD) of the Vulkan driver that WebGPU uses.
  * @throws Error with the end of its stderr if it fails.
  */
-export async function runInDeno(
-  denoPath: string,
-  script: string,
-  { driverFile, args = [] }: DenoOptions,
-): Promise<string> {
+export async function runInDeno(denoPath: string, script: string, driverFile: string): Promise<string> {
   const options = { env: environmentWith(driverFile), maxBuffer: 64 * 2 ** 20 };
-  const { stdout } = await promisify(execFile)(denoPath, ['run', '--allow-all', script, ...args], options);
+  const { stdout } = await promisify(execFile)(denoPath, ['run', '--allow-all', script], options);
   return stdout;
 }
