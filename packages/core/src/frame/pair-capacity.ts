@@ -1,5 +1,5 @@
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { LEAST_USE } from './recent-peak.ts';
+import { LEAST_USE, RecentPeak, ROOM_PERIOD_MS } from './recent-peak.ts';
 
 /**
  * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin, which take the place of key and
@@ -19,6 +19,10 @@ const FIRST_GUESSES = [
 ] as const;
 /** Room is made in steps of this many pairs, so that small changes need none. */
 const STEP = 1 << 14;
+/** Room, which may have been a guess, is judged once after this many frames: by then some have been measured. */
+const FRAMES_TO_JUDGE = 12;
+/** It stays unless what is needed takes less than this share of it. */
+const GOOD_GUESS = 0.85;
 
 /**
  * Returns the number of pairs to make room for.
@@ -52,4 +56,45 @@ function firstGuess(visibleCapacity: number): number {
     Math.min(binsPerSplat * visibleCapacity, mostPairs),
   );
   return Math.max(visibleCapacity, ...guesses);
+}
+
+/** The room for pairs that the frames of a view need, by what its recent frames needed. */
+export class PairRoom {
+  /** Numbers of pairs of recent frames. */
+  readonly #needed = new RecentPeak(ROOM_PERIOD_MS);
+  /** Most splats that there was room for in those frames. */
+  #visibleCapacity = 0;
+  /** Frames since room was made. */
+  #frames = 0;
+
+  /** Takes the number of pairs of a frame whose statistics arrived at `atMs`. */
+  take(neededPairs: number, atMs: number): void {
+    this.#needed.take(neededPairs, atMs);
+  }
+
+  /**
+   * Returns the number of pairs to make room for in the next frame.
+   *
+   * @param current number of pairs that there is room for already.
+   * @param visibleCapacity upper bound of the number of visible splats.
+   * @param mostPairs number of pairs that budget and device allow.
+   * @param canStay whether the room, if its pairs suit, can stay as it is.
+   */
+  next(current: number, visibleCapacity: number, mostPairs: number, canStay: boolean): number {
+    // Room for more splats is made before they are seen, as when more of a file has arrived.
+    const growth = this.#visibleCapacity > 0 ? Math.max(1, visibleCapacity / this.#visibleCapacity) : 1;
+    const needed = Math.ceil(growth * this.#needed.value) || null;
+    const capacityFrom = (room: number) => pairCapacity(room, needed, visibleCapacity, mostPairs);
+    if (canStay && ++this.#frames === FRAMES_TO_JUDGE) {
+      const fitting = capacityFrom(0);
+      if (fitting < GOOD_GUESS * current) return fitting;
+    }
+    return capacityFrom(current);
+  }
+
+  /** Notes that room was made for frames of up to so many visible splats. */
+  made(visibleCapacity: number): void {
+    this.#frames = 0;
+    this.#visibleCapacity = Math.max(this.#visibleCapacity, visibleCapacity);
+  }
 }

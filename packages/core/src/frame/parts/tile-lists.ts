@@ -21,8 +21,7 @@ import {
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
-import { PAIR_BYTES, pairCapacity } from '../pair-capacity.ts';
-import { RecentPeak, ROOM_PERIOD_MS } from '../recent-peak.ts';
+import { PAIR_BYTES, PairRoom } from '../pair-capacity.ts';
 import { pairSortShape } from '../sort-shapes.ts';
 
 const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
@@ -49,11 +48,6 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => {
 
 /** Frames that quads draw in a row only to be compared before the room for tiles is given back. */
 const MAX_FRAMES_UNUSED = 120;
-
-/** Room, which may have been a guess, is judged once after this many frames: by then some have been measured. */
-const FRAMES_TO_JUDGE = 12;
-/** It stays unless what is needed takes less than this share of it. */
-const GOOD_GUESS = 0.85;
 
 /** tile-plan and tile-emit do part of the sort's work. */
 const SORT_OPTIONS = { plans: false, firstCounts: 'given' } as const;
@@ -101,12 +95,7 @@ export class TileLists implements FramePart<OrderRecording> {
   readonly #memory: GpuMemory;
   #held: Held | null = null;
   #groups: Groups | null = null;
-  /** Numbers of pairs of recent frames. */
-  #pairs = new RecentPeak(ROOM_PERIOD_MS);
-  /** Most splats that there was room for in those frames. */
-  #pairsOf = 0;
-  /** Frames since room was made. */
-  #framesInRoom = 0;
+  #room = new PairRoom();
   /** Frames in a row that quads drew. */
   #framesUnused = 0;
 
@@ -134,7 +123,7 @@ export class TileLists implements FramePart<OrderRecording> {
 
   /** Takes the number of pairs of a frame whose statistics arrived at `atMs`, so that the next one has room. */
   expect(neededPairs: number, atMs: number): void {
-    this.#pairs.take(neededPairs, atMs);
+    this.#room.take(neededPairs, atMs);
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -146,17 +135,9 @@ export class TileLists implements FramePart<OrderRecording> {
     }
     this.#framesUnused = 0;
     const current = held?.pairCapacity ?? 0;
-    // Room for more splats is made before they are seen, as when more of a file has arrived.
-    const growth = this.#pairsOf > 0 ? Math.max(1, visibleCapacity / this.#pairsOf) : 1;
-    const needed = Math.ceil(growth * this.#pairs.value) || null;
-    const capacityFrom = (room: number) => pairCapacity(room, needed, visibleCapacity, this.#mostPairs());
     const isSame =
       held?.visibleCapacity === visibleCapacity && held.binCount === binCount && held.ballots === ballots;
-    let pairs = capacityFrom(current);
-    if (isSame && ++this.#framesInRoom === FRAMES_TO_JUDGE) {
-      const fitting = capacityFrom(0);
-      if (fitting < GOOD_GUESS * current) pairs = fitting;
-    }
+    const pairs = this.#room.next(current, visibleCapacity, this.#mostPairs(), isSame);
     if (isSame && pairs === current) return null;
     // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
     return {
@@ -164,8 +145,7 @@ export class TileLists implements FramePart<OrderRecording> {
       make: () => {
         const made = this.#make(shape, pairs);
         this.#held = made;
-        this.#framesInRoom = 0;
-        this.#pairsOf = Math.max(this.#pairsOf, visibleCapacity);
+        this.#room.made(visibleCapacity);
         const { grid, tilePlan, binStarts, binOrder, tileMasks } = made.buffers;
         const shared = { tileGrid: grid, tilePlan, binStarts, binOrder, tileMasks };
         Object.assign(this.#context.shared.buffers, { ...shared, sortedRecords: made.sort.order });
@@ -240,8 +220,7 @@ export class TileLists implements FramePart<OrderRecording> {
     this.#memory.destroyAll();
     this.#held = null;
     this.#groups = null;
-    this.#pairs = new RecentPeak(ROOM_PERIOD_MS);
-    this.#pairsOf = 0;
+    this.#room = new PairRoom();
     this.#framesUnused = 0;
   }
 
