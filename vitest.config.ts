@@ -23,6 +23,7 @@ const common = {
   testTimeout: TEST_TIMEOUT_MS,
   hookTimeout: TEST_TIMEOUT_MS,
   expect: { poll: { timeout: PATIENCE_MS } },
+  setupFiles: ['packages/tools/equal-arrays.ts'],
   // Continuous integration has two cores, of which Vitest would take one.
   maxWorkers: 2,
 } as const;
@@ -31,7 +32,7 @@ const common = {
 const gpu = {
   ...common,
   pool: 'forks',
-  setupFiles: 'packages/node/src/testing/watch-devices.ts',
+  setupFiles: [...common.setupFiles, 'packages/node/src/testing/watch-devices.ts'],
 } as const;
 
 /** Two processes take file after file, which keep what they have imported and compiled. */

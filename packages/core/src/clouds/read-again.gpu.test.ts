@@ -300,7 +300,7 @@ describe('nothing changes', () => {
 describe('a request in the middle', () => {
   for (const end of ['cloud', 'engine', 'device'] as const) {
     gpuTest(`ends with its ${end}`, async () => {
-      const other = await createTestDevice();
+      const other = await (end === 'device' ? createTestDevice() : shareTestDevice());
       const ending = await SplatEngine.create({ device: other, ...ENGINE_OPTIONS });
       const { source, state, open } = halting(plyOf(1300, 1));
       const cloud = await ending.load(source);

@@ -11,6 +11,8 @@ import { testCameras } from '../testing/test-cameras.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import type { EffectUse } from './effect.ts';
 
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERAS = testCameras(1);
 const SET = randomSplats({ count: 1200, seed: 60, shDegree: 1, logScales: [-4.5, -2] });
@@ -58,15 +60,16 @@ describe('an effect', () => {
 
 describe('effects together', () => {
   gpuTest('all pairs', async ({ skip }) => {
-    if (process.env.WEBSPLATTER_FULL !== '1') skip('ten random sets suffice in the short run');
+    if (!isFull) skip('random sets suffice in the short run');
     for (const [i, a] of EFFECT_EXAMPLES.entries())
       for (const b of EFFECT_EXAMPLES.slice(i + 1))
         expect(await psnrAgainstTwin([b, a]), `${a.effect.name} and ${b.effect.name}`).toBeGreaterThan(45);
   });
 
-  gpuTest('ten random sets', async () => {
+  const sets = isFull ? 10 : 4;
+  gpuTest(`${sets} random sets`, async () => {
     const random = seededRandom(7);
-    for (let i = 0; i < 10; i++) {
+    for (let i = 0; i < sets; i++) {
       const some = EFFECT_EXAMPLES.filter(() => random() < 0.5);
       const names = some.map(({ effect }) => effect.name).join(', ');
       expect(await psnrAgainstTwin(some, CAMERAS.inside), names).toBeGreaterThan(45);

@@ -13,7 +13,7 @@ import type { SplatView } from '../views/splat-view.ts';
 import type { FrameRequest } from './frame-request.ts';
 
 /** Six bins, four of which are cut off by the edges of the image. */
-const SIZE = { widthPx: 150, heightPx: 90 };
+const SIZE = { widthPx: 130, heightPx: 66 };
 const CAMERAS = testCameras(SIZE.widthPx / SIZE.heightPx);
 const SET = randomSplats({ count: 800, seed: 80, logScales: [-4.5, -1.5] });
 
@@ -228,20 +228,6 @@ describe('a view with tiles', () => {
       expect(compareImages(data, twin.data, { widthPx, heightPx }).psnrDb).toBeGreaterThan(90);
     }
     own.destroy();
-    cloud.destroy();
-  });
-
-  // In the short run, a test of engines draws as many by tiles.
-  const times = process.env.WEBSPLATTER_FULL ? 100 : 20;
-  gpuTest(`draws the identical image ${times} times`, async () => {
-    const cloud = engine.add(SET);
-    const frame = { camera: CAMERAS.inside, clouds: [{ cloud }], widthPx: 70, heightPx: 66, force: true };
-    view.render(frame);
-    const first = (await view.readPixels()).data;
-    for (let i = 1; i < times; i++) {
-      view.render(frame);
-      expect(isSameImage((await view.readPixels()).data, first)).toBe(true);
-    }
     cloud.destroy();
   });
 

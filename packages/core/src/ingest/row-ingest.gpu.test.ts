@@ -146,7 +146,7 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
         set.positions.fill(0.5, 0, 3);
         await expectSame(plyOf(set), PACKED, large);
       }),
-      { numRuns: 30 },
+      { numRuns: process.env.WEBSPLATTER_FULL ? 30 : 10 },
     );
   });
 });
@@ -193,7 +193,7 @@ gpuTest('memory that is lacking for pieces that wait fails the load, and leaves 
   late.destroy();
 });
 
-const RUNS = process.env.WEBSPLATTER_FULL ? 2000 : 60;
+const RUNS = process.env.WEBSPLATTER_FULL ? 2000 : 20;
 
 /** Any value that rows may hold, in its bits. */
 const anyFloat = fc.oneof(

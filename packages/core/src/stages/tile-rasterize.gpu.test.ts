@@ -212,42 +212,48 @@ async function check(scene: Scene, drawing = pipelines) {
   const { widthPx, heightPx } = size;
   const together = await drawOnGpu(scene, drawing, false);
   const alone = await drawOnGpu(scene, drawing, true);
+  const drawn = Object.entries({ together, alone });
   const { records, pairs } = together;
   const surfaces = host && Float32Array.from(hostDepths(host, size));
   const brightest = Math.max(1, ...records.flatMap(({ color }) => color.slice(0, 3)));
   const farthest = Math.max(...records.map(({ depthView }) => depthView));
+  const listedRecords = (bin: number, tile: number) => {
+    const listed: RankedRecord[] = [];
+    for (let pair = pairs.binStarts[bin]; pair < pairs.binStarts[bin + 1]; pair++) {
+      const [word, bit] = maskPlace(pair, tile);
+      if ((pairs.masks[word] >>> bit) & 1) listed.push(records[pairs.ranks[pair]]);
+    }
+    return listed;
+  };
+  const tiles: RankedRecord[][] = [];
   let [covered, hidden, ended, medians] = [0, 0, 0, 0];
   for (let y = 0; y < heightPx; y++) {
     for (let x = 0; x < widthPx; x++) {
       const pixel = y * widthPx + x;
       const bin = Math.floor(y / BIN_PX) * pairs.binColumns + Math.floor(x / BIN_PX);
       const tile = Math.floor((y % BIN_PX) / TILE_PX) * BIN_TILES + Math.floor((x % BIN_PX) / TILE_PX);
-      const listed: RankedRecord[] = [];
-      for (let pair = pairs.binStarts[bin]; pair < pairs.binStarts[bin + 1]; pair++) {
-        const [word, bit] = maskPlace(pair, tile);
-        if ((pairs.masks[word] >>> bit) & 1) listed.push(records[pairs.ranks[pair]]);
-      }
-      const shown = listed.filter(
-        ({ depthView }) => !host || isShown(depthView, host, x, y, size, surfaces![pixel]),
-      );
+      const listed = (tiles[bin * TILES + tile] ??= listedRecords(bin, tile));
+      const shown = host
+        ? listed.filter(({ depthView }) => isShown(depthView, host, x, y, size, surfaces![pixel]))
+        : listed;
       const twin = tilePixel(shown, [x, y], ALPHA_CUTOFF);
       const error = errorBound(shown, x, y);
-      for (const [threads, { data, depths }] of Object.entries({ together, alone })) {
-        const place = `column ${x}, row ${y}, by threads ${threads}`;
+      for (const [threads, { data, depths }] of drawn) {
+        const place = () => `column ${x}, row ${y}, by threads ${threads}`;
         for (let channel = 0; channel < 4; channel++) {
           const value = twin.rgba[channel];
           const expected = colorTarget === 'rgba8unorm' ? Math.min(1, value) : value;
           const bound = (channel === 3 ? 1 : brightest) * error + formatError(colorTarget, expected);
           const got = data[4 * pixel + channel];
           if (!(Math.abs(got - expected) <= bound))
-            expect.fail(`${place}, channel ${channel}: got ${got}, expected ${expected} ± ${bound}`);
+            expect.fail(`${place()}, channel ${channel}: got ${got}, expected ${expected} ± ${bound}`);
         }
         // What covers less than half of a pixel has no median.
         if (depths && twin.rgba[3] > 0.5 + error) {
           const bound = 2 * farthest * error;
           const possible = possibleMedians(shown, [x, y], error).map((depthView) => depthView * twin.rgba[3]);
           if (!possible.some((expected) => Math.abs(depths[pixel] - expected) <= bound))
-            expect.fail(`${place}: depth ${depths[pixel]}, expected ${possible} ± ${bound}`);
+            expect.fail(`${place()}: depth ${depths[pixel]}, expected ${possible} ± ${bound}`);
           medians++;
         }
       }
@@ -405,7 +411,8 @@ const surfaceView = (x: number, y: number) =>
 
 describe('tile-rasterize with the depth of a host', () => {
   const isFull = process.env.WEBSPLATTER_FULL === '1';
-  for (const [index, [name, [camera, mapping, compare]]] of Object.entries(CONVENTIONS).entries()) {
+  const conventions = Object.entries(CONVENTIONS);
+  for (const [index, [name, [camera, mapping, compare]]] of conventions.entries()) {
     gpuTest(`${name}: hides splats, and writes the median of their depth`, async () => {
       const host = { camera, mapping, compare, surfaceView, isExactOrder: true };
       const scene = { ranked: splats(200, SIZE, 0.4) };
@@ -413,7 +420,8 @@ describe('tile-rasterize with the depth of a host', () => {
       expect(covered).toBeGreaterThan(2000);
       expect(medians).toBeGreaterThan(1000);
       expect(hidden).toBeGreaterThan(2000);
-      await check({ ...scene, host: { ...host, hasDepthLayer: false } });
+      // What the host's depth means does not depend on whether a depth is written.
+      if (isFull || index === 0) await check({ ...scene, host: { ...host, hasDepthLayer: false } });
     });
 
     gpuTest(`${name}: splats that short keys leave unordered`, async ({ skip }) => {
