@@ -46,7 +46,8 @@ describe('mostVisibleSplats', () => {
         }
         expect(mostVisibleSplats(cloudsOf(camera, modelMatrix))).toBeGreaterThanOrEqual(drawn);
       }),
-      { numRuns: 5, seed: 1 },
+      // Tests of frustums show the same of every chunk, for many cameras.
+      { numRuns: process.env.WEBSPLATTER_FULL ? 5 : 1, seed: 1 },
     );
   });
 

@@ -203,7 +203,7 @@ describe('pick', () => {
     expect(pick.weight).toBeLessThan(0.05);
     // A veil without a solid splat: all opacities are equal, so the foremost wins.
     const [foremost] = await check(
-      { clouds: [{ set: splatsOf(layers(5000, -4.5, 2)) }], camera },
+      { clouds: [{ set: splatsOf(layers(2500, -4.5, 2)) }], camera },
       { pixels: 3, imageError: 0.03 },
     );
     expect(foremost.depthView).toBe(3);

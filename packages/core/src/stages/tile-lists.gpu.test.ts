@@ -29,6 +29,8 @@ const TILE_COLUMNS = Math.ceil(SIZE.widthPx / TILE_PX);
 const TILE_ROWS = Math.ceil(SIZE.heightPx / TILE_PX);
 /** Splats per run. */
 const BATCH = 64;
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+const RUNS = isFull ? 100 : 50;
 /** Rounding may decide about opacities nearer to the cutoff. */
 const MARGIN = 1e-4;
 
@@ -174,11 +176,11 @@ describe('tile-count, tile-plan, tile-emit and tile-masks', () => {
         }
       }),
       // Smaller batches show no more than the message.
-      { numRuns: 100, seed: 12, endOnFailure: true },
+      { numRuns: RUNS, seed: 12, endOnFailure: true },
     );
     // Neither nothing nor everything is listed.
-    expect(drawn).toBeGreaterThan(2000);
-    expect(listed).toBeGreaterThan(20_000);
-    expect(leftOut).toBeGreaterThan(200_000);
+    expect(drawn).toBeGreaterThan(isFull ? 2000 : 900);
+    expect(listed).toBeGreaterThan(isFull ? 20_000 : 10_000);
+    expect(leftOut).toBeGreaterThan(isFull ? 200_000 : 100_000);
   });
 });

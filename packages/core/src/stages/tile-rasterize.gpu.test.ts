@@ -232,7 +232,8 @@ async function check(scene: Scene, drawing = pipelines) {
       const pixel = y * widthPx + x;
       const bin = Math.floor(y / BIN_PX) * pairs.binColumns + Math.floor(x / BIN_PX);
       const tile = Math.floor((y % BIN_PX) / TILE_PX) * BIN_TILES + Math.floor((x % BIN_PX) / TILE_PX);
-      const listed = (tiles[bin * TILES + tile] ??= listedRecords(bin, tile));
+      tiles[bin * TILES + tile] ??= listedRecords(bin, tile);
+      const listed = tiles[bin * TILES + tile];
       const shown = host
         ? listed.filter(({ depthView }) => isShown(depthView, host, x, y, size, surfaces![pixel]))
         : listed;

@@ -191,7 +191,9 @@ async function expectRight(
   const behind = bytes instanceof Uint16Array ? BEHIND : Float64Array.from(bytes, (value) => value / 255);
   const expected = compose(layer.data, behind);
   const opacity = (image: ArrayLike<number>, i: number) => image[4 * i + 3];
-  for (let i = 0; i < PIXELS; i++) expect(opacity(data, i) > 0).toBe(opacity(expected, i) > 0);
+  for (let i = 0; i < PIXELS; i++)
+    if (opacity(data, i) > 0 !== opacity(expected, i) > 0)
+      expect.fail(`pixel ${i}: opacity ${opacity(data, i)}, expected ${opacity(expected, i)}`);
   const options = { ...SIZE };
   expect(compareImages(data, expected, options).psnrDb).toBeGreaterThanOrEqual(50);
 
@@ -201,7 +203,7 @@ async function expectRight(
     const coverage = layer.data[4 * i + 3];
     if (Math.abs(coverage - 0.5) < 0.01) continue;
     if (coverage < 0.5) {
-      expect(depths[i]).toBe(-1);
+      if (depths[i] !== -1) expect.fail(`pixel ${i}: depth ${depths[i]}, expected -1`);
       continue;
     }
     covered++;

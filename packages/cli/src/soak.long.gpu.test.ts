@@ -1,5 +1,5 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { expect, test } from 'vitest';
+import { expect } from 'vitest';
 import { runMain } from './testing/test-folder.ts';
 
 gpuTest('soak says what it drew, and that nothing is left of it', async () => {
@@ -10,14 +10,4 @@ gpuTest('soak says what it drew, and that nothing is left of it', async () => {
     /^pictures equal to those of fresh engines, bit for bit: 1; only when drawn anew, without kept colours: \d$/m,
   );
   expect(out).toMatch(/^JavaScript heap: [\d.]+ MiB after a tenth, [\d.]+ MiB at the end$/m);
-});
-
-test.each([
-  [['--frames', '0'], '--frames is 0'],
-  [['--seed', 'x'], '--seed is x; it must be a whole number'],
-  [['scene.ply'], 'soak takes no scene.ply'],
-])('soak %j is bad input', async (args, message) => {
-  const { status, out, err } = await runMain('soak', ...args);
-  expect([status, out]).toEqual([2, '']);
-  expect(err).toContain(message);
 });
