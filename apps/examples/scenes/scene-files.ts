@@ -1,14 +1,19 @@
-import type { Plugin } from 'vite';
-import { ring } from './ring.ts';
+import { fileURLToPath } from 'node:url';
+import { type Plugin, runnerImport } from 'vite';
 
 /** The files that the examples show. Code makes them, so that the repository needs no captures. */
 const SCENE_FILES = ['still-life.ply', 'ring.ply'] as const;
 
+/** Makes them by the packages' sources, which run in the page, too: otherwise these would have to be built. */
 async function sceneFile(name: (typeof SCENE_FILES)[number]): Promise<Uint8Array> {
-  // Imported when they are needed: a server of the built app never needs them.
-  const { encodePly } = await import('@websplatter/core');
-  const { stillLife } = await import('@websplatter/scenes');
-  return encodePly(name === 'ring.ply' ? ring() : stillLife({ splats: 60_000, shDegree: 1 }));
+  const path = fileURLToPath(new URL('./make-scenes.ts', import.meta.url));
+  const resolve = { conditions: ['@websplatter/source'], noExternal: [/^@websplatter\//] };
+  const { module } = await runnerImport<typeof import('./make-scenes.ts')>(path, {
+    configFile: false,
+    logLevel: 'error',
+    environments: { inline: { resolve } },
+  });
+  return name === 'ring.ply' ? module.ringPly() : module.stillLifePly();
 }
 
 /** Serves the scenes as files next to the app, and builds them into it. */
