@@ -1,6 +1,5 @@
-import { launchFirefox } from '@websplatter/tools/firefox';
+import { type Browser, launchFirefox, type Page } from '@websplatter/tools/firefox';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
-import type { Browser, Page } from 'puppeteer-core';
 import { consoleProblem } from './browser.ts';
 import { decodePng } from './png.ts';
 import type { Screenshot } from './screenshot.ts';

@@ -5,14 +5,14 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { encodePly } from '@websplatter/core';
 import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/hardcases';
+import type { Browser, Page } from '@websplatter/tools/firefox';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
-import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, afterEach, beforeAll, expect } from 'vitest';
 import { adoptStyle, type FirefoxPage, launch, openPage, screenshotOf } from './firefox-page.ts';
 import type { CanvasDescription } from './react/main.tsx';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart } from './screenshot.ts';
-import { firefox, lavapipe, testWith } from './second-webgpu.ts';
+import { firefox, lavapipe, puppeteer, testWith } from './second-webgpu.ts';
 import { type AppServer, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
 import {
@@ -23,7 +23,11 @@ import {
   noteNotices,
 } from './viewer-page.ts';
 
-const firefoxTest = testWith({ Firefox: firefox, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
+const firefoxTest = testWith({
+  Firefox: firefox,
+  'lavapipe (mesa-vulkan-drivers)': lavapipe,
+  'puppeteer-core': puppeteer,
+});
 
 const scene = testScene();
 /** Enough rows for the GPU to take them. */
@@ -35,7 +39,7 @@ let folder: string;
 let watched: FirefoxPage[] = [];
 beforeAll(async () => {
   folder = await mkdtemp(join(tmpdir(), 'websplatter-firefox-'));
-  if (firefox && lavapipe) browser = await launch();
+  if (firefox && lavapipe && puppeteer) browser = await launch();
 });
 afterEach(async () => {
   const pages = watched;

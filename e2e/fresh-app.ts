@@ -14,7 +14,7 @@ const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
 
 /** What an app is made of besides React, three and our packages. */
 export interface FreshAppParts {
-  /** Packages at the versions of this repository's lockfile. */
+  /** Packages at the versions of this repository's lockfiles: the root's, and that of esbuild. */
   readonly lockedPackages?: readonly string[];
   /** Other packages, each with its exact version. */
   readonly packages?: Readonly<Record<string, string>>;
@@ -72,7 +72,7 @@ export async function makeFreshApp({
       `file:tarballs/${basename(path)}`,
     ]),
   );
-  const { packages } = JSON.parse(await readFile(join(repositoryRoot, 'package-lock.json'), 'utf8'));
+  const packages = { ...(await locked('packages/tools/package-checks')), ...(await locked('.')) };
   const versionsOf = (names: readonly string[]) =>
     names.map((name): [string, string] => [name, packages[`node_modules/${name}`].version]);
   const manifest = {
@@ -94,9 +94,7 @@ export async function makeFreshApp({
     packages: {
       '': manifest,
       ...Object.fromEntries(
-        Object.entries<{ link?: boolean }>(packages).filter(
-          ([path, { link }]) => path.startsWith('node_modules/') && !link,
-        ),
+        Object.entries(packages).filter(([path, { link }]) => path.startsWith('node_modules/') && !link),
       ),
     },
   };
@@ -162,6 +160,11 @@ export async function makeFreshApp({
     folder,
     remove: () => rm(folder, { recursive: true, force: true }),
   };
+}
+
+/** Packages of a lockfile of this repository, by path. */
+async function locked(folder: string): Promise<Record<string, { version: string; link?: boolean }>> {
+  return JSON.parse(await readFile(join(repositoryRoot, folder, 'package-lock.json'), 'utf8')).packages;
 }
 
 /** The environment without the variables that Vitest and npm set for their own scripts. */

@@ -1,11 +1,13 @@
 // The WebGPU of Firefox: wgpu, with naga as compiler. Tests of it run on lavapipe, alike everywhere.
 import { existsSync } from 'node:fs';
 import { findDeno } from '@websplatter/tools/deno';
+import { findPuppeteer } from '@websplatter/tools/firefox';
 import { findLavapipe } from '@websplatter/tools/vulkan';
 import { test } from 'vitest';
 
 export const lavapipe = findLavapipe() ?? '';
 export const deno = findDeno() ?? '';
+export const puppeteer = findPuppeteer() ?? '';
 export const firefox =
   process.env.FIREFOX_PATH ?? ['/usr/bin/firefox-esr', '/usr/bin/firefox'].find(existsSync) ?? '';
 

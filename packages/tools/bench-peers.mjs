@@ -1,7 +1,9 @@
 // `npm run bench:peers`: this project beside other renderers, in one browser; see apps/bench. The runner is TypeScript, which
 // Vite loads.
 import { join } from 'node:path';
-import { ensureChromium, ensureInstalled, fail, repositoryRoot } from './setup.mjs';
+import { ensureChromium, ensureInstalled, fail, install, isInstalled, repositoryRoot } from './setup.mjs';
+
+const PEERS = 'apps/bench/peers';
 
 ensureInstalled();
 const executablePath = ensureChromium();
@@ -12,4 +14,6 @@ const { runnerImport } = await import('vite');
 const runner = join(repositoryRoot, 'apps/bench/src/runner/main.ts');
 const { module } = await runnerImport(runner, { configFile: false, logLevel: 'error' });
 const folder = process.env.INIT_CWD ?? process.cwd();
-process.exit(await module.benchPeers(process.argv.slice(2), { executablePath, repositoryRoot, folder }));
+const peersInstallation = { isInstalled: () => isInstalled(PEERS), install: () => install(PEERS) };
+const surroundings = { executablePath, repositoryRoot, peersInstallation, folder };
+process.exit(await module.benchPeers(process.argv.slice(2), surroundings));

@@ -2,7 +2,7 @@
 import { spawnSync } from 'node:child_process';
 import { existsSync, readdirSync, statSync } from 'node:fs';
 import { delimiter, join } from 'node:path';
-import { fileURLToPath } from 'node:url';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 
 export const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
@@ -17,22 +17,51 @@ function checkNodeVersion() {
   );
 }
 
-/** Runs `npm ci` if node_modules is missing or older than package-lock.json. */
-export function ensureInstalled() {
-  checkNodeVersion();
+/**
+ * What has a manifest and a lock of its own, outside of the workspaces, so that the repository is installed quickly. Its packages
+ * of which there may be one copy only, such as React and three, are links to the root's.
+ */
+export const PROJECTS = {
+  'apps/bench/peers': 'the renderers that the bench compares with',
+  'apps/docs': 'what builds the documentation site',
+  'apps/examples': 'drei and a physics engine for the examples',
+  'packages/tools/package-checks': 'what checks packages, their sizes and dead code',
+  'packages/tools/second-webgpu': 'Deno, and what drives Firefox',
+};
+
+/** Whether the packages of a lock are there, and not older than it. `folder` is relative to the repository's root. */
+export function isInstalled(folder) {
   // npm writes this file at the end of an installation.
-  const installed = join(repositoryRoot, 'node_modules/.package-lock.json');
-  const lock = join(repositoryRoot, 'package-lock.json');
-  if (existsSync(installed) && statSync(installed).mtimeMs >= statSync(lock).mtimeMs) return;
-  console.log('Installing dependencies (npm ci), from npm’s registry or its cache …');
+  const installed = join(repositoryRoot, folder, 'node_modules/.package-lock.json');
+  const lock = join(repositoryRoot, folder, 'package-lock.json');
+  return existsSync(installed) && statSync(installed).mtimeMs >= statSync(lock).mtimeMs;
+}
+
+/** Installs the packages of a lock, says so in one line, and returns whether that worked. */
+export function install(folder) {
+  const isRoot = folder === '.';
+  const where = isRoot ? '' : ` in ${folder}`;
+  const what = isRoot ? 'dependencies' : PROJECTS[folder];
+  console.error(`Installing ${what} (npm ci${where}), from npm’s registry or its cache …`);
   const npm = process.env.npm_execpath;
+  const args = isRoot ? ['ci'] : ['ci', '--ignore-scripts'];
+  // What the command prints that needs them goes to stdout.
+  const options = { cwd: join(repositoryRoot, folder), stdio: ['inherit', 2, 2] };
   const { status } = npm
-    ? spawnSync(process.execPath, [npm, 'ci'], { cwd: repositoryRoot, stdio: 'inherit' })
-    : spawnSync('npm ci', { cwd: repositoryRoot, stdio: 'inherit', shell: true });
-  if (status !== 0)
+    ? spawnSync(process.execPath, [npm, ...args], options)
+    : spawnSync(`npm ${args.join(' ')}`, { ...options, shell: true });
+  return status === 0;
+}
+
+/** Installs the repository's packages, and those of `projects`, where they are missing or older than their lock. */
+export function ensureInstalled(...projects) {
+  checkNodeVersion();
+  for (const folder of ['.', ...projects]) {
+    if (isInstalled(folder) || install(folder)) continue;
     fail(
       'The dependencies could not be installed; npm’s messages are above. Without a network, npm’s cache must hold them.',
     );
+  }
 }
 
 /**
@@ -143,3 +172,7 @@ export function fail(message) {
   console.error(message);
   process.exit(1);
 }
+
+// `node packages/tools/setup.mjs PROJECT…`, for scripts of package.json.
+if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href)
+  ensureInstalled(...process.argv.slice(2));

@@ -11,7 +11,7 @@ const folder = join(repositoryRoot, 'apps', app);
 if (!existsSync(folder))
   fail(`There is no app “${app}”: start the viewer (no name), examples or conformance.`);
 
-ensureInstalled();
+ensureInstalled(...(app === 'examples' ? ['apps/examples'] : []));
 const { build } = await import('./build.mjs');
 await build().catch((error) => fail(error.message));
 

@@ -7,7 +7,11 @@ import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRo
 const isFull = process.argv.includes('--full');
 const args = process.argv.slice(2).filter((arg) => arg !== '--full');
 
-ensureInstalled();
+/** What the full run needs besides the root's packages; a test takes esbuild from npm's cache, into which the checks bring it. */
+const projects = isFull
+  ? ['apps/docs', 'apps/examples', 'packages/tools/package-checks', 'packages/tools/second-webgpu']
+  : [];
+ensureInstalled(...projects);
 const env = { ...process.env, CHROMIUM_PATH: ensureChromium(), WEBSPLATTER_REQUIRE_GPU: '1' };
 if (isFull) {
   env.WEBSPLATTER_FULL = '1';

@@ -1,25 +1,31 @@
 import { lstatSync, readdirSync } from 'node:fs';
-import { join } from 'node:path';
+import { join, posix } from 'node:path';
 
 /**
- * Lists what the packages of this repository need at run time from others: `dependencies` and `peerDependencies`.
+ * Lists what the packages and apps of this repository need at run time from others: `dependencies` and `peerDependencies`.
  *
- * @param {object} lock package-lock.json.
+ * @param {Record<string, object>} locks each package-lock.json, by its folder.
  * @returns {Map<string, string[]>} folders that need it, sorted, by the dependency's name.
  */
-export function thirdParties(lock) {
+export function thirdParties(locks) {
   const needed = new Map();
-  for (const [folder, { dependencies, peerDependencies }] of Object.entries(lock.packages)) {
-    if (folder === '' || folder.includes('node_modules')) continue;
-    for (const name of Object.keys({ ...dependencies, ...peerDependencies })) {
-      if (name.startsWith('@websplatter/')) continue;
-      needed.set(name, [...(needed.get(name) ?? []), folder].sort());
+  for (const [project, lock] of Object.entries(locks)) {
+    for (const [folder, { dependencies, peerDependencies }] of Object.entries(lock.packages)) {
+      if (folder.includes('node_modules') || folder.startsWith('..')) continue;
+      for (const name of Object.keys({ ...dependencies, ...peerDependencies })) {
+        if (name.startsWith('@websplatter/')) continue;
+        needed.set(name, [...(needed.get(name) ?? []), posix.join(project, folder)].sort());
+      }
     }
   }
   return needed;
 }
 
-/** Bytes that a dependency takes in node_modules, with all that it depends on itself. */
+/**
+ * Bytes that a dependency takes in node_modules, with all that it depends on itself.
+ *
+ * @param {object} lock package-lock.json of the folder `root`, which has installed it.
+ */
 export function installedBytes(lock, root, name) {
   const counted = new Set();
   const add = (path) => {
@@ -31,11 +37,11 @@ export function installedBytes(lock, root, name) {
   return [...counted].reduce((sum, path) => sum + folderBytes(join(root, path)), 0);
 }
 
-/** Where npm has put the `name` that the package at `from` finds; undefined if it is optional and left out. */
+/** Where npm has put the `name` that the package at `from` finds; undefined if it is left out, or a link to another folder's. */
 function locked(lock, from, name) {
   for (let at = from; ; at = at.slice(0, Math.max(0, at.lastIndexOf('/node_modules/')))) {
     const path = `${at === '' ? '' : `${at}/`}node_modules/${name}`;
-    if (lock.packages[path]) return path;
+    if (lock.packages[path]) return lock.packages[path].link ? undefined : path;
     if (at === '') return undefined;
   }
 }

@@ -3,7 +3,7 @@ import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 import { measurePeers } from './bench.ts';
 import { buildPages } from './build-pages.ts';
-import { withPackages } from './install-peers.ts';
+import { type PeersInstallation, withPackages } from './install-peers.ts';
 import { readOptions } from './options.ts';
 import { writePack } from './pack.ts';
 import { choosePeers } from './peer-list.ts';
@@ -13,6 +13,7 @@ interface Surroundings {
   /** Chromium's program. */
   readonly executablePath: string;
   readonly repositoryRoot: string;
+  readonly peersInstallation: PeersInstallation;
   /** From where the command was called. */
   readonly folder: string;
 }
@@ -20,12 +21,13 @@ interface Surroundings {
 /** Runs the bench of this checkout, or packs it; returns the process's exit status. */
 export function benchPeers(
   args: readonly string[],
-  { executablePath, repositoryRoot, folder }: Surroundings,
+  { executablePath, repositoryRoot, peersInstallation, folder }: Surroundings,
 ): Promise<number> {
   const commandLine = { name: 'npm run bench:peers --', args };
   return runCommand(commandLine, async ({ workFolder, say }) => {
     const options = readOptions(args, folder);
-    const peers = withPackages(choosePeers(options.peers, folder), options.installs, say);
+    const chosen = choosePeers(options.peers, folder);
+    const peers = withPackages(chosen, peersInstallation, options.installs, say);
     const commit = commitOf(repositoryRoot);
     if (options.packFolder) {
       await writePack(peers, options.packFolder, commit, say);

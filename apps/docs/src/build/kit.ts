@@ -111,7 +111,8 @@ export async function buildKit(
 function common(docs: string, outDir: string): InlineConfig & { build: object } {
   return {
     configFile: false,
-    root: docs,
+    // Examples import what is installed there, drei among it.
+    root: join(docs, '../examples'),
     logLevel: 'error',
     publicDir: false,
     define: { 'process.env.NODE_ENV': '"production"' },

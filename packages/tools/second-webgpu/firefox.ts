@@ -1,5 +1,17 @@
-import puppeteer, { type Browser } from 'puppeteer-core';
+import { createRequire } from 'node:module';
+import type { Browser } from 'puppeteer-core';
 import { environmentWith } from './vulkan.ts';
+
+export type { Browser, Page } from 'puppeteer-core';
+
+/** Path of what drives Firefox; undefined where npm has not installed it. */
+export function findPuppeteer(): string | undefined {
+  try {
+    return createRequire(import.meta.url).resolve('puppeteer-core');
+  } catch {
+    return undefined;
+  }
+}
 
 export interface FirefoxOptions {
   /** Firefox's program. */
@@ -9,8 +21,10 @@ export interface FirefoxOptions {
 }
 
 /** Starts a headless Firefox with WebGPU on one Vulkan driver, driven by WebDriver BiDi. */
-export function launchFirefox({ executablePath, driverFile }: FirefoxOptions): Promise<Browser> {
-  return puppeteer.launch({
+export async function launchFirefox({ executablePath, driverFile }: FirefoxOptions): Promise<Browser> {
+  // Imported when it is needed: tests that are skipped need no installation of it.
+  const { launch } = await import('puppeteer-core');
+  return launch({
     browser: 'firefox',
     executablePath,
     headless: true,

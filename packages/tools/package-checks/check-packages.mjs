@@ -9,11 +9,11 @@ import { basename, join, posix, relative } from 'node:path';
 import { publint } from 'publint';
 import { formatMessage } from 'publint/utils';
 import { build } from 'vite';
-import { PUBLISHED, pack } from './pack.mjs';
-import { codeFromText } from './package-checks/code-from-text.mjs';
-import { manifestProblems } from './package-checks/manifests.mjs';
-import { scriptSizes } from './package-checks/script-sizes.mjs';
-import { fail, repositoryRoot } from './setup.mjs';
+import { PUBLISHED, pack } from '../pack.mjs';
+import { fail, PROJECTS, repositoryRoot } from '../setup.mjs';
+import { codeFromText } from './code-from-text.mjs';
+import { manifestProblems } from './manifests.mjs';
+import { scriptSizes } from './script-sizes.mjs';
 
 /** Most bytes of the viewer's scripts, compressed by gzip: what runs before a GPU is asked for, what the first picture needs, all. */
 const VIEWER_LIMITS = { start: 125_000, initial: 180_000, all: 320_000 };
@@ -69,6 +69,7 @@ function allManifestProblems() {
   const folders = root.workspaces.flatMap((pattern) =>
     pattern.endsWith('/*') ? packagesIn(pattern.slice(0, -'/*'.length)) : [pattern],
   );
+  folders.push(...Object.keys(PROJECTS));
   const manifests = Object.fromEntries(folders.map((path) => [path, readManifest(path)]));
   return manifestProblems(
     root,
@@ -157,9 +158,10 @@ async function sizeProblems() {
   return [];
 }
 
-/** Runs a tool of node_modules. */
+/** Runs a tool that is installed in this folder, from here: size-limit looks for its plugins in the nearest manifest. */
 function runTool(script, args) {
-  return run(process.execPath, [join(repositoryRoot, 'node_modules', script), ...args]);
+  const cwd = import.meta.dirname;
+  return run(process.execPath, [join(cwd, 'node_modules', script), ...args], { cwd });
 }
 
 /** Runs a program at the repository's root. Resolves with its exit status and what it has printed. */
