@@ -6,6 +6,7 @@ import { parseArgs } from 'node:util';
 import { describeCheckout } from './checkouts/checkout.mjs';
 import { medianOf, stop, wholeNumber } from './checkouts/forked-timer.mjs';
 import { openCheckout } from './checkouts/open-checkout.mjs';
+import { ensureInstalled } from './setup.mjs';
 
 const USAGE = `npm run bench:eyes -- [OPTION…]
   --splats N,N    sizes of the synthetic scene; default 100000,1000000
@@ -20,6 +21,11 @@ const EYE_DISTANCE = 0.064;
 const { counts, widthPx, heightPx, frames, rounds, rasterizer, dawn } = readOptions();
 const ACCURACY = { preset: 'balanced', rasterizer };
 const folder = fileURLToPath(new URL('../..', import.meta.url));
+if (!dawn) {
+  ensureInstalled();
+  const { build } = await import('./build.mjs');
+  await build().catch((error) => stop(error.message));
+}
 const { core, device, scenes, adapterLabel, compiled, takeErrors } = await openCheckout({ folder, dawn });
 console.log(`${os.cpus()[0].model}, Node ${process.versions.node}, ${adapterLabel}`);
 console.log(

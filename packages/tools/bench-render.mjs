@@ -16,7 +16,7 @@ import {
 } from './checkouts/forked-timer.mjs';
 
 const USAGE = `npm run bench:render -- CHECKOUT [CHECKOUT…] [OPTION…]
-  CHECKOUT        folder with built packages (npm ci); node_modules and .git are not needed with --dawn
+  CHECKOUT        folder with built packages (npm run build); node_modules and .git are not needed with --dawn
   --clouds N,N    how many clouds are drawn; default 1,50
   --frames N      frames per round; default 30
   --rounds N      rounds, an even number; default 6

@@ -14,7 +14,7 @@ import {
 } from './checkouts/forked-timer.mjs';
 
 const USAGE = `npm run bench:sort -- CHECKOUT [CHECKOUT…] [OPTION…]
-  CHECKOUT        folder with built packages (npm ci); node_modules and .git are not needed with --dawn
+  CHECKOUT        folder with built packages (npm run build); node_modules and .git are not needed with --dawn
   --keys N,N      numbers of keys; default 100000,600000,3450000,6000000
   --bits N,N      bits of keys; default 24,16
   --repeats N     sorts per round, of which the first two are not counted; default 12

@@ -1,6 +1,5 @@
 // `npm run build`: builds the packages that run outside of this repository, and the viewer, into their dist folders:
-// JavaScript by Vite, declarations by tsc. Skips what has not changed. `--packages`, part of `npm ci` (the prepare script),
-// leaves out the viewer: nothing that is installed needs it, and installing stays quick.
+// JavaScript by Vite, declarations by tsc. Skips what has not changed. `--packages` leaves out the viewer.
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import {

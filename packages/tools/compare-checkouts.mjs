@@ -11,7 +11,7 @@ import { compareDrawn } from './checkouts/compare-drawn.mjs';
 import { readDrawnFolder } from './checkouts/drawn-folder.mjs';
 
 const USAGE = `npm run compare-checkouts -- A B [OPTION…]
-  A, B            folders with built packages (npm ci); node_modules and .git are not needed with --dawn
+  A, B            folders with built packages (npm run build); node_modules and .git are not needed with --dawn
   --cases NAMES   only these, separated by commas: groups (effects) or cases (effects/fog)
   --size WxH      size of the images, px; default 96x64
   --playbot FILE  a captured scene to draw, too

@@ -12,8 +12,6 @@ if (!existsSync(folder))
   fail(`There is no app “${app}”: start the viewer (no name), examples or conformance.`);
 
 ensureInstalled(...(app === 'examples' ? ['apps/examples'] : []));
-const { build } = await import('./build.mjs');
-await build().catch((error) => fail(error.message));
 
 const hasScreen = process.platform !== 'linux' || Boolean(process.env.DISPLAY || process.env.WAYLAND_DISPLAY);
 if (hasScreen && !process.env.CI && !args.some((arg) => arg.startsWith('--open'))) args.push('--open');

@@ -14,7 +14,7 @@ export function findCheckout(path) {
   const folder = resolve(path);
   for (const name of PACKAGES) {
     const entry = join(folder, 'packages', name, 'dist/index.js');
-    if (!existsSync(entry)) throw new Error(`${entry} is missing: run npm ci in ${folder} first.`);
+    if (!existsSync(entry)) throw new Error(`${entry} is missing: run npm run build in ${folder} first.`);
   }
   return { path, folder: realpathSync(folder) };
 }
