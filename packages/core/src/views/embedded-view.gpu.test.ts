@@ -22,6 +22,7 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { withClipDepth } from '../testing/with-clip-depth.ts';
 import type { EmbeddedFrameRequest, EmbeddedView } from './embedded-view.ts';
 
+const isFull = process.env.WEBSPLATTER_FULL === '1';
 const SIZE = { widthPx: 48, heightPx: 40 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;
 const SET = randomSplats({ count: 600, seed: 5, logScales: [-4, -1.5] });
@@ -597,7 +598,9 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
     },
   );
 
-  gpuTest('always has a frame to draw while its clouds change their precision', async () => {
+  gpuTest('always has a frame to draw while its clouds change their precision', async ({ skip }) => {
+    // Precisions are those of stages before any rasteriser.
+    if (!isFull && rasterizer === 'tiles') skip('quads suffice in the short run');
     const set = randomSplats({ count: 300, seed: 77, shDegree: 2 });
     const one = engine.add(set);
     const view = engine.createEmbeddedView();
@@ -677,7 +680,7 @@ describe('both rasterisers', () => {
   }
 
   // In the short run, each rasteriser's own tests show the others.
-  const compared = process.env.WEBSPLATTER_FULL ? CONVENTIONS : CONVENTIONS.slice(0, 1);
+  const compared = isFull ? CONVENTIONS : CONVENTIONS.slice(0, 1);
   for (const [name, depth, isReversed] of compared) {
     gpuTest(`hide the same splats behind the host's ${name}, with an oblique near plane too`, async () => {
       const { perspective, orthographic, mirrored } = testCameras(SIZE.widthPx / SIZE.heightPx);
@@ -685,7 +688,7 @@ describe('both rasterisers', () => {
       // A logarithm of depth has no oblique plane.
       const bent = depth.mapping === 'logarithmic' ? [] : [oblique(straight)];
       const cameras = [orthographic, mirrored].map((each) => withClipDepth(each, isReversed));
-      for (const camera of [straight, ...bent, ...cameras]) {
+      for (const camera of isFull ? [straight, ...bent, ...cameras] : bent) {
         const { pass, color } = hostPass(camera, depth, {});
         const frame = { camera, clouds: [], ...SIZE, depth, writesDepth: canWriteDepth };
         const quads = await drawnBy(engine, 'quads', frame, pass);
