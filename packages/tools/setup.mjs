@@ -25,6 +25,7 @@ export const PROJECTS = {
   'apps/bench/peers': 'the renderers that the bench compares with',
   'apps/docs': 'what builds the documentation site',
   'apps/examples': 'drei and a physics engine for the examples',
+  'e2e/three/oldest': 'the oldest three that is supported',
   'packages/tools/package-checks': 'what checks packages, their sizes and dead code',
   'packages/tools/second-webgpu': 'Deno, and what drives Firefox',
 };

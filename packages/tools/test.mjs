@@ -9,7 +9,13 @@ const args = process.argv.slice(2).filter((arg) => arg !== '--full');
 
 /** What the full run needs besides the root's packages; a test takes esbuild from npm's cache, into which the checks bring it. */
 const projects = isFull
-  ? ['apps/docs', 'apps/examples', 'packages/tools/package-checks', 'packages/tools/second-webgpu']
+  ? [
+      'apps/docs',
+      'apps/examples',
+      'e2e/three/oldest',
+      'packages/tools/package-checks',
+      'packages/tools/second-webgpu',
+    ]
   : [];
 ensureInstalled(...projects);
 const env = { ...process.env, CHROMIUM_PATH: ensureChromium(), WEBSPLATTER_REQUIRE_GPU: '1' };

@@ -1,12 +1,16 @@
+import { fileURLToPath } from 'node:url';
 import { mergeConfig } from 'vite';
 import newest from '../vite.config.ts';
 
-/** The same page with the oldest release of three that is supported. */
+const three = fileURLToPath(new URL('node_modules/three', import.meta.url));
+
+/** The same page with the oldest release of three that is supported, in the packages too, which lie beside another. */
 export default mergeConfig(newest, {
   resolve: {
     alias: [
-      { find: /^three$/, replacement: 'three-oldest' },
-      { find: /^three\/(.*)$/, replacement: 'three-oldest/$1' },
+      { find: /^three$/, replacement: `${three}/build/three.module.js` },
+      { find: /^three\/(webgpu|tsl)$/, replacement: `${three}/build/three.$1.js` },
+      { find: /^three\/addons\//, replacement: `${three}/examples/jsm/` },
     ],
   },
 });
