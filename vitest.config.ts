@@ -18,25 +18,29 @@ function resolvedBy(names: readonly string[]) {
 /** Ends a test whose own waits do not. */
 const TEST_TIMEOUT_MS = 300_000;
 
+const EQUAL_ARRAYS = 'packages/tools/equal-arrays.ts';
+
+type ProjectConfig = NonNullable<TestProjectInlineConfiguration['test']>;
+
 const common = {
   environment: 'node',
   testTimeout: TEST_TIMEOUT_MS,
   hookTimeout: TEST_TIMEOUT_MS,
   expect: { poll: { timeout: PATIENCE_MS } },
-  setupFiles: ['packages/tools/equal-arrays.ts'],
+  setupFiles: [EQUAL_ARRAYS],
   // Continuous integration has two cores, of which Vitest would take one.
   maxWorkers: 2,
-} as const;
+} satisfies ProjectConfig;
 
 /** Dawn in Node: on SwiftShader where there is no GPU. */
 const gpu = {
   ...common,
   pool: 'forks',
-  setupFiles: [...common.setupFiles, 'packages/node/src/testing/watch-devices.ts'],
-} as const;
+  setupFiles: [EQUAL_ARRAYS, 'packages/node/src/testing/watch-devices.ts'],
+} satisfies ProjectConfig;
 
 /** Two processes take file after file, which keep what they have imported and compiled. */
-const inSharedProcesses = { isolate: false } as const;
+const inSharedProcesses = { isolate: false };
 
 const unitTests = [
   'packages/*/src/**/*.test.{ts,tsx}',
@@ -69,7 +73,7 @@ const e2e = (name: string, include: string[], exclude: string[] = []) =>
       pool: 'forks',
       globalSetup: 'e2e/built-apps.ts',
     },
-  }) as const;
+  }) satisfies TestProjectInlineConfiguration;
 
 const viewerTests = ['e2e/viewer*.test.ts', 'e2e/{accuracy,effects,hard-cases}.test.ts'];
 const hostTests = ['e2e/{react,three,drei,examples}.test.ts'];

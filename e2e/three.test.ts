@@ -869,7 +869,7 @@ describe('three 0.187', () => {
 /** It is installed apart, which `npm run test:full` does. */
 const hasOldest = existsSync(new URL('three/oldest/node_modules/three', import.meta.url));
 
-describe.runIf(hasOldest || isFull)('three 0.185', () => {
+describe.runIf(hasOldest || process.env.WEBSPLATTER_FULL)('three 0.185', () => {
   const { run } = threePage('e2e/three/oldest');
 
   test('is what the page runs', async () => {

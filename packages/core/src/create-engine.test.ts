@@ -1,8 +1,5 @@
 import { beforeEach, expect, test, vi } from 'vitest';
 
-/** How long to wait for a module to be asked for. */
-const PATIENCE_MS = 60_000;
-
 const device = { destroy: vi.fn() } as unknown as GPUDevice;
 
 beforeEach(() => {
@@ -43,7 +40,7 @@ test('the code of an engine is fetched while a device is asked for', async () =>
   const { SplatEngine, askedFor, foreseeTiles } = await loaded(CODE);
   const adapter = adapterOf(async () => {
     // Were it asked for afterwards, there never would be a device.
-    await vi.waitFor(() => expect(askedFor).toHaveBeenCalledTimes(1), PATIENCE_MS);
+    await expect.poll(() => askedFor).toHaveBeenCalledTimes(1);
     expect(foreseeTiles).toHaveBeenCalledTimes(1);
     return device;
   });
@@ -88,5 +85,5 @@ test('code is foreseen where there is WebGPU, and nowhere else; its failure is t
   vi.stubGlobal('navigator', { gpu: {} });
   foreseeEngine();
   expect(foreseeTiles).toHaveBeenCalledTimes(1);
-  await vi.waitFor(() => expect(askedFor).toHaveBeenCalledTimes(1), PATIENCE_MS);
+  await expect.poll(() => askedFor).toHaveBeenCalledTimes(1);
 });

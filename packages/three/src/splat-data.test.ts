@@ -47,7 +47,7 @@ describe('data', () => {
     addPacked.mockReturnValueOnce({ ...cloud, uploaded, isDestroyed: true } as unknown as SplatCloud);
     const data = splatDataAt([0, 0, 0]);
     const lacking = data.acquire(engine, {});
-    await vi.waitFor(() => expect(data.acquire(engine, {})).not.toBe(lacking));
+    await expect.poll(() => data.acquire(engine, {})).not.toBe(lacking);
     expect(data.acquire(engine, {})).toBe(cloud);
   });
 

@@ -133,7 +133,7 @@ describe('the layer of a scene', () => {
     expect([layer.renderOrder, depthMesh.renderOrder, depthMesh.visible]).toEqual([3, 3, false]);
     clouds[1].depthWrite = true;
     scene.updateMatrixWorld();
-    await vi.waitUntil(() => depthMesh.visible);
+    await expect.poll(() => depthMesh.visible).toBe(true);
     expect(depthMesh.material).not.toBe(layer.material);
   });
 });

@@ -118,7 +118,7 @@ export const PACKAGES: Arrows = {
   /** This project beside other renderers. */
   bench: 'three scenes node core tools',
   /** Apps and packages in a browser. */
-  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
+  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests) node(tests)',
 };
 
 /** Files that reach into another package by path, and why. All others import what a package exports. */

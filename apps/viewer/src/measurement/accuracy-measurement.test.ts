@@ -26,7 +26,7 @@ const tableOf = (points: number) =>
 async function measured(sweep: 'presets' | 'settings', act: (run: (typeof started)[0]) => void) {
   const before = started.length;
   const done = measurement.measure(sweep);
-  await vi.waitFor(() => expect(started.length).toBe(before + 1));
+  await expect.poll(() => started.length).toBe(before + 1);
   act(started[before]);
   await done;
   return store.getState().measured;

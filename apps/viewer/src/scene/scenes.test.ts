@@ -292,7 +292,7 @@ describe('effects that panels ask for, and what is inspected', () => {
 
 describe('Several files', () => {
   /** Waits for the load of `source`; code that stands files beside others comes first. */
-  const whenAsked = (source: SceneSource) => vi.waitFor(() => expect(newestLoad()?.source).toBe(source));
+  const whenAsked = (source: SceneSource) => expect.poll(() => newestLoad()?.source).toBe(source);
   const titles = () => store.getState().scene?.parts.map(({ title }) => title);
   const keyOf = (title: string) => store.getState().scene!.parts.find((part) => part.title === title)!.key;
 
@@ -472,9 +472,9 @@ describe('Several files', () => {
       linkedLooks: ['opacity:0.25', 'move:1'],
     });
     await startSession();
-    await vi.waitFor(() => expect(loads).toHaveLength(1));
+    await expect.poll(() => loads).toHaveLength(1);
     await loaded();
-    await vi.waitFor(() => expect(loads).toHaveLength(2));
+    await expect.poll(() => loads).toHaveLength(2);
     await loaded();
     expect(scenes.newest?.parts.map(({ look }) => look.opacity)).toEqual([0.25, 1]);
     expect(store.getState().notice).toContain('move:1 is not three numbers');

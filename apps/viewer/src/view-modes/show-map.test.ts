@@ -79,7 +79,7 @@ it('counts a picture again that moved while it was counted, and came back to res
   const { store, canvas, asked, stop, unseen } = setUp();
   store.setState({ isIdle: false });
   asked[0].give(4);
-  await vi.waitFor(() => expect(canvas.hidden).toBe(true));
+  await expect.poll(() => canvas.hidden).toBe(true);
   await Promise.resolve();
   expect(unseen()).toBeNull();
   store.setState({ isIdle: true });
@@ -100,7 +100,7 @@ it('says why there is no map, unless the device has gone', async () => {
   expect(log).toHaveBeenCalledOnce();
   store.setState({ restedFrames: 2, mapFigures: null, status: 'lost' });
   asked[1].refuse(new Error('Lost.'));
-  await vi.waitFor(() => expect(asked.length).toBe(2));
+  await expect.poll(() => asked.length).toBe(2);
   expect(store.getState().mapFigures).toBeNull();
   log.mockRestore();
   stop();
