@@ -1,7 +1,7 @@
 // Runs before anything is installed: imports only Node's own modules.
 import { spawnSync } from 'node:child_process';
 import { existsSync, readdirSync, statSync } from 'node:fs';
-import { delimiter, join } from 'node:path';
+import { delimiter, join, resolve } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 export const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
@@ -30,11 +30,11 @@ export const PROJECTS = {
   'packages/tools/second-webgpu': 'Deno, and what drives Firefox',
 };
 
-/** Whether the packages of a lock are there, and not older than it. `folder` is relative to the repository's root. */
+/** Whether the packages of a lock are there, and not older than it. `folder` is a path from the repository's root. */
 export function isInstalled(folder) {
   // npm writes this file at the end of an installation.
-  const installed = join(repositoryRoot, folder, 'node_modules/.package-lock.json');
-  const lock = join(repositoryRoot, folder, 'package-lock.json');
+  const installed = resolve(repositoryRoot, folder, 'node_modules/.package-lock.json');
+  const lock = resolve(repositoryRoot, folder, 'package-lock.json');
   return existsSync(installed) && statSync(installed).mtimeMs >= statSync(lock).mtimeMs;
 }
 

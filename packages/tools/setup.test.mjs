@@ -1,5 +1,8 @@
-import { afterEach, expect, test, vi } from 'vitest';
-import { ensureSecondWebGpu } from './setup.mjs';
+import { mkdirSync, mkdtempSync, rmSync, utimesSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { afterEach, expect, onTestFinished, test, vi } from 'vitest';
+import { ensureSecondWebGpu, isInstalled } from './setup.mjs';
 
 const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
 vi.spyOn(console, 'error').mockImplementation(() => {});
@@ -37,4 +40,20 @@ test('what is installed must run', () => {
   expect(ensureSecondWebGpu({ ...lacking, install: () => true })).toBe(isDenoThere);
   expect(ensureSecondWebGpu({ ...lacking, missing: [] })).toBe(isDenoThere);
   expect(warn).not.toHaveBeenCalled();
+});
+
+test('packages count as installed where they are not older than their lock', () => {
+  const folder = mkdtempSync(join(tmpdir(), 'websplatter-setup-'));
+  onTestFinished(() => rmSync(folder, { recursive: true }));
+  const [lock, installed] = ['package-lock.json', 'node_modules/.package-lock.json'].map((path) =>
+    join(folder, path),
+  );
+  mkdirSync(join(folder, 'node_modules'));
+  writeFileSync(lock, '');
+  expect(isInstalled(folder)).toBe(false);
+  writeFileSync(installed, '');
+  utimesSync(lock, 1000, 1000);
+  expect(isInstalled(folder)).toBe(true);
+  utimesSync(installed, 999, 999);
+  expect(isInstalled(folder)).toBe(false);
 });
