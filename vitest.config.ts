@@ -1,3 +1,4 @@
+import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { defaultClientConditions, defaultServerConditions } from 'vite';
@@ -132,10 +133,18 @@ const groups: TestProjectInlineConfiguration[][] = [
   ],
 ];
 
-/** Keeps the files of a project together: shared processes end where a file of another project follows. */
+/**
+ * Keeps the files of a project together: shared processes end where a file of another project follows. `--sequence.shuffle` puts
+ * those of each project in an order that follows from `--sequence.seed`.
+ */
 class ByProject extends BaseSequencer {
   override async sort(files: TestSpecification[]): Promise<TestSpecification[]> {
-    const sorted = await super.sort(files);
+    const { shuffle, seed } = this.ctx.config.sequence;
+    const rank = ({ moduleId }: TestSpecification) =>
+      createHash('sha256').update(`${seed} ${moduleId}`).digest('hex');
+    const sorted = shuffle
+      ? files.toSorted((a, b) => rank(a).localeCompare(rank(b)))
+      : await super.sort(files);
     return sorted.toSorted((a, b) => a.project.name.localeCompare(b.project.name));
   }
 }
