@@ -1,5 +1,5 @@
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { LEAST_USE, RecentPeak, ROOM_PERIOD_MS } from './recent-peak.ts';
+import { LEAST_USE, RecentPeak } from './recent-peak.ts';
 
 /**
  * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin, which take the place of key and
@@ -12,11 +12,10 @@ export const DEFAULT_TILE_BUDGET_BYTES = 2 ** 29;
 const HEADROOM = 1.35;
 /** More room is made before it is needed: when a frame leaves less than this much spare. */
 const LEAST_HEADROOM = 1.12;
-/** Bins per splat that room is made for before the first frame, each up to a number of pairs: 2 MB, then 16 MB. */
-const FIRST_GUESSES = [
-  { binsPerSplat: 4, mostPairs: 1 << 17 },
-  { binsPerSplat: 2, mostPairs: 1_000_000 },
-] as const;
+/** Room before the first frame is for four bins per splat up to this many pairs, 2 MB. */
+const MOST_PAIRS_OF_FOUR = 1 << 17;
+/** Then it is for two bins per splat up to this many, 16 MB. */
+const MOST_PAIRS_OF_TWO = 1_000_000;
 /** Room is made in steps of this many pairs, so that small changes need none. */
 const STEP = 1 << 14;
 /** Room, which may have been a guess, is judged once after this many frames: by then some have been measured. */
@@ -52,25 +51,19 @@ export function pairCapacity(
 
 /** Generous where that costs little. Where it is too low, quads draw the frame, and the next one has room. */
 function firstGuess(visibleCapacity: number): number {
-  const guesses = FIRST_GUESSES.map(({ binsPerSplat, mostPairs }) =>
-    Math.min(binsPerSplat * visibleCapacity, mostPairs),
+  return Math.max(
+    visibleCapacity,
+    Math.min(4 * visibleCapacity, MOST_PAIRS_OF_FOUR),
+    Math.min(2 * visibleCapacity, MOST_PAIRS_OF_TWO),
   );
-  return Math.max(visibleCapacity, ...guesses);
 }
 
-/** The room for pairs that the frames of a view need, by what its recent frames needed. */
-export class PairRoom {
-  /** Numbers of pairs of recent frames. */
-  readonly #needed = new RecentPeak(ROOM_PERIOD_MS);
+/** The largest number of pairs of a view's recent frames, and the room to make for those of the next. */
+export class PairRoom extends RecentPeak {
   /** Most splats that there was room for in those frames. */
   #visibleCapacity = 0;
   /** Frames since room was made. */
   #frames = 0;
-
-  /** Takes the number of pairs of a frame whose statistics arrived at `atMs`. */
-  take(neededPairs: number, atMs: number): void {
-    this.#needed.take(neededPairs, atMs);
-  }
 
   /**
    * Returns the number of pairs to make room for in the next frame.
@@ -82,14 +75,12 @@ export class PairRoom {
    */
   next(current: number, visibleCapacity: number, mostPairs: number, canStay: boolean): number {
     // Room for more splats is made before they are seen, as when more of a file has arrived.
-    const growth = this.#visibleCapacity > 0 ? Math.max(1, visibleCapacity / this.#visibleCapacity) : 1;
-    const needed = Math.ceil(growth * this.#needed.value) || null;
-    const capacityFrom = (room: number) => pairCapacity(room, needed, visibleCapacity, mostPairs);
-    if (canStay && ++this.#frames === FRAMES_TO_JUDGE) {
-      const fitting = capacityFrom(0);
-      if (fitting < GOOD_GUESS * current) return fitting;
-    }
-    return capacityFrom(current);
+    const growth = Math.max(1, visibleCapacity / (this.#visibleCapacity || visibleCapacity));
+    const needed = Math.ceil(growth * this.value) || null;
+    const isJudged = canStay && ++this.#frames === FRAMES_TO_JUDGE;
+    const fitting = pairCapacity(0, needed, visibleCapacity, mostPairs);
+    if (isJudged && fitting < GOOD_GUESS * current) return fitting;
+    return pairCapacity(current, needed, visibleCapacity, mostPairs);
   }
 
   /** Notes that room was made for frames of up to so many visible splats. */

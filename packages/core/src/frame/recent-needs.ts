@@ -1,12 +1,12 @@
 import type { FrameNeeds } from './frame-plan.ts';
-import { RecentPeak, ROOM_PERIOD_MS } from './recent-peak.ts';
+import { RecentPeak } from './recent-peak.ts';
 
 /** Wide keys cost a pass more. But other widths need other buffers and bindings, which take longer than a frame. */
 const KEYS_PERIOD_MS = 30_000;
 
 /** What the recent frames of a view needed, as long as they show the same clouds. */
 export class RecentNeeds {
-  readonly #visibleSplats = new RecentPeak(ROOM_PERIOD_MS);
+  readonly #visibleSplats = new RecentPeak();
   /** Powers of two, so that a need of fewer bits is less than half. */
   readonly #depths = new RecentPeak(KEYS_PERIOD_MS);
 

@@ -27,7 +27,7 @@ export class RecentPeak {
   #former = Number.POSITIVE_INFINITY;
 
   /** @param periodMs time that a peak stands at least; it stands for twice that at most, if frames are drawn. */
-  constructor(periodMs: number) {
+  constructor(periodMs = ROOM_PERIOD_MS) {
     this.#periodMs = periodMs;
   }
 
