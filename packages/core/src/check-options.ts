@@ -1,5 +1,6 @@
 import type { FitMode } from './clouds/fit-settings.ts';
 import { InvalidArgumentError } from './errors.ts';
+import { given } from './given.ts';
 import { type CloudPrecision, checkOneOf, checkPrecision } from './packing/precision.ts';
 import { shown } from './printable.ts';
 
@@ -30,12 +31,12 @@ export function checkEngineNumbers(options: object): void {
   }
 }
 
-/** @throws InvalidArgumentError for a precision or a mode that there is not. */
+/** @throws InvalidArgumentError where there are no options, or for a precision or a mode that there is not. */
 export function checkLoadOptions(options: {
   readonly precision?: CloudPrecision;
   readonly fit?: FitMode;
 }): void {
-  const { precision, fit } = options;
+  const { precision, fit } = given(options);
   checkOneOf('fit', fit, FIT_MODES);
   if (precision === undefined) return;
   if (typeof precision !== 'object' || precision === null) {

@@ -7,7 +7,7 @@
 export type Arrows = Readonly<Record<string, string>>;
 
 /** Rooms that all others may import without saying so. */
-export const FOR_ALL_ROOMS = ['errors.ts', 'number-of.ts', 'printable.ts', 'turns.ts'] as const;
+export const FOR_ALL_ROOMS = ['errors.ts', 'given.ts', 'number-of.ts', 'printable.ts', 'turns.ts'] as const;
 
 /**
  * The rooms of packages/core/src: folders, and files at its root. Tests and testing/ may import all of them, and nothing
@@ -18,6 +18,8 @@ export const ROOMS: Arrows = {
   'printable.ts': '',
   /** Every error that is thrown on purpose. */
   'errors.ts': '',
+  /** Options that are none, refused by name. */
+  'given.ts': '',
   /** Numbers for objects, for keys made of text. */
   'number-of.ts': '',
   /** Turns of the event loop during long work. */

@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { given } from '../given.ts';
 import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/mat4.ts';
 import { shown } from '../printable.ts';
 
@@ -220,12 +221,6 @@ function widened([low, high]: readonly [number, number]): [number, number] {
   const margin = JACOBIAN_MARGIN * (high - low);
   // A mirrored projection swaps its edges.
   return margin >= 0 ? [low - margin, high + margin] : [high + margin, low - margin];
-}
-
-/** @throws InvalidArgumentError unless there are options at all. */
-function given<Options extends object>(options: Options): Options {
-  if (typeof options === 'object' && options !== null) return options;
-  throw new InvalidArgumentError('options', `options is ${shown(options)}; it must be an object.`);
 }
 
 /** @throws InvalidArgumentError if a matrix is more than float32 holds. */
