@@ -86,7 +86,12 @@ function compile(modules: Readonly<Record<string, string>>): string {
   try {
     symlinkSync(join(repositoryRoot, 'node_modules'), join(folder, 'node_modules'), 'junction');
     for (const [name, text] of Object.entries(modules)) writeFileSync(join(folder, name), text);
+    const ofExamples = join(repositoryRoot, 'apps/examples/node_modules');
     const compilerOptions = {
+      // What examples take besides has an installation of its own.
+      paths: Object.fromEntries(
+        ['@react-three/drei', '@react-three/rapier'].map((name) => [name, [join(ofExamples, name)]]),
+      ),
       target: 'ES2022',
       module: 'ESNext',
       moduleResolution: 'bundler',
