@@ -8,10 +8,17 @@ import { testScene } from './test-scene.ts';
 import { CHEAP, dropFiles, textOf, viewerHarness, waitForScene, waitForState } from './viewer-page.ts';
 
 const harness = viewerHarness();
-const { openViewer } = harness;
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-const MAP_MODES = ['tile-cost', 'pixel-cost', 'contribution'];
+const WIDE = { viewport: { width: 900, height: 600 } };
+const PHONE = { viewport: { width: 360, height: 640 } };
+/** View modes, with what tells of each. */
+const MODES = [
+  ['opacity', 'mode-scale'],
+  ['tile-cost', 'map-notes'],
+  ['pixel-cost', 'map-notes'],
+  ['contribution', 'map-notes'],
+] as const;
 
 /** What axe-core finds wrong with the page as it is, in words. */
 async function violations(page: Page): Promise<string[]> {
@@ -30,74 +37,107 @@ async function expectAccessible(page: Page, state: string): Promise<void> {
   }
 }
 
-/** Goes on to the modes that lay a map over the picture, and back to the picture itself. */
-async function expectMapsAccessible(page: Page): Promise<void> {
-  const goTo = async (mode: string) => {
-    const isThere = () => new URL(page.url()).searchParams.get('mode') === mode;
-    while (!isThere()) {
-      const before = page.url();
-      await page.keyboard.press('m');
-      await page.waitForURL((url) => url.href !== before);
-    }
-  };
-  for (const mode of MAP_MODES) {
-    await goTo(mode);
-    await page.getByTestId('map-notes').waitFor();
-    await expectAccessible(page, mode);
-  }
-  await page.keyboard.press('m');
-  await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
+async function openPanel(page: Page, key: string, testId: string): Promise<void> {
+  await page.keyboard.press(key);
+  await page.getByTestId(testId).waitFor();
 }
 
+const openTab = async (page: Page, tab: string) => {
+  await openPanel(page, 'c', 'accuracy');
+  await page.getByTestId(`accuracy-tab-${tab}`).click();
+};
+
+const openErrorMap = async (page: Page) => {
+  await page.getByTestId('compare-error').click();
+  await page.getByTestId('error-max').getByText('Largest').waitFor();
+};
+
 describe('the viewer, to people who see, hear or point otherwise', () => {
-  it('has nothing that axe-core finds wrong, in any of its main states', async () => {
-    const page = await openViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+  const openAudited = async (options: typeof WIDE) => {
+    const page = await harness.shareViewer(CHEAP, options);
     await page.evaluate(AXE);
+    return page;
+  };
+
+  it('has nothing that axe-core finds wrong at first, nor in its view modes', async () => {
+    const page = await openAudited(WIDE);
     await expectAccessible(page, 'at first');
-    for (let presses = 0; presses < 3; presses++) await page.keyboard.press('m');
-    await page.getByTestId('mode-scale').waitFor();
-    await expectAccessible(page, 'a view mode');
-    await expectMapsAccessible(page);
+    for (const [mode, testId] of MODES) {
+      while (new URL(page.url()).searchParams.get('mode') !== mode) {
+        const before = page.url();
+        await page.keyboard.press('m');
+        await page.waitForURL((url) => url.href !== before);
+      }
+      await page.getByTestId(testId).waitFor();
+      await expectAccessible(page, mode);
+    }
+  });
+
+  it('has nothing that axe-core finds wrong in the tabs of its accuracy', async () => {
+    const page = await openAudited(WIDE);
     await page.keyboard.press('c');
     for (const tab of ['measure', 'settings', 'compare']) {
       await page.getByTestId(`accuracy-tab-${tab}`).click();
       await expectAccessible(page, tab);
     }
+  });
+
+  it('has nothing that axe-core finds wrong while it compares settings', async () => {
+    const page = await openAudited(WIDE);
+    await openTab(page, 'compare');
     await page.getByTestId('compare-split').click();
     await page.getByTestId('split-line').waitFor();
     await expectAccessible(page, 'split image');
-    await page.getByTestId('compare-error').click();
-    await page.getByTestId('error-max').getByText('Largest').waitFor();
+    await openErrorMap(page);
     await expectAccessible(page, 'error map');
-    await page.setViewportSize({ width: 360, height: 640 });
-    await expectAccessible(page, 'a phone');
+  });
+
+  it('has nothing that axe-core finds wrong on a phone, with its menu and with a map of errors', async () => {
+    const page = await openAudited(PHONE);
+    await openTab(page, 'compare');
+    await openErrorMap(page);
+    await expectAccessible(page, 'error map');
     await page.getByTestId('more').click();
-    await expectAccessible(page, 'the menu of a phone');
-    await page.keyboard.press('Escape');
-    for (const [key, name, ...switches] of [
-      ['e', 'effects', 'switch-clip', 'switch-reveal', 'switch-fog'],
-      ['i', 'inspect'],
+    await expectAccessible(page, 'menu');
+  });
+
+  it('has nothing that axe-core finds wrong on a phone with effects', async () => {
+    const page = await openAudited(PHONE);
+    await openPanel(page, 'e', 'effects');
+    for (const each of ['switch-clip', 'switch-reveal', 'switch-fog']) await page.getByTestId(each).click();
+    await expectAccessible(page, 'effects');
+  });
+
+  it('has nothing that axe-core finds wrong on a phone while splats are inspected and selected', async () => {
+    const page = await openAudited(PHONE);
+    await openPanel(page, 'i', 'inspect');
+    await expectAccessible(page, 'inspecting');
+    await page.getByTestId('inspect-tab-select').click();
+    await page.getByTestId('select-brush').click();
+    await expectAccessible(page, 'selecting');
+  });
+
+  it('has nothing that axe-core finds wrong on a phone in the panels to save, of files and of keys', async () => {
+    const page = await openAudited(PHONE);
+    for (const [key, name] of [
       ['x', 'save'],
       ['n', 'clouds'],
       ['?', 'help'],
     ]) {
-      await page.keyboard.press(key);
-      await page.getByTestId(name).waitFor();
-      for (const each of switches) await page.getByTestId(each).click();
+      await openPanel(page, key, name);
       await expectAccessible(page, name);
     }
-    await page.keyboard.press('Escape');
-    await page.keyboard.press('i');
-    await page.getByTestId('inspect-tab-select').click();
-    await page.getByTestId('select-brush').click();
-    await expectAccessible(page, 'selecting');
+  });
+
+  it('has nothing that axe-core finds wrong on a phone that shows an error', async () => {
+    const page = await openAudited(PHONE);
     await dropFiles(page, [{ name: 'cut.ply', bytes: new TextEncoder().encode('ply\nthat ends') }]);
     await waitForState(page, 'error');
     await expectAccessible(page, 'an error');
   });
 
   it('keeps swatches and what is pressed apart where the system chooses the colours', async () => {
-    const page = await openViewer(CHEAP, { viewport: { width: 900, height: 600 }, forcedColors: 'active' });
+    const page = await harness.openViewer(CHEAP, { ...WIDE, forcedColors: 'active' });
     const backgrounds = (selectors: readonly string[]) =>
       page.evaluate(
         (list) => list.map((each) => getComputedStyle(document.querySelector(each)!).backgroundColor),
@@ -121,35 +161,47 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
 describe('the pages beside the viewer', () => {
   it.each([
     ['a hard case', '?scene=hard&case=scale-zero-all', 'case-legend'],
+    ['the gallery of hard cases', '?scene=hard&q=truncated', 'gallery'],
     ['the hard cases on a device', '?conformance&cases=scale-unti', 'conformance-failure'],
     ['the benchmark', '?bench&size=9', 'bench-failure'],
   ])('have nothing that axe-core finds wrong: %s', async (name, address, testId) => {
-    const page = await harness.open(address);
+    const page = await harness.openShared(address);
     await page.getByTestId(testId).waitFor();
     await page.evaluate(AXE);
     await expectAccessible(page, name);
   });
+
+  it('have nothing that axe-core finds wrong: a hard case that is refused', async () => {
+    const page = await harness.openShared('?scene=hard&q=truncated');
+    await openRefused(page);
+    await page.evaluate(AXE);
+    await expectAccessible(page, 'a refused file');
+  });
 });
 
+async function openRefused(page: Page): Promise<void> {
+  await page.locator('[data-case=input-truncated]').click();
+  await page
+    .getByTestId('case-refusal')
+    .getByText(/^Refused/)
+    .waitFor();
+}
+
 describe('the gallery of hard cases', () => {
-  it('has nothing that axe-core finds wrong, shows a refused file on a page of its own, and opens what is dropped', async () => {
-    const page = await harness.open('?scene=hard&q=truncated');
-    await page.getByTestId('gallery').waitFor();
-    await page.evaluate(AXE);
-    await expectAccessible(page, 'gallery');
-    await page.locator('[data-case=input-truncated]').click();
-    await page
-      .getByTestId('case-refusal')
-      .getByText(/^Refused/)
-      .waitFor();
-    await expectAccessible(page, 'a refused file');
+  it('shows a refused file on a page of its own, from which it opens in the viewer, and that leads back', async () => {
+    const page = await harness.openShared('?scene=hard&q=truncated');
+    await openRefused(page);
     await page.getByTestId('case-open').click();
     await waitForState(page, 'error');
     expect(await textOf(page, 'scene-title')).toBe('input-truncated');
     expect(await textOf(page, 'scene')).toContain('No splats');
     expect(await textOf(page, 'error')).toContain('incomplete');
     await page.getByRole('link', { name: 'All hard cases' }).click();
+    await page.getByTestId('gallery').waitFor();
+  });
 
+  it('opens what is dropped, turned like any file, and is one step back from it', async () => {
+    const page = await harness.openShared('?scene=hard&q=truncated');
     await page.getByTestId('gallery').waitFor();
     await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }], undefined, 'gallery');
     await waitForScene(page, 'dropped.ply');

@@ -4,7 +4,10 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { CHEAP, drawnCamera, redraw, textOf, viewerHarness, viewerScreenshot } from './viewer-page.ts';
 
-const { openViewer } = viewerHarness();
+const { shareViewer } = viewerHarness();
+
+/** Splats of the scene. */
+const COUNT = 10_000;
 
 /** What is drawn over the image, by its places. */
 const marks = (page: Page, selector: string) =>
@@ -24,30 +27,55 @@ function differing(a: { data: Uint8Array }, b: { data: Uint8Array }): number {
   return count;
 }
 
+/** Opens the panel on one of its tabs, without the figures, which hide a part of the picture. */
+async function openInspect(tab: 'splat' | 'distance' | 'histogram' | 'select' | 'crop', address = CHEAP) {
+  const page = await shareViewer(address, { viewport: { width: 660, height: 490 } });
+  await page.keyboard.press('h');
+  await redraw(page, () => page.keyboard.press('i'));
+  await page.getByTestId('inspect').waitFor();
+  if (tab !== 'splat') await page.getByTestId(`inspect-tab-${tab}`).click();
+  return page;
+}
+
+async function drag(page: Page, from: [number, number], to: [number, number]): Promise<void> {
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move(...to);
+  await page.mouse.up();
+}
+
+/** Selects splats in a rectangle, and returns how many. */
+async function selectInRectangle(page: Page): Promise<number> {
+  await redraw(page, () => drag(page, [120, 250], [240, 350]));
+  await expect.poll(() => countIn(page, 'select-count')).toBeGreaterThan(10);
+  return countIn(page, 'select-count');
+}
+
+/** Saves by the panel that is open, and counts the splats of the file. */
+async function savedCount(page: Page): Promise<number> {
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByTestId('save-file').click(),
+  ]);
+  return (await readSplats(await readFile(await download.path()))).count;
+}
+
 describe('inspecting a scene in the viewer', () => {
-  it('explains a splat, measures, counts, selects, crops, and saves what is left', async () => {
-    const page = await openViewer(CHEAP, { viewport: { width: 660, height: 490 } });
-    await page.keyboard.press('h');
-    await redraw(page, () => page.keyboard.press('i'));
-    await page.getByTestId('inspect').waitFor();
-    const whole = await viewerScreenshot(page);
+  it('explains the splat that is clicked, outlines it while the scene turns, and finds it by its row', async () => {
+    const page = await openInspect('splat');
+    const rowShown = async () => Number((await textOf(page, 'inspect-row')).replace(/\D/g, ''));
     // Another frame, in which the splat itself has another colour.
     await redraw(page, () => page.mouse.click(180, 300));
     await page.getByTestId('inspect-position').waitFor();
-    const row = Number((await textOf(page, 'inspect-row')).replace(/\D/g, ''));
-    expect(row).toBeLessThan(10_000);
+    const row = await rowShown();
+    expect(row).toBeLessThan(COUNT);
     expect(await page.getByTestId('inspect-colors').locator('tr').count()).toBe(4);
     await expect.poll(() => marks(page, 'circle.mark-line')).not.toEqual([]);
     const [ellipse] = await marks(page, 'circle.mark-line');
     expect(ellipse).toContain('matrix(');
     // A drag turns the scene and inspects nothing else; the outline follows.
-    await redraw(page, async () => {
-      await page.mouse.move(180, 300);
-      await page.mouse.down();
-      await page.mouse.move(240, 300);
-      await page.mouse.up();
-    });
-    expect(Number((await textOf(page, 'inspect-row')).replace(/\D/g, ''))).toBe(row);
+    await redraw(page, () => drag(page, [180, 300], [240, 300]));
+    expect(await rowShown()).toBe(row);
     await expect.poll(() => marks(page, 'circle.mark-line')).not.toEqual([ellipse]);
     // The same splat by its row.
     const position = await textOf(page, 'inspect-position');
@@ -58,8 +86,10 @@ describe('inspecting a scene in the viewer', () => {
     await page.keyboard.press('Enter');
     await page.getByTestId('inspect-position').waitFor();
     expect(await textOf(page, 'inspect-position')).toBe(position);
+  });
 
-    await page.getByTestId('inspect-tab-distance').click();
+  it('measures a distance, takes a known length for it, and keeps its label in place', async () => {
+    const page = await openInspect('distance');
     await page.mouse.click(150, 300);
     await page.getByTestId('ruler-hint').getByText('Click the other end').waitFor();
     await page.mouse.click(250, 330);
@@ -72,26 +102,31 @@ describe('inspecting a scene in the viewer', () => {
     const [label] = await marks(page, 'text');
     await page.keyboard.press('+');
     await expect.poll(() => marks(page, 'text')).not.toEqual([label]);
+  });
 
-    await page.getByTestId('inspect-tab-histogram').click();
+  it('counts every splat in a histogram, and marks and selects those of a bar', async () => {
+    const page = await openInspect('histogram');
     await page.getByTestId('histogram-opacity').waitFor();
     const table = page.getByTestId('histogram-opacity').locator('details');
     await table.locator('summary').click();
     const counts = await table.locator('td').allTextContents();
-    expect(counts.map((count) => Number(count.replaceAll(',', ''))).reduce((a, b) => a + b)).toBe(10_000);
+    expect(counts.map((count) => Number(count.replaceAll(',', ''))).reduce((a, b) => a + b)).toBe(COUNT);
     await redraw(page, () => page.getByTestId('mark-opacity').press('End'));
     await page
       .getByTestId('histogram-opacity')
       .getByText(`0.95 to 1: ${counts.at(-1)} splats`)
       .waitFor();
-
-    // What is selected is marked; what is removed is not drawn, and comes back.
     await page.getByTestId('inspect-tab-select').click();
     await page.getByTestId('select-marked').click();
-    const selectCount = page.getByTestId('select-count');
-    await selectCount.getByText(`${counts.at(-1)} of 10,000 splats are selected`).waitFor();
-    await redraw(page, () => page.getByTestId('select-none').click());
-    const turned = await viewerScreenshot(page);
+    await page
+      .getByTestId('select-count')
+      .getByText(`${counts.at(-1)} of 10,000 splats are selected`)
+      .waitFor();
+  });
+
+  it('selects splats in a rectangle without a turn of the scene, and shows which', async () => {
+    const page = await openInspect('select');
+    const before = await viewerScreenshot(page);
     const camera = await drawnCamera(page);
     await page.mouse.move(120, 250);
     await page.mouse.down();
@@ -102,31 +137,43 @@ describe('inspecting a scene in the viewer', () => {
     // The drag has turned nothing.
     expect(await drawnCamera(page)).toEqual(camera);
     await expect.poll(() => countIn(page, 'select-count')).toBeGreaterThan(10);
-    const selected = await countIn(page, 'select-count');
-    expect(differing(await viewerScreenshot(page), turned)).toBeGreaterThan(1000);
+    expect(differing(await viewerScreenshot(page), before)).toBeGreaterThan(1000);
+  });
+
+  it('deselects splats under a brush, and undoes that', async () => {
+    const page = await openInspect('select');
+    const selected = await selectInRectangle(page);
     await page.getByTestId('select-brush').click();
     await page.keyboard.down('Alt');
-    await page.mouse.move(130, 300);
-    await page.mouse.down();
-    await page.mouse.move(230, 300);
-    await page.mouse.up();
+    await drag(page, [130, 300], [230, 300]);
     await page.keyboard.up('Alt');
     await expect.poll(() => countIn(page, 'select-count')).toBeLessThan(selected);
     await page.getByTestId('select-undo').click();
     await expect.poll(() => countIn(page, 'select-count')).toBe(selected);
+  });
+
+  it('removes what is selected, saves what is left, and brings the removed back', async () => {
+    const page = await openInspect('select');
+    const before = await viewerScreenshot(page);
+    const selected = await selectInRectangle(page);
     await redraw(page, () => page.getByTestId('select-remove').click());
-    await selectCount.getByText(`${selected.toLocaleString('en')} splats removed`).waitFor();
-    expect(differing(await viewerScreenshot(page), turned)).toBeGreaterThan(1000);
+    await page
+      .getByTestId('select-count')
+      .getByText(`${selected.toLocaleString('en')} splats removed`)
+      .waitFor();
+    expect(differing(await viewerScreenshot(page), before)).toBeGreaterThan(1000);
     await page.getByTestId('select-save-left').click();
     await page.getByTestId('save-edited').waitFor();
-    const [left] = await Promise.all([page.waitForEvent('download'), page.getByTestId('save-file').click()]);
-    expect((await readSplats(await readFile(await left.path()))).count).toBe(10_000 - selected);
+    expect(await savedCount(page)).toBe(COUNT - selected);
     await page.keyboard.press('i');
     await redraw(page, () => page.getByTestId('select-undo').click());
     await redraw(page, () => page.getByTestId('select-none').click());
-    expect(differing(await viewerScreenshot(page), turned)).toBe(0);
+    expect(differing(await viewerScreenshot(page), before)).toBe(0);
+  });
 
-    await page.getByTestId('inspect-tab-crop').click();
+  it('crops to a box or to what is around it, and saves what stays', async () => {
+    const page = await openInspect('crop');
+    const whole = await viewerScreenshot(page);
     await redraw(page, () => page.getByTestId('crop-begin').click());
     await redraw(page, () => page.getByTestId('crop-max-x').press('PageDown'));
     await expect.poll(() => marks(page, '[data-mark=box]')).toHaveLength(2);
@@ -134,19 +181,13 @@ describe('inspecting a scene in the viewer', () => {
     const cropCount = page.getByTestId('crop-count');
     await cropCount.getByText('splats stay').waitFor();
     const kept = await countIn(page, 'crop-count');
-    expect(kept).toBeLessThan(10_000);
+    expect(kept).toBeLessThan(COUNT);
     expect(differing(await viewerScreenshot(page), whole)).toBeGreaterThan(1000);
     await redraw(page, () => page.getByTestId('crop-outside').click());
-    await cropCount.getByText(`${(10_000 - kept).toLocaleString('en')} of 10,000 splats stay`).waitFor();
-
+    await cropCount.getByText(`${(COUNT - kept).toLocaleString('en')} of 10,000 splats stay`).waitFor();
     await page.getByTestId('crop-save').click();
     await page.getByTestId('save-cropped').waitFor();
-    const [download] = await Promise.all([
-      page.waitForEvent('download'),
-      page.getByTestId('save-file').click(),
-    ]);
-    const saved = await readSplats(await readFile(await download.path()));
-    expect(saved.count).toBe(10_000 - kept);
+    expect(await savedCount(page)).toBe(COUNT - kept);
 
     // The crop outlives its panel, and ends with a click.
     await page.keyboard.press('i');

@@ -20,25 +20,47 @@ const picture = (page: Page) => viewerScreenshot(page, '.clip-gizmo { visibility
 const SIZE = { viewport: { width: 800, height: 490 } };
 const effectsIn = (page: Page) => new URL(page.url()).searchParams.get('effects');
 
-describe('effects that are asked for', () => {
-  it('are switched, slid, moved by a handle, linked and reset', async () => {
-    const page = await harness.openViewer(CHEAP, {
-      ...SIZE,
-      permissions: ['clipboard-read', 'clipboard-write'],
-    });
-    await page.keyboard.press('h');
-    await redraw(page, () => page.keyboard.press('e'));
-    const first = await picture(page);
-    const click = (testId: string) => page.getByTestId(testId).click();
-    expect(await textOf(page, 'request-highlight')).toContain('Not available: no splats are selected');
+/** Opens the panel without the figures, which hide a part of the picture. */
+async function openEffects(effects = ''): Promise<Page> {
+  const page = await harness.shareViewer(effects ? `${CHEAP}&effects=${effects}` : CHEAP, SIZE);
+  await page.keyboard.press('h');
+  await redraw(page, () => page.keyboard.press('e'));
+  return page;
+}
 
-    await redraw(page, () => click('switch-clip'));
-    const cut = await picture(page);
-    expect(changedPart(first, cut, 2)).toBeGreaterThan(0.1);
+const click = (page: Page, testId: string) => page.getByTestId(testId).click();
+
+async function switchOn(page: Page, name: string): Promise<void> {
+  await redraw(page, () => click(page, `switch-${name}`));
+}
+
+/** Reveals splats as far as the middle of the scene: some are left out, and enough are not. */
+async function reveal(page: Page): Promise<void> {
+  await switchOn(page, 'reveal');
+  await redraw(page, () => click(page, 'reveal-from-camera'));
+  await page.getByTestId('reveal-radius').focus();
+  await redraw(page, async () => {
+    for (const key of ['Home', 'PageUp', 'PageUp', 'PageUp', 'PageUp']) await page.keyboard.press(key);
+  });
+}
+
+describe('effects that are asked for', () => {
+  it('are switched in the picture and in the address, and say what they lack and cost', async () => {
+    const page = await openEffects();
+    const first = await picture(page);
+    expect(await textOf(page, 'request-highlight')).toContain('Not available: no splats are selected');
+    await switchOn(page, 'clip');
+    expect(changedPart(first, await picture(page), 2)).toBeGreaterThan(0.1);
     await page.waitForURL(/effects=clip:plane:/);
     expect(await textOf(page, 'cost-clip')).toBe('cost not measured');
+    await redraw(page, () => click(page, 'switch-clip'));
+    expect(await page.getByTestId('clip-gizmo').count()).toBe(0);
+  });
 
-    // By pointer and by keys, along the plane's normal only.
+  it('are moved by a handle, with the pointer and with keys, along the normal of a plane only', async () => {
+    const page = await openEffects();
+    await switchOn(page, 'clip');
+    await page.waitForURL(/effects=clip:plane:/);
     const place = () => effectsIn(page)?.split(':').slice(2, 5).map(Number) ?? [];
     const [x, y, z] = place();
     const handle = page.getByTestId('clip-handle');
@@ -53,36 +75,45 @@ describe('effects that are asked for', () => {
     const dragged = place()[1];
     await redraw(page, () => page.keyboard.press('Shift+ArrowDown'));
     await expect.poll(() => place()[1]).toBeLessThan(dragged);
+  });
 
-    await redraw(page, () => click('clip-shape-sphere'));
+  it('take another shape and size, and are reset one by one', async () => {
+    const page = await openEffects();
+    await switchOn(page, 'clip');
+    const cut = await picture(page);
+    await redraw(page, () => click(page, 'clip-shape-sphere'));
     const radius = page.getByTestId('clip-radius');
     await radius.focus();
     await redraw(page, () => page.keyboard.press('Home'));
     expect(await radius.getAttribute('aria-valuetext')).toBe('0.000 units');
     expect(changedPart(await picture(page), cut, 2)).toBeGreaterThan(0.1);
     await page.waitForURL(/effects=clip:sphere:/);
-    await redraw(page, () => click('reset-clip'));
+    await redraw(page, () => click(page, 'reset-clip'));
     await page.waitForURL(/effects=clip:plane:/);
-    await redraw(page, () => click('switch-clip'));
-    expect(await page.getByTestId('clip-gizmo').count()).toBe(0);
+  });
 
-    await redraw(page, () => click('switch-reveal'));
-    // Tests ask for less motion.
+  it('are slid, and do not play where less motion is asked for', async () => {
+    const page = await openEffects();
+    const first = await picture(page);
+    await reveal(page);
     expect(await page.getByTestId('play-reveal').isDisabled()).toBe(true);
-    await redraw(page, () => click('reveal-from-camera'));
-    // As far as the middle of the scene, so that there is something to compare below, and something left out.
-    await page.getByTestId('reveal-radius').focus();
-    await redraw(page, async () => {
-      for (const key of ['Home', 'PageUp', 'PageUp', 'PageUp', 'PageUp']) await page.keyboard.press(key);
-    });
     const revealed = await picture(page);
     expect(colorsIn(revealed), 'different colours').toBeGreaterThan(500);
     expect(changedPart(first, revealed, 2)).toBeGreaterThan(0.1);
-    await redraw(page, () => click('switch-tint'));
+  });
+
+  it('are in a link that shows the same elsewhere', async () => {
+    const page = await harness.openViewer(CHEAP, {
+      ...SIZE,
+      permissions: ['clipboard-read', 'clipboard-write'],
+    });
+    await page.keyboard.press('h');
+    await redraw(page, () => page.keyboard.press('e'));
+    await reveal(page);
+    await switchOn(page, 'tint');
     await redraw(page, () => page.getByTestId('tint-color').fill('#ff8000'));
     await page.waitForURL(/effects=reveal:camera:[^&]*,tint:ff8000(&|$)/);
-
-    // The link shows the same elsewhere.
+    const beside = await picture(page);
     await page.keyboard.press('l');
     await waitForNotice(page, 'The link is copied');
     const link = await page.evaluate(() => navigator.clipboard.readText());
@@ -92,15 +123,23 @@ describe('effects that are asked for', () => {
     // The panel has moved the picture aside, and a page without it has not.
     await redraw(page, () => page.keyboard.press('e'));
     const [shown, linked] = [await picture(page), await picture(other)];
-    expect(changedPart(revealed, shown, 2)).toBeGreaterThan(0.1);
+    expect(changedPart(beside, shown, 2)).toBeGreaterThan(0.1);
     expect(colorsIn(shown), 'different colours').toBeGreaterThan(500);
     expect(Buffer.from(linked.data).equals(Buffer.from(shown.data))).toBe(true);
+  });
 
-    await redraw(page, () => page.keyboard.press('e'));
-    await redraw(page, () => click('reset-effects'));
+  it('are reset together, also those of the address', async () => {
+    const page = await openEffects('tint:ff8000');
+    await switchOn(page, 'reveal');
+    await page.waitForURL(/effects=reveal:[^&]*,tint:ff8000/);
+    await redraw(page, () => click(page, 'reset-effects'));
     await page.waitForURL((url) => !url.searchParams.has('effects'));
     expect(await page.getByTestId('switch-reveal').isChecked()).toBe(false);
-    // Keys mean the same on a switch.
+    expect(await page.getByTestId('switch-tint').isChecked()).toBe(false);
+  });
+
+  it('leave keys their meaning where a switch has the focus', async () => {
+    const page = await openEffects();
     await page.getByTestId('switch-clip').focus();
     await page.keyboard.press('e');
     await page.getByTestId('effects').waitFor({ state: 'detached' });
