@@ -82,20 +82,15 @@ function watchBuffers(): void {
 }
 
 /**
- * For `addInitScript`: a measurement stands still from the start, or `hold-measurement`, to `release-measurement`. It may be over
+ * For `addInitScript`: a measurement stands still until `release-measurement`. It may be over
  * in a second otherwise.
  */
 function holdMeasurement(): void {
   const { mapAsync } = GPUBuffer.prototype;
   let release = () => {};
-  let released: Promise<void>;
-  const hold = () => {
-    released = new Promise((resolve) => {
-      release = resolve;
-    });
-  };
-  hold();
-  addEventListener('hold-measurement', hold);
+  const released = new Promise<void>((resolve) => {
+    release = resolve;
+  });
   addEventListener('release-measurement', () => release());
   GPUBuffer.prototype.mapAsync = async function (...range) {
     await mapAsync.apply(this, range);
@@ -105,6 +100,20 @@ function holdMeasurement(): void {
 
 const send = (page: Page, event: string) =>
   page.evaluate((type) => void dispatchEvent(new Event(type)), event);
+
+/** Opens the viewer with a wish, whose measurement stands still, and the panel that shows it. */
+async function openHeld(): Promise<Page> {
+  const page = await newPage(TINY);
+  await page.addInitScript(holdMeasurement);
+  await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
+  await waitForImage(page);
+  await openTab(page, 'measure');
+  await page.getByTestId('sweep-progress').waitFor(ATTACHED);
+  return page;
+}
+
+const openOwn = (page: Page) => dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene()) }]);
+const isPressed = (page: Page, testId: string) => page.getByTestId(testId).getAttribute('aria-pressed');
 
 interface WatchedBuffer {
   readonly label: string;
@@ -252,88 +261,92 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
   });
 
-  // One measurement for all of this, and in the full run another: drawn on the CPU, each takes its time.
-  it('measures what settings cost, chooses by the error that is wished for, and draws with what is clicked', async () => {
-    const file = [{ name: 'test.ply', bytes: encodePly(testScene()) }];
-    const page = await newPage(TINY);
-    await page.addInitScript(holdMeasurement);
-    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
-    await waitForImage(page);
-    await openTab(page, 'measure');
-    const choice = page.getByTestId('choice');
+  it('ends a wish that is called off before its measurement has chosen', async () => {
+    const page = await openHeld();
     const wish = page.getByTestId('kept-wish');
-    const points = page.getByTestId('accuracy-point');
-    const coarse = page.locator('[data-testid=accuracy-point][data-name="shDegree 0"]');
-    const progress = page.getByTestId('sweep-progress');
-    const preset = (name: string) => page.getByTestId(`preset-${name}`).getAttribute('aria-pressed');
-
-    // A wish that is called off before a choice has been made is gone.
-    await progress.waitFor(ATTACHED);
     expect(await wish.textContent()).toContain('Keeps: at least 40 dB');
     expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
-    expect(await preset('balanced')).toBe('false');
+    expect(await isPressed(page, 'preset-balanced')).toBe('false');
     await press(page, 'cancel-sweep');
     await wish.waitFor({ state: 'detached' });
-    expect(await preset('balanced')).toBe('true');
+    expect(await isPressed(page, 'preset-balanced')).toBe('true');
     await send(page, 'release-measurement');
     await page.getByTestId('measure').waitFor(ATTACHED);
-    expect(await points.count()).toBe(0);
+    expect(await page.getByTestId('accuracy-point').count()).toBe(0);
+  });
 
-    // A scene that is opened later is measured for the wish, too. The page stays responsive meanwhile.
-    await send(page, 'hold-measurement');
-    await page.getByTestId('wish-value').fill('44');
-    await press(page, 'wish-submit');
-    await progress.waitFor(ATTACHED);
+  it('measures a scene that is opened later for the wish, and shows other tabs meanwhile', async () => {
+    const page = await openHeld();
     await press(page, 'accuracy-tab-settings');
     await page.getByTestId('setting-shDegree').waitFor(ATTACHED);
     await press(page, 'accuracy-tab-measure');
-    await dropFiles(page, file);
+    await openOwn(page);
     await send(page, 'release-measurement');
     await page.getByTestId('circumstances').getByText('400 splats').waitFor(MEASURED);
-    await waitForScene(page, 'test.ply');
+    await waitForScene(page, 'own.ply');
     expect(await textOf(page, 'circumstances')).toContain('software adapter');
+    const choice = page.getByTestId('choice');
     expect(await choice.getAttribute('data-met')).toBe('true');
-    expect(await choice.textContent()).toContain('44 dB');
+    expect(await choice.textContent()).toContain('40 dB');
     const chosen = page.locator('[data-testid=point-table] tr:has([aria-pressed=true]) td').first();
     const psnrDb = Number((await chosen.textContent())?.replace('equal', 'Infinity'));
-    expect(psnrDb).toBeGreaterThanOrEqual(44);
+    expect(psnrDb).toBeGreaterThanOrEqual(40);
+    await page.waitForURL(/accuracy=minPsnrDb:40/);
+    // The images themselves say the same.
     const picked = await viewerScreenshot(page);
-    await page.waitForURL(/accuracy=minPsnrDb:44/);
+    const exact = await shotAfter(page, () => press(page, 'preset-reference'));
+    expect(psnrOf(picked, exact)).toBeGreaterThan(39);
+  });
 
-    // Called off once there is a choice, a measurement changes nothing.
+  it('keeps the choice of a wish that is measured once more and called off, until a point is clicked', async () => {
+    const page = await openHeld();
+    await send(page, 'release-measurement');
+    const choice = page.getByTestId('choice');
+    await choice.waitFor(MEASURED);
+    await page.getByTestId('wish-value').fill('44');
+    await press(page, 'wish-submit');
+    await choice.getByText('44 dB').waitFor(MEASURED);
+    const wish = page.getByTestId('kept-wish');
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await choice.getAttribute('data-met')).toBe('true');
     expect(await wish.textContent()).toBe('Keeps: at least 44 dBEnd');
 
-    // Another of the points is drawn in its place, and ends the wish.
     const other = page.locator('[data-testid=accuracy-point][aria-pressed=false]').last();
     await shotAfter(page, () => other.evaluate((button: HTMLElement) => button.click()));
     expect(await page.locator('[data-testid=accuracy-point][aria-pressed=true]').count()).toBe(1);
     await wish.waitFor({ state: 'detached' });
     expect(await choice.count()).toBe(0);
-    // Check the images themselves, too.
-    const exact = await shotAfter(page, () => press(page, 'preset-reference'));
-    expect(psnrOf(picked, exact)).toBeGreaterThan(43);
+  });
 
-    // Without a wish it tries every setting, and a measurement that is called off leaves what was there.
-    await press(page, 'preset-balanced');
+  it('measures presets, then every setting, where nothing is wished for, and draws with the point that is clicked', async () => {
+    const page = await openViewer('?scene=still-life-small&accuracy=balanced', TINY);
+    await openOwn(page);
+    await waitForScene(page, 'own.ply');
+    await redraw(page, () => openTab(page, 'measure'));
+    const before = await viewerScreenshot(page);
+    const points = page.getByTestId('accuracy-point');
     const rows = page.getByTestId('point-table').locator('tbody tr');
-    const chosenRows = await rows.count();
+    const coarse = page.locator('[data-testid=accuracy-point][data-name="shDegree 0"]');
+    await press(page, 'measure');
+    await page.locator('[data-testid=accuracy-point][data-name=paper]').waitFor(MEASURED);
+    const presets = await points.count();
+    expect(await rows.count()).toBe(presets);
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
-    expect(await rows.count()).toBe(chosenRows);
+    expect(await rows.count(), 'rows after a measurement that was called off').toBe(presets);
     await press(page, 'measure');
     await coarse.waitFor(MEASURED);
     expect(await coarse.getAttribute('aria-label')).toMatch(/^Harmonics degree 0: \d/);
     expect(await rows.count()).toBe(await points.count());
+
     const clicked = await shotAfter(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
     expect(await coarse.getAttribute('aria-pressed')).toBe('true');
-    expect(changedPart(picked, clicked, 2)).toBeGreaterThan(0.01);
+    expect(changedPart(before, clicked, 2)).toBeGreaterThan(0.01);
     // Another page shows the same, and its picture makes room for a panel, too.
     const linked = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
-    await dropFiles(linked, file);
-    await waitForScene(linked, 'test.ply');
+    await openOwn(linked);
+    await waitForScene(linked, 'own.ply');
     const shown = await shotAfter(linked, () => openTab(linked, 'settings'));
     expect(changedPart(clicked, shown, ROUNDING)).toBe(0);
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('false');

@@ -26,12 +26,15 @@ beforeAll(async () => {
 afterAll(() => host?.close());
 
 describe('the viewer on plain static hosting, below a path', () => {
-  it('draws, and its links lead to the gallery, to a case and back', async () => {
+  it('draws', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForScene(page, 'Still life, small');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
+  });
 
+  it('has links that lead from the gallery to a case and back', async () => {
+    const page = await harness.newPage();
     await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic&${CHEAPLY}`);
     await page.getByTestId('gallery-case').getByRole('link').first().click();
     await page.getByTestId('case-open').click();
@@ -46,27 +49,31 @@ describe('the viewer on plain static hosting, below a path', () => {
 });
 
 describe('files that the address of the viewer names', () => {
-  it('are opened relative to the page, one or several, and what cannot be is told', async () => {
+  it('are opened relative to the page, and shown together', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply&${CHEAPLY}`);
     await waitForScene(page, 'a.ply and b.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 clouds · 500 splats');
+  });
 
+  it('may be named by `url`, too', async () => {
+    const page = await harness.newPage();
     await page.goto(`${host.url}index.html?url=b.ply&${CHEAPLY}`);
     await waitForScene(page, 'b.ply');
     expect(await textOf(page, 'scene')).toContain('100 splats');
+  });
 
+  it('leave the scene beside an error where they are missing, or no address', async () => {
+    const page = await harness.newPage();
     await page.goto(`${host.url}index.html${CHEAP}&src=missing.ply`);
-    await page.getByTestId('error').waitFor();
-    expect(await textOf(page, 'error-message')).toContain('missing.ply');
     await waitForScene(page, 'Still life, small', 'error');
+    expect(await textOf(page, 'error-message')).toContain('missing.ply');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
 
     await page.goto(`${host.url}index.html${CHEAP}&src=http://[`);
-    await page.getByTestId('error').waitFor();
-    expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
     await waitForScene(page, 'Still life, small', 'error');
+    expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
   });
 });
 
@@ -98,52 +105,73 @@ async function waitForKept(page: Page, name: string | null): Promise<void> {
   }, name);
 }
 
+/** Opens the viewer in a window whose picker gives `mine.ply`, 50 splats, and whose next scene is to be kept. */
+async function openKeeping(): Promise<Page> {
+  const page = await harness.newPage();
+  await page.addInitScript(pickFromOwnFiles);
+  await page.goto(`${host.url}index.html${CHEAP}`);
+  await waitForImage(page);
+  await page.evaluate(
+    async (bytes) => {
+      const folder = await navigator.storage.getDirectory();
+      const writable = await (await folder.getFileHandle('mine.ply', { create: true })).createWritable();
+      await writable.write(Uint8Array.from(bytes));
+      await writable.close();
+    },
+    Array.from(encodePly(testScene(50))),
+  );
+  return page;
+}
+
+async function expectMine(page: Page): Promise<void> {
+  await waitForScene(page, 'mine.ply');
+  expect(await textOf(page, 'scene')).toContain('50 splats');
+  await waitForKept(page, 'mine.ply');
+}
+
+/** Drops `dropped.ply` and loads the page anew, which offers it then. A drop that a script makes has no handles. */
+async function reloadAfterDrop(page: Page): Promise<void> {
+  await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
+  await waitForScene(page, 'dropped.ply');
+  await waitForKept(page, 'dropped.ply');
+  await page.reload();
+  await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
+}
+
 describe('the file that was open', () => {
-  it('is offered again after a reload: read by its handle where there is one, else to be chosen', async () => {
-    const page = await harness.newPage();
-    await page.addInitScript(pickFromOwnFiles);
-    await page.goto(`${host.url}index.html${CHEAP}`);
-    await waitForImage(page);
+  it('is offered after a reload, and read by its handle', async () => {
+    const page = await openKeeping();
     expect(await page.getByTestId('reopen').count()).toBe(0);
-    await page.evaluate(
-      async (bytes) => {
-        const folder = await navigator.storage.getDirectory();
-        const writable = await (await folder.getFileHandle('mine.ply', { create: true })).createWritable();
-        await writable.write(Uint8Array.from(bytes));
-        await writable.close();
-      },
-      Array.from(encodePly(testScene(50))),
-    );
-    const showsMine = async () => {
-      await waitForScene(page, 'mine.ply');
-      expect(await textOf(page, 'scene')).toContain('50 splats');
-      await waitForKept(page, 'mine.ply');
-    };
     await page.getByTestId('command-open').click();
-    await showsMine();
+    await expectMine(page);
     await page.reload();
     await page.getByTestId('reopen').getByText('mine.ply was open before').waitFor();
     await page.getByTestId('reopen-file').click();
-    await showsMine();
+    await expectMine(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
+  });
 
-    // A drop that a script makes has no handles.
-    await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
-    await waitForScene(page, 'dropped.ply');
-    await waitForKept(page, 'dropped.ply');
-    await page.reload();
-    await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
+  it('is to be chosen again after a reload where it has no handle', async () => {
+    const page = await openKeeping();
+    await reloadAfterDrop(page);
     expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
     await page.getByTestId('reopen-file').click();
-    await showsMine();
+    await expectMine(page);
+  });
 
-    await page.reload();
+  it('is forgotten where that is asked for', async () => {
+    const page = await openKeeping();
+    await reloadAfterDrop(page);
     await page.getByTestId('forget-file').click();
     await waitForKept(page, null);
     await page.reload();
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
-    // Another page of this window asks for its own scene.
+  });
+
+  it('is not offered by a page that asks for a scene of its own', async () => {
+    const page = await openKeeping();
+    await reloadAfterDrop(page);
     await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);

@@ -22,6 +22,7 @@ import { MIN_PSNR_DB, referenceImage } from './reference.ts';
 import type { Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
   drawnCamera,
   dropFiles,
   redraw,
@@ -31,7 +32,7 @@ import {
   waitForScene,
 } from './viewer-page.ts';
 
-const { openViewer } = viewerHarness();
+const { shareViewer } = viewerHarness();
 
 const SCENE = testScene();
 type Color = readonly [number, number, number];
@@ -123,31 +124,53 @@ async function checkMap(page: Page, mode: keyof typeof NOTES): Promise<void> {
   expect(map.colors, mode).toBeGreaterThan(10);
 }
 
+/** So small that the float64 reference is quick. */
+const WINDOW = { viewport: { width: 300, height: 200 } };
+
+/** Opens the test's own scene, in a window that tests share, as `mode` shows it. */
+async function openScene(mode: string): Promise<Page> {
+  const page = await shareViewer(
+    `?scene=still-life-small&mode=${mode}&accuracy=reference,rasterizer:tiles`,
+    WINDOW,
+  );
+  await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(SCENE) }]);
+  await waitForScene(page, 'own.ply');
+  return page;
+}
+
+const waitForMode = (page: Page, mode: string) => page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
+
 describe('view modes of the viewer', () => {
-  it('show what their legends say, as float64 does, in the address and in the next scene too', async () => {
-    const accuracy = 'accuracy=reference,rasterizer:tiles';
-    const page = await openViewer(`?scene=still-life-small&mode=ellipsoids&${accuracy}`, {
-      viewport: { width: 300, height: 200 },
-    });
-    await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(SCENE) }]);
-    await waitForScene(page, 'own.ply');
+  it('show what their legends say, as float64 does, in the next scene too', async () => {
+    const page = await openScene('ellipsoids');
     let before: Screenshot | null = null;
     for (const mode of Object.keys(TWINS) as (keyof typeof TWINS)[]) {
       if (mode !== 'ellipsoids') await redraw(page, () => page.keyboard.press('m'));
       expect((await textOf(page, 'mode-legend')).toLowerCase()).toContain(mode);
-      await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
+      await waitForMode(page, mode);
       const shot = await viewerScreenshot(page);
       const psnrDb = await reference(page, mode, shot);
       expect(psnrDb(shot), mode).toBeGreaterThanOrEqual(MIN_PSNR_DB);
       if (before) expect(psnrDb(before), `what was shown before ${mode}`).toBeLessThan(MIN_PSNR_DB - 10);
       before = shot;
     }
-    await redraw(page, () => page.keyboard.press('m'));
+  });
+
+  it('map what a frame costs, and what splats contribute, with numbers', async () => {
+    const page = await openScene('tile-cost');
     for (const mode of ['tile-cost', 'pixel-cost', 'contribution'] as const) {
       if (mode !== 'tile-cost') await page.keyboard.press('m');
-      await page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
+      await waitForMode(page, mode);
       await checkMap(page, mode);
     }
+    await page.keyboard.press('m');
+    await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
+    await page.waitForURL((url) => !url.searchParams.has('mode'));
+  });
+
+  it('say that numbers are older while the camera moves', async () => {
+    const page = await openScene('contribution');
+    await checkMap(page, 'contribution');
     const notes = page.getByTestId('map-notes');
     await notes.evaluate((element) => {
       const note = () => {
@@ -158,11 +181,10 @@ describe('view modes of the viewer', () => {
     await redraw(page, () => page.getByTestId('viewport').press('ArrowLeft'));
     await checkMap(page, 'contribution');
     expect(await notes.getAttribute('data-was-older')).toBe('');
-    await page.keyboard.press('m');
-    await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
-    await page.waitForURL((url) => !url.searchParams.has('mode'));
+  });
 
-    await redraw(page, () => page.setViewportSize({ width: 900, height: 600 }));
+  it('are chosen and left in a panel', async () => {
+    const page = await shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
     await redraw(page, () => page.keyboard.press('v'));
     await redraw(page, () => page.getByTestId('mode-depth').click());
     expect(await page.getByTestId('mode-depth').getAttribute('aria-pressed')).toBe('true');

@@ -29,30 +29,42 @@ const SETTINGS = new TextEncoder().encode(
   }),
 );
 const harness = viewerHarness({ 'a.ply': A, 'b.ply': B });
-/** A size at which the float64 reference is quick, with a rasteriser that does not follow from times. */
 /** Wide enough for the panel to leave the handles in the middle of the picture. */
 const WINDOW = { viewport: { width: 900, height: 260 } };
-const ADDRESS = '?src=a.ply&src=gone.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
+/** The rasteriser does not follow from times, so that pictures of two windows are equal. */
+const BOTH = '?src=a.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
+const FILES = [
+  { name: 'a.ply', bytes: A },
+  { name: 'b.ply', bytes: B },
+];
 
 const titles = (page: Page) => page.getByTestId('part-name').locator('span').allTextContents();
 const matrices = async (page: Page) => (await drawnCamera(page)).modelMatrices;
-const movedAlongX = async (page: Page) => Number(await page.getByTestId('part-move-x').inputValue());
+const moved = async (page: Page, axis: 'x' | 'y') =>
+  Number(await page.getByTestId(`part-move-${axis}`).inputValue());
+
+/** Opens both files in a window that tests share, and the panel in which `b.ply` is chosen. */
+async function openBoth(): Promise<Page> {
+  const page = await harness.openShared(BOTH, WINDOW);
+  await waitForScene(page, 'a.ply and b.ply');
+  await page.keyboard.press('n');
+  await page.getByTestId('part-name').nth(1).click();
+  return page;
+}
 
 describe('several files in the viewer', () => {
-  it('are shown together, stand where they are put, and are linked, saved and opened again so', async () => {
-    const page = await harness.newPage(WINDOW);
-    await page.addInitScript(loseDeviceOnDemand);
-    await page.goto(harness.server.url + ADDRESS);
-    // One that fails leaves the others.
+  it('are shown together but for one that cannot be loaded, which is told and leaves the address', async () => {
+    const page = await harness.openShared('?src=a.ply&src=gone.ply&src=b.ply', WINDOW);
     await waitForScene(page, 'a.ply and b.ply', 'error');
     expect(await textOf(page, 'error-message')).toContain('gone.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 clouds · 260 splats');
     await page.keyboard.press('Escape');
     await page.waitForURL((url) => url.searchParams.getAll('src').join() === 'a.ply,b.ply');
+  });
 
-    await page.keyboard.press('n');
-    await page.getByTestId('part-name').nth(1).click();
+  it('stand where fields of the panel put them, as in float64', async () => {
+    const page = await openBoth();
     await redraw(page, () => page.getByTestId('part-move-x').fill('1.5'));
     await redraw(page, () => page.getByTestId('part-turn-y').fill('90'));
     await redraw(page, () => page.getByTestId('part-scale').fill('0.5'));
@@ -62,32 +74,37 @@ describe('several files in the viewer', () => {
     expect(placed.opacities).toEqual([1, 0.9]);
     const shot = await viewerScreenshot(page);
     expect(psnrAgainstReference(shot, placed, [a, b])).toBeGreaterThan(MIN_PSNR_DB);
+  });
 
-    // The handles in the picture, by key and by pointer.
+  it('are moved by handles in the picture, by key and by pointer', async () => {
+    const page = await openBoth();
     await page.getByTestId('gizmo-x').focus();
     await redraw(page, () => page.keyboard.press('Shift+ArrowRight'));
-    const byKey = await movedAlongX(page);
-    expect(byKey).toBeGreaterThan(1.5);
+    const byKey = await moved(page, 'x');
+    expect(byKey).toBeGreaterThan(0);
     const handle = (await page.getByTestId('gizmo-y').locator('span').boundingBox())!;
     const [x, y] = [handle.x + handle.width / 2, handle.y + handle.height / 2];
     await page.mouse.move(x, y);
     await page.mouse.down();
     await redraw(page, () => page.mouse.move(x, y + 40));
     await page.mouse.up();
-    expect(await movedAlongX(page)).toBe(byKey);
-    const moveY = Number(await page.getByTestId('part-move-y').inputValue());
-    expect(moveY).toBeGreaterThan(0);
+    expect(await moved(page, 'x')).toBe(byKey);
+    expect(await moved(page, 'y')).toBeGreaterThan(0);
     const followed = (await page.getByTestId('gizmo-y').locator('span').boundingBox())!;
     // But for perspective, which shows the axis shorter or longer elsewhere.
     expect(Math.abs(followed.y - handle.y - 40)).toBeLessThan(6);
+  });
 
-    // The address tells all of that.
-    const move = `move:${byKey}:${moveY}:0,`;
-    await page.waitForURL((url) => url.searchParams.getAll('place').at(1)?.startsWith(move) === true);
-    const beside = await drawnCamera(page);
+  it('are linked as they stand, without the room that the picture makes for the panel', async () => {
+    const page = await openBoth();
+    await redraw(page, () => page.getByTestId('part-move-x').fill('1.5'));
+    await redraw(page, () => page.getByTestId('part-scale').fill('0.5'));
+    await page.waitForURL(
+      (url) => url.searchParams.getAll('place').at(1)?.startsWith('move:1.5:0:0,') === true,
+    );
     const link = page.url();
-    // The panel, for which the picture has made room, is no part of it.
-    await redraw(page, () => page.keyboard.press('n'));
+    const beside = await drawnCamera(page);
+    await redraw(page, () => page.getByTestId('viewport').press('n'));
     const drawn = await drawnCamera(page);
     expect(drawn.viewMatrix).toEqual(beside.viewMatrix);
     expect(drawn.projectionMatrix).not.toEqual(beside.projectionMatrix);
@@ -95,9 +112,14 @@ describe('several files in the viewer', () => {
     await other.goto(`${link}&noui`);
     await waitForScene(other, 'a.ply and b.ply');
     expect(await drawnCamera(other)).toEqual(drawn);
+  });
 
-    // Splats of both files are selected; those that are removed stay so, whatever happens to the GPU.
-    await page.keyboard.press('i');
+  it('lose splats that are selected in both, even if the GPU is lost then, and are saved as one file', async () => {
+    const page = await harness.newPage(WINDOW);
+    await page.addInitScript(loseDeviceOnDemand);
+    await page.goto(harness.server.url + BOTH);
+    await waitForScene(page, 'a.ply and b.ply');
+    await redraw(page, () => page.keyboard.press('i'));
     await page.getByTestId('inspect-tab-select').click();
     await redraw(page, () => page.getByTestId('select-all').click());
     await page.getByTestId('select-count').getByText('260 of 260 splats are selected').waitFor();
@@ -114,7 +136,6 @@ describe('several files in the viewer', () => {
     await page.evaluate(() => dispatchEvent(new Event('lose-device')));
     await waitForNotice(page, 'GPU was lost');
     await waitForScene(page, 'a.ply and b.ply');
-    expect(await matrices(page)).toEqual(drawn.modelMatrices);
 
     await page.keyboard.press('x');
     await page.getByTestId('save-edited').getByText('Removed splats are not saved').waitFor();
@@ -125,48 +146,62 @@ describe('several files in the viewer', () => {
     expect((await readSplats(await readFile(await download.path()))).count).toBe(260 - selected);
   });
 
-  it('can be added, hidden and removed', async () => {
-    const page = await harness.openViewer(CHEAP, WINDOW);
-    // Settings of SuperSplat's alone are for what is shown.
+  it('stand where they were after the GPU is lost', async () => {
+    const page = await harness.newPage(WINDOW);
+    await page.addInitScript(loseDeviceOnDemand);
+    await page.goto(`${harness.server.url}${BOTH}&place=&place=move:1.5:0:0,scale:0.5`);
+    await waitForScene(page, 'a.ply and b.ply');
+    const before = await matrices(page);
+    expect(before[1]).not.toBeNull();
+    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
+    await waitForNotice(page, 'GPU was lost');
+    await waitForScene(page, 'a.ply and b.ply');
+    expect(await matrices(page)).toEqual(before);
+  });
+
+  it('are added by Shift, or in the right part of the window', async () => {
+    const page = await harness.shareViewer(CHEAP, WINDOW);
+    await page.keyboard.press('n');
+    await dropFiles(page, FILES, undefined, 'viewport', { shiftKey: true });
+    await waitForScene(page, 'Still life, small, a.ply, and b.ply');
+    expect(await titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply']);
+    const isAimed = async () => {
+      expect(await page.getByTestId('drop-add').getAttribute('data-aimed')).toBe('true');
+    };
+    const inRightPart = { clientX: 850, clientY: 100 };
+    await dropFiles(page, FILES.slice(0, 1), isAimed, 'viewport', inRightPart);
+    await waitForScene(page, 'Still life, small, a.ply, and 2 more');
+    expect(await titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply', 'a.ply']);
+  });
+
+  it('take the place of what is shown where they are dropped elsewhere', async () => {
+    const page = await harness.shareViewer(CHEAP, WINDOW);
+    await page.keyboard.press('n');
+    await dropFiles(page, FILES);
+    await waitForScene(page, 'a.ply and b.ply');
+    expect(await titles(page)).toEqual(['a.ply', 'b.ply']);
+  });
+
+  it('are hidden and removed one by one, but for the last', async () => {
+    const page = await harness.openShared(`${BOTH}&src=b.ply`, WINDOW);
+    await waitForScene(page, 'a.ply, b.ply, and b.ply');
+    await page.keyboard.press('n');
+    await redraw(page, () => page.getByTestId('part-visible').first().click());
+    expect(await matrices(page)).toHaveLength(2);
+    // Without one that is hidden, the picture is the same.
+    await page.getByTestId('part-remove').first().click();
+    await expect.poll(() => titles(page)).toEqual(['b.ply', 'b.ply']);
+    await redraw(page, () => page.getByTestId('part-remove').first().click());
+    expect(await matrices(page)).toHaveLength(1);
+    expect(await page.getByTestId('part-remove').count()).toBe(0);
+  });
+
+  it('take background and camera from settings of SuperSplat that are dropped alone', async () => {
+    const page = await harness.shareViewer(CHEAP, WINDOW);
     const { viewMatrix } = await drawnCamera(page);
     await redraw(page, () => dropFiles(page, [{ name: 'settings.json', bytes: SETTINGS }]));
     const { background, ...asSet } = await drawnCamera(page);
     expect(background).toEqual([1, 0, 0]);
     expect(asSet.viewMatrix).not.toEqual(viewMatrix);
-    await page.keyboard.press('n');
-    const files = [
-      { name: 'a.ply', bytes: A },
-      { name: 'b.ply', bytes: B },
-    ];
-    await dropFiles(page, files, undefined, 'viewport', { shiftKey: true });
-    await waitForScene(page, 'Still life, small, a.ply, and b.ply');
-    expect(await titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply']);
-    // In the right part of the window there is a place to add.
-    const inRightPart = { clientX: 850, clientY: 100 };
-    await dropFiles(
-      page,
-      files.slice(0, 1),
-      async () => {
-        expect(await page.getByTestId('drop-add').getAttribute('data-aimed')).toBe('true');
-      },
-      'viewport',
-      inRightPart,
-    );
-    await waitForScene(page, 'Still life, small, a.ply, and 2 more');
-    expect(await titles(page)).toHaveLength(4);
-
-    await redraw(page, () => page.getByTestId('part-visible').first().click());
-    expect(await matrices(page)).toHaveLength(3);
-    // Nothing is seen of a hidden one.
-    await page.getByTestId('part-remove').first().click();
-    await expect.poll(() => titles(page)).toHaveLength(3);
-    for (const left of [2, 1]) {
-      await redraw(page, () => page.getByTestId('part-remove').first().click());
-      expect(await matrices(page)).toHaveLength(left);
-    }
-    expect(await page.getByTestId('part-remove').count()).toBe(0);
-    await dropFiles(page, files);
-    await waitForScene(page, 'a.ply and b.ply');
-    expect(await titles(page)).toEqual(['a.ply', 'b.ply']);
   });
 });
