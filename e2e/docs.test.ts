@@ -92,7 +92,14 @@ describe('the documentation site', () => {
 
   it('finds pages by the words that one types, with the keyboard alone', async () => {
     const { page, problems } = await open('guide/loading.html');
-    await page.keyboard.press('Control+k');
+    // The page may not listen to keys yet; and what is typed before the box is there goes nowhere.
+    const box = page.locator('.VPLocalSearchBox input:focus');
+    await expect
+      .poll(async () => {
+        if ((await box.count()) === 0) await page.keyboard.press('Control+k');
+        return box.count();
+      })
+      .toBe(1);
     await page.keyboard.type('depth of field');
     await page.locator('.VPLocalSearchBox .result').first().waitFor();
     await page.keyboard.press('Enter');
