@@ -1,5 +1,5 @@
 // Reads records, which project writes, at each of their precisions, and defines the opacity of a splat at a pixel. Used by
-// keep-colors, pick and the tile stages, per visible splat, and by rasterize, per vertex and per fragment.
+// pick and the tile stages, per visible splat, and by rasterize, per vertex and per fragment.
 import constants::MAX_FRAGMENT_ALPHA;
 import layout::SplatRecord;
 

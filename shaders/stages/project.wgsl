@@ -1,6 +1,6 @@
 // Projects every visible splat: computes its record (centre, axes, depth, colour) and its sort key.
 // Reads the page's plan, the visible splats, the range of depths, the geometry and the spherical harmonics; writes records
-// and keys in the order of visibleSplats, and kept colours if they are on. One thread per visible splat, dispatched per page.
+// and keys in the order of visibleSplats. One thread per visible splat, dispatched per page.
 // All splats of a page have the same degree of spherical harmonics, so it is a condition of linking instead of a branch.
 import constants::CHUNK_SPLATS;
 import constants::MAX_COLOR;
@@ -18,7 +18,6 @@ import package::lib::covariance::screenAxes;
 @if(SHORT_KEYS) import package::lib::depth_key::shortDepthKey;
 import package::lib::depth_key::sortDepth;
 import package::lib::dispatch::linearWorkgroup;
-@if(COLOR_CACHE) import package::lib::kept_color::{colorOfKept, isKeptFor, keptColor};
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
@@ -39,9 +38,6 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(6) var<storage, read_write> records: array<SplatRecord>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;
 @if(SH_1) @group(0) @binding(8) var<storage, read> shRest: array<u32>;
-/// The number of the viewpoint, then an entry per splat of the page.
-@if(COLOR_CACHE && RECORD_F32) @group(0) @binding(18) var<storage, read_write> keptColors: array<vec4u>;
-@if(COLOR_CACHE && !RECORD_F32) @group(0) @binding(18) var<storage, read_write> keptColors: array<vec2u>;
 
 @compute @workgroup_size(PROJECT_WORKGROUP)
 fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -57,8 +53,7 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   let onScreen = screenSplat(view, page.linear, splat, centerView);
   let axes = screenAxes(onScreen.covariance, view.dilationPx2);
 
-  @if(!COLOR_CACHE) var color = evaluatedColor(splat, splatIndex);
-  @if(COLOR_CACHE) var color = keptOrEvaluatedColor(splat, splatIndex);
+  var color = evaluatedColor(splat, splatIndex);
   // A negative radiance has no meaning, and would darken the splats behind it; one beyond the target's range would become
   // infinite there, and NaN under the next splat.
   @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
@@ -87,17 +82,6 @@ fn evaluatedColor(splat: Splat, splatIndex: u32) -> vec3f {
   var color = shBase(splat.colorDc);
   @if(SH_1) { color += shAboveBase(splatIndex, viewDirection(splat.position)); }
   return color;
-}
-
-@if(COLOR_CACHE)
-fn keptOrEvaluatedColor(splat: Splat, splatIndex: u32) -> vec3f {
-  let viewpoint = keptColors[0].x;
-  var kept = keptColors[splatIndex + 1u];
-  if (!isKeptFor(kept, viewpoint)) {
-    kept = keptColor(clamp(evaluatedColor(splat, splatIndex), vec3f(0.0), vec3f(MAX_COLOR)), viewpoint);
-    keptColors[splatIndex + 1u] = kept;
-  }
-  return colorOfKept(kept);
 }
 
 /// Largest float16: a longer axis would become infinite, so it is shortened and keeps its direction.

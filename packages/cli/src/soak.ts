@@ -35,7 +35,7 @@ function textOf(report: SoakReport): string {
       .toSorted(([, a], [, b]) => b - a)
       .map(([name, count]) => `${name} ${count}`)
       .join(', ')}`,
-    `pictures equal to those of fresh engines, bit for bit: ${report.pictures}; only when drawn anew, without kept colours: ${report.ofKeptColors}`,
+    `pictures equal to those of fresh engines, bit for bit: ${report.pictures}`,
     `GPU memory: ${mib(gpuBytes.most)} at most, ${mib(gpuBytes.atRest)} without clouds and views, every time`,
     heapBytes && `JavaScript heap: ${mib(heapBytes.early)} after a tenth, ${mib(heapBytes.end)} at the end`,
     '',

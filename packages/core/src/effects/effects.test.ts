@@ -136,10 +136,7 @@ describe('effects', () => {
 
   test('all together leave stages within the eight storage buffers that every device has', () => {
     const effects = effectSetOf(usesOf({ effects: EFFECT_EXAMPLES }));
-    for (const stage of [
-      cullSplats({ ...CULL, effects }),
-      project({ ...PROJECT, effects, keepsColors: true }),
-    ]) {
+    for (const stage of [cullSplats({ ...CULL, effects }), project({ ...PROJECT, effects })]) {
       const kinds = Object.values(stage.bindings).map(([, kind]) => kind);
       expect(kinds.filter((kind) => kind === 'read' || kind === 'read-write').length).toBeLessThanOrEqual(8);
     }

@@ -113,7 +113,7 @@ function ownValues(values: GpuValues<GpuFields> | null): GpuValues<GpuFields> | 
   return Object.fromEntries(own);
 }
 
-/** Returns the shape of one cloud, without kept colours: see `withKeptColors`. */
+/** Returns the shape of one cloud. */
 export function cloudShape(
   { instance, effects }: CloudPlan,
   accuracy: AccuracySettings,
@@ -127,7 +127,6 @@ export function cloudShape(
     shDegree: Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
     isIsotropic: !omitted.includes('isotropic') && isIsotropic(cloud.facts, effects),
     hasFaintSplats: !omitted.includes('faint-splats') && hasFaintSplats(cloud.facts, effects, accuracy),
-    keepsColors: false,
   };
 }
 

@@ -28,15 +28,6 @@ export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] =
   );
 });
 
-/** Index of each cloud's first page; −1 for a cloud without pages. */
-export const firstPagesOf = perShape((shape: FrameShape): readonly number[] => {
-  const first = shape.clouds.map(() => -1);
-  for (const [index, { cloudIndex }] of pagesOf(shape).entries()) {
-    if (first[cloudIndex] < 0) first[cloudIndex] = index;
-  }
-  return first;
-});
-
 /** Largest number of workgroups that the visible splats of a page can take, at one thread per splat. */
 export function projectWorkgroups(chunkCount: number): number {
   return Math.ceil((chunkCount * CHUNK_SPLATS) / SHADER_CONSTANTS.PROJECT_WORKGROUP);

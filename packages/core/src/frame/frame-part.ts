@@ -59,8 +59,6 @@ export class SharedMemory {
   hostDepth: GPUBuffer | null = null;
   /** One `HostViewport`, for frames inside another renderer's frame. */
   viewport: GPUBuffer | null = null;
-  /** Buffers of kept colours, by page of the frame; null for pages that keep none. */
-  keptColors: readonly (GPUBuffer | null)[] = [];
   /** The layer that splats are blended in: of the image's size, or smaller. */
   blended: LayerTextures | null = null;
   /** The blended splats at the image's size. */

@@ -80,7 +80,7 @@ export interface PlanOptions {
 }
 
 /**
- * Plans a frame, without kept colours and with an order of its own: see `withKeptColors` and `withTakenOrder`.
+ * Plans a frame with an order of its own: see `withTakenOrder`.
  *
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
  */
@@ -146,27 +146,6 @@ export function planFrame(request: FrameRequest & OrderSharing, options: PlanOpt
 /** Returns `plan` with the shape of `last`, if that is the same. */
 export function withShape(plan: FramePlan, last: FramePlan | null): FramePlan {
   return last && isSameShape(last.shape, plan.shape) ? { ...plan, shape: last.shape } : plan;
-}
-
-/** Returns `plan` with the colours of the clouds in `keeps` kept. It has the shape of `last` if the two are equal. */
-export function withKeptColors(
-  plan: FramePlan,
-  keeps: readonly boolean[],
-  last: FramePlan | null,
-): FramePlan {
-  // Field by field: a spread of fifty clouds per frame shows in profiles.
-  const clouds = plan.shape.clouds.map(
-    ({ cloud, planes, effects, shDegree, isIsotropic, hasFaintSplats }, i) => ({
-      cloud,
-      planes,
-      effects,
-      shDegree,
-      isIsotropic,
-      hasFaintSplats,
-      keepsColors: keeps[i],
-    }),
-  );
-  return withShape({ ...plan, shape: { ...plan.shape, clouds } }, last);
 }
 
 function rasterizerOf({ accuracy, depth, faster }: PlanOptions): FrameRasterizer {

@@ -19,8 +19,6 @@ export interface CloudShape {
   readonly isIsotropic: boolean;
   /** Whether splats may be fainter than the cutoff, if only after effects: shaders then test each. */
   readonly hasFaintSplats: boolean;
-  /** Whether colours are kept for frames from the same viewpoint. */
-  readonly keepsColors: boolean;
 }
 
 /** Where a frame's image goes. */
@@ -77,10 +75,6 @@ export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
   return accuracy.resolutionScale < 1;
 }
 
-export function keepsColors({ clouds }: FrameShape): boolean {
-  return clouds.some((cloud) => cloud.keepsColors);
-}
-
 /** Whether frames of both shapes can be pre-processed with the same buffers, maybe by other shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
@@ -135,8 +129,7 @@ function isSameCloudShape(a: CloudShape, b: CloudShape): boolean {
     a.effects === b.effects &&
     a.shDegree === b.shDegree &&
     a.isIsotropic === b.isIsotropic &&
-    a.hasFaintSplats === b.hasFaintSplats &&
-    a.keepsColors === b.keepsColors
+    a.hasFaintSplats === b.hasFaintSplats
   );
 }
 

@@ -17,7 +17,6 @@ import type { FramePlan, LentOrder } from './frame-plan.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 import { Compose } from './parts/compose.ts';
 import { Composite } from './parts/composite.ts';
-import { KeptColors } from './parts/kept-colors.ts';
 import { Preprocess } from './parts/preprocess.ts';
 import { Quads } from './parts/quads.ts';
 import { ResolveDepth } from './parts/resolve-depth.ts';
@@ -28,7 +27,7 @@ import { Upscale } from './parts/upscale.ts';
 
 // The order of a frame. Nothing else orders parts; each part orders its own stages.
 //
-// Kept colours come first: they are taken from the last frame. Then the visible splats are found and sorted, and then drawn.
+// The visible splats are found and sorted, and then drawn.
 // A view inside another renderer's frame submits the first half itself and records the second half for its host to submit.
 
 /** Parts that find the visible splats, their order and, for tiles, their place. */
@@ -44,7 +43,7 @@ const DRAWING = [
   Compose,
 ] as const satisfies readonly PartClass<DrawRecording>[];
 
-const PARTS = [KeptColors, ...ORDERING, ...DRAWING] as const;
+const PARTS = [...ORDERING, ...DRAWING] as const;
 
 /** All stages that frames of this shape run; compile them before drawing. */
 export const frameStages = perShape((shape): readonly CompiledStage[] =>
@@ -53,7 +52,6 @@ export const frameStages = perShape((shape): readonly CompiledStage[] =>
 
 /** The parts of one view's frames, with their GPU memory. Fit and record frames under `GpuMemory.guard`. */
 export class FrameParts {
-  readonly keptColors: KeptColors;
   readonly preprocess: Preprocess;
   readonly sort: Sort;
   readonly tileLists: TileLists;
@@ -65,7 +63,6 @@ export class FrameParts {
   /** The order of the last frame, if that has found it for views from beside, too. */
   lentOrder: LentOrder | null = null;
   readonly #memory: GpuMemory;
-  readonly #device: GPUDevice;
   readonly #ordering: readonly FramePart<OrderRecording>[];
   readonly #drawing: readonly FramePart<DrawRecording>[];
   readonly #parts: readonly FramePart<never>[];
@@ -77,8 +74,6 @@ export class FrameParts {
     const { shared } = this;
     const own = { ...context, memory: context.memory.part(), shared };
     this.#memory = own.memory;
-    this.#device = own.device;
-    this.keptColors = new KeptColors(own);
     this.#ordering = ORDERING.map((Part) => new Part(own));
     this.#drawing = DRAWING.map((Part) => new Part(own));
     this.#parts = [...this.#ordering, ...this.#drawing];
@@ -127,7 +122,6 @@ export class FrameParts {
       this.shared.buffers = { ...this.shared.buffers };
     }
     try {
-      this.#keepColors(plan);
       // The old memory is freed before the new is made: both together would be the most that a view ever holds.
       for (const change of changes) change.free();
       for (const change of changes) change.make();
@@ -176,16 +170,6 @@ export class FrameParts {
     this.#isDestroyed = true;
     this.lentOrder = null;
     this.#memory.destroyAll();
-  }
-
-  /** Takes colours from the records of the last frame, before they are replaced or overwritten. */
-  #keepColors(plan: FramePlan): void {
-    const pages = this.keptColors.keep(plan);
-    const { shape } = this;
-    if (!shape || pages.length === 0) return;
-    const encoder = this.#device.createCommandEncoder({ label: 'websplatter keep colors' });
-    this.keptColors.record(encoder, shape, pages);
-    this.#device.queue.submit([encoder.finish()]);
   }
 }
 

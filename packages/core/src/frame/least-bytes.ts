@@ -14,7 +14,7 @@ export interface PassBytes {
   readonly written: number;
 }
 
-/** A frame that was drawn, without kept colours and host. */
+/** A frame that was drawn, without a host. */
 export interface DrawnFrame {
   readonly shape: FrameShape;
   readonly statistics: Pick<

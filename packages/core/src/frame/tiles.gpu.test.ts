@@ -274,11 +274,6 @@ describe('a view with tiles', () => {
         expect(isSameImage(data, (await fresh.readPixels()).data)).toBe(true);
         fresh.destroy();
       };
-      // Shaders that keep colours are compiled in the background.
-      for (let i = 0; !own.shape?.clouds[0].keepsColors; i++) {
-        await expectAsNew(frame(i, 0.2));
-        if (i > 100) expect.fail('no colours are kept');
-      }
       for (const [angle, red] of [
         [0, 0.2],
         [0, 0.9],

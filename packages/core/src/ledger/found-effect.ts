@@ -6,7 +6,6 @@ import type { CloudShape } from '../frame/frame-shape.ts';
 export interface EffectHoldings {
   /** Selection of one cloud: a bit per splat, if an effect takes it. */
   selectionBytes(cloudIndex: number): number;
-  readonly keptColorsBytes: number;
   /** The host's depth that splats are tested against. */
   readonly testedDepthBytes: number;
   /** The splats' own depth, for the host. */

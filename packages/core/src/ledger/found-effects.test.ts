@@ -9,10 +9,7 @@ import { withoutConditions } from '../testing/without-conditions.ts';
 import { FOUND_EFFECTS } from './found-effects.ts';
 
 /** Stages that exist for one effect, and never run without it. */
-const OWN_STAGES: Readonly<Record<string, string>> = {
-  'depth-test': 'resolve-depth',
-  'kept-colors': 'keep-colors',
-};
+const OWN_STAGES: Readonly<Record<string, string>> = { 'depth-test': 'resolve-depth' };
 /** They pack harmonics or answer what is asked of a frame, and are no stages of one. */
 const BESIDE_FRAMES: readonly string[] = ['ingest-rows', 'repack-sh', 'cover-points'];
 /** Conditions of code that is linked only together with an effect. */

@@ -4,7 +4,6 @@ import { distanceOrder } from './found/distance-order.ts';
 import { faintSplats } from './found/faint-splats.ts';
 import { harmonics } from './found/harmonics.ts';
 import { isotropic } from './found/isotropic.ts';
-import { keptColors } from './found/kept-colors.ts';
 import { orthographic } from './found/orthographic.ts';
 import { tiles } from './found/tiles.ts';
 import { transform } from './found/transform.ts';
@@ -18,7 +17,6 @@ export const FOUND_EFFECTS: readonly FoundEffect[] = [
   transform,
   orthographic,
   distanceOrder,
-  keptColors,
   depthTest,
   depthWrite,
   tiles,

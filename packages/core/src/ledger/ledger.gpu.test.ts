@@ -1,14 +1,13 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { Accuracy } from '../accuracy/accuracy.ts';
-import type { Camera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
 import type { EffectUse } from '../effects/effect.ts';
 import { CLOUD_EFFECTS } from '../effects/effects.ts';
 import { tint } from '../effects/tint.ts';
 import { frameStages } from '../frame/frame.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
-import { identity4, multiply4 } from '../math/mat4.ts';
+import { identity4 } from '../math/mat4.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
 import { FOUND_SHADERS } from '../testing/found-shaders.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
@@ -37,12 +36,6 @@ async function ledgerOf(clouds: readonly CloudInstance[], camera = CAMERAS.persp
   view.render({ camera, clouds, accuracy, ...SIZE });
   await view.whenDrawn();
   return Object.fromEntries(view.effects().map((entry) => [entry.name, entry]));
-}
-
-/** The camera at the same place, rolled about its line of sight by a quarter turn. */
-function rolled(camera: Camera): Camera {
-  const quarter = Float64Array.of(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
-  return { ...camera, viewMatrix: multiply4(quarter, camera.viewMatrix) };
 }
 
 describe('the ledger of requested effects', () => {
@@ -176,32 +169,6 @@ describe('the ledger of found effects', () => {
     expect(await placement(TEST_MODELS.sheared)).toMatch(/sheared/);
     const twice = identity4().map((value, i) => (i < 15 ? 2 * value : value));
     expect(await placement(twice)).toMatch(/alike/);
-    cloud.destroy();
-  });
-
-  gpuTest('kept colours: only while the camera turns in place, and how many bytes', async () => {
-    const cloud = engine.add(SET);
-    const fresh = engine.createView();
-    const keptFrom = async (camera: Camera) => {
-      fresh.render({ camera, clouds: [{ cloud }], ...SIZE });
-      await fresh.whenDrawn();
-      return fresh.effects().find(({ name }) => name === 'kept-colors')!;
-    };
-    let camera = CAMERAS.inside;
-    let kept = await keptFrom(camera);
-    expect(kept).toMatchObject({ isOn: false, bytes: 0 });
-    // Until its shaders are compiled, the effect is off.
-    await expect
-      .poll(async () => {
-        camera = rolled(camera);
-        kept = await keptFrom(camera);
-        return kept.isOn;
-      })
-      .toBe(true);
-    expect(kept).toMatchObject({ isOn: true, reason: 'the camera has turned and not moved' });
-    // Per splat its colour and the number of its viewpoint, and one number in front.
-    expect(kept.bytes).toBe(8 * (SET.count + 1));
-    fresh.destroy();
     cloud.destroy();
   });
 

@@ -34,9 +34,9 @@ describe('measureEffects', () => {
       onProgress: ({ done, total, label }) => steps.push(`${done}/${total} ${label}`),
     });
     expect(engine.memory().totalBytes).toBe(before);
-    expect(costs.map(({ name }) => name)).toEqual(['harmonics', 'kept-colors', 'tint']);
-    expect(steps[0]).toBe('0/3 Timing View-dependent colour');
-    expect(steps.at(-1)).toBe('2/3 Timing Tint');
+    expect(costs.map(({ name }) => name)).toEqual(['harmonics', 'tint']);
+    expect(steps[0]).toBe('0/2 Timing View-dependent colour');
+    expect(steps.at(-1)).toBe('1/2 Timing Tint');
   });
 
   gpuTest('compares frames that are drawn in the same buffers', async () => {
@@ -44,7 +44,7 @@ describe('measureEffects', () => {
     await measureEffects(engine, frame, { frames: 1 });
     const labels = createBuffer.mock.calls.map(([{ label }]) => label);
     createBuffer.mockRestore();
-    for (const label of ['frame records', 'frame visibleSplats', 'frame kept colors'])
+    for (const label of ['frame records', 'frame visibleSplats'])
       expect(labels.filter((made) => made === label)).toEqual([label]);
   });
 

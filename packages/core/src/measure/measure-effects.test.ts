@@ -13,7 +13,6 @@ const COSTS_MS: Readonly<Record<string, number>> = {
   harmonics: 3,
   isotropic: -2,
   'faint-splats': 0,
-  'kept-colors': -1,
   tint: 0.5,
 };
 const FRAME_MS = 10;
@@ -62,12 +61,11 @@ function fakeEngine(): SplatEngine {
   return { device, lost: new Promise(() => {}), accuracy: {}, createView } as unknown as SplatEngine;
 }
 
-function effectsOf({ clouds: [{ shDegree = 3, effects = [] }], force }: FrameRequest): string[] {
+function effectsOf({ clouds: [{ shDegree = 3, effects = [] }] }: FrameRequest): string[] {
   return [
     ...(shDegree > 0 ? ['harmonics'] : []),
     'isotropic',
     'faint-splats',
-    ...(force ? [] : ['kept-colors']),
     ...effects.filter(({ reason }) => reason !== null).map(({ effect }) => effect.name),
   ];
 }

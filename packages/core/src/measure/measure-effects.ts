@@ -1,12 +1,10 @@
 import { isAccuracyWish } from '../accuracy/accuracy-wish.ts';
-import type { Camera } from '../camera/camera.ts';
 import { antialias } from '../effects/antialias.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { OmittableEffect } from '../frame/frame-shape.ts';
 import { FOUND_EFFECTS } from '../ledger/found-effects.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
-import { multiply4 } from '../math/mat4.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
@@ -42,10 +40,8 @@ const DEFAULT_FRAMES = 15;
  * a frame by more than an effect does, so both kinds use the same ones and only other shaders. The first frame after each
  * change is not counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame has read.
  *
- * Measures, in the ledger's order: the requested effects; the found effects that a frame can do without (`harmonics`,
- * `isotropic`, `faint-splats`); and `kept-colors`, whether on or not, with a camera that turns in place. Frames without kept
- * colours evaluate every colour and leave the kept ones alone; the first frame with them, which is not counted, fills them,
- * and the counted one after it finds all colours there. If `frame` has a wish, the engine's settings are measured. An effect
+ * Measures, in the ledger's order, the requested effects, and the found effects that a frame can do without (`harmonics`,
+ * `isotropic`, `faint-splats`). If `frame` has a wish, the engine's settings are measured. An effect
  * that moves splats may lengthen sort keys, which takes new buffers: only then do the two kinds of frames not share theirs.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
@@ -67,7 +63,8 @@ export async function measureEffects(
     const costs: EffectCost[] = [];
     for (const [index, comparison] of comparisons.entries()) {
       const { entry } = comparison;
-      if (!(await warmUp(frameTimer, view, comparison))) continue;
+      // Not counted: it makes shaders and buffers.
+      await frameTimer.draw(comparison.without);
       const differencesMs: number[] = [];
       for (let pair = 0; pair < frames; pair++) {
         signal?.throwIfAborted();
@@ -88,8 +85,7 @@ export async function measureEffects(
 
 /** Frames that should all take the same time. */
 interface FrameKind {
-  /** Returns the next request to draw. */
-  readonly next: () => FrameRequest;
+  readonly request: FrameRequest;
   readonly omitted: readonly OmittableEffect[];
 }
 
@@ -98,8 +94,6 @@ interface Comparison {
   readonly entry: EffectEntry;
   readonly with: FrameKind;
   readonly without: FrameKind;
-  /** Whether the effect starts on its own, with the second frame or a later one. */
-  readonly comesLater: boolean;
 }
 
 /** Draws frames of several kinds in one view. */
@@ -123,7 +117,7 @@ class FrameTimer {
   async draw(kind: FrameKind): Promise<number> {
     this.#view.omitEffects(kind.omitted);
     this.#last = kind;
-    const { timing } = await drawMeasured(this.#engine, this.#view, kind.next());
+    const { timing } = await drawMeasured(this.#engine, this.#view, kind.request);
     return timing.totalMs;
   }
 }
@@ -131,24 +125,13 @@ class FrameTimer {
 /** Returns null for effects that a frame cannot do without, and for effects that are off. */
 function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | null {
   const { name, isOn } = entry;
-  const whole: FrameKind = { next: () => request, omitted: [] };
-  const comparedWith = (without: FrameKind): Comparison => ({
-    entry,
-    with: whole,
-    without,
-    comesLater: false,
-  });
-  if (name === 'kept-colors') {
-    const turned = turning(request);
-    // Forced frames keep no colours.
-    const keeping: FrameKind = { next: () => ({ ...turned(), force: false }), omitted: [] };
-    return { entry, with: keeping, without: { next: turned, omitted: [] }, comesLater: true };
-  }
+  const whole: FrameKind = { request, omitted: [] };
+  const comparedWith = (without: FrameKind): Comparison => ({ entry, with: whole, without });
   if (!isOn) return null;
   if (name === 'isotropic' || name === 'faint-splats') return comparedWith({ ...whole, omitted: [name] });
   if (name === 'harmonics') {
     const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
-    return comparedWith({ ...whole, next: () => ({ ...request, clouds }) });
+    return comparedWith({ ...whole, request: { ...request, clouds } });
   }
   if (FOUND_EFFECTS.some((found) => found.name === name)) return null;
   const clouds = request.clouds.map(({ opacity, effects = [], ...instance }) => {
@@ -160,35 +143,7 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
       effects: name === 'antialias' ? [...others, antialias(false)] : others,
     };
   });
-  return comparedWith({ ...whole, next: () => ({ ...request, clouds }) });
-}
-
-/** Draws frames that are not counted, which make shaders and buffers. Returns whether the effect takes part after that. */
-async function warmUp(frameTimer: FrameTimer, view: MeasuredView, comparison: Comparison): Promise<boolean> {
-  await frameTimer.draw(comparison.without);
-  if (!comparison.comesLater) return true;
-  for (let attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
-    await frameTimer.draw(comparison.with);
-    if (view.effects().some(({ name, isOn }) => name === comparison.entry.name && isOn)) return true;
-  }
-  return false;
-}
-
-/** If shaders have not been compiled after this many frames, they never will be. */
-const MOST_ATTEMPTS = 30;
-/** Far less than a pixel across any image. */
-const TURN_RADIANS = 1e-6;
-
-/** Requests from one place; each turns the camera a little further about its line of sight. */
-function turning(request: FrameRequest): () => FrameRequest {
-  let turns = 0;
-  return () => {
-    const angle = ++turns * TURN_RADIANS;
-    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-    const turn = Float64Array.of(cos, sin, 0, 0, -sin, cos, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
-    const camera: Camera = { ...request.camera, viewMatrix: multiply4(turn, request.camera.viewMatrix) };
-    return { ...request, camera };
-  };
+  return comparedWith({ ...whole, request: { ...request, clouds } });
 }
 
 function checkOptions(

@@ -10,7 +10,7 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../shaders/{lib,stages}/*.wgsl',
-    '!../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,ingest-*,keep-colors,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
+    '!../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,ingest-*,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
     '!../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
@@ -103,7 +103,6 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   DISTANCE_ORDER: false,
   FIXED_EXTENT: false,
   FRUSTUM_CULLING: false,
-  COLOR_CACHE: false,
   ISOTROPIC: false,
   FAINT_SPLATS: false,
   SPLAT_EFFECTS: false,

@@ -1,12 +1,10 @@
 import compose from '../../../../shaders/stages/compose.wgsl?raw';
-import keepColors from '../../../../shaders/stages/keep-colors.wgsl?raw';
 import resolveDepth from '../../../../shaders/stages/resolve-depth.wgsl?raw';
 import upscale from '../../../../shaders/stages/upscale.wgsl?raw';
 
 /** Texts of stages that most pages never run, and of those that draw over a host's image. */
 export const RARE_TEXTS = {
   compose,
-  'keep-colors': keepColors,
   'resolve-depth': resolveDepth,
   upscale,
 } as const;

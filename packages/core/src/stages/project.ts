@@ -26,13 +26,11 @@ export interface ProjectVariant {
   readonly effects?: EffectSet;
   /** Whether all splats are balls, even after effects; default false. */
   readonly isIsotropic?: boolean;
-  /** Whether colours are kept for frames from the same viewpoint; default false. */
-  readonly keepsColors?: boolean;
 }
 
 /** Writes the record and the sort key of each visible splat of a page. */
 export function project(variant: ProjectVariant): StageDefinition {
-  const { shDegree, shortKeyBits, effects = NO_EFFECTS, keepsColors = false } = variant;
+  const { shDegree, shortKeyBits, effects = NO_EFFECTS } = variant;
   const isPalette = variant.shPrecision === 'palette';
   const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
   const bindings: Record<string, readonly [number, BindingKind]> = {
@@ -47,7 +45,6 @@ export function project(variant: ProjectVariant): StageDefinition {
     ...effectBindings(effects, ['splat', 'color']),
   };
   if (shDegree >= 1) bindings.shRest = [8, 'read'];
-  if (keepsColors) bindings.keptColors = [18, 'read-write'];
   return {
     stage: 'project',
     entryPoint: 'project',
@@ -64,7 +61,6 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_F16: shDegree >= 1 && shPrecision === 'f16',
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
       SH_PALETTE: isPalette,
-      COLOR_CACHE: keepsColors,
       ISOTROPIC: variant.isIsotropic === true,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
       OPACITY_EFFECTS: hasHook(effects, 'opacity'),

@@ -17,7 +17,6 @@ export const FOUND_SHADERS: Readonly<Record<string, FoundShaders>> = {
   transform: { conditions: [], bindings: [] },
   orthographic: { conditions: ['ORTHOGRAPHIC'], bindings: [] },
   'distance-order': { conditions: ['DISTANCE_ORDER'], bindings: [] },
-  'kept-colors': { conditions: ['COLOR_CACHE'], bindings: ['keptColors'] },
   'depth-test': {
     conditions: ['DEPTH_TEST', 'DEPTH_LOGARITHMIC', 'MULTISAMPLED', 'REVERSED_DEPTH'],
     bindings: ['hostDepth', 'hostDepths', 'testedDepth'],

@@ -17,7 +17,6 @@ import { ingestKeys } from '../stages/ingest-keys.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestScatter } from '../stages/ingest-scatter.ts';
 import { ingestSettle } from '../stages/ingest-settle.ts';
-import { keepColors } from '../stages/keep-colors.ts';
 import { pick } from '../stages/pick.ts';
 import { planCull } from '../stages/plan-cull.ts';
 import { planProject } from '../stages/plan-project.ts';
@@ -127,7 +126,6 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       tileCosts(recordPrecision, 'counts'),
       tileCosts(recordPrecision, 'map'),
     ]),
-    ...RECORD.map(keepColors),
     ...GEOMETRY.flatMap((geometryPrecision) => [
       ingestSettle(geometryPrecision),
       ingestKeys(geometryPrecision),
@@ -194,7 +192,6 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     const precisions = { geometryPrecision: 'packed', recordPrecision, shPrecision: 'u8' } as const;
     const degrees = { storedShDegree: 3, shDegree: 3 } as const;
     const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
-    stages.push(project({ ...frame, ...precisions, ...degrees, keepsColors: true }));
     stages.push(project({ ...frame, ...precisions, ...degrees, isIsotropic: true }));
     stages.push(project({ ...frame, ...precisions, ...degrees, sortsByDistance: true }));
   }

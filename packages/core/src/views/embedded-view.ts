@@ -78,7 +78,7 @@ export class EmbeddedView extends ViewCore {
       this.#order(plan);
       // Prepare for occluders: they are to hide these splats from their first frame on.
       if (isAsked && request.depth && !depth) {
-        this.expect('occluders', plan.shape, (drawn) => ({ ...drawn, depth: withOccluders! }));
+        this.expect(plan.shape, (drawn) => ({ ...drawn, depth: withOccluders! }));
       }
     }
     this.shown(request);

@@ -4,16 +4,9 @@ import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../err
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination, QuadsSample } from '../frame/frame-part.ts';
-import {
-  type FramePlan,
-  type LentOrder,
-  planFrame,
-  showsClouds,
-  withKeptColors,
-} from '../frame/frame-plan.ts';
+import { type FramePlan, type LentOrder, planFrame, showsClouds } from '../frame/frame-plan.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
-import { canKeepColors } from '../frame/parts/kept-colors.ts';
 import { isSameColors, isSameOrder, withTakenOrder } from '../frame/plan-difference.ts';
 import { RecentNeeds } from '../frame/recent-needs.ts';
 import type { BallotDevice } from '../gpu/device.ts';
@@ -127,8 +120,8 @@ export abstract class ViewCore {
   #isColorsOnly = false;
   #wait: Wait | null = null;
   #whenDrawn: Promise<void> = Promise.resolve();
-  /** By reason: the drawn shape whose expected successor has its shaders already; see `expect`. */
-  readonly #expected = new Map<string, FrameShape>();
+  /** The drawn shape whose expected successor has its shaders already; see `expect`. */
+  #expectedAfter: FrameShape | null = null;
   /** Shapes whose shaders have been compiled. */
   readonly #ready = new WeakSet<FrameShape>();
   #frameNumber = 0;
@@ -228,12 +221,11 @@ export abstract class ViewCore {
   effects(): readonly EffectEntry[] {
     if (!this.#prepared) return [];
     const { memory } = this.context;
-    const { shared, preprocess, keptColors, resolveDepth, compose, tileLists } = this.parts;
+    const { shared, preprocess, resolveDepth, compose, tileLists } = this.parts;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
       selectionBytes: (cloudIndex: number) => preprocess.selectionBytes(cloudIndex),
-      keptColorsBytes: keptColors.bytes,
       testedDepthBytes: bytesOf([shared.hostDepth]) + resolveDepth.bytes,
       writtenDepthBytes: bytesOf([
         shared.image?.depthLayer,
@@ -376,7 +368,7 @@ export abstract class ViewCore {
       return { plan: asked, stands: true, isAsked: true };
     }
     this.#asked = null;
-    const plan = this.#withCompiledRasterizer(this.#keepingColors(asked), depths[0]);
+    const plan = this.#withCompiledRasterizer(asked, depths[0]);
     if (this.#lack && isAsLarge(plan, this.#lack)) {
       this.isLackingRoom = true;
       const last = this.#prepared;
@@ -394,18 +386,14 @@ export abstract class ViewCore {
   }
 
   /**
-   * Compiles the shaders of a shape that may follow the drawn one, so that they are ready when `reason` requires them.
+   * Compiles the shaders of a shape that may follow the drawn one, so that they are ready then.
    *
    * @param change returns the expected shape for the drawn one.
    */
-  protected expect(
-    reason: 'turning in place' | 'occluders',
-    drawn: FrameShape,
-    change: (drawn: FrameShape) => FrameShape,
-  ): void {
-    if (this.#expected.get(reason) === drawn) return;
+  protected expect(drawn: FrameShape, change: (drawn: FrameShape) => FrameShape): void {
+    if (this.#expectedAfter === drawn) return;
     const shape = change(drawn);
-    if (this.#isReady(shape)) this.#expected.set(reason, drawn);
+    if (this.#isReady(shape)) this.#expectedAfter = drawn;
     else this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
   }
 
@@ -562,7 +550,7 @@ export abstract class ViewCore {
     this.#sound = this.#soundBefore = null;
     this.#prepared = null;
     this.#needs = new RecentNeeds();
-    this.#expected.clear();
+    this.#expectedAfter = null;
   }
 
   protected recordOrder(encoder: GPUCommandEncoder): void {
@@ -673,7 +661,7 @@ export abstract class ViewCore {
     if (!last || shape.accuracy.rasterizer !== 'auto' || shape.rasterizer === last.rasterizer) return plan;
     if (this.#isReady(shape)) return plan;
     this.context.pipelines.prepare(frameStages(shape)).catch(() => {});
-    return this.#keepingColors(this.#plan(request, shape.accuracy, depth, last.rasterizer));
+    return this.#plan(request, shape.accuracy, depth, last.rasterizer);
   }
 
   /** Whether the last frame is the one that `plan` would draw. */
@@ -685,24 +673,6 @@ export abstract class ViewCore {
       isSameOrder(last, plan) &&
       isSameColors(last, plan)
     );
-  }
-
-  /** Keeps the colours of clouds that are seen again from the same place, once the shaders for that have been compiled. */
-  #keepingColors(plan: FramePlan): FramePlan {
-    const { keptColors } = this.parts;
-    const wanted = keptColors.wants(plan);
-    if (wanted.includes(true)) {
-      const keeping = withKeptColors(plan, wanted, this.#prepared);
-      if (this.#isReady(keeping.shape) || !this.#isReady(plan.shape)) return keeping;
-    }
-    // A camera that moves may soon turn in place. Not before a second frame: the first is not to wait for shaders of others.
-    if (this.#prepared?.shape === plan.shape && !plan.request.force) {
-      this.expect('turning in place', plan.shape, () => {
-        const possible = plan.clouds.map((_, i) => canKeepColors(plan, i));
-        return withKeptColors(plan, possible, this.#prepared).shape;
-      });
-    }
-    return plan;
   }
 
   /**
@@ -731,8 +701,7 @@ export abstract class ViewCore {
     });
     const { sortBy } = last.request;
     const plan = this.#plan({ ...request, clouds, sortBy }, last.shape.accuracy, depth);
-    const stopgap = this.#keepingColors(plan);
-    return this.#isReady(stopgap.shape) ? stopgap : null;
+    return this.#isReady(plan.shape) ? plan : null;
   }
 
   #isReady(shape: FrameShape): boolean {

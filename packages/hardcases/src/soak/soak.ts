@@ -43,8 +43,6 @@ export interface SoakReport {
   readonly steps: Readonly<Record<string, number>>;
   /** Pictures that were compared with those of a fresh engine, bit for bit. */
   readonly pictures: number;
-  /** Those of them that were equal only when drawn anew, and before that within one step of 255: colours had been kept. */
-  readonly ofKeptColors: number;
   /** Bytes at most, and when there were neither clouds nor views the last time. */
   readonly gpuBytes: { readonly most: number; readonly atRest: number };
   /** Bytes in use once the first tenth of the frames was drawn, and in the end; null where the caller cannot tell. */
@@ -63,9 +61,6 @@ const INGEST_MIN_ROWS = 200;
  * need took up to 5 MiB in soaks of 150 frames.
  */
 const HEAP_GROWTH_BYTES = 16 * 2 ** 20;
-
-/** A colour that was kept may round otherwise, by one step of the coarsest layer. */
-const KEPT_COLORS_TOLERANCE = 1.01 / 255;
 
 interface Step {
   readonly name: string;
@@ -158,7 +153,6 @@ export async function soak(options: SoakOptions): Promise<SoakReport> {
       elapsedMs: performance.now() - startedMs,
       steps,
       pictures: run.pictures,
-      ofKeptColors: run.ofKeptColors,
       gpuBytes: run.gpuBytes,
       heapBytes: heap,
       failures: run.failures,
@@ -173,7 +167,6 @@ class Soak {
   readonly failures: string[] = [];
   readonly adapterLabel: string;
   pictures = 0;
-  ofKeptColors = 0;
   shown: SoakView;
   readonly #options: SoakOptions;
   #watched: WatchedDevice;
@@ -242,7 +235,7 @@ class Soak {
       const fresh = await this.#freshPicture();
       this.#options.doctor?.(fresh);
       const at = firstDifference(data, fresh);
-      if (at >= 0 && !(await this.#isOfKeptColors(data, fresh))) {
+      if (at >= 0) {
         const pixel = describePixel(this.shown.size.widthPx, at);
         this.#fail(`${pixel}: got ${data[at]}, a fresh engine ${fresh[at]}`);
       }
@@ -397,20 +390,6 @@ class Soak {
     const { data } = await view.readPixels();
     engine.destroy();
     return data;
-  }
-
-  /**
-   * Whether two pictures differ by no more than the rounding of the viewpoint that colours were kept from, and the frame that is
-   * drawn anew not at all.
-   */
-  async #isOfKeptColors(data: Float32Array, fresh: Float32Array): Promise<boolean> {
-    if (!this.#view.shape?.clouds.some(({ keepsColors }) => keepsColors)) return false;
-    if (data.some((value, i) => Math.abs(value - fresh[i]) > KEPT_COLORS_TOLERANCE)) return false;
-    this.#view.render({ ...requestOf(this.shown, this.#clouds), force: true });
-    const again = await this.#view.readPixels();
-    if (firstDifference(again.data, fresh) >= 0) return false;
-    this.ofKeptColors++;
-    return true;
   }
 
   async #takeErrors(): Promise<void> {

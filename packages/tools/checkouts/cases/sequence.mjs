@@ -24,7 +24,6 @@ export async function sequence({ checkout, size, test, note }) {
       const steps = {
         first: {},
         moved: { camera: camera({ moved: 0.1 }) },
-        // Colours are kept from the second frame that is seen from one place on.
         turned: { camera: camera({ moved: 0.1, turned: 0.1 }) },
         'turned again': { camera: camera({ moved: 0.1, turned: 0.25 }) },
         tinted: { clouds: tinted(0.8) },

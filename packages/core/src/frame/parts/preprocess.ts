@@ -177,7 +177,6 @@ export class Preprocess implements FramePart<OrderRecording> {
       planProject: pipelines.bindGroup(planProject, buffers),
       compactSplats: pipelines.bindGroup(compactSplats, buffers),
       pages: pagesOf(shape).map(({ chunks, geometry, shRest, cloudIndex }, index) => {
-        const keptColors = shared.keptColors[index];
         const own = {
           ...buffers,
           page: { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes },
@@ -185,7 +184,6 @@ export class Preprocess implements FramePart<OrderRecording> {
           geometry,
           ...(shRest && { shRest }),
           ...this.#effects.bindingsOf(index, cloudIndex),
-          ...(keptColors && { keptColors }),
         };
         return {
           cullChunks: pipelines.bindGroup(cullChunks, own),
