@@ -1,5 +1,4 @@
 // What drawing with an ArrayCamera needs; few applications do.
-import type { EmbeddedView } from '@websplatter/core';
 import { cameraIndex, select } from 'three/tsl';
 import type { ArrayCamera, Mesh, Scene, WebGPURenderer } from 'three/webgpu';
 import { MOST_CAMERAS, openArrayPass as openOf } from './array-bridge.ts';
@@ -12,8 +11,7 @@ export interface ArrayLayer extends Mesh {
 }
 
 /**
- * As `openPass`, for the cameras of `camera`; `layer` can show an image for each from then on. The first camera finds the order of
- * splats for all that look the same way from beside it, such as both eyes.
+ * As `openPass`, for the cameras of `camera`; `layer` can show an image for each from then on.
  */
 export function openArrayPass(
   renderer: WebGPURenderer,
@@ -25,16 +23,7 @@ export function openArrayPass(
     const { material } = mesh as Mesh;
     if (material instanceof ViewportMaterial) makeImages(material, camera.cameras.length);
   }
-  const pass = openOf(renderer, scene, camera, layer, (error) => layer.reportDrawing(error));
-  if (!pass) return null;
-  let first: EmbeddedView | null = null;
-  const sort: OpenPass['sort'] = (view, toEngine) => {
-    first ??= view;
-    if (view !== first) return { orderOf: first };
-    const isReversed = pass.depth?.compare === 'greater-equal';
-    return { beside: pass.parts.slice(1).map((part) => toEngine(part.camera, isReversed)) };
-  };
-  return { ...pass, sort };
+  return openOf(renderer, scene, camera, layer, (error) => layer.reportDrawing(error));
 }
 
 /** Makes `material` show an image for each of `count` cameras. It keeps its shader for one camera until several draw. */

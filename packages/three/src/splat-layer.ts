@@ -206,7 +206,6 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
           hasOccluders: pass.hasOccluders,
           writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
           accuracy: accuracyOf(clouds.keys()),
-          ...pass.sort?.(embedded, engineCamera),
         });
       const prepare = (objects: readonly LayerCloud[]) => {
         const settings = planesFor(objects, engine);

@@ -1,13 +1,7 @@
 // All knowledge of three's internals is in this file and, for several cameras and outputs, in array-bridge.ts and output-bridge.ts: three has no public way to
 // draw with WebGPU in the middle of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
 // checked before it is used.
-import type {
-  DepthConvention,
-  EmbeddedFrameRequest,
-  EmbeddedView,
-  Camera as EngineCamera,
-  HostPass,
-} from '@websplatter/core';
+import type { DepthConvention, HostPass } from '@websplatter/core';
 import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
 import { ThreeInternalsError } from './errors.ts';
 
@@ -52,14 +46,6 @@ export interface OpenPass {
    * passes later, `record` is first called without an encoder for each part, only to make the image to show, and again then.
    */
   interrupt(record: (part: number, encoder: GPUCommandEncoder | null) => void): void;
-  /**
-   * Returns how the view of a part shares its order with those of the others; that of the first part asks first. Absent: there is one
-   * part.
-   */
-  sort?(
-    view: EmbeddedView,
-    toEngine: (camera: Camera, isReversed: boolean) => EngineCamera,
-  ): Pick<EmbeddedFrameRequest, 'beside' | 'orderOf'>;
 }
 
 /**

@@ -1,5 +1,4 @@
 import { stretchBound } from '../math/mat4.ts';
-import type { CameraBeside } from './beside.ts';
 import type { Projection } from './camera.ts';
 import type { CloudView } from './cloud-view.ts';
 
@@ -29,7 +28,6 @@ const MARGIN_PX = 0.5;
  *
  * @param alphaCutoff opacity at which a splat ends.
  * @param moved how far effects may move splats and how much they may enlarge them.
- * @param beside cameras whose frusta are to be inside of the sides, too.
  */
 export function frustumSides(
   view: CloudView,
@@ -37,43 +35,24 @@ export function frustumSides(
   alphaCutoff: number,
   dilationPx2: number,
   moved: SplatReach = { displacement: 0, growth: 1 },
-  beside: readonly Pick<CameraBeside, 'offset' | 'projection'>[] = [],
 ): readonly FrustumSide[] {
-  const { isOrthographic, near, far } = projection;
-  const cameras: readonly Pick<CameraBeside, 'offset' | 'projection'>[] = [
-    { offset: [0, 0], projection },
-    ...beside,
-  ];
+  const { isOrthographic, near, far, focalPx } = projection;
   const stretch = stretchBound(view.linear);
   // Reach of a splat of opacity 1, in standard deviations.
   const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every side is (x, y, z, w): the first four as multiples of x or y and of depth = −z.
-  // Without lists: each cloud of a frame takes this.
   const side = (axis: 0 | 1, sign: -1 | 1) => {
-    /** Least x or y, times `sign`, per unit of depth. */
-    const slopeOf = ({ focalPx, edgesX, edgesY }: Projection) => {
-      const edges = axis === 0 ? edgesX : edgesY;
-      return Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
-    };
-    let slope = Number.POSITIVE_INFINITY;
-    let steepest = 0;
-    for (const { projection } of cameras) {
-      slope = Math.min(slope, slopeOf(projection));
-      const clamp = axis === 0 ? projection.clampX : projection.clampY;
-      if (!isOrthographic) steepest = Math.max(steepest, Math.abs(clamp[0]), Math.abs(clamp[1]));
-    }
-    // The side with the least slope begins at near; without perspective no slope depends on the depth.
-    const at = isOrthographic ? 1 : near;
-    let from = Number.POSITIVE_INFINITY;
-    for (const { offset, projection } of cameras)
-      from = Math.min(from, sign * offset[axis] + at * (slopeOf(projection) - slope));
+    const edges = axis === 0 ? projection.edgesX : projection.edgesY;
+    const clamp = axis === 0 ? projection.clampX : projection.clampY;
+    /** Least x or y, times `sign`: per unit of depth with perspective. */
+    const least = Math.min(sign * edges[0], sign * edges[1]) - marginPx / Math.abs(focalPx[axis]);
+    const steepest = isOrthographic ? 0 : Math.max(Math.abs(clamp[0]), Math.abs(clamp[1]));
     const normal: [number, number, number] = [0, 0, 0];
     normal[axis] = sign;
-    if (isOrthographic) from += slope;
-    else normal[2] = slope;
+    if (!isOrthographic) normal[2] = least;
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
-    return toCloudSpace(view, normal, -from, reach);
+    return toCloudSpace(view, normal, isOrthographic ? -least : 0, reach);
   };
   const sides: FrustumSide[] = [
     side(0, 1),

@@ -1,5 +1,4 @@
 import { type AccuracySettings, DILATION_PX2 } from '../accuracy/accuracy.ts';
-import type { CameraBeside } from '../camera/beside.ts';
 import type { Camera, Projection } from '../camera/camera.ts';
 import { type CloudView, cloudView } from '../camera/cloud-view.ts';
 import { type FrustumSide, frustumSides, type SplatReach } from '../camera/frustum.ts';
@@ -40,7 +39,7 @@ export interface CloudPlan {
   /** How far all effects together move splats, and how much they enlarge them. */
   readonly reach: SplatReach;
   readonly view: CloudView;
-  /** Sides of the frustum in the cloud's space, or of the frusta of all cameras that the order is found for. */
+  /** Sides of the frustum in the cloud's space. */
   readonly sides: readonly FrustumSide[];
 }
 
@@ -58,17 +57,12 @@ export function effectsOf(instance: CloudInstance): readonly EffectUse[] {
   }
 }
 
-/**
- * Plans one cloud of a frame.
- *
- * @param beside cameras whose splats are found, too.
- */
+/** Plans one cloud of a frame. */
 export function planCloud(
   instance: CloudInstance,
   camera: Camera,
   projection: Projection,
   { alphaCutoff }: AccuracySettings,
-  beside: readonly CameraBeside[] = [],
 ): CloudPlan {
   const { cloud } = instance;
   const modelMatrix = instance.modelMatrix ? new Float64Array(instance.modelMatrix) : identity4();
@@ -99,7 +93,7 @@ export function planCloud(
     parameters: packParameters(effects, uses),
     reach,
     view,
-    sides: frustumSides(view, projection, alphaCutoff, DILATION_PX2, reach, beside),
+    sides: frustumSides(view, projection, alphaCutoff, DILATION_PX2, reach),
   };
 }
 

@@ -1,5 +1,4 @@
 import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
-import { besideOf, type CameraBeside } from '../camera/beside.ts';
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
 import type { BallotDevice } from '../gpu/device.ts';
 import { binGrid } from '../layout/bin-grid.ts';
@@ -17,7 +16,7 @@ import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-c
  */
 export interface FramePlan {
   /** The caller's request, with copies of its lists. */
-  readonly request: FrameRequest & OrderSharing;
+  readonly request: FrameRequest;
   /** The request's camera with copied matrices: callers may write into theirs. */
   readonly camera: Camera;
   /** Size of the layer that splats are blended in. */
@@ -28,23 +27,6 @@ export interface FramePlan {
   readonly clouds: readonly CloudPlan[];
   readonly shape: FrameShape;
   readonly needs: FrameNeeds;
-  /** Cameras whose splats are found, too, for views that take the order of this frame. */
-  readonly beside: readonly CameraBeside[];
-  /** The order of another view that the frame takes; null if it finds its own. */
-  readonly taken: LentOrder | null;
-}
-
-/** The visible splats of a frame, in their order, for views from beside its camera. A new object for each order that is found. */
-export interface LentOrder {
-  readonly plan: FramePlan;
-  /** The frame's buffers, by name: the same object as long as none is replaced. */
-  readonly buffers: Readonly<Record<string, GPUBuffer>>;
-}
-
-/** Of an embedded view's request: whom it lends its order to, and whose it takes. See `EmbeddedFrameRequest`. */
-interface OrderSharing {
-  readonly beside?: readonly Camera[];
-  readonly orderOf?: { readonly lentOrder: LentOrder | null; readonly isChecking: boolean } | undefined;
 }
 
 /** What a frame needs, that changes as the camera moves; buffers and shaders are made for a little more. */
@@ -80,11 +62,11 @@ export interface PlanOptions {
 }
 
 /**
- * Plans a frame with an order of its own: see `withTakenOrder`.
+ * Plans a frame.
  *
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
  */
-export function planFrame(request: FrameRequest & OrderSharing, options: PlanOptions): FramePlan {
+export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
   const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups, ballots } = options;
   const { depth, output, omitted, last } = options;
   const camera = copied(request.camera);
@@ -92,12 +74,7 @@ export function planFrame(request: FrameRequest & OrderSharing, options: PlanOpt
   const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
   const { isOrthographic } = projection;
   const sortsByDistance = !isOrthographic && asksForDistance(request);
-  const beside = sortsByDistance
-    ? []
-    : (request.beside ?? []).flatMap(
-        (other) => besideOf(copied(other), camera, layer.widthPx, layer.heightPx) ?? [],
-      );
-  const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy, beside));
+  const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy));
   const isSameScene = last !== null && showsClouds(last, request.clouds);
   const recent = isSameScene ? options.recent : { visibleSplats: 0, depthBits: 0 };
   const needs = {
@@ -114,7 +91,6 @@ export function planFrame(request: FrameRequest & OrderSharing, options: PlanOpt
     workgroupBytes,
     hasNarrowSubgroups,
     ballots,
-    order: beside.length > 0 ? 'lent' : 'own',
     visibleCapacity: visibleCapacity(
       needs.visibleSplats,
       mostDrawnSplats(clouds),
@@ -136,16 +112,9 @@ export function planFrame(request: FrameRequest & OrderSharing, options: PlanOpt
     projection,
     clouds,
     needs,
-    beside,
-    taken: null,
     shape,
   };
-  return withShape(plan, last);
-}
-
-/** Returns `plan` with the shape of `last`, if that is the same. */
-export function withShape(plan: FramePlan, last: FramePlan | null): FramePlan {
-  return last && isSameShape(last.shape, plan.shape) ? { ...plan, shape: last.shape } : plan;
+  return last && isSameShape(last.shape, shape) ? { ...plan, shape: last.shape } : plan;
 }
 
 function rasterizerOf({ accuracy, depth, faster }: PlanOptions): FrameRasterizer {

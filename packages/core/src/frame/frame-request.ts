@@ -65,10 +65,7 @@ function isMatrix(values: ArrayLike<number> | undefined): boolean {
  * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud, GpuLimitError
  *   for one that found no memory.
  */
-export function checkRequest(
-  request: FrameRequest & { readonly beside?: readonly Camera[] },
-  device: GPUDevice,
-): void {
+export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   const { camera, clouds, widthPx, heightPx, background = [0, 0, 0], sortBy = 'auto' } = request ?? {};
   if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
     throw new InvalidArgumentError(
@@ -76,7 +73,7 @@ export function checkRequest(
       `The image size is ${shown(widthPx)}×${shown(heightPx)}; use whole numbers of pixels.`,
     );
   }
-  for (const each of [camera, ...(request.beside ?? [])]) checkCamera(each);
+  checkCamera(camera);
   if (!SORTED_BY.includes(sortBy)) {
     throw invalidOption('sortBy', sortBy, SORTED_BY.join(' or '));
   }

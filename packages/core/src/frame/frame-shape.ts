@@ -52,8 +52,6 @@ export interface FrameShape {
   readonly ballots: BallotDevice | null;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
-  /** Whether the frame finds and sorts splats for itself, for other views, too, or takes the order of another view's frame. */
-  readonly order: 'own' | 'lent' | 'taken';
   /** Number of bits in which sort keys of this frame can differ, at most 32. */
   readonly keyBits: number;
   /** Whether depths can differ in more bits than `keyBits`: keys keep `sortKeyBits` of them. */
@@ -90,7 +88,6 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
   return (
     hasSameBuffers(a, b) &&
-    a.order === b.order &&
     a.keyBits === b.keyBits &&
     a.isOrthographic === b.isOrthographic &&
     a.sortsByDistance === b.sortsByDistance &&
@@ -108,7 +105,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
   );
 }
 
-export function isSameList<Item>(
+function isSameList<Item>(
   a: readonly Item[],
   b: readonly Item[],
   isSame: (a: Item, b: Item) => boolean,

@@ -13,7 +13,7 @@ import {
   type QuadsSample,
   SharedMemory,
 } from './frame-part.ts';
-import type { FramePlan, LentOrder } from './frame-plan.ts';
+import type { FramePlan } from './frame-plan.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 import { Compose } from './parts/compose.ts';
 import { Composite } from './parts/composite.ts';
@@ -60,8 +60,6 @@ export class FrameParts {
   readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
-  /** The order of the last frame, if that has found it for views from beside, too. */
-  lentOrder: LentOrder | null = null;
   readonly #memory: GpuMemory;
   readonly #ordering: readonly FramePart<OrderRecording>[];
   readonly #drawing: readonly FramePart<DrawRecording>[];
@@ -116,11 +114,6 @@ export class FrameParts {
       if (change) changes.push(change);
     }
     const isReplaced = changes.length > 0;
-    if (isReplaced) {
-      this.lentOrder = null;
-      // What has been lent stays as it was.
-      this.shared.buffers = { ...this.shared.buffers };
-    }
     try {
       // The old memory is freed before the new is made: both together would be the most that a view ever holds.
       for (const change of changes) change.free();
@@ -140,8 +133,6 @@ export class FrameParts {
     const plan = this.#plan!;
     const recording = { encoder, timer, shape: plan.shape, isColorsOnly };
     for (const part of this.#ordering) part.record(recording);
-    if (!isColorsOnly)
-      this.lentOrder = plan.shape.order === 'lent' ? { plan, buffers: this.shared.buffers } : null;
   }
 
   /** Records drawing the visible splats to `destination`. @throws GpuLimitError before it records anything. */
@@ -168,7 +159,6 @@ export class FrameParts {
 
   destroy(): void {
     this.#isDestroyed = true;
-    this.lentOrder = null;
     this.#memory.destroyAll();
   }
 }

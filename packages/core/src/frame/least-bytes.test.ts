@@ -21,7 +21,6 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): F
     workgroupBytes: WORKGROUP_BYTES,
     hasNarrowSubgroups: false,
     ballots: null,
-    order: 'own',
     visibleCapacity: VISIBLE,
     keyBits: 24,
     shortensKeys: false,

@@ -1,18 +1,11 @@
-import type { CameraBeside } from '../camera/beside.ts';
 import type { Camera } from '../camera/camera.ts';
 import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
-import { type FramePlan, withShape } from './frame-plan.ts';
-import { isSameList } from './frame-shape.ts';
+import type { FramePlan } from './frame-plan.ts';
 
 /** Whether both frames show the same splats in the same places and the same order, whichever rasteriser draws them. */
 export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
-  return (
-    a.taken === b.taken &&
-    isSameCamera(a.camera, b.camera) &&
-    isSameList(a.beside, b.beside, isSameBeside) &&
-    showsSameSplats(a, b)
-  );
+  return isSameCamera(a.camera, b.camera) && showsSameSplats(a, b);
 }
 
 /** Whether cameras see the same, at the same size. */
@@ -23,25 +16,6 @@ function isSameCamera(a: Camera, b: Camera): boolean {
     isSameNumbers(a.viewMatrix, b.viewMatrix) &&
     isSameNumbers(a.projectionMatrix, b.projectionMatrix) &&
     isSameNumbers(wholeOf(a), wholeOf(b))
-  );
-}
-
-function isSameBeside(a: CameraBeside, b: CameraBeside): boolean {
-  return isSameCamera(a.camera, b.camera);
-}
-
-/**
- * Returns `plan` with the order of the view that it asks for, if that has the same splats, in the order that is right for its camera.
- * It has the shape of `last` if the two are equal.
- */
-export function withTakenOrder(plan: FramePlan, last: FramePlan | null): FramePlan {
-  const taken = plan.request.orderOf?.lentOrder;
-  const isMeant = taken?.plan.beside.some(({ camera }) => isSameCamera(camera, plan.camera));
-  if (!taken || !isMeant || !showsSameSplats(taken.plan, plan)) return plan;
-  const { visibleCapacity, keyBits } = taken.plan.shape;
-  return withShape(
-    { ...plan, taken, shape: { ...plan.shape, order: 'taken', visibleCapacity, keyBits } },
-    last,
   );
 }
 

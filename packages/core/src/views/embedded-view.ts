@@ -1,4 +1,3 @@
-import type { Camera } from '../camera/camera.ts';
 import type { DepthConvention } from '../camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { HostPass } from '../frame/frame-part.ts';
@@ -22,16 +21,6 @@ export interface EmbeddedFrameRequest
   readonly hasOccluders?: boolean;
   /** Whether the image gets the splats' depth too; only with `depth`. Tiles draw it then, where `auto` leaves that open. */
   readonly writesDepth?: boolean;
-  /**
-   * Cameras of other views of the same splats, such as the other eye's: this view finds and sorts what they see, too, if they look
-   * the same way from beside this camera, and splats are not sorted by distance. They are ignored if not.
-   */
-  readonly beside?: readonly Camera[];
-  /**
-   * A view that has been prepared for this camera `beside` its own. Its splats and their order are taken, if it shows the same ones
-   * at the same size and accuracy; otherwise this view finds its own. Prepare this view again whenever the other one was.
-   */
-  readonly orderOf?: EmbeddedView | undefined;
 }
 
 /**

@@ -4,10 +4,10 @@ import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../err
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination, QuadsSample } from '../frame/frame-part.ts';
-import { type FramePlan, type LentOrder, planFrame, showsClouds } from '../frame/frame-plan.ts';
+import { type FramePlan, planFrame, showsClouds } from '../frame/frame-plan.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
-import { isSameColors, isSameOrder, withTakenOrder } from '../frame/plan-difference.ts';
+import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
 import { RecentNeeds } from '../frame/recent-needs.ts';
 import type { BallotDevice } from '../gpu/device.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
@@ -88,8 +88,8 @@ export abstract class ViewCore {
    * has called `onReady`, for its host to prepare the frame again.
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
-  /** @internal Whether the device has not yet said if it had memory for the last frames. */
-  isChecking = false;
+  /** Whether the device has not yet said if it had memory for the last frames. */
+  protected isChecking = false;
   protected readonly context: ViewContext;
   protected parts: FrameParts;
   protected timer: GpuTimer;
@@ -203,9 +203,6 @@ export abstract class ViewCore {
   ): Promise<Found | null> {
     const { pipelines } = this.context;
     while (this.#prepared && !this.#isDestroyed) {
-      const { taken, request } = this.#prepared;
-      // The other view has found another order since: what this one has drawn can no longer be told.
-      if (taken && taken !== request.orderOf?.lentOrder) return null;
       const stage = stageOf(this.#prepared);
       if (pipelines.areReady([stage])) return find(this.#prepared, stage);
       // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
@@ -269,11 +266,6 @@ export abstract class ViewCore {
   /** @internal GPU memory of the view. */
   get memory(): GpuMemoryReport {
     return this.context.memory.report();
-  }
-
-  /** @internal The order of the last frame, if that has found it for views from beside, too. */
-  get lentOrder(): LentOrder | null {
-    return this.parts.lentOrder;
   }
 
   /** @internal Shape of the last frame; null before the first. */
@@ -418,8 +410,7 @@ export abstract class ViewCore {
     let checked: Promise<void> | null;
     try {
       // A frame in memory that is still being checked may be as invalid as that.
-      const isUnsure = this.isChecking || (!!plan.taken && plan.request.orderOf!.isChecking);
-      ({ checked } = this.context.memory.guard('A frame', advice, work, isUnsure));
+      ({ checked } = this.context.memory.guard('A frame', advice, work, this.isChecking));
     } catch (error) {
       if (parts.isDestroyed) {
         void this.#restore(this.#takeLack(error as Error, plan));
@@ -638,7 +629,7 @@ export abstract class ViewCore {
     depth: RasterizeDepth | null,
     faster = depth?.layerFormat ? this.#choice.forDepth : this.#choice.rasterizer,
   ): FramePlan {
-    const plan = planFrame(request, {
+    return planFrame(request, {
       accuracy,
       depth,
       faster,
@@ -651,7 +642,6 @@ export abstract class ViewCore {
       last: this.#prepared,
       recent: this.#needs.value,
     });
-    return withTakenOrder(plan, this.#prepared);
   }
 
   /** While the shaders of the other rasteriser compile, the one of the last frame goes on. */

@@ -28,7 +28,7 @@ import {
   type SharedBuffers,
   useCompute,
 } from '../frame-part.ts';
-import type { FramePlan, LentOrder } from '../frame-plan.ts';
+import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
 import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 
@@ -67,16 +67,10 @@ function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: numbe
 type BufferName = keyof ReturnType<typeof bufferTable>;
 type Buffers = Readonly<Record<BufferName, GPUBuffer>>;
 
-/** What a frame has for itself that takes the order of another view; the rest is that view's. */
-const OWN: readonly BufferName[] = ['view', 'pageUniforms', 'drawArguments', 'records'];
-
 /** The part's memory for frames that have the same buffers. */
 interface Held {
   readonly buffers: Buffers;
-  /** Null where the order of another view is taken. */
-  readonly scans: { readonly chunks: PrefixScan; readonly splats: PrefixScan } | null;
-  /** Buffers of that view. */
-  readonly taken: LentOrder['buffers'] | undefined;
+  readonly scans: { readonly chunks: PrefixScan; readonly splats: PrefixScan };
   /** The shape that the buffers were made for. */
   readonly shape: FrameShape;
 }
@@ -99,10 +93,8 @@ const cloudStages = perShape((shape) =>
     const { accuracy, shortensKeys } = shape;
     // What their variants depend on has one name everywhere; the planes at hand may not be those of the settings.
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
-    // Splats are tested against one image; the frustum has those of all cameras that the order is found for.
-    const culling = shape.order === 'own' ? accuracy.culling : 'frustum';
     return {
-      cullSplats: cullSplats({ ...variant, culling }),
+      cullSplats: cullSplats(variant),
       project: project({
         ...variant,
         shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
@@ -149,9 +141,9 @@ export class Preprocess implements FramePart<OrderRecording> {
     return this.#effects.selectionBytes(cloudIndex);
   }
 
-  fit({ shape, taken }: FramePlan): PartChange | null {
+  fit({ shape }: FramePlan): PartChange | null {
     const held = this.#held;
-    if (held && hasSameBuffers(held.shape, shape) && held.taken === taken?.buffers) return null;
+    if (held && hasSameBuffers(held.shape, shape)) return null;
     const { shared } = this.#context;
     const pages = pagesOf(shape);
     // The largest buffer of a frame, besides the pairs', whose number is limited.
@@ -160,7 +152,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
-        this.#held = this.#make(shape, pages, taken?.buffers);
+        this.#held = this.#make(shape, pages);
         Object.assign(shared.buffers, this.#held.buffers);
       },
     };
@@ -228,11 +220,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     pass.end();
   }
 
-  /** Lists the visible splats in storage order, unless another view has. */
+  /** Lists the visible splats in storage order. */
   #recordCulling(pass: GPUComputePassEncoder, shape: FrameShape, pages: readonly FramePage[]): void {
     const { pipelines } = this.#context;
     const { buffers, scans } = this.#held!;
-    if (!scans) return;
     const groups = this.#groups!;
     const stages = cloudStages(shape);
     // At least one workgroup: Dawn warns about empty dispatches.
@@ -272,7 +263,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     return stage;
   }
 
-  #make(shape: FrameShape, pages: readonly FramePage[], taken: Held['taken']): Held {
+  #make(shape: FrameShape, pages: readonly FramePage[]): Held {
     const { device, pipelines } = this.#context;
     const memory = this.#memory;
     const chunkCount = totalChunks(pages);
@@ -286,16 +277,14 @@ export class Preprocess implements FramePart<OrderRecording> {
     for (const [key, [bytes, usage]] of table) {
       const name = key as BufferName;
       const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-      const isTaken = taken && !OWN.includes(name);
-      buffers[name] = isTaken ? taken[name] : memory.createBuffer(`frame ${name}`, bytes, flags);
+      buffers[name] = memory.createBuffer(`frame ${name}`, bytes, flags);
     }
-    if (taken) return { buffers, scans: null, taken, shape };
     const scans = {
       chunks: scan(buffers.chunkOffsets, buffers.chunkCount),
       splats: scan(buffers.splatOffsets, buffers.slotCount),
     };
     writeConstants(device.queue, buffers, shape, pages);
-    return { buffers, scans, taken, shape };
+    return { buffers, scans, shape };
   }
 }
 
