@@ -49,8 +49,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     @if(SPLAT_EFFECTS) let splat = changeSplat(unpackSplat(geometry[splatIndex], page.logScales), splatIndex);
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
-    @if(!FAINT_SPLATS) let isCandidate = isInDepthRange(view, depthView);
-    @if(FAINT_SPLATS) let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
+    let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
     if (isCandidate) {
       if (isDrawn(splat, centerView)) {
         let bits = orderedBits(sortDepth(centerView, view.near));

@@ -6,10 +6,8 @@ import constants::CHUNK_SPLATS;
 import constants::ENTRY_VALUES;
 import constants::FACTS;
 import constants::FACT_DROPPED;
-import constants::FACT_FAINT;
 import constants::FACT_MAX_LOG_SCALE;
 import constants::FACT_MAX_POSITION;
-import constants::FACT_MIN_LOGIT;
 import constants::FACT_MIN_LOG_SCALE;
 import constants::FACT_MIN_POSITION;
 import constants::FACT_REACH;
@@ -72,7 +70,7 @@ fn ingestRows(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 }
 
 fn isCount(fact: u32) -> bool {
-  return fact == FACT_FAINT || (fact >= FACT_DROPPED && fact < FACT_DROPPED + 5u);
+  return fact >= FACT_DROPPED && fact < FACT_DROPPED + 5u;
 }
 
 fn takeRow(row: u32, slot: u32, lane: u32) {
@@ -119,8 +117,6 @@ fn takeGeometry(row: u32, slot: u32) {
   }
   let isRound = isEqualBits(logScaleBits.x, logScaleBits.y) && isEqualBits(logScaleBits.x, logScaleBits.z);
   if (!isRound) { atomicMax(&ownFacts[FACT_STRETCHED], 1u); }
-  atomicMax(&ownFacts[FACT_MIN_LOGIT], ~orderedBits(logit));
-  if (orderedBits(logit) <= parameters.faintLogit) { atomicAdd(&ownFacts[FACT_FAINT], 1u); }
 
   let rotation = normalizedRotation(row);
   writeGeometry(slot, position, logScale, rotation, opacityOf(logit), bitcast<vec3f>(valueBits3(row, ROW_COLOR)));

@@ -113,7 +113,6 @@ describe('edits of data', () => {
     expect(cloud.editing?.edits).toBe(edits);
     cloud.editing!.flush();
     expect(second.writeBuffer).toHaveBeenCalledOnce();
-    expect(cloud.facts.minOpacity).toBe(0);
   });
 
   test('reach splats that are read again, which are those of the file all the same', async () => {

@@ -257,7 +257,6 @@ describe('an edit', () => {
     expect((await view.pick(32, 32))?.splatIndex).toBe(42);
     expect(cloud.bounds.max[0]).toBe(8);
     expect(cloud.robustBounds.max[0]).toBeLessThan(1.1);
-    expect(cloud.facts.minOpacity).toBe(0);
     view.destroy();
     cloud.destroy();
   });

@@ -116,8 +116,8 @@ class CloudEditor implements CloudEditing, EditsFollower {
   /** Bits of `EDITED` that have changed since the last flush; null: nothing is to be written. */
   #changed: number | null = null;
   #hasEnded = false;
-  /** Facts that shaders are being compiled for. */
-  readonly #expected = new Set<string>();
+  /** Whether shaders for splats that are no balls are being compiled. */
+  #isStretching = false;
   #splats: EditedGeometry;
 
   constructor(cloud: SplatCloud, edits: SplatEdits, geometry: PackedGeometry) {
@@ -151,8 +151,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     if (changed === null || !cloud.isUploaded || this.#hasEnded) return;
     this.#changed = null;
     const { edits } = this;
-    if (edits.leastOpacity < cloud.facts.minOpacity) this.#expect({ minOpacity: edits.leastOpacity });
-    if (edits.hasUnevenScales && cloud.facts.isIsotropic) this.#expect({ isIsotropic: false });
+    if (edits.hasUnevenScales && cloud.facts.isIsotropic) this.#stretch();
     if (changed & EDITED.scales) this.#widenRange();
     for (const [page, { start, end }] of cloud.planes.ranges.entries())
       for (const [from, to] of this.#runs(start, end)) this.#write(page, start, from, to);
@@ -317,19 +316,17 @@ class CloudEditor implements CloudEditing, EditsFollower {
     if (cloud.planes.geometryPlane('packed')) this.#dirty.fill(0xffffffff);
   }
 
-  /** Sets facts once the shaders that they need are there: without them, views would have nothing to draw meanwhile. */
-  #expect(facts: Partial<SplatCloud['facts']>): void {
+  /** Splats are no balls any more, once the shaders for that are there: views would have nothing to draw meanwhile. */
+  #stretch(): void {
+    if (this.#isStretching) return;
+    this.#isStretching = true;
     const cloud = this.#cloud;
-    const key = Object.keys(facts)[0];
-    if (this.#expected.has(key)) return;
-    this.#expected.add(key);
     const set = () => {
-      this.#expected.delete(key);
-      cloud.facts = { ...cloud.facts, ...facts };
+      this.#isStretching = false;
+      cloud.facts = { ...cloud.facts, isIsotropic: false };
       cloud.version++;
     };
-    const isFaint = 'minOpacity' in facts;
-    const compiling = cloud.compileFor(isFaint ? { hasFaintSplats: true } : { isIsotropic: false });
+    const compiling = cloud.compileFor({ isIsotropic: false });
     if (!compiling) set();
     void compiling?.then(() => {
       set();

@@ -23,8 +23,6 @@ export function emptyCloud(memory: GpuMemory, shDegree: ShDegree, precision: Clo
       shBandReach: [],
       paletteEntries: null,
       isIsotropic: false,
-      minOpacity: 0,
-      faintCount: 0,
       isAntialiased: null,
       fileFacts: null,
     },

@@ -56,7 +56,7 @@ export interface CloudContents
 }
 
 /** What edits change of the shaders that draw a cloud. */
-export type ShapeChange = { readonly hasFaintSplats: true } | { readonly isIsotropic: false };
+export type ShapeChange = { readonly isIsotropic: false };
 
 /** What keeps a cloud as its edits have it. */
 export interface CloudEditing {

@@ -3,7 +3,7 @@ import type { Camera, Projection } from '../camera/camera.ts';
 import { type CloudView, cloudView } from '../camera/cloud-view.ts';
 import { type FrustumSide, frustumSides, type SplatReach } from '../camera/frustum.ts';
 import type { EffectPlace, EffectUse } from '../effects/effect.ts';
-import { type EffectSet, effectSetOf, hasHook, packParameters } from '../effects/effect-set.ts';
+import { type EffectSet, effectSetOf, packParameters } from '../effects/effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from '../effects/effects.ts';
 import { isFiniteF32 } from '../effects/option-checks.ts';
 import { InvalidArgumentError } from '../errors.ts';
@@ -120,7 +120,6 @@ export function cloudShape(
     effects,
     shDegree: Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
     isIsotropic: !omitted.includes('isotropic') && isIsotropic(cloud.facts, effects),
-    hasFaintSplats: !omitted.includes('faint-splats') && hasFaintSplats(cloud.facts, effects, accuracy),
   };
 }
 
@@ -130,12 +129,4 @@ function isIsotropic(facts: CloudFacts, { effects }: EffectSet): boolean {
     facts.isIsotropic &&
     effects.every((effect) => effect.hooks.splat === undefined || CLOUD_EFFECTS.includes(effect))
   );
-}
-
-/** Step in which opacities are packed. */
-const OPACITY_STEP = 1 / 65535;
-
-/** Opacity hooks do not count: they test the splats that they make fainter themselves. */
-function hasFaintSplats(facts: CloudFacts, effects: EffectSet, { alphaCutoff }: AccuracySettings): boolean {
-  return hasHook(effects, 'splat') || facts.minOpacity - OPACITY_STEP < alphaCutoff;
 }

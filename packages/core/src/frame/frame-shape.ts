@@ -17,8 +17,6 @@ export interface CloudShape {
   readonly shDegree: ShDegree;
   /** Whether all splats are spheres, even after effects: shaders then ignore their rotations. */
   readonly isIsotropic: boolean;
-  /** Whether splats may be fainter than the cutoff, if only after effects: shaders then test each. */
-  readonly hasFaintSplats: boolean;
 }
 
 /** Where a frame's image goes. */
@@ -66,7 +64,7 @@ export interface FrameShape {
 }
 
 /** Found effects that can be left out of a frame, to measure their cost. */
-export type OmittableEffect = 'isotropic' | 'faint-splats';
+export type OmittableEffect = 'isotropic';
 
 /** Whether splats are blended in a layer smaller than the image. */
 export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
@@ -125,8 +123,7 @@ function isSameCloudShape(a: CloudShape, b: CloudShape): boolean {
     a.planes === b.planes &&
     a.effects === b.effects &&
     a.shDegree === b.shDegree &&
-    a.isIsotropic === b.isIsotropic &&
-    a.hasFaintSplats === b.hasFaintSplats
+    a.isIsotropic === b.isIsotropic
   );
 }
 

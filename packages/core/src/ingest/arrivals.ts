@@ -140,8 +140,7 @@ export class Arrivals {
       robustBounds: robustCentres(centres, found),
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
-      // Slots of dropped rows are splats of opacity 0.
-      facts: found.count < count ? { ...found.facts, minOpacity: 0 } : found.facts,
+      facts: found.facts,
       chunks: chunkBounds,
       logScaleRange: INGEST_LOG_SCALES,
       precision: { geometryPrecision, shPrecision },

@@ -215,7 +215,8 @@ describe('while a file arrives', () => {
     async () => {
       const set = {
         ...SET,
-        opacityLogits: SET.opacityLogits.map((logit, i) => (i < 0.7 * COUNT ? logit : -8)),
+        // What arrives first are balls, for which shaders ignore rotations.
+        logScales: SET.logScales.map((value, i) => (i < 2.1 * COUNT ? SET.logScales[i - (i % 3)] : value)),
       };
       const file = encodePly(set);
       // One that has compiled nothing yet.

@@ -3,7 +3,6 @@ import { fromOrderedBits } from '../layout/ordered-bits.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { reachesOf } from '../packing/band-reach.ts';
 import { type CloudFacts, trueShDegree } from '../packing/cloud-facts.ts';
-import { opacityOf } from '../packing/geometry.ts';
 import type { RowLayout } from '../packing/row-layout.ts';
 import { DROP_REASONS, type DropCounts } from '../splats/splat-set.ts';
 
@@ -57,8 +56,6 @@ export function readRowFacts(
       shBandReach,
       paletteEntries: null,
       isIsotropic: words[c.FACT_STRETCHED] === 0,
-      minOpacity: count > 0 ? opacityOf(smallest(c.FACT_MIN_LOGIT)) : 1,
-      faintCount: words[c.FACT_FAINT],
       isAntialiased: isAntialiased ?? null,
       fileFacts: fileFacts ?? null,
     },

@@ -25,10 +25,8 @@ import type { RowSink } from '../io/formats/row-sink.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
-import { orderedBits } from '../layout/ordered-bits.ts';
 import { IngestParameters, SettleParameters } from '../layout/packing-structs.ts';
 import { Chunk } from '../layout/structs.ts';
-import { FAINT_LOGIT } from '../packing/cloud-facts.ts';
 import { logScaleRange } from '../packing/geometry.ts';
 import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
@@ -405,7 +403,6 @@ export class RowIngest implements RowSink {
           rowCount: rowsOfPage,
           pageSlot: start - range.start,
           maskRow: start,
-          faintLogit: orderedBits(FAINT_LOGIT),
           dispatchRow,
         });
         const { rows, palette, dropMask, facts, logScaleRests } = shared;

@@ -9,11 +9,9 @@ export const INGEST_FACTS = {
   FACT_MAX_LOG_SCALE: 7,
   /** 1 if a splat is not round. */
   FACT_STRETCHED: 8,
-  FACT_MIN_LOGIT: 9,
   /** For each band, the largest sum of squares of a channel's coefficients, as a float. */
-  FACT_REACH: 10,
-  /** Numbers of rows: faint ones, and those that were dropped, by reason. */
-  FACT_FAINT: 13,
-  FACT_DROPPED: 14,
-  FACTS: 19,
+  FACT_REACH: 9,
+  /** Numbers of rows that were dropped, by reason. */
+  FACT_DROPPED: 12,
+  FACTS: 17,
 } as const;

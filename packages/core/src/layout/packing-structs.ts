@@ -21,8 +21,6 @@ export const IngestParameters = gpuStruct('IngestParameters', {
   pageSlot: 'u32',
   /** Slot of the first row in the cloud; a multiple of 256. */
   maskRow: 'u32',
-  /** Highest `orderedBits` of a logit that counts as faint. */
-  faintLogit: 'u32',
   dispatchRow: 'u32',
 });
 

@@ -106,30 +106,3 @@ describe('round splats', () => {
     engine.destroy();
   });
 });
-
-describe('splats without faint ones', () => {
-  /** The lowest opacity that packing cannot round to below the cutoff. */
-  const least = 1 / 255 + 1.01 / 65535;
-  const logit = (opacity: number) => Math.log(opacity / (1 - opacity));
-  const faint = (opacity: number) =>
-    randomSplats({ count: 500, seed: 81, shDegree: 0, opacityLogits: [logit(opacity), logit(2 * opacity)] });
-
-  for (const geometryPrecision of ['f32', 'packed'] as const) {
-    gpuTest(`${geometryPrecision}: are not tested, and drawn as in float64`, async () => {
-      const { shapes, visibleCount } = await drawnAsTwin([{ set: faint(least) }], 'perspective', {
-        geometryPrecision,
-      });
-      expect(shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([false]);
-      expect(visibleCount).toBeGreaterThan(20);
-    });
-  }
-
-  gpuTest('are tested as soon as one may be faint, by itself or by an effect', async () => {
-    const { shapes } = await drawnAsTwin([{ set: faint(1 / 255) }], 'perspective');
-    expect(shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
-    const faded = await drawnAsTwin([{ set: faint(0.3), opacity: 0.01 }], 'perspective');
-    expect(faded.shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
-    const cut = await drawnAsTwin([{ set: faint(0.3) }], 'perspective', { alphaCutoff: 0.4 });
-    expect(cut.shapes.map((cloud) => cloud.hasFaintSplats)).toEqual([true]);
-  });
-});

@@ -1,7 +1,6 @@
 import { depthTest } from './found/depth-test.ts';
 import { depthWrite } from './found/depth-write.ts';
 import { distanceOrder } from './found/distance-order.ts';
-import { faintSplats } from './found/faint-splats.ts';
 import { harmonics } from './found/harmonics.ts';
 import { isotropic } from './found/isotropic.ts';
 import { orthographic } from './found/orthographic.ts';
@@ -13,7 +12,6 @@ import type { FoundEffect } from './found-effect.ts';
 export const FOUND_EFFECTS: readonly FoundEffect[] = [
   harmonics,
   isotropic,
-  faintSplats,
   transform,
   orthographic,
   distanceOrder,

@@ -12,7 +12,6 @@ import { measureEffects } from './measure-effects.ts';
 const COSTS_MS: Readonly<Record<string, number>> = {
   harmonics: 3,
   isotropic: -2,
-  'faint-splats': 0,
   tint: 0.5,
 };
 const FRAME_MS = 10;
@@ -65,7 +64,6 @@ function effectsOf({ clouds: [{ shDegree = 3, effects = [] }] }: FrameRequest): 
   return [
     ...(shDegree > 0 ? ['harmonics'] : []),
     'isotropic',
-    'faint-splats',
     ...effects.filter(({ reason }) => reason !== null).map(({ effect }) => effect.name),
   ];
 }

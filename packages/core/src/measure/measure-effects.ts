@@ -41,7 +41,7 @@ const DEFAULT_FRAMES = 15;
  * change is not counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame has read.
  *
  * Measures, in the ledger's order, the requested effects, and the found effects that a frame can do without (`harmonics`,
- * `isotropic`, `faint-splats`). If `frame` has a wish, the engine's settings are measured. An effect
+ * `isotropic`). If `frame` has a wish, the engine's settings are measured. An effect
  * that moves splats may lengthen sort keys, which takes new buffers: only then do the two kinds of frames not share theirs.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
@@ -128,7 +128,7 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
   const whole: FrameKind = { request, omitted: [] };
   const comparedWith = (without: FrameKind): Comparison => ({ entry, with: whole, without });
   if (!isOn) return null;
-  if (name === 'isotropic' || name === 'faint-splats') return comparedWith({ ...whole, omitted: [name] });
+  if (name === 'isotropic') return comparedWith({ ...whole, omitted: [name] });
   if (name === 'harmonics') {
     const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
     return comparedWith({ ...whole, request: { ...request, clouds } });

@@ -175,23 +175,6 @@ test('splats are round where the three scales of each are the same', () => {
   }
 });
 
-test('opacities: the least, and how many are below 1/255', () => {
-  const logitOf = (opacity: number) => Math.log(opacity / (1 - opacity));
-  const opacities = [0.5, 1.001 / 255, 0.999 / 255, 0.25 / 255];
-  const facts = cloudFacts(splatsOf(opacities.map((opacity) => ({ opacityLogit: logitOf(opacity) }))));
-  expect(facts.minOpacity).toBeCloseTo(0.25 / 255, 9);
-  expect(facts.faintCount).toBe(2);
-  const ends = splatsOf([
-    { opacityLogit: Number.POSITIVE_INFINITY },
-    { opacityLogit: Number.NEGATIVE_INFINITY },
-  ]);
-  expect(cloudFacts(ends)).toMatchObject({ minOpacity: 0, faintCount: 1 });
-  expect(cloudFacts(splatsOf([{ opacityLogit: Number.POSITIVE_INFINITY }]))).toMatchObject({
-    minOpacity: 1,
-    faintCount: 0,
-  });
-});
-
 test('what the format says of antialiasing arrives, through whatever leaves splats out', () => {
   const set = randomSplats({ count: 5 });
   const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
@@ -207,10 +190,9 @@ test('what the format says of antialiasing arrives, through whatever leaves spla
 test('what is left out decides nothing', () => {
   const set = splatsWithBands([0, 0, 0], 3);
   set.harmonics.coefficients[50] = 1;
-  set.opacityLogits[1] = -20;
   set.positions[4] = Number.POSITIVE_INFINITY;
   const { facts } = packSet(set, { geometryPrecision: 'packed', shPrecision: 'u8' });
-  expect(facts).toMatchObject({ trueShDegree: 0, shBandReach: [0, 0, 0], faintCount: 0 });
+  expect(facts).toMatchObject({ trueShDegree: 0, shBandReach: [0, 0, 0] });
 });
 
 test('no splats call for nothing', () => {
@@ -220,8 +202,6 @@ test('no splats call for nothing', () => {
     shBandReach: [0, 0, 0],
     paletteEntries: null,
     isIsotropic: true,
-    minOpacity: 1,
-    faintCount: 0,
     isAntialiased: null,
     fileFacts: null,
   });

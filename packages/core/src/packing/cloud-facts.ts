@@ -1,6 +1,5 @@
 import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
-import { opacityOf } from './geometry.ts';
 import { entryCountOf, type Harmonics, isPalette } from './harmonics.ts';
 
 /** Facts about a cloud's splats that hold from any viewpoint, found in the data when they are packed. */
@@ -20,10 +19,6 @@ export interface CloudFacts {
   readonly paletteEntries: number | null;
   /** Whether the three scales of each splat are equal, so that its rotation cannot be seen. */
   readonly isIsotropic: boolean;
-  /** Lowest opacity of any splat, 0…1; 1 if there are no splats. */
-  readonly minOpacity: number;
-  /** Splats whose opacity is below 1/255: never drawn under the default cutoff. */
-  readonly faintCount: number;
   /** Whether the splats were trained with an antialias filter; null where the format does not say. */
   readonly isAntialiased: boolean | null;
   /** Null where the splats are of no file. */
@@ -41,9 +36,6 @@ export interface CloudFacts {
  */
 export const UNSEEN_CHANGE = 1 / (16 * 255);
 
-/** Logit of opacity 1/255. */
-export const FAINT_LOGIT = -Math.log(254);
-
 /**
  * Facts about `set`, whose rows must be finite. Takes a pass over the splats, and one over their harmonics unless their
  * reach is known already.
@@ -56,7 +48,6 @@ export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
     shBandReach: reach,
     paletteEntries: isPalette(set.harmonics) ? entryCountOf(set.harmonics) : null,
     isIsotropic: isIsotropic(set),
-    ...opacityFacts(set),
     isAntialiased: set.isAntialiased ?? null,
     fileFacts: set.fileFacts ?? null,
   };
@@ -77,15 +68,4 @@ function isIsotropic({ count, logScales }: SplatColumns): boolean {
     if (logScales[i] !== logScales[i + 1] || logScales[i] !== logScales[i + 2]) return false;
   }
   return true;
-}
-
-function opacityFacts({ count, opacityLogits }: SplatColumns): Pick<CloudFacts, 'minOpacity' | 'faintCount'> {
-  let least = Number.POSITIVE_INFINITY;
-  let faintCount = 0;
-  for (let i = 0; i < count; i++) {
-    const logit = opacityLogits[i];
-    if (logit < least) least = logit;
-    if (logit < FAINT_LOGIT) faintCount++;
-  }
-  return { minOpacity: opacityOf(least), faintCount };
 }

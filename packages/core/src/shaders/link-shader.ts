@@ -104,7 +104,6 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   FIXED_EXTENT: false,
   FRUSTUM_CULLING: false,
   ISOTROPIC: false,
-  FAINT_SPLATS: false,
   SPLAT_EFFECTS: false,
   OPACITY_EFFECTS: false,
   COLOR_EFFECTS: false,

@@ -29,7 +29,6 @@ describe('edits', () => {
     const edits = new SplatEdits();
     edits.set([1], { opacities: [0.5], visible: false });
     expect(edits.maskOf(1)).toBe(EDITED.opacities | EDITED.hidden);
-    expect(edits.leastOpacity).toBe(0);
     edits.set([1], { visible: true });
     expect(edits.maskOf(1)).toBe(EDITED.opacities);
     edits.clear([1]);

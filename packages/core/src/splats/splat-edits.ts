@@ -181,7 +181,6 @@ export class SplatEdits {
   readonly #blocks: (EditedBlock | undefined)[] = [];
   readonly #followers = new Set<EditsFollower>();
   #version = 0;
-  #leastOpacity = 1;
   #hasUnevenScales = false;
 
   /** @param rowCount number of rows; edits of rows beyond it are refused. Default any: clouds ignore rows that they lack. */
@@ -192,11 +191,6 @@ export class SplatEdits {
   /** Grows with every change. */
   get version(): number {
     return this.#version;
-  }
-
-  /** @internal Least opacity that any edit has given. */
-  get leastOpacity(): number {
-    return this.#leastOpacity;
   }
 
   /** @internal Whether any edit has given a splat different sizes along its axes. */
@@ -291,15 +285,12 @@ export class SplatEdits {
       block.masks[place] |= bit;
       write(block[column] ?? block.make(column), width * place, values, isForAll ? 0 : width * i);
     }
-    if (column === 'opacities')
-      for (let i = 0; i < values.length; i++) this.#leastOpacity = Math.min(this.#leastOpacity, values[i]);
     if (column !== 'scales') return;
     for (let i = 0; i < values.length; i += 3)
       if (values[i] !== values[i + 1] || values[i] !== values[i + 2]) this.#hasUnevenScales = true;
   }
 
   #show(rows: RowRange | Uint32Array, count: number, isVisible: boolean): void {
-    if (!isVisible) this.#leastOpacity = 0;
     for (let i = 0; i < count; i++) {
       const row = rows instanceof Uint32Array ? rows[i] : rows.first + i;
       const { masks } = this.#madeBlockOf(row);

@@ -21,8 +21,6 @@ export interface CullSplatsVariant {
   readonly effects?: EffectSet;
   /** Whether all splats are balls, even after effects; default false. */
   readonly isIsotropic?: boolean;
-  /** Whether splats may be too faint to be drawn; default true. */
-  readonly hasFaintSplats?: boolean;
 }
 
 /** Tests each splat of a page's visible chunks. */
@@ -38,7 +36,6 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       GEOMETRY_F32: variant.geometryPrecision === 'f32',
       FRUSTUM_CULLING: culling === 'frustum',
       DISTANCE_ORDER: variant.sortsByDistance === true,
-      FAINT_SPLATS: variant.hasFaintSplats !== false,
       ISOTROPIC: variant.isIsotropic === true,
       FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
       SPLAT_EFFECTS: hasHook(acting, 'splat'),

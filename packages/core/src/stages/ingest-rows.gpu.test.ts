@@ -5,10 +5,9 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { type RowFacts, readRowFacts } from '../ingest/row-facts.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
-import { orderedBits } from '../layout/ordered-bits.ts';
 import { IngestParameters } from '../layout/packing-structs.ts';
 import { reachesOf } from '../packing/band-reach.ts';
-import { cloudFacts, FAINT_LOGIT } from '../packing/cloud-facts.ts';
+import { cloudFacts } from '../packing/cloud-facts.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
 import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
@@ -73,7 +72,6 @@ async function take(
     rowCount: count,
     pageSlot: PAGE_SLOT,
     maskRow: CLOUD_SLOT,
-    faintLogit: orderedBits(FAINT_LOGIT),
     dispatchRow: DISPATCH_ROW,
   });
   const geometryWords = GEOMETRY_WORDS[precision.geometryPrecision];

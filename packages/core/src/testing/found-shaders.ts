@@ -13,7 +13,6 @@ export const FOUND_SHADERS: Readonly<Record<string, FoundShaders>> = {
     bindings: ['shRest'],
   },
   isotropic: { conditions: ['ISOTROPIC'], bindings: [] },
-  'faint-splats': { conditions: ['FAINT_SPLATS'], bindings: [] },
   transform: { conditions: [], bindings: [] },
   orthographic: { conditions: ['ORTHOGRAPHIC'], bindings: [] },
   'distance-order': { conditions: ['DISTANCE_ORDER'], bindings: [] },

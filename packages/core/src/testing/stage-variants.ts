@@ -162,7 +162,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
           const variant = { isOrthographic, geometryPrecision, extent, culling };
           stages.push(
             cullSplats(variant),
-            cullSplats({ ...variant, isIsotropic: true, hasFaintSplats: false }),
+            cullSplats({ ...variant, isIsotropic: true }),
             ...(isOrthographic ? [] : [cullSplats({ ...variant, sortsByDistance: true })]),
           );
         }
