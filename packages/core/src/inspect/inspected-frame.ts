@@ -117,7 +117,6 @@ export class InspectedFrame {
         dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
         workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
         hasNarrowSubgroups: hasNarrowSubgroups(device),
-        ballots: null,
         depth: null,
         output: { kind: 'image' },
         omitted: [],

@@ -6,12 +6,7 @@ export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',
     entryPoint: 'sortScatter',
-    conditions: {
-      NARROW: shape.isNarrow,
-      SUBGROUPS: shape.subgroups !== null,
-      WIDE_SUBGROUPS: (shape.subgroups?.max ?? 0) > 32,
-    },
-    usesSubgroups: shape.subgroups !== null,
+    conditions: { NARROW: shape.isNarrow },
     constants: sortConstants(shape),
     bindings: {
       parameters: [0, 'uniform'],
