@@ -183,32 +183,26 @@ describe('accuracy in the viewer', () => {
     await expect.poll(async () => psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('finds a palette in a worker of its own, and goes on as before where that is called off', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=balanced', SMALL);
-    const before = await shotAfter(page, () => openTab(page, 'settings'));
-    const workers: string[] = [];
-    page.on('worker', (worker) => workers.push(worker.url()));
-    const neverDone =
-      "onmessage = () => postMessage({ kind: 'progress', part: 0.45 }); postMessage({ kind: 'ready' });";
-    const script = '**/palette-worker*';
-    await page.route(script, (route) => route.fulfill({ contentType: 'text/javascript', body: neverDone }));
+  it('tells how far a file is read again, and goes on as before where that is called off', async () => {
+    const page = await newPage(SMALL);
+    await page.goto(`${harness.server.url}?file=/slow.ply&accuracy=balanced`);
+    // The rest comes only after the page has shown a part.
+    await page.getByTestId('scene-title').getByText('slow.ply').waitFor(ATTACHED);
+    harness.server.sendRestOfSlowFile();
+    await waitForScene(page, 'slow.ply');
+    await redraw(page, () => openTab(page, 'settings'));
     const setting = page.getByTestId('setting-shPrecision');
-    await setting.selectOption('palette');
-    await page.getByTestId('preparing-figures').getByText('45 %').waitFor(ATTACHED);
+    await setting.selectOption('f32');
+    await page.getByTestId('preparing-figures').getByText(' of ').waitFor(ATTACHED);
     await press(page, 'cancel-preparing');
     await page.getByTestId('preparing').waitFor({ state: 'detached' });
     expect(await setting.inputValue()).toBe('u8');
-    expect(workers).toHaveLength(1);
-    await page.unroute(script);
 
-    await setting.selectOption('palette');
-    await expect
-      .poll(async () => changedPart(before, await viewerScreenshot(page), ROUNDING))
-      .toBeGreaterThan(0);
+    await setting.selectOption('f32');
+    await page.getByTestId('preparing-figures').getByText(' of ').waitFor(ATTACHED);
+    harness.server.sendRestOfSlowFile();
     await page.getByTestId('preparing').waitFor({ state: 'detached' });
-    expect(await setting.inputValue()).toBe('palette');
-    expect(workers).toHaveLength(2);
-    expect(workers[1]).toContain('palette-worker');
+    expect(await setting.inputValue()).toBe('f32');
   });
 
   it('opens with the accuracy of the address, and says what it does not know', async () => {

@@ -40,7 +40,6 @@ const PACKAGES = [
       'compressed-ply-worker': 'src/io/formats/compressed-ply/compressed-ply-worker.ts',
       'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
       'ply-worker': 'src/io/formats/ply/ply-worker.ts',
-      'palette-worker': 'src/clouds/palette-worker.ts',
       'collider-worker': 'src/collider/collider-worker.ts',
       'spz-worker': 'src/io/formats/spz/spz-worker.ts',
       'gzip-worker': 'src/io/formats/gzip/gzip-worker.ts',

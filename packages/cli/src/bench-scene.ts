@@ -53,12 +53,9 @@ export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings):
   const gpu = await openGpu(accuracy);
   try {
     const startedMs = performance.now();
-    const source = accuracy.shPrecision === 'palette' ? packed : null;
-    const cloud = gpu.engine.addPacked(packed, { name: scene.name, source });
+    const cloud = gpu.engine.addPacked(packed, { name: scene.name });
     await gpu.engine.device.queue.onSubmittedWorkDone();
     const uploadMs = performance.now() - startedMs;
-    // What is read has a palette only if the file has.
-    if (accuracy.shPrecision === 'palette') await gpu.engine.requestPrecision(cloud, accuracy);
     return { ...gpu, cloud, load: { ...read, uploadMs } };
   } catch (error) {
     gpu.engine.destroy();
@@ -79,11 +76,7 @@ async function readTimed(
   if ('make' in content) {
     const set = content.make();
     endReading();
-    // A palette is best found among the finest harmonics.
-    packed = packCloud(set, {
-      geometryPrecision,
-      shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
-    });
+    packed = packCloud(set, { geometryPrecision, shPrecision });
   } else {
     const { source, ...limits } = content;
     packed = await loadSplats(source, {

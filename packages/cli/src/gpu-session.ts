@@ -39,9 +39,6 @@ export async function openGpuSession(
   const gpu = await openGpu(accuracy);
   try {
     const clouds = uploads.map((upload) => upload(gpu.engine));
-    // What is read has a palette only if the file has.
-    if (accuracy.shPrecision === 'palette')
-      for (const cloud of clouds) await gpu.engine.requestPrecision(cloud, accuracy);
     return { ...gpu, clouds };
   } catch (error) {
     gpu.engine.destroy();

@@ -92,11 +92,7 @@ const LIKELY_SH_DEGREE = 3;
 const PIECE_BYTES = 4 << 20;
 
 export interface LoadOptions extends ReadOptions {
-  /**
-   * Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. Splats of a file without a
-   * palette get none while they are loaded: they are as `u8`, or `f32` where the CPU packs them, and under the engine's accuracy
-   * a palette follows.
-   */
+  /** Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. */
   readonly precision?: CloudPrecision;
   /**
    * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
@@ -146,7 +142,7 @@ export interface EngineMemory extends GpuMemoryReport {
 export interface SetAccuracyOptions {
   /** Cancels that; clouds stay as they are, and the accuracy stays what was asked for. */
   readonly signal?: AbortSignal;
-  /** Told of the progress of each cloud for which anything is read or a palette is found. */
+  /** Told of the progress of each cloud for which anything is read. */
   readonly onProgress?: (progress: LoadProgress, cloud: SplatCloud) => void;
 }
 
@@ -297,8 +293,7 @@ export class SplatEngine {
       signal.throwIfAborted();
       throw error;
     }
-    const isLater = accuracy !== this.accuracy || accuracy.shPrecision === 'palette';
-    if (!options.precision && isLater) void this.#requestPrecisions([cloud]);
+    if (!options.precision && accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
     return cloud;
   }
 

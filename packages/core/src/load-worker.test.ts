@@ -1,13 +1,11 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import type { PaletteRequest } from './clouds/palette-messages.ts';
 import type { ColliderRequest } from './collider/collider-messages.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
-import { packHarmonics } from './packing/repack-harmonics.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
-  onmessage: ((event: { data: LoadRequest | PaletteRequest | ColliderRequest }) => void) | null;
+  onmessage: ((event: { data: LoadRequest | ColliderRequest }) => void) | null;
   readonly postMessage: (reply: { kind: string }) => void;
 }
 
@@ -39,12 +37,6 @@ test('the worker that pages host says that it runs, and reads file after file', 
     await expect.poll(() => replies.filter((kind) => kind === 'cloud')).toHaveLength(loads);
   }
   expect(replies).not.toContain('error');
-});
-
-test('the worker that pages host finds a palette', async () => {
-  const harmonics = packHarmonics(randomSplats({ count: 40 }).harmonics);
-  port.onmessage?.({ data: { harmonics, count: 40, entryCount: 8 } });
-  await expect.poll(() => replies.at(-1)).toBe('palette');
 });
 
 test('the worker that pages host makes a collider', async () => {

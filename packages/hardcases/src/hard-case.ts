@@ -20,13 +20,7 @@ export const HARD_CASE_GROUPS = [
 export type HardCaseGroup = (typeof HARD_CASE_GROUPS)[number];
 
 /** Splats of a case: made by code, or the bytes of a file, which is read like any other. */
-export type HardSplats =
-  | {
-      readonly set: SplatSet<Harmonics>;
-      /** Whether its harmonics are given a palette, which the engine finds, before images are drawn. Default false. */
-      readonly isGivenPalette?: boolean;
-    }
-  | { readonly file: Uint8Array<ArrayBuffer> };
+export type HardSplats = { readonly set: SplatSet<Harmonics> } | { readonly file: Uint8Array<ArrayBuffer> };
 
 export type HardCloud = HardSplats & {
   /** Column-major, float64; default the identity. */

@@ -32,10 +32,6 @@ export async function drawFrames(
   const instances = clouds.map(({ set, modelMatrix }) => ({ cloud: engine.add(set), modelMatrix }));
   const view = engine.createView();
   try {
-    const { geometryPrecision } = engine.accuracy;
-    for (const [i, { isGivenPalette }] of clouds.entries())
-      if (isGivenPalette)
-        await engine.requestPrecision(instances[i].cloud, { geometryPrecision, shPrecision: 'palette' });
     let first: Float32Array | undefined;
     for (let frame = 1; frame <= frames; frame++) {
       const isDrawn = view.render({

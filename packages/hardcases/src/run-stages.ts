@@ -13,8 +13,6 @@ import type { ResultBuilder } from './run-result.ts';
 /** A cloud of a case, after reading. */
 export interface PlacedSet {
   readonly set: SplatSet<Harmonics>;
-  /** Whether images show it with a palette that the engine finds for it. */
-  readonly isGivenPalette?: boolean;
   readonly modelMatrix?: ArrayLike<number>;
 }
 

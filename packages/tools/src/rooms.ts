@@ -74,7 +74,7 @@ export const ROOMS: Arrows = {
   /** Coarse meshes of clouds, for physics: the interface of `@websplatter/core/collider`. */
   collider: 'clouds io packing layout math',
   /** All workers in one script: the file `@websplatter/core/load-worker`. */
-  'load-worker.ts': 'collider clouds io',
+  'load-worker.ts': 'collider io',
   /** What callers give besides requests of frames. */
   'check-options.ts': 'clouds(types) packing',
   /** The engine: one device, its clouds and its views. */

@@ -8,7 +8,7 @@ import { type SceneSource, titleOfAll } from '../scene/scene-source.ts';
 import { BUILD } from '../words/build.ts';
 import { benchCameras } from './bench-path.ts';
 import type { BenchReport } from './bench-report.ts';
-import { type BenchRequest, benchRequest } from './bench-request.ts';
+import { benchRequest } from './bench-request.ts';
 import { browserMachine } from './machine.ts';
 
 /** Bytes of the copies that tell the memory's bandwidth: more than most caches hold, and no more than a phone can spare. */
@@ -57,7 +57,7 @@ export async function runBench({ query, signal, onProgress }: BenchOptions): Pro
       );
     // It stands as the first of its files does.
     const scene = { ...scenes[0], clouds: scenes.flatMap(({ clouds }) => clouds) };
-    await settle(engine, scene, request);
+    await settle(engine, scene);
     const loadMs = performance.now() - startedMs;
     const measurement = await measureFrames(engine, {
       clouds: scene.clouds,
@@ -97,12 +97,10 @@ function sourcesOf(query: URLSearchParams): readonly SceneSource[] {
   return sources;
 }
 
-/** Waits until the GPU has all of the scene, in the precision that is to be measured. */
-async function settle(engine: SplatEngine, { clouds }: LoadedScene, request: BenchRequest): Promise<void> {
+/** Waits until the GPU has all of the scene. */
+async function settle(engine: SplatEngine, { clouds }: LoadedScene): Promise<void> {
   if (clouds.every(({ cloud }) => cloud.count === 0))
     throw new InvalidArgumentError('scene', 'This scene has no splats, so there is nothing to measure.');
-  if (request.accuracy.shPrecision === 'palette')
-    for (const { cloud } of clouds) await engine.requestPrecision(cloud, request.accuracy);
   await engine.device.queue.onSubmittedWorkDone();
 }
 

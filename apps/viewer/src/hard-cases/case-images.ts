@@ -84,10 +84,8 @@ async function drawCase(
       const set = 'set' in given ? given.set : await readSplats(given.file, { shPrecision: 'f32' });
       const { geometryPrecision, shPrecision } = settings;
       const packed = packCloud(set, { geometryPrecision, shPrecision });
-      const cloud = engine.addPacked(packed, { name: hardCase.name, source: set });
+      const cloud = engine.addPacked(packed, { name: hardCase.name });
       clouds.push({ cloud, modelMatrix: given.modelMatrix });
-      if ('set' in given && given.isGivenPalette)
-        await engine.requestPrecision(cloud, { geometryPrecision, shPrecision: 'palette' });
     }
     view.render({ camera, clouds, widthPx, heightPx, accuracy: settings });
     const { data } = await view.readPixels();

@@ -7,7 +7,6 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',
   read: 'Reading',
   arrange: 'Arranging',
-  palette: 'Finding a palette',
   upload: 'Uploading to the GPU',
 };
 
@@ -63,20 +62,14 @@ function ProgressPanel({
 }
 
 /** How much of the phase is done, 0…1; undefined where that is not known. */
-function partOf({ phase, part, loadedBytes, totalBytes }: LoadState): number | undefined {
-  // Until a palette has its first entries, there is no telling.
-  if (phase === 'palette') return part || undefined;
+function partOf({ phase, loadedBytes, totalBytes }: LoadState): number | undefined {
   return phase === 'read' && totalBytes ? Math.min(1, loadedBytes / totalBytes) : undefined;
 }
 
 function figuresOf(state: LoadState): string {
   const { phase, loadedBytes, totalBytes, splats, bytesPerSecond } = state;
-  const part = partOf(state);
-  const isPalette = phase === 'palette';
   return [
-    isPalette && part !== undefined && `${Math.round(100 * part)} %`,
-    !isPalette &&
-      loadedBytes > 0 &&
+    loadedBytes > 0 &&
       (totalBytes ? `${formatBytes(loadedBytes)} of ${formatBytes(totalBytes)}` : formatBytes(loadedBytes)),
     splats > 0 && formatSplats(splats),
     phase === 'read' && bytesPerSecond > 0 && `${formatBytes(bytesPerSecond)}/s`,

@@ -9,11 +9,10 @@ import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { Precisions } from './precisions.ts';
 import type { SessionOwner } from './session-owner.ts';
 
-const PALETTE = resolveAccuracy({ shPrecision: 'palette' });
-const FINDING: LoadProgress = {
-  phase: 'palette',
-  part: 0.4,
-  loadedBytes: 0,
+const FINER = resolveAccuracy({ shPrecision: 'f32' });
+const READING: LoadProgress = {
+  phase: 'read',
+  loadedBytes: 4000,
   totalBytes: undefined,
   splats: 800,
   bytesPerSecond: 0,
@@ -55,24 +54,24 @@ beforeEach(() => {
   precisions = new Precisions({ store, sessions, clouds: () => [cloud], onHeld: () => {} });
 });
 
-const tell = (request: Request) => request.options.onProgress?.(FINDING, {} as SplatCloud);
+const tell = (request: Request) => request.options.onProgress?.(READING, {} as SplatCloud);
 const settled = () => precisions.whenHeld();
 
 describe('Precisions', () => {
   it('tells how far clouds have come to hold what is asked for, until they do', async () => {
-    store.setState({ accuracy: PALETTE, scene: { title: 'Garden' } as never });
+    store.setState({ accuracy: FINER, scene: { title: 'Garden' } as never });
     precisions.request();
     expect(store.getState().preparing).toBeNull();
     tell(requests[0]);
-    expect(store.getState().preparing).toEqual({ title: 'Garden', ...FINDING });
+    expect(store.getState().preparing).toEqual({ title: 'Garden', ...READING });
     requests[0].meet();
     await settled();
     expect(store.getState().preparing).toBeNull();
-    expect(store.getState().accuracy).toBe(PALETTE);
+    expect(store.getState().accuracy).toBe(FINER);
   });
 
   it('goes back to what is drawn where it is called off', async () => {
-    store.setState({ accuracy: PALETTE });
+    store.setState({ accuracy: FINER });
     precisions.request();
     tell(requests[0]);
     precisions.cancel();
@@ -85,13 +84,13 @@ describe('Precisions', () => {
   });
 
   it('ends a comparison whose side is called off, and no other setting', async () => {
-    const comparison = { kind: 'split', left: 'current', right: PALETTE } as const;
+    const comparison = { kind: 'split', left: 'current', right: FINER } as const;
     store.setState({ comparison });
     precisions.request();
     requests[0].meet();
     await expect.poll(() => requests.length).toBe(2);
     tell(requests[1]);
-    expect(requests[1].asked).toBe(PALETTE);
+    expect(requests[1].asked).toBe(FINER);
     precisions.cancel();
     expect(store.getState()).toMatchObject({ comparison: null, accuracy: resolveAccuracy() });
     requests[2].meet();
@@ -100,7 +99,7 @@ describe('Precisions', () => {
   });
 
   it('says nothing more of what a later request has replaced', async () => {
-    store.setState({ accuracy: PALETTE });
+    store.setState({ accuracy: FINER });
     precisions.request();
     store.setState({ accuracy: resolveAccuracy('high') });
     precisions.request();

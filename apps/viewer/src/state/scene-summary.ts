@@ -45,8 +45,6 @@ export interface LoadState {
   readonly phase: LoadProgress['phase'] | 'make';
   readonly loadedBytes: number;
   readonly totalBytes: number | undefined;
-  /** How much of the phase `palette` is done, 0…1. */
-  readonly part?: number;
   readonly splats: number;
   readonly bytesPerSecond: number;
 }

@@ -122,7 +122,7 @@ export interface ViewerState {
   readonly waiting: readonly WaitingPart[];
   /** Key of the file that the Scene panel moves; null for none. */
   readonly selectedPart: number | null;
-  /** The scene on the screen, while it is read again, or a palette is found for it, to be drawn with another accuracy. */
+  /** The scene on the screen, while it is read again to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
   readonly saving: SavingState | null;
   readonly picturing: PicturingState | null;

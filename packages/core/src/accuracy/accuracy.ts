@@ -97,7 +97,7 @@ export const ACCURACY_SETTINGS: {
   shPrecision: {
     label: 'Harmonics',
     about:
-      'Precision of the stored coefficients that make colours depend on the view; a palette that splats share takes the fewest bytes, and seconds to find.',
+      'Precision of the stored coefficients that make colours depend on the view; the palette that a file may have takes the fewest bytes.',
     unit: 'storage',
     values: SH_PRECISIONS,
     stage: 'load',

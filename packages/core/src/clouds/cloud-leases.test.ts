@@ -34,6 +34,7 @@ function leased({ atOnce = true } = {}) {
   let planes = planesOf(SMALLEST);
   const leases = new CloudLeases(SMALLEST, {
     name: 'garden',
+    hasPalette: false,
     keepOnly: (claims) => {
       planes = planes.filter((plane) => planesOf(...claims).includes(plane));
     },

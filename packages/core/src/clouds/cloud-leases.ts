@@ -1,6 +1,6 @@
 import { resolveAccuracy } from '../accuracy/accuracy.ts';
 import type { ReadOptions } from '../io/sources/splat-source.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import { type CloudPrecision, ownShPrecision } from '../packing/precision.ts';
 
 /** `signal` cancels the claim until it is met; `onProgress` reports the progress of reading, if anything is read. */
 export type HoldOptions = Pick<ReadOptions, 'signal' | 'onProgress'>;
@@ -13,6 +13,8 @@ export interface MakeOptions extends Pick<ReadOptions, 'onProgress'> {
 interface LeasesContext {
   /** Name of the cloud, for messages. */
   readonly name: string;
+  /** Whether the cloud's file has a palette for its harmonics. */
+  readonly hasPalette: boolean;
   /** Frees all planes except those of `claims`. */
   readonly keepOnly: (claims: readonly CloudPrecision[]) => void;
   /** Adds the planes of a precision to those that the cloud holds. If it rejects, it adds none. */
@@ -110,9 +112,12 @@ export class CloudLeases {
   ): Promise<void> {
     if (this.#ended) throw this.#ended;
     signal?.throwIfAborted();
-    const wanted = { geometryPrecision, shPrecision };
-    resolveAccuracy(wanted);
-    const { name, make } = this.#context;
+    resolveAccuracy({ geometryPrecision, shPrecision });
+    const { name, make, hasPalette } = this.#context;
+    const wanted = {
+      geometryPrecision,
+      shPrecision: hasPalette ? shPrecision : ownShPrecision(shPrecision),
+    };
     this.#cancel(lease, `A later request for ${name} replaced this one.`);
     const cancellation = new AbortController();
     const pending = { wanted, cancellation };

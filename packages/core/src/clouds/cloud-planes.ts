@@ -169,7 +169,7 @@ export class CloudPlanes {
       return new CloudPlanes(memory, name, {
         shDegree,
         shPrecision,
-        hasOwnPalette: shPrecision === 'palette' && packed.facts.paletteEntries !== null,
+        hasOwnPalette: shPrecision === 'palette',
         geometryPrecision: packed.geometry.precision,
         ranges,
         chunks: keep(planeOf(place, uploadChunks)),

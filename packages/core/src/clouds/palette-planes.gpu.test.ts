@@ -1,11 +1,8 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import { SplatSourceError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
-import type { LoadProgress } from '../io/sources/splat-source.ts';
 import { MAX_PALETTE_ENTRIES } from '../packing/harmonics-palette.ts';
-import { packSet } from '../packing/pack-set.ts';
 import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
 import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
@@ -100,76 +97,17 @@ describe('splats with a palette', () => {
 describe('splats without a palette', () => {
   const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
   const PALETTE: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'palette' };
-  // So few different harmonics that a palette has all of them.
   const set = withOwnCoefficients(paletteSplats({ count: 600, entryCount: 20 }));
 
-  gpuTest('are given one, and have their own again', async () => {
+  gpuTest('have bytes of their own where one is asked for', async () => {
     const cloud = engine.add(set);
-    const { bytes } = cloud;
     await engine.requestPrecision(cloud, PALETTE);
-    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['palette'] });
-    expect(bytes - cloud.bytes).toBe(600 * 180 - shPlaneBytes(600, 3, 'palette', 20));
-    expect(await psnrDb(cloud, set)).toBeGreaterThan(90);
-    await engine.requestPrecision(cloud, FINEST);
-    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
-    cloud.destroy();
-  });
-
-  gpuTest('tell how far they are read, and then how much of a palette is found', async () => {
-    const file = new Blob([encodePly(set)]);
-    const cloud = await engine.load(file);
-    const reports: LoadProgress[] = [];
-    const onProgress = (progress: LoadProgress) => reports.push(progress);
-    await engine.requestPrecision(cloud, PALETTE, { onProgress });
-    const phases = [...new Set(reports.map(({ phase }) => phase))];
-    expect(phases).toEqual(['read', 'arrange', 'palette']);
-    expect(reports.at(-1)).toMatchObject({ loadedBytes: file.size, splats: 600, part: 1 });
-    cloud.destroy();
-  });
-
-  gpuTest('stay as they are if their palette is called off while it is being found', async () => {
-    const cloud = engine.add(set);
-    const before = await imageOf(cloud);
-    const controller = new AbortController();
-    const onProgress = () => controller.abort(new Error('enough'));
-    const request = engine.requestPrecision(cloud, PALETTE, { signal: controller.signal, onProgress });
-    await expect(request).rejects.toThrow('enough');
-    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
-    expect(await imageOf(cloud)).toEqual(before);
-    cloud.destroy();
-  });
-
-  gpuTest(
-    'are given one by a change of accuracy, which tells how far it is and can be called off',
-    async () => {
-      const other = await SplatEngine.create({ device });
-      const clouds = [other.add(set), other.add(set)];
-      const told = new Set<SplatCloud>();
-      const controller = new AbortController();
-      const calledOff = other.setAccuracy(
-        { shPrecision: 'palette' },
-        { signal: controller.signal, onProgress: () => controller.abort(new Error('enough')) },
-      );
-      expect(await calledOff).toEqual([]);
-      expect(clouds.map(({ precisions }) => precisions.sh)).toEqual([['u8'], ['u8']]);
-      const onProgress = ({ phase }: LoadProgress, cloud: SplatCloud) => {
-        expect(phase).toBe('palette');
-        told.add(cloud);
-      };
-      expect(await other.setAccuracy({ shPrecision: 'palette' }, { onProgress })).toEqual([]);
-      expect(clouds.map(({ precisions }) => precisions.sh)).toEqual([['palette'], ['palette']]);
-      expect(told).toEqual(new Set(clouds));
-      other.destroy();
-    },
-  );
-
-  gpuTest('of a file are given one after they were loaded', async () => {
+    expect(cloud.precisions).toEqual({ geometry: ['f32'], sh: ['u8'] });
     const other = await SplatEngine.create({ device, accuracy: { shPrecision: 'palette' } });
-    const cloud = await other.load(new Blob([encodePly(set)]));
-    // The claim that the load has made.
-    await cloud.ownLease.met;
-    expect(cloud.precisions.sh).toEqual(['palette']);
+    const loaded = await other.load(new Blob([encodePly(set)]));
+    expect(loaded.precisions.sh).toEqual(['u8']);
     other.destroy();
+    cloud.destroy();
   });
 
   gpuTest('of a SOG are rows by default, and have its palette where they are asked to', async () => {
@@ -195,12 +133,5 @@ describe('splats without a palette', () => {
     expect(kept.precisions.sh).toEqual(SH_PRECISIONS);
     expect(await imageOf(kept)).toEqual(before);
     kept.destroy();
-  });
-
-  gpuTest('are given none if their source is gone', async () => {
-    const cloud = engine.addPacked(packSet(set, FINEST));
-    await expect(engine.requestPrecision(cloud, PALETTE)).rejects.toThrow(SplatSourceError);
-    expect(cloud.precisions.sh).toEqual(['f32']);
-    cloud.destroy();
   });
 });

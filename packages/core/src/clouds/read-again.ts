@@ -1,7 +1,6 @@
 import { GpuLimitError, SplatSourceError } from '../errors.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
-import type { LoadProgress } from '../io/sources/splat-source.ts';
 import { Chunk } from '../layout/structs.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
@@ -116,44 +115,25 @@ async function readFrom(
 
 async function splatsOf(
   source: CloudSource,
-  { name, count, planes, sourceOptions }: SplatCloud,
+  { name, planes, sourceOptions }: SplatCloud,
   wanted: CloudPrecision,
   openRowPlanes: OpenRowPlanes,
   options: MakeOptions,
 ): Promise<ReadSplats> {
   const { geometryPrecision, shPrecision } = wanted;
-  const { signal } = options;
-  const isPalette = shPrecision === 'palette';
-  let last: LoadProgress = {
-    phase: 'read',
-    loadedBytes: 0,
-    totalBytes: undefined,
-    splats: count,
-    bytesPerSecond: 0,
-  };
-  const onProgress = (progress: Partial<LoadProgress>) => {
-    last = { ...last, ...progress };
-    options.onProgress?.(last);
-  };
-  const fresh = async (packed: PackedCloud) => {
-    if (!isPalette) return fromPacked(packed, planes.place);
-    // Most clouds never have one.
-    const { givePalette } = await import('./give-palette.ts');
-    const isGiven = packed !== source;
-    return fromPacked(await givePalette(packed, { name, isGiven, signal, onProgress }), planes.place);
-  };
-  if (isPackedCloud(source)) return fresh(source);
-  // A palette is found among the finest harmonics that there are, on the CPU.
-  if (isSplatSet(source))
-    return fresh(packSet(source, { geometryPrecision, shPrecision: isPalette ? 'f32' : shPrecision }));
+  const { signal, onProgress } = options;
   const precision = { geometryPrecision, shPrecision };
+  if (isPackedCloud(source)) return fromPacked(source, planes.place);
+  if (isSplatSet(source)) return fromPacked(packSet(source, precision), planes.place);
   const { sink, files } = openRowPlanes({ ...precision, name, pages: planes.ranges, signal });
   try {
     const loadOptions = { ...sourceOptions, ...precision, name, signal, onProgress };
-    const packed = await loadOrPass(source, loadOptions, isPalette ? undefined : { sink, files });
+    // Rows have no palette.
+    const rowsTo = shPrecision === 'palette' ? undefined : { sink, files };
+    const packed = await loadOrPass(source, loadOptions, rowsTo);
     if (packed) {
       sink.destroy();
-      return await fresh(packed);
+      return fromPacked(packed, planes.place);
     }
     const made = await sink.finish();
     return fromRows(made.contents, made.planes);

@@ -161,6 +161,8 @@ export class SplatCloud {
     this.planes = planes;
     this.leases = new CloudLeases(contents.precision, {
       name,
+      // One that was loaded as rows is read again for it.
+      hasPalette: contents.facts.paletteEntries !== null || contents.facts.fileFacts?.format === 'sog',
       keepOnly: (claims) => {
         if (!isPreview) this.planes.keepOnly(claims);
       },

@@ -138,27 +138,6 @@ describe('while a file arrives', () => {
     cloud.destroy();
   });
 
-  gpuTest(
-    'it can be drawn also where a palette is asked for, which follows when all of it is there',
-    async () => {
-      const other = await SplatEngine.create({
-        device,
-        ingestMinRows: 1,
-        accuracy: { shPrecision: 'palette' },
-      });
-      const counts: number[] = [];
-      const cloud = await other.load(new Blob([FILE]), {
-        onPreview: (preview) => {
-          expect(preview.precisions.sh).toEqual(['u8']);
-          counts.push(preview.count);
-        },
-      });
-      expect(counts.at(-1)).toBe(COUNT);
-      expect(cloud.precisions.sh).toEqual(['u8']);
-      other.destroy();
-    },
-  );
-
   gpuTest('splats that cannot be drawn leave no trace', async () => {
     const set = { ...SET, positions: SET.positions.slice() };
     for (let i = 0; i < COUNT; i += 2) set.positions[3 * i + 1] = Number.NaN;

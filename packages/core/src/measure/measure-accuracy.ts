@@ -33,7 +33,7 @@ export interface MeasureAccuracyOptions {
   readonly sortBy?: FrameRequest['sortBy'];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
-  /** Names of the settings to change; default all, without giving clouds a palette of harmonics that have none. */
+  /** Names of the settings to change; default all. */
   readonly settings?: readonly string[];
   /** Whether to measure the paper's ablations too; default true. */
   readonly ablations?: boolean;
@@ -172,9 +172,7 @@ function candidatesFor({
   settings,
   ablations,
 }: Parameters<typeof countMeasureSteps>[0]): Candidate[] {
-  // Finding a palette takes a while: only for who asks about harmonics, or where there is one.
-  const withPalettes =
-    settings !== undefined || clouds.every(({ cloud }) => cloud.facts.paletteEntries !== null);
+  const withPalettes = clouds.every(({ cloud }) => cloud.facts.paletteEntries !== null);
   return singleCandidates(base, settings, ablations, withPalettes);
 }
 

@@ -43,7 +43,7 @@ export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
   /**
    * Default: the precision of the set's harmonics; f32 if they are as trained. Harmonics that are a palette stay one, whatever is
-   * wanted: nothing would be finer, and little smaller. Others become none: where one is wanted, they are packed as u8.
+   * wanted: nothing would be finer, and little smaller. Others become none: they are packed as u8 then.
    */
   readonly shPrecision?: ShPrecision;
 }

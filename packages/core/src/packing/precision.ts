@@ -11,14 +11,14 @@ export type GeometryPrecision = (typeof GEOMETRY_PRECISIONS)[number];
 
 /**
  * How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the splat's own, and `palette` the number
- * of an entry that splats share.
+ * of an entry that splats share, where the file has such a palette: others have `u8` then.
  */
 export type ShPrecision = (typeof SH_PRECISIONS)[number];
 
 /** Precisions in which each splat has coefficients of its own. */
 export type OwnShPrecision = Exclude<ShPrecision, 'palette'>;
 
-/** What splats are packed in one by one where a palette is wanted, which takes all of them at once: the next finer. */
+/** What splats have where a palette is wanted and the file has none: the next finer. */
 export function ownShPrecision(wanted: ShPrecision): OwnShPrecision {
   return wanted === 'palette' ? 'u8' : wanted;
 }

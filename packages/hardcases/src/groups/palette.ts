@@ -39,11 +39,6 @@ const randomEntries = (count: number, degree: ShDegree, amplitude: number) =>
 
 const SPLATS = [...ordinarySplats(), HARD];
 
-/** Kinds of harmonics of a scene that has more different ones than a palette found for it has entries. */
-const KINDS = 4;
-/** Most by which a coefficient differs from that of its kind. */
-const SPREAD = 0.002;
-
 export const PALETTE_CASES: readonly HardCase[] = [
   ...([1, 2, 3] as const).map((degree) =>
     scene({
@@ -117,46 +112,6 @@ export const PALETTE_CASES: readonly HardCase[] = [
         set: splatsOf(withRandomSh(moved(ordinarySplats(2), [0.3, 0.2, 0.4]), 3, 0.5), { shDegree: 3 }),
       },
       { set: withPalette(moved([HARD], [-0.8, 0.6, 0.1]), 2, randomEntries(3, 2, 0.5), () => 2) },
-    ],
-  }),
-  scene({
-    name: 'palette-found-among-more-harmonics',
-    breaks:
-      'Where there are more different harmonics than entries, splats are given the entry of another kind, or one that is the mean of several.',
-    clouds: () => {
-      const kinds = randomEntries(KINDS, 3, 0.4);
-      const splats = SPLATS.map((splat, i) => {
-        const offsets = randomShRest(3, SPREAD, 100 + i);
-        return { ...splat, shRest: kinds[i % KINDS].map((value, k) => value + offsets[k]) };
-      });
-      return [{ set: splatsOf(splats, { shDegree: 3 }), isGivenPalette: true }];
-    },
-    bounds: {
-      reference: {
-        // 20·log10 of √15 · 2 · SPREAD · √(15/4π).
-        minPsnrDb: 35,
-        cause:
-          'an entry is the mean of coefficients within 0.002 of one value, so each of 15 a channel is off by 0.004 at most, and a colour by √15 · 0.004 · √(15/4π) = 0.017, √(15/4π) being the length of the basis',
-      },
-    },
-  }),
-  scene({
-    name: 'palette-found-among-equal-harmonics',
-    breaks:
-      'Harmonics that do not differ have no axis to be told apart by: their variance of 0 divides, or a group without splats has the mean 0/0.',
-    clouds: () => {
-      const shRest = randomShRest(3, 0.4, 5);
-      const splats = SPLATS.map((splat) => ({ ...splat, shRest }));
-      return [{ set: splatsOf(splats, { shDegree: 3 }), isGivenPalette: true }];
-    },
-  }),
-  scene({
-    name: 'palette-found-for-one-splat',
-    breaks:
-      'An eighth of few splats is no whole entry: a palette of none, or more entries than there are splats to begin with.',
-    clouds: () => [
-      { set: splatsOf(withRandomSh([HARD], 3, 0.5), { shDegree: 3 }), isGivenPalette: true },
-      { set: splatsOf(ordinarySplats()) },
     ],
   }),
 ];

@@ -2,7 +2,7 @@
 let make: (() => Worker) | null = null;
 
 /**
- * Sets where this page hosts `@websplatter/core/load-worker`, the one script that reads every format, finds palettes and makes
+ * Sets where this page hosts `@websplatter/core/load-worker`, the one script that reads every format and makes
  * colliders. It is for pages whose bundler leaves workers out, and holds for all later loads of all engines; call it before the first.
  *
  * If no worker starts from there, the console says so once, and the page's own thread does the work.

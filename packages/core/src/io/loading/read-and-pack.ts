@@ -27,5 +27,5 @@ export async function readAndPack(
   if (last) onProgress?.({ ...last, phase: 'arrange' });
   // Packing does not pause: this is the last chance to stop before it.
   signal?.throwIfAborted();
-  return set && packCloud(set, { geometryPrecision });
+  return set && packCloud(set, { geometryPrecision, shPrecision: settings.shPrecision });
 }

@@ -50,7 +50,6 @@ export async function readSource(
     return await read(
       { ...about, reader },
       {
-        // Where a file has no palette, one is best found among the finest harmonics.
         shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
         keepsPalette: shPrecision === 'palette',
         maxSplats,

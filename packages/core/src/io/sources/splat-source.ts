@@ -23,10 +23,7 @@ export type SplatSource =
 
 /** Progress of a load. */
 export interface LoadProgress {
-  /** `palette`: sets of harmonics that splats share are being found. */
-  readonly phase: 'read' | 'arrange' | 'palette' | 'upload';
-  /** How much of the phase `palette` is done, 0 to 1; undefined in the others. */
-  readonly part?: number;
+  readonly phase: 'read' | 'arrange' | 'upload';
   /** Bytes read so far, of all files of a scene that has several. */
   readonly loadedBytes: number;
   /** Size of the source in bytes, all files of a scene together; undefined as long as it is not known. */

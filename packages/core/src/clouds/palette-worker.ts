@@ -1,3 +1,0 @@
-import { type PalettePort, servePalette } from './serve-palette.ts';
-
-servePalette(self as unknown as PalettePort);
