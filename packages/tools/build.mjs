@@ -41,6 +41,7 @@ const PACKAGES = [
       'ksplat-worker': 'src/io/formats/ksplat/ksplat-worker.ts',
       'ply-worker': 'src/io/formats/ply/ply-worker.ts',
       'collider-worker': 'src/collider/collider-worker.ts',
+      'ray-worker': 'src/clouds/ray-worker.ts',
       'spz-worker': 'src/io/formats/spz/spz-worker.ts',
       'gzip-worker': 'src/io/formats/gzip/gzip-worker.ts',
       'gltf-worker': 'src/io/formats/gltf/gltf-worker.ts',

@@ -1,11 +1,11 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import type { ColliderRequest } from './collider/collider-messages.ts';
+import type { BuildRequest } from './clouds/geometry-builder.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
-  onmessage: ((event: { data: LoadRequest | ColliderRequest }) => void) | null;
+  onmessage: ((event: { data: LoadRequest | BuildRequest }) => void) | null;
   readonly postMessage: (reply: { kind: string }) => void;
 }
 
@@ -42,8 +42,8 @@ test('the worker that pages host says that it runs, and reads file after file', 
 test('the worker that pages host makes a collider', async () => {
   const grid = { start: [0, 0, 0], size: [5, 5, 5], cellSize: 1 } as const;
   const plan = { grid, origin: [0, 0, 0], solidAt: 0.5, fewestTriangles: 0 };
-  port.onmessage?.({ data: { collider: 'plan', plan } });
+  port.onmessage?.({ data: { build: 'begin', what: 'collider', plan } });
   await expect.poll(() => replies.at(-1)).toBe('taken');
-  port.onmessage?.({ data: { collider: 'end' } });
-  await expect.poll(() => replies.at(-1)).toBe('mesh');
+  port.onmessage?.({ data: { build: 'end' } });
+  await expect.poll(() => replies.at(-1)).toBe('built');
 });

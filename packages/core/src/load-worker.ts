@@ -1,16 +1,18 @@
-import { type ColliderPort, serveCollider } from './collider/serve-collider.ts';
+import { type BuildPort, serveBuilder } from './clouds/geometry-builder.ts';
+import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
+import { COLLIDER_BUILDERS } from './collider/build-collider.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
 
-// `@websplatter/core/load-worker`: does what the workers of all formats do, and makes colliders. It is built as one file
-// without imports, for pages that host the worker themselves and name it to `setWorkerUrl`.
+// `@websplatter/core/load-worker`: does what all workers do. It is built as one file without imports, for pages that host the
+// worker themselves and name it to `setWorkerUrl`.
 
-const port = self as unknown as LoadPort & ColliderPort;
+const port = self as unknown as LoadPort & BuildPort;
 
 port.onmessage = (event: MessageEvent) => {
-  // Each takes the place of this listener: a worker reads files, or makes one collider.
+  // Each takes the place of this listener: a worker reads files, or builds one thing.
   if ('kind' in event.data) serveLoad(port, ALL_READERS);
-  else serveCollider(port);
+  else serveBuilder(port, { ...RAY_BUILDERS, ...COLLIDER_BUILDERS });
   port.onmessage?.(event);
 };
 port.postMessage({ kind: 'ready' }, []);

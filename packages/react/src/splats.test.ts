@@ -155,7 +155,11 @@ const splats = (props: SplatsProps) => createElement(Splats, props);
 const object = () => scene.children.find((child) => 'data' in child) as Object3D & Record<string, unknown>;
 const isFallbackShown = () => scene.getObjectByName('fallback') !== undefined;
 const splatData = (name: string, isPreview = false) =>
-  Object.assign(Object.create(SplatData.prototype), { name, isPreview }) as SplatData;
+  Object.assign(Object.create(SplatData.prototype), {
+    name,
+    isPreview,
+    prepareRays: async () => {},
+  }) as SplatData;
 
 it('suspends until the first file has been loaded for its renderer, and reports progress', async () => {
   const onLoad = vi.fn();
@@ -461,6 +465,17 @@ it('shows splats in memory without suspending, and reports the first frame', asy
   expect(onFirstFrame).toHaveBeenCalledOnce();
   // The device of a SplatCanvas has been put to use.
   expect(pace.recovered).toHaveBeenCalledOnce();
+});
+
+it('prepares rays where pointers are listened for, and nowhere else', async () => {
+  const a = splatData('a');
+  const prepareRays = vi.fn(async () => {});
+  a.prepareRays = prepareRays;
+  await show(splats({ src: a }));
+  object().dispatchEvent({ type: 'firstframe' } as never);
+  expect(prepareRays).not.toHaveBeenCalled();
+  await show(splats({ src: a, onPointerMove: () => {} }));
+  expect(prepareRays).toHaveBeenCalledOnce();
 });
 
 it('tells of the loss of its device', async () => {

@@ -159,12 +159,17 @@ function Cloud({
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);
 
+  // For which react-three-fiber casts rays: onClick, onContextMenu, onDoubleClick, onPointer… and onWheel.
+  const hasHandlers = /\bon[CDPW]/.test(Object.keys(objectProps).join());
   const reported = useRef<SplatData>(null);
   useEffect(() => {
-    if (splats === null || splats.isPreview || splats === reported.current) return;
+    if (!splats || splats.isPreview) return;
+    // The first ray tries again.
+    if (hasHandlers) splats.prepareRays().catch(() => {});
+    if (splats === reported.current) return;
     reported.current = splats;
     latest.current.onLoad?.(splats);
-  }, [splats, latest]);
+  }, [splats, latest, hasHandlers]);
 
   const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
   useLayoutEffect(() => {
@@ -205,7 +210,7 @@ function Cloud({
   if (drawError) throw drawError.error;
   if (load?.status === 'failed' && !onError) throw load.error;
   // Thrown for the reason given in useSplats.
-  if (load?.status === 'pending' && splats === null) throw load.settled;
+  if (load?.status === 'pending' && !splats) throw load.settled;
 
   // react-three-fiber ignores props that are undefined, and resets props that are missing.
   for (const [name, value] of Object.entries(objectProps))

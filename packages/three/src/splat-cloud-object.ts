@@ -172,7 +172,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
    * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 % opacity: at the depth of the
    * splat that contributes most, as `pick` finds it, if `raycaster.camera` is the camera that the ray comes from
    * (`setFromCamera`). Of more than half a million splats, neighbours count as one. Splats that the ray begins inside of are left
-   * out. Misses until `data.prepareRays()` is done, which begins after the first frame; and misses previews.
+   * out. Misses until `data.prepareRays()` is done, which the first ray begins; and misses previews.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
     this.#data?.raycast(this, raycaster, intersects);
@@ -201,7 +201,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   async chooseAccuracy(options?: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     const view = this.#layer?.views.latestWith(this);
     if (view) return view.embedded.chooseAccuracy(options);
-    const message = 'The cloud has not been drawn yet: there is no frame to measure.';
+    const message = 'The cloud has not been drawn yet.';
     throw new InvalidArgumentError('chooseAccuracy', message);
   }
 
@@ -330,10 +330,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     if (!this.#isAnnounced && !data.isPreview) {
       this.#isAnnounced = true;
       // three is in the middle of its frame.
-      queueMicrotask(() => {
-        this.dispatchEvent({ type: 'firstframe' });
-        data.prepareRays().catch(() => {});
-      });
+      queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));
     }
     // Otherwise shaders compile: a frame is asked for when they are ready.
     if (this.#revealedAt(nowMs) >= 1 || !drawn.includes(reveal.effect)) return;

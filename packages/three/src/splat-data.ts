@@ -112,8 +112,8 @@ export class SplatData {
   }
 
   /**
-   * Makes what rays are tested against, in tasks of about 5 ms: 24 bytes for each splat, and 12 MB for half a million and more, up
-   * to 16 million. It comes by itself after the first frame, or after the first ray; rays miss the splats until then. Does nothing for a preview.
+   * Makes what rays are tested against, in a worker: 24 bytes for each splat, and 12 MB for half a million and more, up to 16
+   * million. The first ray begins it, too; rays miss the splats until then. Does nothing for a preview.
    *
    * @throws DestroyedError if the engine that holds the splats ends or frees them; GpuLimitError if memory is lacking. A later
    *   call tries again.

@@ -72,9 +72,9 @@ export const ROOMS: Arrows = {
   /** Splats from arrays, and edits of splats: the interface of `@websplatter/core/own-data`. */
   'own-data.ts': 'clouds editing packing splats',
   /** Coarse meshes of clouds, for physics: the interface of `@websplatter/core/collider`. */
-  collider: 'clouds io packing layout math',
+  collider: 'clouds packing layout math',
   /** All workers in one script: the file `@websplatter/core/load-worker`. */
-  'load-worker.ts': 'collider io',
+  'load-worker.ts': 'collider clouds io',
   /** What callers give besides requests of frames. */
   'check-options.ts': 'clouds(types) packing',
   /** The engine: one device, its clouds and its views. */

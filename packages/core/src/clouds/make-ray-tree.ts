@@ -1,20 +1,15 @@
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
-import { Turns } from '../turns.ts';
-import { arrangeBlobs } from './arrange-blobs.ts';
-import { geometryPieces } from './geometry-pieces.ts';
-import { BlobCollector } from './ray-blobs.ts';
+import { buildOfGeometry } from './build-of-geometry.ts';
 import { RayTree } from './ray-tree.ts';
+import { RayTreeBuilder } from './ray-tree-builder.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 /** Clouds of so few splats have a blob for each, and rays hit what is drawn. They take 12 MB then. */
 const MOST_SMALL_BLOBS = 1 << 19;
 /** Splats of a blob in clouds for which that is not enough. */
 const SPLATS_PER_BLOB = 32;
-/** Longest that the calling thread is kept busy at a time. */
-const MAX_BUSY_MS = 5;
 
 export interface MakeRayTreeOptions {
   /** Calls the work off. */
@@ -31,19 +26,17 @@ export async function makeRayTree(
   // What was drawn last may lack edits.
   if ('editing' in splats) splats.editing?.flush();
   const { count, origin } = splats;
-  const blobs = Math.max(mostBlobs, count / SPLATS_PER_BLOB);
-  const shares = blobsOfChunks(splats, blobs);
-  const collector = new BlobCollector(shares.reduce((sum, share) => sum + share, 0));
-  let chunk = 0;
-  const turns = new Turns(signal, MAX_BUSY_MS);
-  for await (const piece of geometryPieces(splats)) {
-    const end = piece.words.length / GEOMETRY_WORDS[piece.precision];
-    for (let from = 0; from < end; from += CHUNK_SPLATS) {
-      await turns.give();
-      collector.add(piece, from, Math.min(end, from + CHUNK_SPLATS), shares[chunk++]);
-    }
-  }
-  return new RayTree(origin, await arrangeBlobs(collector.blobs, turns));
+  const shares = blobsOfChunks(splats, Math.max(mostBlobs, count / SPLATS_PER_BLOB));
+  const blobs = await buildOfGeometry(splats, {
+    what: 'rays',
+    subject: 'A ray tree',
+    plan: { shares },
+    // In one piece, since this is the form that bundlers recognise.
+    makeWorker: () => new Worker(new URL('./ray-worker.ts', import.meta.url), { type: 'module' }),
+    make: (plan) => new RayTreeBuilder(plan, signal),
+    signal,
+  });
+  return new RayTree(origin, blobs);
 }
 
 /** How much the angle matters. At 0, all chunks would have as many blobs; at 2, all blobs would be seen under one angle. */

@@ -1,9 +1,10 @@
 import { stillLife, stillLifeCameras } from '@websplatter/scenes';
-import { beforeAll, describe, expect, test } from 'vitest';
+import { afterEach, beforeAll, describe, expect, test, vi } from 'vitest';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import { builderWorker } from '../testing/builder-worker.ts';
 import { objectScene } from '../testing/object-scene.ts';
 import {
   expectRaysAsShown,
@@ -16,6 +17,7 @@ import { randomSplats, type SplatValues, splatsOf } from '../testing/random-spla
 import type { TrueRay } from '../testing/true-rays.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
+import { RAY_BUILDERS } from './ray-tree-builder.ts';
 
 const pack = (set: SplatSet<Harmonics>) => packCloud(set, { geometryPrecision: 'packed' });
 const treeOf = (splats: readonly SplatValues[]) => makeRayTree(pack(splatsOf(splats)), {});
@@ -190,3 +192,22 @@ function within(set: SplatSet, center: Vec3, radius: number): SplatSet {
     fileIndices: Uint32Array.from(kept),
   };
 }
+
+describe('a ray tree that a worker makes', () => {
+  const FakeWorker = builderWorker(RAY_BUILDERS);
+  afterEach(() => vi.unstubAllGlobals());
+
+  test('is that of this thread, and leaves the splats where they are', async () => {
+    const cloud = pack(randomSplats({ count: 3000 }));
+    const here = await makeRayTree(cloud, { mostBlobs: 500 });
+    vi.stubGlobal('Worker', FakeWorker);
+    const there = await makeRayTree(cloud, { mostBlobs: 500 });
+    expect(FakeWorker.started).toHaveLength(1);
+    expect(FakeWorker.started[0].isTerminated).toBe(true);
+    expect([there.count, there.bytes]).toEqual([here.count, here.bytes]);
+    for (let i = 0; i < 50; i++) {
+      const direction: Vec3 = [Math.sin(i), Math.cos(i), -3];
+      expect(there.cast([0, 0, 5], direction)).toEqual(here.cast([0, 0, 5], direction));
+    }
+  });
+});

@@ -1,12 +1,13 @@
+import type { GeometryBuilder, GeometryBuilders } from '../clouds/geometry-builder.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import { Turns } from '../turns.ts';
 import { ColliderGrid } from './collider-grid.ts';
-import type { ColliderPlan } from './collider-messages.ts';
+import type { ColliderPlan } from './collider-plan.ts';
 import { surfaceOf, type Triangles, withoutIslands } from './collider-surface.ts';
 
 /** Makes a collider of splats that come piece by piece, in turns of the event loop. */
-export class ColliderBuilder {
+export class ColliderBuilder implements GeometryBuilder<Triangles> {
   readonly #plan: ColliderPlan;
   readonly #grid: ColliderGrid;
   readonly #turns: Turns;
@@ -31,3 +32,8 @@ export class ColliderBuilder {
     return withoutIslands(await surfaceOf(this.#grid, solidAt, origin, this.#turns), fewestTriangles);
   }
 }
+
+/** For the worker. */
+export const COLLIDER_BUILDERS: GeometryBuilders = {
+  collider: (plan: ColliderPlan) => new ColliderBuilder(plan),
+};

@@ -1,3 +1,4 @@
-import { type ColliderPort, serveCollider } from './serve-collider.ts';
+import { type BuildPort, serveBuilder } from '../clouds/geometry-builder.ts';
+import { COLLIDER_BUILDERS } from './build-collider.ts';
 
-serveCollider(self as unknown as ColliderPort);
+serveBuilder(self as unknown as BuildPort, COLLIDER_BUILDERS);

@@ -1,13 +1,12 @@
-import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { DestroyedError, InvalidArgumentError, WebSplatterError } from '../errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
+import { builderWorker } from '../testing/builder-worker.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import type { ColliderRequest } from './collider-messages.ts';
+import { COLLIDER_BUILDERS } from './build-collider.ts';
 import { type ColliderMesh, makeColliderMesh } from './make-collider-mesh.ts';
-import { type ColliderPort, serveCollider } from './serve-collider.ts';
 
 const PRECISION = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 
@@ -229,41 +228,7 @@ describe('a collider', () => {
   });
 });
 
-type Behaviour = 'works' | 'dies';
-
-/** A worker in this thread behind a real message channel: what crosses is cloned or transferred as between threads. */
-class FakeWorker {
-  static behaviour: Behaviour = 'works';
-  static started: FakeWorker[] = [];
-  onmessage: ((event: MessageEvent) => void) | null = null;
-  onerror: ((event: Partial<ErrorEvent>) => void) | null = null;
-  onmessageerror: (() => void) | null = null;
-  isTerminated = false;
-  readonly #page: MessagePort;
-
-  constructor() {
-    FakeWorker.started.push(this);
-    const { port1, port2 } = new MessageChannel();
-    this.#page = port1;
-    port1.on('message', (data) => this.onmessage?.({ data } as MessageEvent));
-    const port: ColliderPort = {
-      onmessage: null,
-      postMessage: (reply, transfer) => port2.postMessage(reply, transfer as never),
-    };
-    port2.on('message', (data) => port.onmessage?.({ data } as MessageEvent<ColliderRequest>));
-    serveCollider(port);
-  }
-
-  postMessage(request: ColliderRequest, transfer: Transferable[]): void {
-    if (FakeWorker.behaviour === 'dies') setTimeout(() => this.onerror?.({ message: 'out of memory' }));
-    else this.#page.postMessage(request, transfer as never);
-  }
-
-  terminate(): void {
-    this.isTerminated = true;
-    this.#page.close();
-  }
-}
+const FakeWorker = builderWorker(COLLIDER_BUILDERS);
 
 describe('in a worker, a collider', () => {
   afterEach(() => {
@@ -276,7 +241,6 @@ describe('in a worker, a collider', () => {
     const options = { cellSize: 0.1 };
     const expected = await makeColliderMesh(cloud, options);
     vi.stubGlobal('Worker', FakeWorker);
-    FakeWorker.behaviour = 'works';
     expectSame(await makeColliderMesh(cloud, options), expected);
     expectSame(await makeColliderMesh(cloud, options), expected);
     expect(FakeWorker.started).toHaveLength(2);
@@ -287,7 +251,7 @@ describe('in a worker, a collider', () => {
     FakeWorker.behaviour = 'dies';
     const dying = makeColliderMesh(packed(ball(1)));
     await expect(dying).rejects.toThrow(WebSplatterError);
-    await expect(dying).rejects.toThrow('the collider worker stopped: out of memory');
+    await expect(dying).rejects.toThrow('the worker stopped: out of memory');
     FakeWorker.behaviour = 'works';
     const abort = new AbortController();
     const onProgress = () => abort.abort(new DestroyedError('The page', 'it was left'));

@@ -1,17 +1,11 @@
-import { geometryPieces } from '../clouds/geometry-pieces.ts';
+import { buildOfGeometry } from '../clouds/build-of-geometry.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { InvalidArgumentError } from '../errors.ts';
-import { hostedWorker } from '../io/loading/hosted-worker.ts';
-import { fromPostedError } from '../io/loading/load-messages.ts';
-import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
-import { endWorker } from '../io/loading/try-worker.ts';
-import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import type { Bounds, PackedCloud } from '../packing/packed-cloud.ts';
 import { shown } from '../printable.ts';
 import { ColliderBuilder } from './build-collider.ts';
 import type { GridPlan } from './collider-grid.ts';
-import type { ColliderPlan, ColliderReply, ColliderRequest } from './collider-messages.ts';
+import type { ColliderPlan } from './collider-plan.ts';
 import type { Triangles } from './collider-surface.ts';
 
 export interface ColliderMeshOptions {
@@ -70,68 +64,18 @@ export async function makeColliderMesh(
   const plan = planFor(splats, options);
   const { cellSize } = plan.grid;
   if (splats.count === 0) return { positions: new Float32Array(), indices: new Uint32Array(), cellSize };
-  // The spare worker of a load reads files, and nothing else.
-  endWorker(await takeTurn(signal));
-  let worker: Worker | null = null;
-  try {
+  const mesh = await buildOfGeometry(splats, {
+    what: 'collider',
+    subject: 'A collider',
+    plan,
     // In one piece, since this is the form that bundlers recognise.
-    const make = () => new Worker(new URL('./collider-worker.ts', import.meta.url), { type: 'module' });
-    worker = await startWorker(async () => hostedWorker() ?? make, signal);
-    const builder = worker ? remoteBuilder(worker, plan, signal) : new ColliderBuilder(plan, signal);
-    let taken = 0;
-    for await (const piece of geometryPieces(splats)) {
-      await builder.add(piece);
-      taken += piece.words.length / GEOMETRY_WORDS[piece.precision];
-      onProgress?.((READING_PART * taken) / splats.count);
-    }
-    const mesh = await builder.finish();
-    onProgress?.(1);
-    return { ...mesh, cellSize };
-  } finally {
-    endWorker(worker);
-    endTurn(null);
-  }
-}
-
-/** Does what a ColliderBuilder does, in a worker. */
-function remoteBuilder(
-  worker: Worker,
-  plan: ColliderPlan,
-  signal: AbortSignal | undefined,
-): Pick<ColliderBuilder, 'add' | 'finish'> {
-  const ask = (request: ColliderRequest, transfer: Transferable[] = []) => {
-    signal?.throwIfAborted();
-    return new Promise<Triangles | null>((resolve, reject) => {
-      signal?.addEventListener('abort', () => reject(signal.reason), { once: true });
-      const fail = (event: Partial<ErrorEvent>) =>
-        reject(workerStopped('A collider', 'collider worker', event));
-      worker.onerror = fail;
-      worker.onmessageerror = fail;
-      worker.onmessage = ({ data }: MessageEvent<ColliderReply>) => {
-        if (data.kind === 'mesh') resolve(data.mesh);
-        else if (data.kind === 'taken') resolve(null);
-        else if (data.kind === 'error') reject(fromPostedError(data.error));
-      };
-      worker.postMessage(request, transfer);
-    });
-  };
-  let begun: Promise<unknown> | null = null;
-  const begin = () => {
-    begun ??= ask({ collider: 'plan', plan });
-    return begun;
-  };
-  return {
-    add: async (piece: PackedGeometry) => {
-      await begin();
-      // The worker gets a piece of its own: that of a cloud in memory stays there.
-      const words = piece.words.slice();
-      await ask({ collider: 'piece', piece: { ...piece, words } }, [words.buffer]);
-    },
-    finish: async () => {
-      await begin();
-      return (await ask({ collider: 'end' }))!;
-    },
-  };
+    makeWorker: () => new Worker(new URL('./collider-worker.ts', import.meta.url), { type: 'module' }),
+    make: () => new ColliderBuilder(plan, signal),
+    signal,
+    onProgress: (part) => onProgress?.(READING_PART * part),
+  });
+  onProgress?.(1);
+  return { ...mesh, cellSize };
 }
 
 function planFor(

@@ -1,0 +1,86 @@
+import { hostedWorker } from '../io/loading/hosted-worker.ts';
+import { fromPostedError } from '../io/loading/load-messages.ts';
+import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
+import { endWorker } from '../io/loading/try-worker.ts';
+import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { BuildReply, BuildRequest, GeometryBuilder } from './geometry-builder.ts';
+import { geometryPieces } from './geometry-pieces.ts';
+import type { SplatCloud } from './splat-cloud.ts';
+
+export interface BuildOptions<Plan, Result> {
+  /** What to build: a name among the builders of the worker. */
+  readonly what: string;
+  readonly makeWorker: () => Worker;
+  /** What is built, for messages. */
+  readonly subject: string;
+  readonly plan: Plan;
+  /** Makes the builder for this thread, where no worker can start. */
+  readonly make: (plan: Plan) => GeometryBuilder<Result>;
+  readonly signal?: AbortSignal;
+  /** Called with the part of the splats that have been taken, 0…1. */
+  readonly onProgress?: (part: number) => void;
+}
+
+/**
+ * Builds something of the geometry of `splats`, piece by piece: in a worker where one can start, else on this thread. It takes
+ * its turn with loads, so that no more threads are at work than the machine has.
+ *
+ * @throws as `geometryPieces` and the builder; WebSplatterError `worker-failed` if the worker dies; the signal's reason.
+ */
+export async function buildOfGeometry<Plan, Result extends object>(
+  splats: SplatCloud | PackedCloud,
+  options: BuildOptions<Plan, Result>,
+): Promise<Result> {
+  const { plan, make, makeWorker, signal, onProgress } = options;
+  signal?.throwIfAborted();
+  // The spare worker of a load reads files, and nothing else.
+  endWorker(await takeTurn(signal));
+  let worker: Worker | null = null;
+  try {
+    worker = await startWorker(async () => hostedWorker() ?? makeWorker, signal);
+    const builder = worker ? await remoteBuilder(worker, options) : make(plan);
+    let taken = 0;
+    for await (const piece of geometryPieces(splats)) {
+      await builder.add(piece);
+      taken += piece.words.length / GEOMETRY_WORDS[piece.precision];
+      onProgress?.(taken / splats.count);
+    }
+    return await builder.finish();
+  } finally {
+    endWorker(worker);
+    endTurn(null);
+  }
+}
+
+/** Does what a builder does, in a worker. */
+async function remoteBuilder<Plan, Result extends object>(
+  worker: Worker,
+  { what, subject, plan, signal }: BuildOptions<Plan, Result>,
+): Promise<GeometryBuilder<Result>> {
+  const ask = (request: BuildRequest, transfer: Transferable[] = []) => {
+    signal?.throwIfAborted();
+    return new Promise<object | null>((resolve, reject) => {
+      signal?.addEventListener('abort', () => reject(signal.reason), { once: true });
+      const fail = (event: Partial<ErrorEvent>) => reject(workerStopped(subject, 'worker', event));
+      worker.onerror = fail;
+      worker.onmessageerror = fail;
+      worker.onmessage = ({ data }: MessageEvent<BuildReply>) => {
+        if (data.kind === 'built') resolve(data.result);
+        else if (data.kind === 'taken') resolve(null);
+        else if (data.kind === 'error') reject(fromPostedError(data.error));
+      };
+      worker.postMessage(request, transfer);
+    });
+  };
+  await ask({ build: 'begin', what, plan });
+  return {
+    add: async (piece: PackedGeometry) => {
+      // The worker gets a piece of its own: that of a cloud in memory stays there.
+      const words = piece.words.slice();
+      await ask({ build: 'piece', piece: { ...piece, words } }, [words.buffer]);
+    },
+    finish: async () => (await ask({ build: 'end' })) as Result,
+  };
+}

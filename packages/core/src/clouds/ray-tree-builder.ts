@@ -1,0 +1,45 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { Turns } from '../turns.ts';
+import { arrangeBlobs, type RayBlobs } from './arrange-blobs.ts';
+import type { GeometryBuilder, GeometryBuilders } from './geometry-builder.ts';
+import { BlobCollector } from './ray-blobs.ts';
+
+/** Longest that the calling thread is kept busy at a time. */
+const MAX_BUSY_MS = 5;
+
+export interface RayPlan {
+  /** Most blobs of each chunk. */
+  readonly shares: Uint16Array;
+}
+
+/** Makes the blobs that rays are tested against, in turns of the event loop. */
+export class RayTreeBuilder implements GeometryBuilder<RayBlobs> {
+  readonly #shares: Uint16Array;
+  readonly #turns: Turns;
+  readonly #collector: BlobCollector;
+  #chunk = 0;
+
+  constructor({ shares }: RayPlan, signal?: AbortSignal) {
+    this.#shares = shares;
+    this.#turns = new Turns(signal, MAX_BUSY_MS);
+    this.#collector = new BlobCollector(shares.reduce((sum, share) => sum + share, 0));
+  }
+
+  async add(piece: PackedGeometry): Promise<void> {
+    const end = piece.words.length / GEOMETRY_WORDS[piece.precision];
+    for (let from = 0; from < end; from += CHUNK_SPLATS) {
+      await this.#turns.give();
+      const share = this.#shares[this.#chunk++];
+      this.#collector.add(piece, from, Math.min(end, from + CHUNK_SPLATS), share);
+    }
+  }
+
+  /** @throws the signal's reason. */
+  finish(): Promise<RayBlobs> {
+    return arrangeBlobs(this.#collector.blobs, this.#turns);
+  }
+}
+
+/** For the worker. */
+export const RAY_BUILDERS: GeometryBuilders = { rays: (plan: RayPlan) => new RayTreeBuilder(plan) };
