@@ -7,15 +7,11 @@ import { type StillLife, StillLifeScene } from './labels.tsx';
 import { TRIALS, type Trial } from './trials.tsx';
 
 const page = {
-  trials: Object.entries(TRIALS).map(
-    ([name, { expects = 'pixels', colors = [], coversSplats = false, insteadOf = [] }]) => ({
-      name,
-      expects,
-      colors,
-      coversSplats,
-      insteadOf,
-    }),
-  ),
+  trials: Object.entries(TRIALS).map(([name, { expects, coversSplats = false }]) => ({
+    name,
+    expects,
+    coversSplats,
+  })),
   /** The newest Canvas. */
   canvas: null as RootState | null,
   splats: null as SplatCloudObject | null,
@@ -43,9 +39,9 @@ declare global {
   }
 }
 
-function TrialCanvas({ element: Element, around: Around, canvas }: Partial<Trial>): ReactNode {
+function TrialCanvas({ element: Element }: Partial<Trial>): ReactNode {
   const splats = useRef<SplatCloudObject>(null);
-  const shown = (
+  return (
     <SplatCanvas
       flat
       shadows="percentage"
@@ -54,7 +50,6 @@ function TrialCanvas({ element: Element, around: Around, canvas }: Partial<Trial
       onCreated={(state) => {
         page.canvas = state;
       }}
-      {...canvas}
     >
       <color attach="background" args={['#202020']} />
       <ambientLight />
@@ -72,7 +67,6 @@ function TrialCanvas({ element: Element, around: Around, canvas }: Partial<Trial
       </Suspense>
     </SplatCanvas>
   );
-  return Around ? <Around>{shown}</Around> : shown;
 }
 
 function StillLifeCanvas(shown: StillLife): ReactNode {
