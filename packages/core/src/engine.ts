@@ -280,11 +280,12 @@ export class SplatEngine {
     let cloud: SplatCloud;
     try {
       this.#foreseeRows(source, name, ingest);
-      const packed = await loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
-      if (packed) ingest.destroy();
-      cloud = packed
-        ? await this.#addFitting(packed, made, fit, signal)
-        : this.#addIngested(await ingest.finish(), made);
+      const loaded = await loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
+      if (loaded === 'passed') cloud = this.#addIngested(await ingest.finish(), made);
+      else {
+        ingest.destroy();
+        cloud = await this.#addFitting(loaded, made, fit, signal);
+      }
       if (signal.aborted) cloud.destroy();
       signal.throwIfAborted();
     } catch (error) {

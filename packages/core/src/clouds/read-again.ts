@@ -130,13 +130,13 @@ async function splatsOf(
     const loadOptions = { ...sourceOptions, ...precision, name, signal, onProgress };
     // Rows have no palette.
     const rowsTo = shPrecision === 'palette' ? undefined : { sink, files };
-    const packed = await loadOrPass(source, loadOptions, rowsTo);
-    if (packed) {
-      sink.destroy();
-      return fromPacked(packed, planes.place);
+    const loaded = await loadOrPass(source, loadOptions, rowsTo);
+    if (loaded === 'passed') {
+      const made = await sink.finish();
+      return fromRows(made.contents, made.planes);
     }
-    const made = await sink.finish();
-    return fromRows(made.contents, made.planes);
+    sink.destroy();
+    return fromPacked(loaded, planes.place);
   } catch (error) {
     sink.destroy();
     throw error;

@@ -3,10 +3,8 @@ import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
-import type { ReadHarmonics } from '../packing/harmonics.ts';
 import { paletteValues, type RowLayout } from '../packing/row-layout.ts';
 import { ROW_SLOT } from '../splats/splat-row.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 
 /** Rows of a file as they are handed over for the GPU, with what they take from a palette. */
 export interface FileRows {
@@ -24,11 +22,8 @@ export async function rowsOf(
 ): Promise<FileRows> {
   const sink = new Collector(onTake);
   const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes };
-  const set: SplatSet<ReadHarmonics> | null = await readSource(source, options, ALL_READERS, {
-    sink,
-    files,
-  });
-  if (set !== null || sink.layout === null) throw new Error('The rows were not handed over.');
+  const result = await readSource(source, options, ALL_READERS, { sink, files });
+  if (result !== 'passed' || sink.layout === null) throw new Error('The rows were not handed over.');
   const values = joined(sink.pieces);
   const { layout } = sink;
   return {

@@ -9,7 +9,7 @@ import {
 } from '../../splats/splat-set.ts';
 import { checkCount } from './check-count.ts';
 import { ReadProgress } from './progress.ts';
-import { type RowSink, type RowsTo, takesCount } from './row-sink.ts';
+import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
@@ -59,14 +59,14 @@ export async function deliverRows(
   options: SplatFormatOptions,
   rowsTo: RowsTo | undefined,
   progress = new ReadProgress(input, options.onProgress),
-): Promise<SplatSet<PackedHarmonics> | null> {
+): Promise<SplatSet<PackedHarmonics> | Passed> {
   const { count } = rows;
   checkCount(count, input.name, options.maxSplats);
   const isPassed = rowsTo && takesCount(rowsTo.files, count);
   if (isPassed) await passRows(rows, input, rowsTo, progress);
-  const set = isPassed ? null : await collectRows(rows, input, options, progress);
+  const result = isPassed ? 'passed' : await collectRows(rows, input, options, progress);
   progress.finish(count);
-  return set;
+  return result;
 }
 
 async function passRows(

@@ -12,7 +12,7 @@ import { zipFormat } from './zip/zip-format.ts';
 
 /**
  * Every format that can be read, in the order in which files are tried and people are told of them: common ones first, archives
- * last. To add one, write its folder, list it here, and give its code to `readers.ts` and its worker to `../loading/format-workers.ts`.
+ * last. To add one, write its folder, list it here, and its code in `packed-readers.ts`, or in `readers.ts` if it has several files.
  */
 export const SPLAT_FORMATS: readonly SplatFormat[] = [
   compressedPlyFormat,

@@ -14,8 +14,13 @@ import type { ReadFormat, SplatFormat } from './splat-format.ts';
 import { readSpz } from './spz/spz.ts';
 import { spzFormat } from './spz/spz-format.ts';
 
+export interface FormatReader {
+  readonly format: SplatFormat;
+  readonly read: ReadFormat;
+}
+
 /** Formats of a single file, which people pack by gzip and zip, in the order in which they are tried. */
-const PACKED_READERS: readonly { readonly format: SplatFormat; readonly read: ReadFormat }[] = [
+export const PACKED_READERS: readonly FormatReader[] = [
   { format: compressedPlyFormat, read: readCompressedPly },
   { format: plyFormat, read: readPly },
   { format: plyPointsFormat, read: readPlyPoints },

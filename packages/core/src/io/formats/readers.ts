@@ -1,23 +1,27 @@
 import { openFiles } from '../sources/open-files.ts';
 import { detectFormat } from './detect.ts';
-import type { FormatReaders, ReadFormat } from './splat-format.ts';
+import { readGzip } from './gzip/gzip.ts';
+import { gzipFormat } from './gzip/gzip-format.ts';
+import { type FormatReader, PACKED_READERS } from './packed-readers.ts';
+import { readSog } from './sog/sog.ts';
+import { sogFormat } from './sog/sog-format.ts';
+import type { FormatReaders } from './splat-format.ts';
+import { readZip } from './zip/zip.ts';
+import { zipFormat } from './zip/zip-format.ts';
 
-/** The code of each format, fetched when a file is of it. */
-const READERS: Readonly<Record<string, () => Promise<ReadFormat>>> = {
-  'compressed-ply': async () => (await import('./compressed-ply/compressed-ply.ts')).readCompressedPly,
-  ksplat: async () => (await import('./ksplat/ksplat.ts')).readKsplat,
-  ply: async () => (await import('./ply/ply.ts')).readPly,
-  spz: async () => (await import('./spz/spz.ts')).readSpz,
-  gzip: async () => (await import('./gzip/gzip.ts')).readGzip,
-  gltf: async () => (await import('./gltf/gltf.ts')).readGltf,
-  sog: async () => (await import('./sog/sog.ts')).readSog,
-  zip: async () => (await import('./zip/zip.ts')).readZip,
-  'ply-points': async () => (await import('./ply-points/ply-points.ts')).readPlyPoints,
-  splat: async () => (await import('./splat/splat.ts')).readSplat,
-};
+/** The code of all formats: those of a single file, and those that hold several. */
+const READERS: readonly FormatReader[] = [
+  ...PACKED_READERS,
+  { format: sogFormat, read: readSog },
+  { format: zipFormat, read: readZip },
+  { format: gzipFormat, read: readGzip },
+];
 
-/** All formats, for threads without a worker. */
+/** For the worker of all formats, and for threads without a worker. */
 export const ALL_READERS: FormatReaders = {
-  pick: (firstBytes, file, fileName) => READERS[detectFormat(firstBytes, file, fileName).name](),
+  pick: (firstBytes, file, fileName) => {
+    const found = detectFormat(firstBytes, file, fileName);
+    return READERS.find(({ format }) => format === found)!.read;
+  },
   openFiles,
 };

@@ -31,6 +31,9 @@ export function takesCount({ minRows, maxRows }: RowFiles, count: number): boole
   return count >= minRows && count <= maxRows;
 }
 
+/** What a load results in whose rows have gone to a sink. */
+export type Passed = 'passed';
+
 export interface RowsTo {
   readonly sink: RowSink;
   readonly files: RowFiles;

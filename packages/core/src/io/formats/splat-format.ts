@@ -3,7 +3,7 @@ import type { OwnShPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
 import type { ByteReader } from '../sources/byte-reader.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
-import type { RowsTo } from './row-sink.ts';
+import type { Passed, RowsTo } from './row-sink.ts';
 
 /** A file format as it can be told from others, without the code that reads it. */
 export interface SplatFormat {
@@ -49,20 +49,19 @@ export interface SplatInput extends Omit<OpenedSource, 'stream'> {
 /** The formats that a thread reads. */
 export interface FormatReaders {
   /**
-   * Returns the code that reads a file; null if that is for other threads.
+   * Returns the code that reads a file; null if that is for the worker of all formats.
    *
    * @param firstBytes see `SplatFormat.recognise`.
    * @param file its name in messages.
    * @param fileName its own name.
    */
-  pick(firstBytes: Uint8Array, file: string, fileName: string): Promise<ReadFormat> | ReadFormat | null;
+  pick(firstBytes: Uint8Array, file: string, fileName: string): ReadFormat | null;
   /** For formats that have several files. */
   readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
 }
 
 /**
- * Reads all splats of an input. Where `rowsTo` is given and takes such files, their rows go there instead, and the result is
- * null.
+ * Reads all splats of an input. Where `rowsTo` is given and takes such files, their rows go there instead: they have `passed`.
  *
  * Rejects with a `WebSplatterError` or the signal's reason.
  */
@@ -70,7 +69,7 @@ export type ReadFormat = (
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
-) => Promise<SplatSet<ReadHarmonics> | null>;
+) => Promise<SplatSet<ReadHarmonics> | Passed>;
 
 /** A thread's readers if it reads a single format. */
 export function onlyOf({ recognise }: SplatFormat, read: ReadFormat): FormatReaders {

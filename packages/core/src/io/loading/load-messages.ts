@@ -42,16 +42,9 @@ export type LoadReply =
   | { readonly kind: 'layout'; readonly layout: RowLayout }
   | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
   | { readonly kind: 'rows-end' }
-  /** The file is of another format than the worker reads. A stream goes on, from its beginning, with the one given back. */
-  | {
-      readonly kind: 'other-format';
-      readonly firstBytes: Uint8Array;
-      readonly stream: ReadableStream<Uint8Array> | null;
-    }
+  /** The file is no PLY. A stream goes on, from its beginning, with the one given back. */
+  | { readonly kind: 'other-format'; readonly stream: ReadableStream<Uint8Array> | null }
   | { readonly kind: 'error'; readonly error: PostedError };
-
-/** A file that a worker gives back. */
-export type GivenBack = Extract<LoadReply, { kind: 'other-format' }>;
 
 /** An error as plain data: structured clone keeps neither classes nor fields. */
 export interface PostedError {

@@ -1,6 +1,6 @@
 import type { PackedCloud } from '../../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../packing/precision.ts';
-import type { RowsTo } from '../formats/row-sink.ts';
+import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import {
   baseUrl,
   bytesOf,
@@ -12,16 +12,11 @@ import {
 } from '../sources/source-kind.ts';
 import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { hostedWorker } from './hosted-worker.ts';
-import {
-  fromPostedError,
-  type GivenBack,
-  type LoadReply,
-  type LoadRequest,
-  type LoadSettings,
-} from './load-messages.ts';
+import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
 import { startWorker, workerStopped } from './start-worker.ts';
 import { endWorker } from './try-worker.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
+import type { WORKERS } from './workers.ts';
 
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
@@ -29,6 +24,8 @@ export interface LoadSplatsOptions extends ReadSplatsOptions {
 }
 
 type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
+/** A file that the worker for PLY gives back. */
+type OtherFile = Extract<LoadReply, { kind: 'other-format' }>;
 
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
@@ -43,15 +40,15 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
   // Without a sink there is always a cloud.
-  return (await loadOrPass(source, options, undefined))!;
+  return (await loadOrPass(source, options, undefined)) as PackedCloud;
 }
 
-/** As `loadSplats`; null if the rows of the file went to `rowsTo` as they are. */
+/** As `loadSplats`; `passed` if the rows of the file went to `rowsTo` as they are. */
 export async function loadOrPass(
   source: SplatSource,
   options: LoadSplatsOptions,
   rowsTo: RowsTo | undefined,
-): Promise<PackedCloud | null> {
+): Promise<PackedCloud | Passed> {
   const { shPrecision = 'u8', geometryPrecision = 'packed', maxBytes, maxSplats, request } = options;
   const { signal, onProgress } = options;
   signal?.throwIfAborted();
@@ -59,7 +56,8 @@ export async function loadOrPass(
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
   let worker = await takeTurn(signal);
-  let format: string | null = null;
+  let kind: keyof typeof WORKERS =
+    isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
   let isDone = false;
   // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
   const stop = new AbortController();
@@ -74,35 +72,29 @@ export async function loadOrPass(
   };
   try {
     signal?.throwIfAborted();
-    let from = source;
-    if (isFiles(source) || isNamedOtherwise(fileNameOf(source, name))) {
-      const { likelyFormat, postableFiles } = await import('./format-workers.ts');
-      if (isFiles(source)) from = postableFiles(source);
-      format = likelyFormat(source, name);
-      if (format !== null) worker = endWorker(worker);
-    }
-    // The worker that the name suggests, and then the one for what is in the file.
-    for (let attempt = 0; attempt < 2; attempt++) {
-      const likely = format;
-      worker ??= await startWorker(() => makerOf(likely), signal);
-      if (worker === null) break;
+    let from = isFiles(source) ? (await import('../sources/open-files.ts')).postableFiles(source) : source;
+    // The spare worker reads PLY.
+    if (kind === 'others') worker = endWorker(worker);
+    for (;;) {
+      const wanted = kind;
+      worker ??= await startWorker(() => makerOf(wanted), signal);
+      if (worker === null) return await readHere(from, settings, { signal, onProgress }, rowsTo);
       const result = await loadInWorker(worker, from, settings, watch, rowsTo);
-      if (!result || !('firstBytes' in result)) return result;
+      if (result === 'passed' || !('kind' in result)) return result;
       worker = endWorker(worker);
       from = result.stream ?? from;
-      format = (await import('./format-workers.ts')).formatOf(result, source, name);
+      kind = 'others';
     }
-    return await readHere(from, settings, { signal, onProgress }, rowsTo);
   } finally {
     signal?.removeEventListener('abort', onAbort);
     // Most loads are of PLY: only such workers are kept for the next.
-    if (!isDone || format !== null) worker = endWorker(worker);
+    if (!isDone || kind !== 'ply') worker = endWorker(worker);
     endTurn(worker);
     stop.abort();
   }
 }
 
-/** Whether a name says that a file is no ordinary PLY, whose worker needs no more code to be started. */
+/** Whether a name says that a file is no ordinary PLY. */
 const isNamedOtherwise = (fileName: string) => /\.compressed\.ply$|\.(?!ply$)\w+$/i.test(fileName);
 
 /** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
@@ -111,7 +103,7 @@ async function readHere(
   settings: LoadSettings,
   watch: Watch,
   rowsTo: RowsTo | undefined,
-): Promise<PackedCloud | null> {
+): Promise<PackedCloud | Passed> {
   const [{ readAndPack }, { ALL_READERS }] = await Promise.all([
     import('./read-and-pack.ts'),
     import('../formats/readers.ts'),
@@ -127,9 +119,8 @@ export function foreseeWorkers(): void {
   loadWorkers().catch(() => {});
 }
 
-/** What makes the worker that reads `format`, by default PLY. */
-async function makerOf(format: string | null): Promise<() => Worker> {
-  return hostedWorker() ?? (await loadWorkers()).WORKERS[format ?? 'ply'];
+async function makerOf(kind: keyof typeof WORKERS): Promise<() => Worker> {
+  return hostedWorker() ?? (await loadWorkers()).WORKERS[kind];
 }
 
 /**
@@ -142,7 +133,7 @@ function loadInWorker(
   settings: LoadSettings,
   watch: Watch & { readonly signal: AbortSignal; readonly onDone: () => void },
   rowsTo: RowsTo | undefined,
-): Promise<PackedCloud | GivenBack | null> {
+): Promise<PackedCloud | Passed | OtherFile> {
   /** Settles when all rows so far have been taken. */
   let taken: Promise<void> = Promise.resolve();
   const takeRows = async ({ memory, rowCount }: PostedPiece) => {
@@ -157,7 +148,7 @@ function loadInWorker(
     watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
     const fail = (event: Partial<ErrorEvent>) =>
       reject(workerStopped(settings.name ?? 'source', 'loading worker', event));
-    const finish = (cloud: PackedCloud | null) => {
+    const finish = (cloud: PackedCloud | Passed) => {
       watch.onDone();
       resolve(cloud);
     };
@@ -171,7 +162,7 @@ function loadInWorker(
       if (data.kind === 'cloud') finish(data.cloud);
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
-      else if (data.kind === 'rows-end') then(() => finish(null));
+      else if (data.kind === 'rows-end') then(() => finish('passed'));
       else if (data.kind === 'other-format') resolve(data);
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);

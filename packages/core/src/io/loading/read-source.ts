@@ -1,7 +1,7 @@
 import type { ReadHarmonics } from '../../packing/harmonics.ts';
 import { checkPrecision } from '../../packing/precision.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
-import type { RowsTo } from '../formats/row-sink.ts';
+import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { type FormatReaders, SNIFF_BYTES } from '../formats/splat-format.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import { openSource } from '../sources/open-source.ts';
@@ -21,19 +21,19 @@ export async function readSource(
   options: ReadSplatsOptions,
   readers: FormatReaders,
 ): Promise<SplatSet<ReadHarmonics>>;
-/** Null if the rows of the file went to `rowsTo` as they are. */
+/** `passed` if the rows of the file went to `rowsTo` as they are. */
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   readers: FormatReaders,
   rowsTo: RowsTo | undefined,
-): Promise<SplatSet<ReadHarmonics> | null>;
+): Promise<SplatSet<ReadHarmonics> | Passed>;
 export async function readSource(
   source: SplatSource,
   options: ReadSplatsOptions,
   { pick, openFiles }: FormatReaders,
   rowsTo?: RowsTo,
-): Promise<SplatSet<ReadHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | Passed> {
   const { signal, onProgress, shPrecision = 'u8' } = options;
   checkPrecision({ shPrecision });
   const opened =
@@ -44,8 +44,8 @@ export async function readSource(
     checkSize(opened, maxBytes);
     reader = new ByteReader(opened, signal, maxBytes);
     const firstBytes = await reader.peek(SNIFF_BYTES);
-    const read = await pick(firstBytes, opened.name, fileNameOf(source, opened.name));
-    if (!read) throw new OtherFormat(firstBytes.slice(), isStream(source) ? reader.rest() : null);
+    const read = pick(firstBytes, opened.name, fileNameOf(source, opened.name));
+    if (!read) throw new OtherFormat(isStream(source) ? reader.rest() : null);
     const { stream, ...about } = opened;
     return await read(
       { ...about, reader },

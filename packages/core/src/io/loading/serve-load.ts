@@ -36,12 +36,12 @@ export function serveLoad(port: LoadPort, readers: FormatReaders): void {
         readers,
         rows ? { sink, files: rows } : undefined,
       );
-      if (cloud) port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
-      else port.postMessage({ kind: 'rows-end' }, []);
+      if (cloud === 'passed') port.postMessage({ kind: 'rows-end' }, []);
+      else port.postMessage({ kind: 'cloud', cloud }, transferablesOf(cloud));
     } catch (error) {
       if (error instanceof OtherFormat) {
-        const { firstBytes, stream } = error;
-        port.postMessage({ kind: 'other-format', firstBytes, stream }, stream ? [stream] : []);
+        const { stream } = error;
+        port.postMessage({ kind: 'other-format', stream }, stream ? [stream] : []);
       } else port.postMessage({ kind: 'error', error: toPostedError(error) }, []);
     }
   };

@@ -68,6 +68,16 @@ export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Re
   );
 }
 
+/**
+ * `source` as a worker takes it: one file alone is a file like any other.
+ *
+ * @throws InvalidArgumentError as `withPaths`.
+ */
+export function postableFiles(source: SceneFiles): SceneFiles | Blob {
+  const { files, paths } = withPaths(source);
+  return files.length === 1 ? files[0] : { files, paths };
+}
+
 function ownPath(file: Partial<File> | null): string {
   return file?.webkitRelativePath || (file?.name ?? '');
 }

@@ -140,7 +140,7 @@ describe('sources', () => {
         onProgress: (progress) => reports.push(progress),
       },
     );
-    expect(set?.count).toBe(100);
+    expect(set).toMatchObject({ count: 100 });
     expect(reports.at(-1)?.totalBytes).toBeUndefined();
   });
 });

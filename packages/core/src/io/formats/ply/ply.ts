@@ -5,7 +5,7 @@ import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../splat
 import { checkCount } from '../check-count.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
-import { type RowsTo, takesCount } from '../row-sink.ts';
+import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { readAsciiRows } from './ply-ascii.ts';
@@ -83,7 +83,7 @@ export async function readPlyWith(
   options: SplatFormatOptions,
   rowsTo: RowsTo | undefined,
   variantOf?: VariantOf,
-): Promise<SplatSet<PackedHarmonics> | null> {
+): Promise<SplatSet<PackedHarmonics> | Passed> {
   const { reader, name: file } = input;
   const declared = await readPlyHeader(reader, file);
   const { vertexIndex, variant } = findVertex(declared, file, variantOf);
@@ -111,7 +111,7 @@ export async function readPlyWith(
     await rowsTo.sink.begin({ ...layout, isAntialiased, fileFacts });
     await passRows(reader, body, layout, rowsTo.sink, progress);
     progress.finish(vertex.count);
-    return null;
+    return 'passed';
   }
   const builder = new SplatSetBuilder({
     file,

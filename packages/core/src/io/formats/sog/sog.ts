@@ -1,12 +1,12 @@
 import { SplatFileError } from '../../../errors.ts';
-import type { ReadHarmonics } from '../../../packing/harmonics.ts';
+import type { PackedHarmonics, ReadHarmonics } from '../../../packing/harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
 import { ReadProgress } from '../progress.ts';
-import type { RowsTo } from '../row-sink.ts';
+import type { Passed, RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { finestLevel, isStreamedMeta } from './finest-level.ts';
 import { PartReader } from './part-reader.ts';
@@ -35,7 +35,7 @@ export async function readSog(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
-): Promise<SplatSet<ReadHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | Passed> {
   const stop = new AbortController();
   // What fails stops what else is being read.
   const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
@@ -47,8 +47,9 @@ export async function readSog(
       ? joinPalettes(await Promise.all(units.map(decodedUnit)), shDegree)
       : null;
     if (!palette) return await deliverRows(joinUnits(units, shDegree), input, options, rowsTo, progress);
+    const delivered = await deliverRows(joinUnits(units, 0), input, options, undefined, progress);
     // Without a sink there is always a set.
-    const set = (await deliverRows(joinUnits(units, 0), input, options, undefined, progress))!;
+    const set = delivered as SplatSet<PackedHarmonics>;
     const indices = Uint16Array.from(set.fileIndices, (row) => palette.indices[row]);
     return { ...set, harmonics: { ...palette, indices } };
   } finally {

@@ -8,7 +8,7 @@ import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { OpenedSource } from '../../sources/splat-source.ts';
 import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { clip } from '../ply/ply-header.ts';
-import type { RowsTo } from '../row-sink.ts';
+import type { Passed, RowsTo } from '../row-sink.ts';
 import { readSog } from '../sog/sog.ts';
 import { sogFormat } from '../sog/sog-format.ts';
 import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../splat-format.ts';
@@ -25,7 +25,7 @@ export async function readZip(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
-): Promise<SplatSet<ReadHarmonics> | null> {
+): Promise<SplatSet<ReadHarmonics> | Passed> {
   const { name, isHeld, totalBytes } = input;
   const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
   const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
