@@ -20,6 +20,8 @@ async function resultOf<T>(script: string): Promise<T> {
 wgpuTest('naga compiles every variant of every shader', async () => {
   const compiled = await resultOf<CompiledShaders>('shaders.js');
   expect(compiled.failures).toEqual([]);
+  expect(Object.keys(compiled.leftOut), 'features that the device lacks').toEqual(['subgroups']);
+  expect(compiled.leftOut.subgroups).toBeLessThan(0.01 * compiled.moduleCount);
   expect(compiled.moduleCount).toBeGreaterThan(800);
   expect(compiled.pipelineCount).toBeGreaterThan(800);
 });

@@ -10,18 +10,25 @@ export interface CompiledShaders {
   readonly stageNames: readonly string[];
   readonly moduleCount: number;
   readonly pipelineCount: number;
+  /** Features that the device lacks, by the number of variants that need them and were left out. */
+  readonly leftOut: Readonly<Record<string, number>>;
   readonly failures: readonly string[];
 }
 
 const device = await requestSplatDevice();
 const failures: string[] = [];
+const leftOut: Record<string, number> = {};
 device.addEventListener('uncapturederror', ({ error }) => failures.push(error.message));
 
 function describe({ stage, entryPoint, conditions }: StageDefinition): string {
   return `${stage} ${entryPoint ?? ''} ${JSON.stringify(conditions)}`;
 }
 
-const variants = await allStageVariants();
+const variants = (await allStageVariants()).filter(({ conditions }) => {
+  if (!conditions?.SUBGROUPS || device.features.has('subgroups')) return true;
+  leftOut.subgroups = (leftOut.subgroups ?? 0) + 1;
+  return false;
+});
 const byCode = new Map(variants.map((variant) => [linkShader(variant), variant]));
 for (const [code, variant] of byCode) {
   device.pushErrorScope('validation');
@@ -39,5 +46,5 @@ for (const stage of compute) {
 }
 
 const stageNames = [...new Set(variants.map(({ stage }) => stage))];
-const compiled = { moduleCount: byCode.size, pipelineCount: compute.length, stageNames, failures };
+const compiled = { moduleCount: byCode.size, pipelineCount: compute.length, stageNames, leftOut, failures };
 process.stdout.write(JSON.stringify(compiled satisfies CompiledShaders));

@@ -2,9 +2,9 @@
 // Reads keys, payloads and the scanned digit counts; writes keys and payloads. One workgroup per block of SORT_BLOCK keys.
 // A block is sorted in workgroup memory first and then written in order, so that the keys of one digit leave in one run:
 // scattered writes took most of a pass before.
-// Stable: groups of 16 threads take successive keys of the block, in rounds of one key per thread, and a key's rank is the number
-// of its digit's keys in the group's earlier rounds, plus those in this round at earlier threads. The threads of a group learn of
-// each other's digits by bits of a mask in workgroup memory.
+// Stable: groups of threads take successive keys of the block, in rounds of one key per thread, and a key's rank is the number
+// of its digit's keys in the group's earlier rounds, plus those in this round at earlier threads. Groups are subgroups, whose
+// threads learn of each other's digits by ballots, or else 16 threads that set bits of a mask in workgroup memory.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
@@ -15,6 +15,7 @@ import layout::SortPlan;
 import package::lib::dispatch::linearWorkgroup;
 
 const RADIX = 1u << DIGIT_BITS;
+/// Most groups: SORT_GROUP is the size of the smallest.
 const GROUPS = SORT_WORKGROUP / SORT_GROUP;
 /// Successive threads whose digits are summed by one of them.
 const RUN = 16u;
@@ -32,26 +33,53 @@ const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 @group(0) @binding(6) var<storage, read> payloadsIn: array<u32>;
 @group(0) @binding(7) var<storage, read_write> keysOut: array<u32>;
 
-/// One after another: a word per group and digit, with the mask of the round in its lower half and the number of keys of earlier
-/// rounds in its upper half; the block's keys; the block's payloads.
+/// One after another: a word per group and digit, the block's keys, the block's payloads. With masks, such a word has that of the
+/// round in its lower half and the number of keys of earlier rounds in its upper half; otherwise it has this number.
 var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
 /// Place of each digit's first key of this block, less its place within the block; modulo 2³².
 var<workgroup> shifts: array<u32, RADIX>;
 var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
 var<workgroup> runSums: array<vec2u, RUNS>;
+@if(SUBGROUPS) var<workgroup> groupCount: atomic<u32>;
 
+/// Threads that rank keys together.
+struct Group {
+  index: u32,
+  /// This thread's place in it.
+  lane: u32,
+  size: u32,
+}
+
+@if(SUBGROUPS)
+@compute @workgroup_size(SORT_WORKGROUP)
+fn sortScatter(
+  @builtin(workgroup_id) workgroup: vec3u,
+  @builtin(local_invocation_index) lane: u32,
+  @builtin(subgroup_invocation_id) groupLane: u32,
+  @builtin(subgroup_size) groupSize: u32,
+) {
+  // Which threads a subgroup consists of is not specified, so that the groups number themselves.
+  var index = 0u;
+  if (subgroupElect()) { index = atomicAdd(&groupCount, 1u); }
+  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, Group(subgroupBroadcastFirst(index), groupLane, groupSize));
+}
+
+@if(!SUBGROUPS)
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let block = linearWorkgroup(workgroup, parameters.dispatchRow);
+  let group = Group(lane / SORT_GROUP, lane % SORT_GROUP, SORT_GROUP);
+  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, group);
+}
+
+fn scatterBlock(block: u32, lane: u32, group: Group) {
   if (block >= plan.blockCount) { return; }
   let blockStart = block * SORT_BLOCK;
   let blockKeys = min(SORT_BLOCK, plan.keyCount - blockStart);
 
-  let group = lane / SORT_GROUP;
-  let firstItem = group * SORT_GROUP * SORT_ITEMS + lane % SORT_GROUP;
+  let firstItem = group.index * group.size * SORT_ITEMS + group.lane;
   var keys: array<u32, SORT_ITEMS>;
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    let place = firstItem + item * SORT_GROUP;
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = firstItem + item * group.size;
     if (place < blockKeys) { keys[item] = keysIn[blockStart + place]; }
   }
   let localStart = prepareDigits(lane, block);
@@ -60,8 +88,8 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   var places: array<u32, SORT_ITEMS>;
   // Where few threads run in lockstep, on a CPU, unrolling gains nothing and doubles the time to compile.
   @unroll(!NARROW) for (var item = 0u; item < SORT_ITEMS; item++) {
-    let isKey = firstItem + item * SORT_GROUP < blockKeys;
-    places[item] = rank(digitOf(keys[item]), isKey, lane);
+    let isKey = firstItem + item * group.size < blockKeys;
+    places[item] = rank(digitOf(keys[item]), isKey, group);
   }
   workgroupBarrier();
 
@@ -78,19 +106,19 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    places[item] += atomicLoad(&words[group * RADIX + digitOf(keys[item])]);
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    places[item] += atomicLoad(&words[group.index * RADIX + digitOf(keys[item])]);
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    if (firstItem + item * SORT_GROUP < blockKeys) { atomicStore(&words[places[item]], keys[item]); }
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    if (firstItem + item * group.size < blockKeys) { atomicStore(&words[places[item]], keys[item]); }
   }
   workgroupBarrier();
 
   // From here on a thread's items are those at its places of the sorted block.
   var targets: array<u32, SORT_ITEMS>;
-  for (var item = 0u; item < SORT_ITEMS; item++) {
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = item * SORT_WORKGROUP + lane;
     if (place < blockKeys) {
       let key = atomicLoad(&words[place]);
@@ -101,8 +129,8 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    let place = firstItem + item * SORT_GROUP;
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
+    let place = firstItem + item * group.size;
     if (place < blockKeys) {
       var payload = blockStart + place;
       if (parameters.makesPayloads == 0u) { payload = payloadsIn[payload]; }
@@ -111,16 +139,73 @@ fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   }
   workgroupBarrier();
 
-  for (var item = 0u; item < SORT_ITEMS; item++) {
+  @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = item * SORT_WORKGROUP + lane;
     if (place < blockKeys) { payloadsOut[targets[item]] = atomicLoad(&words[place]); }
   }
 }
 
 /// Number of keys of a digit that the group had in earlier rounds, or has in this one at earlier threads.
-fn rank(digit: u32, isKey: bool, lane: u32) -> u32 {
-  let bit = 1u << (lane % SORT_GROUP);
-  let slot = (lane / SORT_GROUP) * RADIX + digit;
+@if(SUBGROUPS)
+fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
+  // Threads of the group whose keys have the same digit, as bits.
+  var peers = subgroupBallot(isKey);
+  @unroll for (var bit = 0u; bit < DIGIT_BITS; bit++) {
+    let isSet = ((digit >> bit) & 1u) == 1u;
+    let withBit = subgroupBallot(isSet);
+    peers &= select(~withBit, withBit, isSet);
+  }
+  let first = firstOf(peers, group.lane);
+  var start = 0u;
+  // Nobody waits for this sum but for the shuffle: a round of the group begins when the one before has been counted.
+  if (isKey && first == group.lane) { start = atomicAdd(&words[group.index * RADIX + digit], countOf4(peers)); }
+  return subgroupShuffle(start, first) + countOf4(peers & before(group.lane));
+}
+
+/// The lowest set bit; `lane` if none is set.
+@if(SUBGROUPS && !WIDE_SUBGROUPS)
+fn firstOf(bits: vec4u, lane: u32) -> u32 {
+  return select(firstTrailingBit(bits.x), lane, bits.x == 0u);
+}
+
+@if(SUBGROUPS && WIDE_SUBGROUPS)
+fn firstOf(bits: vec4u, lane: u32) -> u32 {
+  var first = lane;
+  if (bits.w != 0u) { first = 96u + firstTrailingBit(bits.w); }
+  if (bits.z != 0u) { first = 64u + firstTrailingBit(bits.z); }
+  if (bits.y != 0u) { first = 32u + firstTrailingBit(bits.y); }
+  if (bits.x != 0u) { first = firstTrailingBit(bits.x); }
+  return first;
+}
+
+@if(SUBGROUPS && !WIDE_SUBGROUPS)
+fn countOf4(bits: vec4u) -> u32 {
+  return countOneBits(bits.x);
+}
+
+@if(SUBGROUPS && WIDE_SUBGROUPS)
+fn countOf4(bits: vec4u) -> u32 {
+  let counts = countOneBits(bits);
+  return counts.x + counts.y + counts.z + counts.w;
+}
+
+/// The bits below that of `lane`.
+@if(SUBGROUPS)
+fn before(lane: u32) -> vec4u {
+  let lanes = vec4u(0u, 32u, 64u, 96u);
+  let inWord = clamp(vec4i(i32(lane)) - vec4i(lanes), vec4i(0), vec4i(32));
+  return select((vec4u(1u) << vec4u(inWord)) - 1u, vec4u(0xffffffffu), inWord == vec4i(32));
+}
+
+@if(SUBGROUPS)
+fn countOf(word: u32) -> u32 {
+  return word;
+}
+
+@if(!SUBGROUPS)
+fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
+  let bit = 1u << group.lane;
+  let slot = group.index * RADIX + digit;
   if (isKey) { atomicAdd(&words[slot], bit); }
   workgroupBarrier();
 
@@ -138,6 +223,7 @@ fn rank(digit: u32, isKey: bool, lane: u32) -> u32 {
   return (word >> 16u) + countOneBits(before);
 }
 
+@if(!SUBGROUPS)
 fn countOf(word: u32) -> u32 {
   return word >> 16u;
 }

@@ -1,5 +1,6 @@
 import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
 import { type Camera, type Projection, projectionOf } from '../camera/camera.ts';
+import type { BallotDevice } from '../gpu/device.ts';
 import { binGrid } from '../layout/bin-grid.ts';
 import { asksForDistance } from '../splats/sort-by.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
@@ -43,6 +44,7 @@ export interface PlanOptions {
   readonly dispatchRow: number;
   readonly workgroupBytes: number;
   readonly hasNarrowSubgroups: boolean;
+  readonly ballots: BallotDevice | null;
   readonly depth: RasterizeDepth | null;
   /** The faster rasteriser, for the setting `auto`. */
   readonly faster: FrameRasterizer;
@@ -65,7 +67,7 @@ export interface PlanOptions {
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
  */
 export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
-  const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups } = options;
+  const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups, ballots } = options;
   const { depth, output, omitted, last } = options;
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);
@@ -88,6 +90,7 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
     dispatchRow,
     workgroupBytes,
     hasNarrowSubgroups,
+    ballots,
     visibleCapacity: visibleCapacity(
       needs.visibleSplats,
       mostDrawnSplats(clouds),

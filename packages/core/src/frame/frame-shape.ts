@@ -2,6 +2,7 @@ import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts'
 import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectSet } from '../effects/effect-set.ts';
+import type { BallotDevice } from '../gpu/device.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import type { StorableCanvasFormat } from '../stages/composite.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
@@ -45,6 +46,8 @@ export interface FrameShape {
   readonly workgroupBytes: number;
   /** Whether few threads of the device run in lockstep. */
   readonly hasNarrowSubgroups: boolean;
+  /** The device, if the sorts rank keys by ballots; otherwise null. The same object for all frames. */
+  readonly ballots: BallotDevice | null;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
   /** Number of bits in which sort keys of this frame can differ, at most 32. */
@@ -91,6 +94,7 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.dispatchRow === b.dispatchRow &&
     a.workgroupBytes === b.workgroupBytes &&
     a.hasNarrowSubgroups === b.hasNarrowSubgroups &&
+    a.ballots === b.ballots &&
     a.output === b.output &&
     a.rasterizer === b.rasterizer &&
     a.binCount === b.binCount &&

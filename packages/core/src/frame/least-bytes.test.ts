@@ -20,6 +20,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): F
     dispatchRow: 65_535,
     workgroupBytes: WORKGROUP_BYTES,
     hasNarrowSubgroups: false,
+    ballots: null,
     visibleCapacity: VISIBLE,
     keyBits: 24,
     shortensKeys: false,

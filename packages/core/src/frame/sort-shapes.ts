@@ -2,11 +2,21 @@ import { pairSortShapeFor, type SortShape, sortShapeFor } from '../stages/sort-s
 import type { FrameShape } from './frame-shape.ts';
 
 /** Sort of the visible splats by depth. */
-export function depthSortShape({ keyBits, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
-  return sortShapeFor(keyBits, workgroupBytes, hasNarrowSubgroups);
+export function depthSortShape({
+  keyBits,
+  workgroupBytes,
+  hasNarrowSubgroups,
+  ballots,
+}: FrameShape): SortShape {
+  return sortShapeFor(keyBits, workgroupBytes, hasNarrowSubgroups, ballots);
 }
 
 /** Sort of the pairs by bin; one more key than bins, for pairs too many. */
-export function pairSortShape({ binCount, workgroupBytes, hasNarrowSubgroups }: FrameShape): SortShape {
-  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes, hasNarrowSubgroups);
+export function pairSortShape({
+  binCount,
+  workgroupBytes,
+  hasNarrowSubgroups,
+  ballots,
+}: FrameShape): SortShape {
+  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes, hasNarrowSubgroups, ballots);
 }

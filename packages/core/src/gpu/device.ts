@@ -18,6 +18,7 @@ const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
   'timestamp-query',
   'float32-blendable' as GPUFeatureName,
   'bgra8unorm-storage',
+  'subgroups',
   // Without it some adapters give a compatibility-mode device.
   'core-features-and-limits' as GPUFeatureName,
 ];
@@ -30,6 +31,8 @@ const WIDENED_LIMITS = [
   'maxBufferSize',
   'maxStorageBufferBindingSize',
   'maxComputeWorkgroupStorageSize',
+  'maxComputeInvocationsPerWorkgroup',
+  'maxComputeWorkgroupSizeX',
 ] as const;
 
 /**
@@ -104,4 +107,32 @@ const NARROW_SUBGROUP = 8;
 export function hasNarrowSubgroups({ adapterInfo }: Pick<GPUDevice, 'adapterInfo'>): boolean {
   const { subgroupMaxSize } = adapterInfo;
   return subgroupMaxSize > 0 && subgroupMaxSize <= NARROW_SUBGROUP;
+}
+
+/** Numbers of threads that may run in lockstep, powers of two. */
+export interface SubgroupSizes {
+  readonly min: number;
+  readonly max: number;
+}
+
+/** A device on which sorts may rank keys by ballots of subgroups. */
+export interface BallotDevice extends SubgroupSizes {
+  /** Most threads of a workgroup. */
+  readonly workgroupThreads: number;
+}
+
+/** The device as one that may rank keys by ballots; null if it has no subgroups, or the browser does not tell their sizes. */
+export function ballotDeviceOf({
+  features,
+  adapterInfo,
+  limits,
+}: Pick<GPUDevice, 'features' | 'adapterInfo' | 'limits'>): BallotDevice | null {
+  const { subgroupMinSize: min, subgroupMaxSize: max } = adapterInfo;
+  const { maxComputeInvocationsPerWorkgroup, maxComputeWorkgroupSizeX } = limits;
+  if (!features.has('subgroups') || !(min > 0 && max >= min && max <= 128)) return null;
+  return {
+    min,
+    max,
+    workgroupThreads: Math.min(maxComputeInvocationsPerWorkgroup, maxComputeWorkgroupSizeX),
+  };
 }

@@ -117,6 +117,7 @@ export class InspectedFrame {
         dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
         workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
         hasNarrowSubgroups: hasNarrowSubgroups(device),
+        ballots: null,
         depth: null,
         output: { kind: 'image' },
         omitted: [],

@@ -48,6 +48,8 @@ export interface ShaderVariant {
   readonly structs?: readonly ShaderStruct[];
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
+  /** Whether it uses built-in functions of subgroups, which are a feature of devices. */
+  readonly usesSubgroups?: boolean;
   /** Provides the modules `effects` and `parameters`; equal modules are the same object. Default none. */
   readonly effects?: { readonly modules: ShaderModules };
 }
@@ -89,6 +91,8 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   DEPTH_LAYER: false,
   COMPUTE: false,
   NARROW: false,
+  SUBGROUPS: false,
+  WIDE_SUBGROUPS: false,
   BGRA: false,
   LAYER_F32: false,
   LAYER_F16: false,
@@ -108,7 +112,8 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
 
 /** Returns the WGSL of one stage with everything that it imports. */
 export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): string {
-  return linkModules(linkInput(variant, mutation));
+  const linked = linkModules(linkInput(variant, mutation));
+  return variant.usesSubgroups ? `enable subgroups;\n${linked}` : linked;
 }
 
 /** Returns a variant as input of the linker: the host's structs and constants become modules, like files. */

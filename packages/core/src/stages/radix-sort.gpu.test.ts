@@ -11,7 +11,7 @@ import { sortHistogram } from '../reference/sort-histogram.ts';
 import { storageBuffer } from '../testing/gpu-buffers.ts';
 import { ScarceMemory } from '../testing/scarce-memory.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import { createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
+import { byBallots, createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
 import { dispatchSize } from './dispatch.ts';
 import { RadixSort, radixSortStages } from './radix-sort.ts';
 import { blockKeysOf, pairSortShapeFor, type SortShape, sortShapeFor } from './sort-shape.ts';
@@ -122,10 +122,11 @@ async function sortPairs(
   return sorted;
 }
 
-/** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it. */
+/** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it, and by ballots. */
 function shapesFor(bits: number, isNarrow = false): SortShape[] {
   const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes, isNarrow));
-  return shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
+  const distinct = shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
+  return [...distinct, byBallots(shapes[0], device)].filter((shape) => shape !== null);
 }
 
 /** Keys below 2^bits, by name of their pattern. */
@@ -220,10 +221,27 @@ describe('radix sort', () => {
     expect(() => sortShapeFor(24, 8000)).toThrow('8 bits need 14128 bytes');
   });
 
+  gpuTest('ballots take the largest block that the device allows, and masks where it allows none', () => {
+    const ballots = { min: 32, max: 64, workgroupThreads: 1024 };
+    const blockOf = (bits: number, bytes: number, threads = 1024) => {
+      const { workgroup, subgroups } = sortShapeFor(bits, bytes, false, {
+        ...ballots,
+        workgroupThreads: threads,
+      });
+      return subgroups && workgroup;
+    };
+    expect(blockOf(32, 49_152)).toBe(512);
+    expect(blockOf(27, 49_152)).toBe(512);
+    expect(blockOf(27, 32_768)).toBe(256);
+    expect(blockOf(32, 32_768, 256)).toBe(256);
+    expect(blockOf(32, 16_384, 128)).toBeNull();
+    expect(sortShapeFor(32, 32_768, false, { ...ballots, min: 4 }).subgroups).toBeNull();
+  });
+
   for (const bits of PAIR_KEY_BITS) {
     gpuTest(`pairs with keys of ${bits} bits: keys and given payloads in order`, async () => {
       const shapes = sortLimitsOf(device).map((bytes) => pairSortShapeFor(bits, bytes));
-      for (const shape of shapes) {
+      for (const shape of [...shapes, byBallots(shapes[0], device)].filter((each) => each !== null)) {
         expect(shape.passes).toBe(bits <= 9 ? 1 : 2);
         const blockKeys = blockKeysOf(shape);
         for (const count of [0, 1, blockKeys, 3 * blockKeys + 77]) {

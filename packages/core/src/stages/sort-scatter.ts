@@ -6,7 +6,12 @@ export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',
     entryPoint: 'sortScatter',
-    conditions: { NARROW: shape.isNarrow },
+    conditions: {
+      NARROW: shape.isNarrow,
+      SUBGROUPS: shape.subgroups !== null,
+      WIDE_SUBGROUPS: (shape.subgroups?.max ?? 0) > 32,
+    },
+    usesSubgroups: shape.subgroups !== null,
     constants: sortConstants(shape),
     bindings: {
       parameters: [0, 'uniform'],

@@ -1,12 +1,25 @@
 import { createNodeGpu } from '@websplatter/node';
 import { shareTestDevice } from '@websplatter/node/gpu-test';
-import { DEFAULT_WORKGROUP_BYTES } from '../stages/sort-shape.ts';
+import { ballotDeviceOf } from '../gpu/device.ts';
+import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../stages/sort-shape.ts';
 
-/** A test device with as much workgroup memory as the adapter has: by default devices have 16 KiB. */
+/** A test device with subgroups and as much workgroup memory as the adapter has: by default devices have none, and 16 KiB. */
 export async function createSortDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
   const { maxComputeWorkgroupStorageSize } = adapter.limits;
-  return shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize } });
+  const requiredFeatures = (['subgroups', 'timestamp-query'] as const).filter((feature) =>
+    adapter.features.has(feature),
+  );
+  return shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize }, requiredFeatures });
+}
+
+/** `shape` with keys ranked by ballots, in blocks that suit `device`; null if it has no subgroups. */
+export function byBallots(shape: SortShape, device: GPUDevice): SortShape | null {
+  const ballots = ballotDeviceOf(device);
+  if (!ballots) return null;
+  const { min, max } = ballots;
+  // Small blocks: each subgroup takes a word of workgroup memory for each digit, and those of CPUs have four threads.
+  return { ...shape, workgroup: 8 * Math.max(min, 4), itemsPerThread: 8, subgroups: { min, max } };
 }
 
 /** Amounts of workgroup memory to test on `device`: WebGPU's default, and those above it that the sort has other blocks for. */

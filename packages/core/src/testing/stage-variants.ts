@@ -53,6 +53,12 @@ const PAIR_SORTS = WORKGROUP_BYTES.flatMap((bytes) =>
   PAIR_KEY_BITS.flatMap((bits) => BOTH.map((isNarrow) => pairSortShapeFor(bits, bytes, isNarrow))),
 );
 
+/** Of one word per ballot, and of several. */
+const BALLOT_DEVICES = [
+  { min: 32, max: 32, workgroupThreads: 1024 },
+  { min: 32, max: 64, workgroupThreads: 256 },
+] as const;
+
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
 const COMPARES = ['less-equal', 'greater-equal'] as const;
 const DEPTHS: readonly (RasterizeDepth | null)[] = [
@@ -140,6 +146,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       repackSh({ degree, from: 'f32', to: 'u8' }),
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
+    ...BALLOT_DEVICES.flatMap((ballots) =>
+      [24, 27].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits, 49_152, false, ballots))),
+    ),
     ...WORKGROUP_BYTES.flatMap((bytes) =>
       [8, 16, 20, 24, 27, 32].flatMap((keyBits) =>
         BOTH.flatMap((isNarrow) => radixSortStages(sortShapeFor(keyBits, bytes, isNarrow))),

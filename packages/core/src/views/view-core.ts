@@ -9,6 +9,7 @@ import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
 import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
 import { RecentNeeds } from '../frame/recent-needs.ts';
+import type { BallotDevice } from '../gpu/device.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
@@ -37,6 +38,10 @@ export interface ViewContext extends AccuracyContext {
   readonly dispatchRow: number;
   readonly workgroupBytes: number;
   readonly hasNarrowSubgroups: boolean;
+  /** The device, once ranking keys by ballots has been found faster there; else null. */
+  readonly ballots: () => BallotDevice | null;
+  /** Called when a frame has been measured. */
+  readonly onMeasured: () => void;
   readonly tileBudgetBytes: number;
   readonly submissionBudgetMs: number;
   /** The rasteriser that was faster on this adapter before, and where to keep that. */
@@ -570,6 +575,7 @@ export abstract class ViewCore {
     const statistics = await this.context.memory.guard('A frame', '', read, this.isChecking).result;
     if (!statistics || this.#isDestroyed || !this.#prepared) return null;
     this.#learn(statistics);
+    this.context.onMeasured();
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
     return statistics;
@@ -630,6 +636,7 @@ export abstract class ViewCore {
       dispatchRow: this.context.dispatchRow,
       workgroupBytes: this.context.workgroupBytes,
       hasNarrowSubgroups: this.context.hasNarrowSubgroups,
+      ballots: this.context.ballots(),
       output: this.#output,
       omitted: this.#omittedEffects,
       last: this.#prepared,

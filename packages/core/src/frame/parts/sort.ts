@@ -8,10 +8,11 @@ import { depthSortShape } from '../sort-shapes.ts';
 
 const stagesOf = perShape((shape) => radixSortStages(depthSortShape(shape)));
 
-/** The part's memory for frames of one key width and capacity. */
+/** The part's memory for frames of one key width, ranking and capacity. */
 interface Held {
   readonly sort: RadixSort;
   readonly keyBits: number;
+  readonly ballots: FrameShape['ballots'];
   readonly capacity: number;
 }
 
@@ -36,15 +37,15 @@ export class Sort implements FramePart<OrderRecording> {
   }
 
   fit({ shape }: FramePlan): PartChange | null {
-    const { keyBits, visibleCapacity } = shape;
+    const { keyBits, visibleCapacity, ballots } = shape;
     const held = this.#held;
-    const isSame = held?.keyBits === keyBits && held.capacity === visibleCapacity;
+    const isSame = held?.keyBits === keyBits && held.ballots === ballots && held.capacity === visibleCapacity;
     if (isSame) return null;
     // No buffer is larger than that of the records, which pre-process checks.
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
-        this.#held = { sort: this.#make(shape), keyBits, capacity: visibleCapacity };
+        this.#held = { sort: this.#make(shape), keyBits, ballots, capacity: visibleCapacity };
       },
     };
   }
