@@ -1,9 +1,10 @@
-import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { describe, expect, test } from 'vitest';
 import { type ImportRule, importViolations, type RepositoryFiles } from './import-rule.ts';
 import { type ModuleReference, moduleReferences } from './module-references.ts';
+import { repositoryFiles } from './repository-files.ts';
 import { FOR_ALL_ROOMS, PACKAGES, PATH_EXCEPTIONS, ROOMS } from './rooms.ts';
 
 const RULE: ImportRule = {
@@ -14,18 +15,15 @@ const RULE: ImportRule = {
 };
 
 const root = fileURLToPath(new URL('../../..', import.meta.url));
-const files: RepositoryFiles = new Map(['apps', 'e2e', 'packages', 'shaders'].flatMap(filesIn));
+const files: RepositoryFiles = new Map(repositoryFiles(root).flatMap(referencesOf));
 const violations = importViolations(files, RULE);
 
-function filesIn(folder: string): [path: string, references: ModuleReference[]][] {
-  return readdirSync(join(root, folder), { withFileTypes: true }).flatMap((entry) => {
-    const path = `${folder}/${entry.name}`;
-    if (entry.isDirectory()) return /^(?:node_modules|dist)$/.test(entry.name) ? [] : filesIn(path);
-    if (path.endsWith('.wgsl')) return [[path, []]];
-    return /\.(?:tsx?|m?js)$/.test(path)
-      ? [[path, moduleReferences(path, readFileSync(join(root, path), 'utf8'))]]
-      : [];
-  });
+function referencesOf(path: string): [path: string, references: ModuleReference[]][] {
+  if (!/^(?:apps|e2e|packages|shaders)\//.test(path)) return [];
+  if (path.endsWith('.wgsl')) return [[path, []]];
+  return /\.(?:tsx?|m?js)$/.test(path)
+    ? [[path, moduleReferences(path, readFileSync(join(root, path), 'utf8'))]]
+    : [];
 }
 
 /** Violations that adding these texts to these files causes. */

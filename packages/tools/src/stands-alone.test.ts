@@ -1,8 +1,8 @@
-import { execFileSync } from 'node:child_process';
-import { existsSync, readFileSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { describe, expect, test } from 'vitest';
+import { repositoryFiles } from './repository-files.ts';
 
 const root = fileURLToPath(new URL('../../..', import.meta.url));
 /** Put together, since this file names nothing outside, either. */
@@ -16,11 +16,8 @@ function pathsOutside(path: string, text: string): string[] {
 }
 
 test('no file of the repository names a path outside of it', () => {
-  const options = ['ls-files', '-z', '--cached', '--others', '--exclude-standard'];
-  const listed = execFileSync('git', options, { cwd: root, encoding: 'utf8' }).split('\0');
+  const listed = repositoryFiles(root);
   const found = listed.flatMap((path) => {
-    // Git lists what was deleted, too.
-    if (!path || !existsSync(join(root, path))) return [];
     const text = readFileSync(join(root, path), 'latin1');
     const isBinary = text.includes('\0');
     return isBinary ? [] : pathsOutside(path, text).map((climb) => `${path}: ${climb}`);
