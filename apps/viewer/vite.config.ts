@@ -1,7 +1,6 @@
 import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
 import { defaultClientConditions, defineConfig, normalizePath, type Plugin, type Rolldown } from 'vite';
-import { START } from '../../packages/tools/core-chunks.mjs';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
 import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
 
@@ -25,6 +24,8 @@ const CORE = '../../packages/core';
 /** The script of the engine, which is needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
+/** What the viewer runs of core before it asks for a GPU. */
+const START = ['src/create-engine.ts', 'src/effects/index.ts', 'src/io/loading/load-splats.ts'];
 /** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
 const PACKING = [`${CORE}/src/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
 

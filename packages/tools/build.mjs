@@ -14,15 +14,13 @@ import {
 } from 'node:fs';
 import { basename, isAbsolute, join, relative } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { coreChunk } from './core-chunks.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 import { slimShaders } from './slim-shaders.mjs';
 
 /**
  * Packages in order of dependence. `entries` are the modules that may be imported, and the workers, which must be files of
  * their own. `hosted` are scripts that others serve as they are: each is one minified file without imports. `inputs` are bundled
- * besides the package's own sources. `chunkOf` names the file that a module is in, where modules that several entries need should not
- * be left to the bundler, which makes a file for every set of entries.
+ * besides the package's own sources.
  */
 const PACKAGES = [
   {
@@ -45,7 +43,6 @@ const PACKAGES = [
     hosted: { 'load-worker': 'src/load-worker.ts' },
     inputs: ['shaders'],
     hasDeclarations: true,
-    chunkOf: coreChunk,
   },
   { name: 'charts', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
@@ -84,7 +81,6 @@ const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build'
 /** What every build depends on. */
 const TOOLS = [
   'packages/tools/build.mjs',
-  'packages/tools/core-chunks.mjs',
   'packages/tools/slim-shaders.mjs',
   'packages/tools/tsconfig.library.json',
   'tsconfig.json',
@@ -143,8 +139,7 @@ async function buildPackage(item) {
   // Build into another folder first, so that a failed build leaves the previous dist.
   const aside = join(cacheFolder, `${item.name}-${process.pid}`);
   try {
-    const chunkOf = item.chunkOf?.(folder, item.entries);
-    await bundle(item.entries, folder, aside, { minify: false, emptyOutDir: true, chunkOf });
+    await bundle(item.entries, folder, aside, { minify: false, emptyOutDir: true });
     for (const [name, path] of Object.entries(item.hosted ?? {}))
       await bundle({ [name]: path }, folder, aside, { minify: true, emptyOutDir: false });
     checkDirectives(item, folder, aside);
@@ -157,7 +152,7 @@ async function buildPackage(item) {
 }
 
 /** Writes `entries` of the package in `folder` into `outDir`; minified, each is one file with all that it imports. */
-async function bundle(entries, folder, outDir, { minify, emptyOutDir, chunkOf }) {
+async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
   const vite = await import('vite');
   const input = Object.fromEntries(Object.entries(entries).map(([name, path]) => [name, join(folder, path)]));
   await vite.build({
@@ -182,9 +177,7 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir, chunkOf })
           format: 'es',
           entryFileNames: '[name].js',
           chunkFileNames: '[name]-[hash].js',
-          codeSplitting: chunkOf
-            ? { groups: [{ name: chunkOf, debugName: 'chunkOf', includeDependenciesRecursively: false }] }
-            : !minify,
+          codeSplitting: !minify,
         },
       },
     },
