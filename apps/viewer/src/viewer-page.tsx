@@ -6,7 +6,7 @@ import { addressedScene } from './scene/addressed-scene.ts';
 import { foreseeFirst } from './scene/first-source.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
-import { fetchLateWhenIdle } from './shell/fetch-late.ts';
+import { fetchLateWhenIdle } from './shell/fetch-lazy.ts';
 import { show } from './shell/show.tsx';
 import { createViewerStore } from './state/store.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';

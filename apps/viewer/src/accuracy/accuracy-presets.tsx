@@ -1,7 +1,7 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import { useStore } from 'zustand';
+import { nearestPreset, PRESET_NAMES } from '../formatting/accuracy-words.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { nearestPreset, PRESET_NAMES } from '../words/accuracy-words.ts';
 
 /** The presets as buttons. */
 export function AccuracyPresets({ store, viewer }: PanelProps) {

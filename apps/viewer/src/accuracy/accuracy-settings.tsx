@@ -1,14 +1,14 @@
 import { ACCURACY_SETTINGS, type AccuracySetting, type AccuracySettings } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../viewer/panel-props.ts';
 import {
   formatValue,
   SETTING_NAMES,
   type SettingName,
   type SettingValue,
   valueWords,
-} from '../words/accuracy-words.ts';
+} from '../formatting/accuracy-words.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 
 /** Every setting with what it does. */

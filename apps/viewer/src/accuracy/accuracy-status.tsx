@@ -1,7 +1,7 @@
 import type { AccuracyWish } from '@websplatter/core';
 import { useStore } from 'zustand';
+import { describeAccuracy, describeWish } from '../formatting/accuracy-words.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { describeAccuracy, describeWish } from '../words/accuracy-words.ts';
 
 /**
  * In words: the settings that are drawn, the wish that is kept, and what the GPU cannot do. It lies below the forms, which

@@ -1,6 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 import type { FrameMeasurement, FrameSpread } from '@websplatter/core/measure';
-import { formatCount } from '../words/format.ts';
+import { formatCount } from '../formatting/format.ts';
 import type { BrowserMachine } from './machine.ts';
 
 /** Everything that one benchmark found. */

@@ -1,5 +1,5 @@
 import { type AccuracySettings, InvalidArgumentError, isAccuracyWish } from '@websplatter/core';
-import { decodeAccuracy } from '../words/accuracy-address.ts';
+import { decodeAccuracy } from '../formatting/accuracy-address.ts';
 
 /** What the address asks the benchmark to do: the same on every device, whatever its window. */
 export interface BenchRequest {

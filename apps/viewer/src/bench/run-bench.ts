@@ -1,11 +1,11 @@
 import { InvalidArgumentError, SplatEngine } from '@websplatter/core';
 import { measureFrames } from '@websplatter/core/measure';
+import { BUILD } from '../formatting/build.ts';
 import { addressedScene } from '../scene/addressed-scene.ts';
 import { firstSource } from '../scene/first-source.ts';
 import { fitNotice } from '../scene/fit-notice.ts';
 import { type LoadedScene, loadScene } from '../scene/load-scene.ts';
 import { type SceneSource, titleOfAll } from '../scene/scene-source.ts';
-import { BUILD } from '../words/build.ts';
 import { benchCameras } from './bench-path.ts';
 import type { BenchReport } from './bench-report.ts';
 import { benchRequest } from './bench-request.ts';

@@ -1,8 +1,8 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
+import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../formatting/accuracy-words.ts';
 import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../words/accuracy-words.ts';
 
 type Kind = Comparison['kind'] | 'none';
 

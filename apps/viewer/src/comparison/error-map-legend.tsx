@@ -1,7 +1,7 @@
 import { useStore } from 'zustand';
+import { describeAccuracy } from '../formatting/accuracy-words.ts';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { describeAccuracy } from '../words/accuracy-words.ts';
 import { ERROR_CLASSES } from './error-map.ts';
 
 /** The meaning of the error map's colours, and the part of the image that has each. */

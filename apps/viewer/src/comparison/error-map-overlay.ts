@@ -1,7 +1,7 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
+import { isSameAccuracy } from '../formatting/accuracy-words.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-import { isSameAccuracy } from '../words/accuracy-words.ts';
 import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 

@@ -1,9 +1,9 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
+import { describeAccuracy } from '../formatting/accuracy-words.ts';
 import { type Comparison, sideAccuracy } from '../state/comparison.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { describeAccuracy } from '../words/accuracy-words.ts';
 import { movedSplit, splitText } from './split-line.ts';
 
 /** The right side of a split image over the viewer's canvas, and the line between both sides. */

@@ -14,8 +14,8 @@ import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import { groupTitle } from '../hard-cases/catalogue.ts';
 import { CopyReports } from '../ui/copy-reports.tsx';
 import '../ui/page.css';
-import { BUILD } from '../words/build.ts';
-import { formatCount, formatMs } from '../words/format.ts';
+import { BUILD } from '../formatting/build.ts';
+import { formatCount, formatMs } from '../formatting/format.ts';
 import { progressText, referenceDecibels, reportByCase, reportFileName } from './case-rows.ts';
 import './conformance-page.css';
 

@@ -1,8 +1,8 @@
 import { isSoftwareAdapter } from '@websplatter/core';
 import type { EffectCost } from '@websplatter/core/measure';
+import { formatMs } from '../formatting/format.ts';
 import type { Measurement } from '../measurement/measurement.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { formatMs } from '../words/format.ts';
 
 /** The fewest that give an interval of 95 %: a software rasteriser takes as long for a frame as a GPU for a hundred. */
 const SOFTWARE_FRAMES = 6;

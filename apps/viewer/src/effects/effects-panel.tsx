@@ -2,6 +2,7 @@ import type { EffectEntry } from '@websplatter/core';
 import type { EffectCost } from '@websplatter/core/measure';
 import { memo, useId } from 'react';
 import { useStore } from 'zustand';
+import { formatBytes, formatCount } from '../formatting/format.ts';
 import type { Measurement } from '../measurement/measurement.ts';
 import { MeasurementRunner } from '../measurement/measurement-runner.tsx';
 import { timingCautions } from '../measurement/timing-cautions.ts';
@@ -10,7 +11,6 @@ import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { Dock } from '../ui/dock.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { formatBytes, formatCount } from '../words/format.ts';
 import { describeCost, formatCost, measureEffectCosts } from './effect-costs.ts';
 import { RequestedEffectsForm } from './requested-effects-form.tsx';
 

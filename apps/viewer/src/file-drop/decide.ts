@@ -1,8 +1,8 @@
-import { lateCode, NOT_FETCHED } from '../ui/late.tsx';
+import { lazyCode, NOT_FETCHED } from '../ui/lazy.tsx';
 import type { FileDropDecision } from './file-drop.ts';
 import type { FoundFile } from './found-file.ts';
 
-const code = lateCode(() => import('./decide-files.ts'));
+const code = lazyCode(() => import('./decide-files.ts'));
 
 /** As `decideFiles`, whose code the first picture does not wait for. */
 export function decide(found: readonly FoundFile[]): Promise<FileDropDecision> {

@@ -2,7 +2,7 @@ import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@we
 import { compareImages } from '@websplatter/core/reference';
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX } from '@websplatter/hardcases';
 import { useEffect, useMemo, useRef, useState } from 'react';
-import { formatDb } from '../words/format.ts';
+import { formatDb } from '../formatting/format.ts';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
 import { DIFFERENCE_COLORS, type Difference, differenceOf, pixelsOnBlack } from './difference.ts';
 import type { ExpectedImage } from './expected.worker.ts';

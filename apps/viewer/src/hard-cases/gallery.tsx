@@ -1,6 +1,6 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
-import { formatCount } from '../words/format.ts';
+import { formatCount } from '../formatting/format.ts';
 import { caseAddress, conformanceAddress } from './case-addresses.ts';
 import type { CaseImages } from './case-images.ts';
 import { inPlace } from './case-page.tsx';

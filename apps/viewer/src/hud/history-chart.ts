@@ -1,5 +1,5 @@
 import type { StageTimings } from '@websplatter/core';
-import { formatMs } from '../words/format.ts';
+import { formatMs } from '../formatting/format.ts';
 import { HISTORY_FRAMES } from './frame-recorder.ts';
 import {
   CHART_LAYERS,

@@ -4,8 +4,8 @@ import {
   type RasterizerReport,
   type StageTimings,
 } from '@websplatter/core';
+import { formatCount, formatMs, formatRate, UNKNOWN } from '../formatting/format.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
-import { formatCount, formatMs, formatRate, UNKNOWN } from '../words/format.ts';
 
 type StageFigure =
   | 'preprocess'

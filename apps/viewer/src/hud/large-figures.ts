@@ -1,7 +1,7 @@
 import type { AccuracySettings, EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
+import { formatBytes, formatCount, formatMs, UNKNOWN } from '../formatting/format.ts';
 import { sideAccuracy } from '../state/comparison.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
-import { formatBytes, formatCount, formatMs, UNKNOWN } from '../words/format.ts';
 import type { Side } from './frame-recorder.ts';
 import { type MemoryGroup, memoryByGroup } from './memory-groups.ts';
 import { PASSES } from './pass-names.ts';

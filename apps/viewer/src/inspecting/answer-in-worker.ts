@@ -1,4 +1,4 @@
-import { readAgain } from '../rereading/read-again.ts';
+import { readAgain } from '../reload/read-again.ts';
 import { rowsWithin } from '../selecting/rows-within.ts';
 import type { Histograms } from '../state/inspecting.ts';
 import type { AskRequest, CloudToRead, InspectReply, InspectRequest } from './inspect-messages.ts';

@@ -1,8 +1,8 @@
 import { useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { clamp } from '../camera/vec3.ts';
+import { formatCount } from '../formatting/format.ts';
 import type { Crop } from '../state/inspecting.ts';
-import { formatCount } from '../words/format.ts';
 import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import type { InspectProps } from './inspect-props.ts';
 import './crop-tab.css';

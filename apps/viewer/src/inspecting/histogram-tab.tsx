@@ -1,7 +1,7 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
+import { formatCount, formatSplats } from '../formatting/format.ts';
 import { type Histogram, QUANTITIES, type Quantity } from '../state/inspecting.ts';
-import { formatCount, formatSplats } from '../words/format.ts';
 import { barHeight, medianBin } from './histogram.ts';
 import type { InspectProps } from './inspect-props.ts';
 import { formatFigure } from './length-scale.ts';

@@ -1,5 +1,5 @@
 import type { Bounds, SplatSet } from '@websplatter/core';
-import type { StoredSource } from '../rereading/stored-source.ts';
+import type { StoredSource } from '../reload/stored-source.ts';
 import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
 import type { DragRegion } from '../state/selecting.ts';
 

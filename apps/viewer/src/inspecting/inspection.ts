@@ -1,6 +1,6 @@
 import { highlight } from '@websplatter/core/effects';
 import { Tap } from '../camera/tap.ts';
-import { cloudSources } from '../rereading/stored-source.ts';
+import { cloudSources } from '../reload/stored-source.ts';
 import { cloudKeys } from '../scene/shown-scene.ts';
 import { selectionOf } from '../selecting/row-masks.ts';
 import { listenToSelectDrags } from '../selecting/select-drag.ts';

@@ -39,7 +39,7 @@ export class SceneReader {
   }
 
   #start(): Worker {
-    const worker = new Worker(new URL('../rereading/scene.worker.ts', import.meta.url), { type: 'module' });
+    const worker = new Worker(new URL('../reload/scene.worker.ts', import.meta.url), { type: 'module' });
     this.#onReading({ kind: 'running', part: undefined });
     this.#whenTold = this.#tell(worker);
     worker.onmessage = ({ data }: MessageEvent<InspectReply>) => this.#take(data);

@@ -1,6 +1,6 @@
 import { InvalidArgumentError, isAccuracyWish } from '@websplatter/core';
+import { decodeAccuracy, encodeAccuracy } from '../formatting/accuracy-address.ts';
 import type { Comparison, ComparisonSide } from '../state/comparison.ts';
-import { decodeAccuracy, encodeAccuracy } from '../words/accuracy-address.ts';
 
 /** Two images at once, and where the line between them is, 0…1 of the width. */
 export interface LinkedComparison {

@@ -1,4 +1,4 @@
-import { encodeLook } from '../placing/look-text.ts';
+import { encodeLook } from '../layout/look-text.ts';
 import { ownUp, type ShownPart } from '../scene/shown-scene.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';

@@ -1,12 +1,12 @@
 import type { AccuracySettings, AccuracyWish } from '@websplatter/core';
 import type { LinkedCamera } from '../camera/view-camera.ts';
+import { encodeAccuracy } from '../formatting/accuracy-address.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/addressed-scene.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { EffectChoices } from '../state/effect-choices.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
-import { encodeAccuracy } from '../words/accuracy-address.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
 import { encodeCrop } from './crop-text.ts';

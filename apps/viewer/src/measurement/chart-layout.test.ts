@@ -1,7 +1,7 @@
 import { resolveAccuracy } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { describe, expect, it } from 'vitest';
-import { formatDb } from '../words/format.ts';
+import { formatDb } from '../formatting/format.ts';
 import { chartLayout } from './chart-layout.ts';
 
 function point(name: string, psnrDb: number, ms: number, isOnFront = false): AccuracyPoint {

@@ -1,7 +1,7 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
-import { describeMeasured } from '../words/accuracy-words.ts';
-import { formatMs, formatPsnr } from '../words/format.ts';
+import { describeMeasured } from '../formatting/accuracy-words.ts';
+import { formatMs, formatPsnr } from '../formatting/format.ts';
 
 /** A point of the chart. */
 export interface PlacedPoint {

@@ -1,8 +1,8 @@
 import { useStore } from 'zustand';
+import { inPlainWords } from '../formatting/accuracy-words.ts';
+import { formatDuration } from '../formatting/format.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { inPlainWords } from '../words/accuracy-words.ts';
-import { formatDuration } from '../words/format.ts';
 import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { MeasuredResults } from './measured-results.tsx';
 import { MeasurementRunner } from './measurement-runner.tsx';

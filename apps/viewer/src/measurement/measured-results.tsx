@@ -1,10 +1,17 @@
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { useState } from 'react';
 import { useStore } from 'zustand';
+import { describeMeasured, isSameAccuracy } from '../formatting/accuracy-words.ts';
+import {
+  formatBytes,
+  formatCount,
+  formatDb,
+  formatMs,
+  formatPsnr,
+  formatSplats,
+} from '../formatting/format.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { describeMeasured, isSameAccuracy } from '../words/accuracy-words.ts';
-import { formatBytes, formatCount, formatDb, formatMs, formatPsnr, formatSplats } from '../words/format.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';
 import { FIRST_ORDER, orderAfter, POINT_COLUMNS, type PointColumn, sortedPoints } from './sorted-points.ts';
 import { timingCautions } from './timing-cautions.ts';

@@ -1,5 +1,5 @@
 import type { AccuracyPoint } from '@websplatter/core/measure';
-import { describeMeasured } from '../words/accuracy-words.ts';
+import { describeMeasured } from '../formatting/accuracy-words.ts';
 
 /** Columns of the table of measured settings. */
 export const POINT_COLUMNS = ['name', 'psnr', 'time'] as const;

@@ -5,9 +5,9 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '@websplatter/core';
+import { formatBytes } from '../formatting/format.ts';
 import { HardCaseError } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
-import { formatBytes } from '../words/format.ts';
 
 /** The engine's message adds the place in the file and what to do. */
 const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {

@@ -1,7 +1,7 @@
 import { useStore } from 'zustand';
+import { formatBytes, formatSplats } from '../formatting/format.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { formatBytes, formatSplats } from '../words/format.ts';
 
 const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',

@@ -1,10 +1,10 @@
 import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownFrame } from '../drawing/drawn-frame.ts';
+import { formatBytes } from '../formatting/format.ts';
 import { download } from '../saving/download.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-import { formatBytes } from '../words/format.ts';
 import { drawnSize, type PictureTile, pictureTiles, tileCamera } from './picture-tiles.ts';
 import { PngWriter, writePixels } from './png-writer.ts';
 

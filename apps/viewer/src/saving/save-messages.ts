@@ -1,6 +1,6 @@
 import type { CropBox } from '@websplatter/core/write';
 import type { UpAxis } from '../camera/up-axis.ts';
-import type { LastingScene } from '../rereading/lasting-scene.ts';
+import type { LastingScene } from '../reload/lasting-scene.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Placement } from '../state/scene-part.ts';
 

@@ -1,7 +1,7 @@
 import { encodePly, readSplats } from '@websplatter/core';
 import { mergeSplats, WRITABLE_FORMATS } from '@websplatter/core/write';
 import { afterEach, expect, test, vi } from 'vitest';
-import { oneSplat } from '../rereading/one-splat.fixture.ts';
+import { oneSplat } from '../reload/one-splat.fixture.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { ShownPart } from '../scene/shown-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';

@@ -1,11 +1,11 @@
 import type { WritableFormat } from '@websplatter/core/write';
 import { upAxisOf } from '../camera/up-axis.ts';
-import { lastingScene } from '../rereading/lasting-scene.ts';
+import { formatBytes } from '../formatting/format.ts';
+import { lastingScene } from '../reload/lasting-scene.ts';
 import { joinedNames, titleOf } from '../scene/scene-source.ts';
 import { cloudKey, type ShownPart } from '../scene/shown-scene.ts';
 import type { Selecting } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { formatBytes } from '../words/format.ts';
 import { download } from './download.ts';
 import type { SavedPart, SavedRows, SaveReply, SaveRequest } from './save-messages.ts';
 
@@ -34,7 +34,7 @@ export class Saving {
     );
     const up = upAxisOf(state);
     this.#store.setState({ saving: { fileName, phase: 'read', part: undefined }, failure: null });
-    const worker = new Worker(new URL('../rereading/scene.worker.ts', import.meta.url), { type: 'module' });
+    const worker = new Worker(new URL('../reload/scene.worker.ts', import.meta.url), { type: 'module' });
     this.#worker = worker;
     worker.onmessage = ({ data }: MessageEvent<SaveReply>) => this.#take(data, fileName);
     worker.onerror = ({ message }) =>

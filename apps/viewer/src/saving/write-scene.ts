@@ -9,8 +9,8 @@ import {
   writeSplats,
 } from '@websplatter/core/write';
 import { oppositeAxis } from '../camera/up-axis.ts';
-import { transformOf } from '../placing/placement.ts';
-import { readAgain } from '../rereading/read-again.ts';
+import { transformOf } from '../layout/placement.ts';
+import { readAgain } from '../reload/read-again.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { SavedRows, SaveRequest } from './save-messages.ts';
 

@@ -1,6 +1,6 @@
 import type { DropCounts, DropReason } from '@websplatter/core';
+import { formatCount } from '../formatting/format.ts';
 import type { SceneWarning } from '../state/scene-summary.ts';
-import { formatCount } from '../words/format.ts';
 
 /** NaN and both infinities are no finite numbers; an opacity's logit may be infinite. */
 const REASONS: Readonly<Record<DropReason, string>> = {

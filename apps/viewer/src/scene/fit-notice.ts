@@ -1,5 +1,5 @@
 import type { CloudFit } from '@websplatter/core';
-import { formatBytes } from '../words/format.ts';
+import { formatBytes } from '../formatting/format.ts';
 
 const LIST = new Intl.ListFormat('en');
 

@@ -1,10 +1,10 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
+import { formatCount, formatSplats } from '../formatting/format.ts';
 import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
-import { formatCount, formatSplats } from '../words/format.ts';
 import { droppedReasons, droppedTotal } from './dropped-splats.ts';
 
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {

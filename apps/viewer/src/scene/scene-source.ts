@@ -1,6 +1,6 @@
 import type { SceneFiles } from '@websplatter/core';
 import type { BuiltinSceneFacts } from '@websplatter/scenes';
-import { baseName } from '../words/format.ts';
+import { baseName } from '../formatting/format.ts';
 
 /** Where a scene, or a part of one, comes from; kept, so that it can be read again. */
 export type SceneSource =

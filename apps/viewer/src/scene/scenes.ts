@@ -318,7 +318,7 @@ export class Scenes {
     if (look) return () => look;
     const sceneUp = this.#isInPlace || !this.#newest ? null : ownUp(this.#newest);
     if (sceneUp === null && linkedLook === undefined) return () => PLAIN_LOOK;
-    const { lookFinder } = await import('../placing/first-look.ts');
+    const { lookFinder } = await import('../layout/first-look.ts');
     const { lookOf, notice } = lookFinder(linkedLook, sceneUp);
     if (notice !== null) this.#options.store.setState({ notice });
     return lookOf;

@@ -1,8 +1,8 @@
 import { useId } from 'react';
 import { useStore } from 'zustand';
+import { formatCount, formatSplats } from '../formatting/format.ts';
 import type { InspectProps } from '../inspecting/inspect-props.ts';
 import { SELECT_MODES, type SelectMode, type SelectTool } from '../state/selecting.ts';
-import { formatCount, formatSplats } from '../words/format.ts';
 import { countOf } from './row-masks.ts';
 import './select-tab.css';
 

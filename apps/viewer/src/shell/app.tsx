@@ -15,7 +15,7 @@ import { WarningPanel } from '../messages/warning-panel.tsx';
 import { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
-import { late } from '../ui/late.tsx';
+import { lazyComponent } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
@@ -26,22 +26,30 @@ import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
 // In the order in which they are fetched after the first picture.
-const Hud = late(async () => (await import('../hud/hud.tsx')).Hud);
-const ViewPanel = late(async () => (await import('../looking/view-panel.tsx')).ViewPanel);
-const CloudsPanel = late(async () => (await import('../placing/clouds-panel.tsx')).CloudsPanel);
-const PlaceGizmo = late(async () => (await import('../placing/place-gizmo.tsx')).PlaceGizmo);
-const AccuracyPanel = late(async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel);
-const EffectsPanel = late(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
-const ClipGizmo = late(async () => (await import('../effects/clip-gizmo.tsx')).ClipGizmo);
+const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
+const ViewPanel = lazyComponent(async () => (await import('../navigation/view-panel.tsx')).ViewPanel);
+const CloudsPanel = lazyComponent(async () => (await import('../layout/clouds-panel.tsx')).CloudsPanel);
+const PlaceGizmo = lazyComponent(async () => (await import('../layout/place-gizmo.tsx')).PlaceGizmo);
+const AccuracyPanel = lazyComponent(
+  async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel,
+);
+const EffectsPanel = lazyComponent(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
+const ClipGizmo = lazyComponent(async () => (await import('../effects/clip-gizmo.tsx')).ClipGizmo);
 // It draws over the image too, and goes on with a crop when its panel is closed.
-const Inspect = late(async () => (await import('../inspecting/inspect.tsx')).Inspect);
-const SavePanel = late(async () => (await import('../saving/save-panel.tsx')).SavePanel);
-const Help = late(async () => (await import('./help.tsx')).Help);
-const ReopenPanel = late(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
-const FlightBanner = late(async () => (await import('../looking/flight-banner.tsx')).FlightBanner);
-const ModeLegend = late(async () => (await import('../view-modes/mode-legend.tsx')).ModeLegend);
-const ErrorMapLegend = late(async () => (await import('../comparison/error-map-legend.tsx')).ErrorMapLegend);
-const UnavailablePage = late(async () => (await import('../messages/status-pages.tsx')).UnavailablePage);
+const Inspect = lazyComponent(async () => (await import('../inspecting/inspect.tsx')).Inspect);
+const SavePanel = lazyComponent(async () => (await import('../saving/save-panel.tsx')).SavePanel);
+const Help = lazyComponent(async () => (await import('./help.tsx')).Help);
+const ReopenPanel = lazyComponent(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
+const FlightBanner = lazyComponent(
+  async () => (await import('../navigation/flight-banner.tsx')).FlightBanner,
+);
+const ModeLegend = lazyComponent(async () => (await import('../view-modes/mode-legend.tsx')).ModeLegend);
+const ErrorMapLegend = lazyComponent(
+  async () => (await import('../comparison/error-map-legend.tsx')).ErrorMapLegend,
+);
+const UnavailablePage = lazyComponent(
+  async () => (await import('../messages/status-pages.tsx')).UnavailablePage,
+);
 
 /** @param poster address of an image to show until there is a picture. */
 export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {

@@ -7,7 +7,7 @@ export function listenForGamepads(viewer: Viewer, store: ViewerStore, run: RunCo
   const ending = new AbortController();
   const { signal } = ending;
   const follow = async () => {
-    const { followGamepads } = await import('../looking/gamepads.ts');
+    const { followGamepads } = await import('../navigation/gamepads.ts');
     if (!signal.aborted) signal.addEventListener('abort', followGamepads(viewer, store, run));
   };
   window.addEventListener('gamepadconnected', () => void follow(), { once: true, signal });

@@ -1,10 +1,10 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
 import { isGpuLost } from '../state/viewer-state.ts';
-import { late } from '../ui/late.tsx';
+import { lazyComponent } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
-const LostPage = late(async () => (await import('../messages/status-pages.tsx')).LostPage);
+const LostPage = lazyComponent(async () => (await import('../messages/status-pages.tsx')).LostPage);
 
 /** Over the picture while there is no GPU. */
 export function LostGpu({ store, viewer }: PanelProps) {

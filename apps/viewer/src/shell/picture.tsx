@@ -1,15 +1,17 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
 import { isMapMode } from '../state/view-mode.ts';
-import { late } from '../ui/late.tsx';
+import { lazyComponent } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { FreeArea } from './free-area.tsx';
 import { Poster } from './poster.tsx';
 import { Viewport } from './viewport.tsx';
 
-const SplitImage = late(async () => (await import('../comparison/split-image.tsx')).SplitImage);
-const ModeMap = late(async () => (await import('../view-modes/mode-map.tsx')).ModeMap);
-const ErrorMapImage = late(async () => (await import('../comparison/error-map-image.tsx')).ErrorMapImage);
+const SplitImage = lazyComponent(async () => (await import('../comparison/split-image.tsx')).SplitImage);
+const ModeMap = lazyComponent(async () => (await import('../view-modes/mode-map.tsx')).ModeMap);
+const ErrorMapImage = lazyComponent(
+  async () => (await import('../comparison/error-map-image.tsx')).ErrorMapImage,
+);
 
 /**
  * The picture, and what is compared with it.

@@ -16,8 +16,9 @@ import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
 import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
+import { decodeAccuracy } from '../formatting/accuracy-address.ts';
 import type { LinkedStart } from '../links/linked-start.ts';
-import type { Flight } from '../looking/flight.ts';
+import type { Flight } from '../navigation/flight.ts';
 import type { AddressedScene } from '../scene/addressed-scene.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { allClouds } from '../scene/shown-scene.ts';
@@ -28,7 +29,6 @@ import { SessionOwner } from '../session/session-owner.ts';
 import type { Comparison } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { decodeAccuracy } from '../words/accuracy-address.ts';
 
 /** What the page's address asks for. */
 export interface StartOptions extends AddressedScene {
@@ -206,7 +206,7 @@ export class Viewer {
 
   /** Begins to fly through the scene, or ends it. */
   async toggleFlight(): Promise<void> {
-    const { Flight } = await import('../looking/flight.ts');
+    const { Flight } = await import('../navigation/flight.ts');
     const canvas = this.#sessions.current?.canvas;
     if (!canvas || !this.scenes.newest) return;
     this.#flight ??= new Flight(this.#store, this.camera);

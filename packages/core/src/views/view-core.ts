@@ -101,7 +101,7 @@ export abstract class ViewCore {
   /** What the buffers and shaders of the next frame should suit, besides that frame. */
   #needs = new RecentNeeds();
   /** Why the last frame could not be drawn, until a caller has been told. */
-  #untold: Error | null = null;
+  #unreportedError: Error | null = null;
   /** The frame that found no memory, as long as none so large has. */
   #lack: Lack | null = null;
   /** Whether the last requested frame waits for memory, which may be lacking still. */
@@ -285,7 +285,7 @@ export abstract class ViewCore {
   /** See `SplatView.whenDrawn`. */
   protected get drawn(): Promise<void> {
     return this.#whenDrawn.then(() => {
-      if (this.#untold) throw this.#untold;
+      if (this.#unreportedError) throw this.#unreportedError;
       return this.#checking;
     });
   }
@@ -335,8 +335,8 @@ export abstract class ViewCore {
 
   /** @throws GpuLimitError, once, if the last frame found no memory. */
   protected tellLack(): void {
-    const untold = this.#takeUntold();
-    if (untold) throw untold;
+    const unreported = this.#takeUnreportedError();
+    if (unreported) throw unreported;
   }
 
   /**
@@ -414,7 +414,7 @@ export abstract class ViewCore {
     } catch (error) {
       if (parts.isDestroyed) {
         void this.#restore(this.#takeLack(error as Error, plan));
-        this.#untold = null;
+        this.#unreportedError = null;
       }
       throw error;
     }
@@ -452,7 +452,7 @@ export abstract class ViewCore {
   ): Promise<void> {
     if (this.#isDestroyed) return;
     // Frames that followed in the same memory are void for the same reason.
-    if (parts !== this.parts) throw this.#untold ?? error;
+    if (parts !== this.parts) throw this.#unreportedError ?? error;
     const sound = this.#takeLack(error, plan);
     const { reclaimMemory } = await import('../gpu/probe-memory.ts');
     await reclaimMemory(this.context.device);
@@ -464,7 +464,7 @@ export abstract class ViewCore {
     // A caller may have asked for another one meanwhile.
     const follows = this.retry(isByChoice && this.#asked === plan ? plan.request : null);
     // Then this was not the last one.
-    if (follows) this.#takeUntold();
+    if (follows) this.#takeUnreportedError();
     else if (!isByChoice) throw error;
     await this.drawn;
   }
@@ -483,7 +483,7 @@ export abstract class ViewCore {
       const [visibleSplats, pixels] = sizesOf(plan);
       this.#choice.rejectTiles('tiles found no memory for their lists', { visibleSplats, pixels });
     } else {
-      this.#untold ??= error;
+      this.#unreportedError ??= error;
       this.#lack ??= { sizes: sizesOf(plan), bytes, error, probedMs: Number.NEGATIVE_INFINITY };
     }
     return sound;
@@ -753,14 +753,14 @@ export abstract class ViewCore {
     this.#wait = null;
     this.#whenDrawn = Promise.resolve();
     // The last frame is another one now.
-    this.#takeUntold();
+    this.#takeUnreportedError();
   }
 
-  #takeUntold(): Error | null {
-    const untold = this.#untold;
-    this.#untold = null;
-    if (untold) this.#checking = Promise.resolve();
-    return untold;
+  #takeUnreportedError(): Error | null {
+    const unreported = this.#unreportedError;
+    this.#unreportedError = null;
+    if (unreported) this.#checking = Promise.resolve();
+    return unreported;
   }
 }
 

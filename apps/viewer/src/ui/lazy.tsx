@@ -5,26 +5,26 @@ const fetches: (() => Promise<unknown>)[] = [];
 /** What is said where code cannot be fetched: offline, or after a new version has replaced this one. */
 export const NOT_FETCHED = 'This part could not be loaded. Check the connection, then reload the page.';
 
-/** Code that the first picture does not wait for. It is fetched by `fetchLate`, or when it is first called for. */
-export function lateCode<Code>(fetch: () => Promise<Code>): () => Promise<Code> {
+/** Code that the first picture does not wait for. It is fetched by `fetchLazy`, or when it is first called for. */
+export function lazyCode<Code>(fetch: () => Promise<Code>): () => Promise<Code> {
   fetches.push(fetch);
   return fetch;
 }
 
 /**
- * A component whose code the first picture does not wait for. It is fetched by `fetchLate`, or when it is first shown: put it
+ * A component whose code the first picture does not wait for. It is fetched by `fetchLazy`, or when it is first shown: put it
  * within `<Suspense>`.
  */
-export function late<Props extends object>(
+export function lazyComponent<Props extends object>(
   fetch: () => Promise<ComponentType<Props>>,
 ): LazyExoticComponent<ComponentType<Props>> {
-  const fetchCode = lateCode(fetch);
+  const fetchCode = lazyCode(fetch);
   return lazy(async () => ({ default: await fetchCode().catch(() => NotFetched) }));
 }
 
-/** Fetches all late code, one piece after another, so that panels open at once. */
-export async function fetchLate(): Promise<void> {
-  // Whoever opens what could not be fetched is told by `NotFetched`.
+/** Fetches all such code, one piece after another, so that panels open at once. */
+export async function fetchLazy(): Promise<void> {
+  // `NotFetched` tells who opens what could not be fetched.
   for (const fetch of fetches) await fetch().catch(() => {});
 }
 

@@ -1,5 +1,5 @@
 import type { ViewerStore } from '../state/store.ts';
-import { fetchLate } from '../ui/late.tsx';
+import { fetchLazy } from '../ui/lazy.tsx';
 
 /** Fetches the code that the first picture could do without, once a scene is on the screen as a whole and the page is idle. */
 export function fetchLateWhenIdle(store: ViewerStore): void {
@@ -7,7 +7,7 @@ export function fetchLateWhenIdle(store: ViewerStore): void {
     if (imageId === 0) return;
     unsubscribe();
     // Not all browsers say when they are.
-    if ('requestIdleCallback' in window) requestIdleCallback(() => void fetchLate());
-    else setTimeout(fetchLate);
+    if ('requestIdleCallback' in window) requestIdleCallback(() => void fetchLazy());
+    else setTimeout(fetchLazy);
   });
 }

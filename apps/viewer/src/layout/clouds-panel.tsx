@@ -1,9 +1,9 @@
 import { useStore } from 'zustand';
+import { formatSplats } from '../formatting/format.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { formatSplats } from '../words/format.ts';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 
