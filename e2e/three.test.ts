@@ -603,8 +603,6 @@ describe('three 0.187', () => {
       const result = await run('arrayViewports', { cameras });
       expectTestScene(result.shots);
       expectAsAlone(result);
-      // Eyes that look the same way share one.
-      expect(result.orders).toBe(cameras === 'eyes' ? 1 : 2);
     });
 
     test('in viewports, before and behind a multisampled mesh', async () => {
@@ -629,9 +627,7 @@ describe('three 0.187', () => {
     });
 
     test('in an XR session', async () => {
-      const { shots, orders } = await run('xrSession', { cameras: 'eyes' });
-      expectTestScene(shots);
-      expect(orders).toBe(1);
+      expectTestScene(await run('xrSession', { cameras: 'eyes' }));
     });
   });
 

@@ -203,16 +203,16 @@ describe('viewer', () => {
   });
 
   it.each([
-    { name: 'a.ply.gz', bytes: () => gzipSync(encodePly(testScene(260))), workers: ['gzip'] },
-    { name: 'misnamed.spz', bytes: () => encodePly(testScene(260)), workers: ['spz', 'ply'] },
-    { name: 'misnamed.ply', bytes: () => fixture('sog'), workers: ['ply', 'zip'] },
-    { name: 'a.sog', bytes: () => fixture('sog'), workers: ['zip'] },
-    { name: 'a.spz', bytes: () => fixture('spz'), workers: ['spz'] },
-    { name: 'a.compressed.ply', bytes: () => fixture('compressed.ply'), workers: ['compressed-ply'] },
-    { name: 'a.splat', bytes: () => fixture('splat'), workers: ['splat'] },
-    { name: 'a.ksplat', bytes: () => fixture('ksplat'), workers: ['ksplat'] },
-    { name: 'a.glb', bytes: () => fixture('glb'), workers: ['gltf'] },
-  ])('reads $name in workers of its formats alone: $workers', async ({ name, bytes, workers }) => {
+    { name: 'a.ply.gz', bytes: () => gzipSync(encodePly(testScene(260))), workers: ['formats'] },
+    { name: 'misnamed.spz', bytes: () => encodePly(testScene(260)), workers: ['formats'] },
+    { name: 'misnamed.ply', bytes: () => fixture('sog'), workers: ['ply', 'formats'] },
+    { name: 'a.sog', bytes: () => fixture('sog'), workers: ['formats'] },
+    { name: 'a.spz', bytes: () => fixture('spz'), workers: ['formats'] },
+    { name: 'a.compressed.ply', bytes: () => fixture('compressed.ply'), workers: ['formats'] },
+    { name: 'a.splat', bytes: () => fixture('splat'), workers: ['formats'] },
+    { name: 'a.ksplat', bytes: () => fixture('ksplat'), workers: ['formats'] },
+    { name: 'a.glb', bytes: () => fixture('glb'), workers: ['formats'] },
+  ])('reads $name in its workers: $workers', async ({ name, bytes, workers }) => {
     const page = await shareViewer(CHEAP, TINY);
     const started: string[] = [];
     const note = (worker: Worker) => started.push(worker.url());

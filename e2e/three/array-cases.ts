@@ -107,12 +107,6 @@ function arrayOf(cameras: PerspectiveCamera[]): ArrayCamera {
   return array;
 }
 
-/** Number of views that sort splats, of all that `renderer` has drawn by. */
-function ordersFoundBy(renderer: Stage['renderer']): number {
-  const { views } = splatEngineOf(renderer).memory().frames;
-  return views.filter(({ resources }) => resources.some(({ label }) => label.startsWith('sort '))).length;
-}
-
 function shotBy(camera: PerspectiveCamera, pixels: Pixels): CameraShot {
   const { matrixWorldInverse, projectionMatrix, near, far } = camera;
   return {
@@ -146,16 +140,13 @@ export const arrayCases = {
   arrayViewports: async ({ cameras: kind, hasWall = false, ...parameters }: ArrayOptions) => {
     const stage = await newStage(parameters);
     const { renderer, scene } = stage;
-    // Of the cases before.
-    const ordersBefore = ordersFoundBy(renderer);
     addTestScene(stage, hasWall);
     const cameras = camerasOf(kind);
     const array = arrayOf(cameras);
     renderer.setSize(2 * SIZE_PX, SIZE_PX, false);
     const whole = await shotOf(stage, () => renderer.render(scene, array), 2);
     const shots = cameras.map((camera, i) => shotBy(camera, partOf(whole, i * SIZE_PX)));
-    const orders = ordersFoundBy(renderer) - ordersBefore;
-    return { shots, orders, alone: await shotsAlone(stage, cameras) };
+    return { shots, alone: await shotsAlone(stage, cameras) };
   },
 
   /** The same in layers of a render target: linear colours. */
@@ -262,10 +253,9 @@ export const arrayCases = {
       const pixels = { widthPx: SIZE_PX, heightPx: SIZE_PX, data: await session.pixels(i, device) };
       shots.push(shotBy(camera, pixels));
     }
-    const orders = ordersFoundBy(renderer);
     void renderer.setAnimationLoop(null);
     session.end();
     await renderer.dispose();
-    return { shots, orders };
+    return shots;
   },
 };
