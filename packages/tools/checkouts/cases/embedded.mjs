@@ -19,17 +19,18 @@ export async function embedded({ checkout, size, test, note }) {
   const { perspective, orthographic } = testCameras(core, size.widthPx / size.heightPx);
 
   /**
-   * Where the shaders for a frame are not there yet, `prepare` takes those that are, or none; it is asked again when all are.
-   * The engine may learn a turn later that another view has had them compiled: two calls in a row must find nothing to do.
+   * Asks for a frame until it is prepared and two calls in a row had nothing compiled: before that, a view takes other shaders
+   * or none, and it learns a few turns after the device that one of them is compiled.
    */
   async function prepare(view, frame) {
+    let isPrepared = false;
     let idleCalls = 0;
-    while (idleCalls < 2) {
-      const isPrepared = view.prepare(frame);
+    while (idleCalls < 2 || !isPrepared) {
+      if (idleCalls === 100) throw new Error('prepare returned false 100 times with all shaders compiled');
+      isPrepared = view.prepare(frame);
       const isIdle = !checkout.isCompiling();
       await checkout.compiled();
       idleCalls = isIdle ? idleCalls + 1 : 0;
-      if (idleCalls === 2 && !isPrepared) throw new Error('prepare returned false with all shaders compiled');
     }
   }
 
