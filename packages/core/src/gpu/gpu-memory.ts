@@ -41,6 +41,8 @@ export class GpuMemory {
   readonly #root: GpuMemory;
   readonly #budgetBytes: number;
   readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
+  /** Buffers that are about to be mapped. */
+  readonly #mapping: WeakMap<GPUBuffer | GPUTexture, Promise<void>>;
   #totalBytes = 0;
   #peakBytes = 0;
   /** Only of the root. */
@@ -55,6 +57,7 @@ export class GpuMemory {
     this.#budgetBytes = budgetBytes;
     this.#whole = whole;
     this.#root = whole ? whole.#root : this;
+    this.#mapping = whole ? whole.#mapping : new WeakMap();
   }
 
   /** Returns memory that is counted by itself and here. */
@@ -159,9 +162,23 @@ export class GpuMemory {
     return resource ? (this.#bytes.get(resource) ?? 0) : 0;
   }
 
+  /** Maps all of a buffer, which is not destroyed before that has ended. A rejection need not be handled. */
+  map(buffer: GPUBuffer, mode: GPUMapModeFlags): Promise<void> {
+    const mapping = buffer.mapAsync(mode);
+    this.#mapping.set(buffer, mapping);
+    const end = () => this.#mapping.delete(buffer);
+    mapping.then(end, end);
+    return mapping;
+  }
+
+  /** No longer counts what is destroyed here, at once or, if it is about to be mapped, after that. */
   destroy(resource: GPUBuffer | GPUTexture): void {
     this.#forget(resource);
-    resource.destroy();
+    const destroy = () => resource.destroy();
+    const mapping = this.#mapping.get(resource);
+    // Dawn's bindings for Node 0.6.2 now and then reject a map twice if its buffer is destroyed meanwhile, and crash.
+    if (mapping) mapping.then(destroy, destroy);
+    else destroy();
   }
 
   destroyAll(): void {

@@ -380,8 +380,14 @@ export class RowIngest implements RowSink {
 
   /** Staging memory that was made for a piece that had to wait is freed. */
   #reuse(staging: GPUBuffer): void {
-    if (this.#staging.includes(staging)) this.#free.push(mapped(staging));
-    else this.#destroy(staging);
+    if (!this.#staging.includes(staging)) {
+      this.#destroy(staging);
+      return;
+    }
+    const free = this.#context.memory.map(staging, GPUMapMode.WRITE).then(() => staging);
+    // The device may be lost while nobody waits for this.
+    free.catch(() => {});
+    this.#free.push(free);
   }
 
   #submit({ staging, firstRow, rowCount }: Piece): void {
@@ -561,11 +567,4 @@ function lateStages({ geometryPrecision }: RowPrecision): StageDefinition[] {
     ...arrangeStages({ geometryPrecision }, false),
     ...arrangeStages({ geometryPrecision }, true),
   ];
-}
-
-function mapped(staging: GPUBuffer): Promise<GPUBuffer> {
-  const done = staging.mapAsync(GPUMapMode.WRITE).then(() => staging);
-  // Destroying the buffer rejects this, and by then nobody may wait for it.
-  done.catch(() => {});
-  return done;
 }

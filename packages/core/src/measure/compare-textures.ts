@@ -81,7 +81,7 @@ export async function compareTextures(
     encoder.copyBufferToBuffer(tiles, 0, readback, 0, tileBytes);
     encoder.copyBufferToBuffer(errorCounts, 0, readback, tileBytes, countBytes);
     device.queue.submit([encoder.finish()]);
-    await readback.mapAsync(GPUMapMode.READ);
+    await memory.map(readback, GPUMapMode.READ);
     const read = readback.getMappedRange().slice(0);
     const counts = new Uint32Array(read, tileBytes, ERROR_COUNTS);
     return differenceOf(new DataView(read, 0, tileBytes), counts, width, height);

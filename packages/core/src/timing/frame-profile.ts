@@ -67,7 +67,7 @@ export class FrameProfile {
   /** Returns the times of the last frame that was split and submitted, stage by stage in the order of their first passes. */
   async read(): Promise<PassTime[]> {
     const passes = this.#passes;
-    await this.#readback.mapAsync(GPUMapMode.READ);
+    await this.#memory.map(this.#readback, GPUMapMode.READ);
     const nanoseconds = new BigUint64Array(this.#readback.getMappedRange().slice(0));
     this.#readback.unmap();
     const times = new Map<string, PassTime>();

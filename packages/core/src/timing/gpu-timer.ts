@@ -99,12 +99,11 @@ export class GpuTimer {
     this.#measuring = null;
     if (!buffer) return null;
     try {
-      const mapped = buffer.mapAsync(GPUMapMode.READ);
-      // Destroying the view rejects this while the line below still waits; the rejection is handled after that.
-      mapped.catch(() => {});
+      const mapped = this.#memory.map(buffer, GPUMapMode.READ);
       await this.#queue.onSubmittedWorkDone();
       const wallClockMs = performance.now() - submittedMs;
       await mapped;
+      if (this.#isDestroyed) return null;
       const contents = buffer.getMappedRange().slice(0);
       buffer.unmap();
       const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);

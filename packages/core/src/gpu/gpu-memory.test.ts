@@ -1,0 +1,60 @@
+import { expect, test, vi } from 'vitest';
+import { GpuMemory } from './gpu-memory.ts';
+
+vi.stubGlobal('GPUBufferUsage', { STORAGE: 128 });
+
+/** A buffer of 16 bytes in a part of some memory, and what ends its map. */
+function memoryWithBuffer() {
+  let isHeld = true;
+  let succeed = () => {};
+  let fail = (_reason: Error) => {};
+  const mapping = new Promise<void>((resolve, reject) => {
+    succeed = resolve;
+    fail = reject;
+  });
+  const made = {
+    mapAsync: () => mapping,
+    destroy: () => {
+      isHeld = false;
+    },
+  };
+  const limits = { maxBufferSize: 16, maxStorageBufferBindingSize: 16 };
+  const device = { limits, createBuffer: () => made } as unknown as GPUDevice;
+  const memory = new GpuMemory(device);
+  const part = memory.part();
+  const buffer = part.createBuffer('rows', 16, 0);
+  return { memory, part, buffer, succeed, fail, isHeld: () => isHeld };
+}
+
+const WRITE = 2;
+
+test('destroys a buffer at once', () => {
+  const { memory, part, buffer, isHeld } = memoryWithBuffer();
+  expect(memory.heldBytes).toBe(16);
+  part.destroy(buffer);
+  expect(isHeld()).toBe(false);
+  expect(memory.heldBytes).toBe(0);
+});
+
+test.each(['succeed', 'fail'] as const)(
+  'destroys a buffer that is being mapped when the map has ended: %s',
+  async (end) => {
+    const { memory, part, buffer, isHeld, ...ends } = memoryWithBuffer();
+    const seen = part.map(buffer, WRITE).then(isHeld, isHeld);
+    // The whole may end before its parts do.
+    memory.destroy(buffer);
+    expect(memory.heldBytes, 'counted').toBe(0);
+    expect(isHeld()).toBe(true);
+    ends[end](new Error('lost'));
+    expect(await seen, 'held for those who wait for the map').toBe(true);
+    expect(isHeld()).toBe(false);
+  },
+);
+
+test('destroys a buffer at once after its map has ended', async () => {
+  const { part, buffer, succeed, isHeld } = memoryWithBuffer();
+  succeed();
+  await part.map(buffer, WRITE);
+  part.destroy(buffer);
+  expect(isHeld()).toBe(false);
+});
