@@ -35,7 +35,7 @@ async function openExample(
   size: BrowserContextOptions = SMALL,
 ): Promise<Page> {
   const page = await harness.newPage(size);
-  await page.route('**/still-life.ply', async (route) =>
+  await page.route('**/still-life.sog', async (route) =>
     route.fulfill({ body: Buffer.from(encodePly(await scene)) }),
   );
   await page.goto(`${harness.server.url}?example=${name}`);
@@ -245,7 +245,7 @@ describe('examples', () => {
         deliver = resolve;
       }),
     );
-    const bar = page.getByRole('progressbar', { name: 'Loading still-life.ply' });
+    const bar = page.getByRole('progressbar', { name: 'Loading still-life.sog' });
     await bar.waitFor();
     const pageColor = PAGE_COLOR.map((value) => 255 * value);
     await expect.poll(async () => part(await image(page), pageColor), SELDOM).toBeLessThan(0.99);
@@ -443,7 +443,7 @@ describe('examples of effects', () => {
   it('colliders: a worker makes a mesh, on which a ball falls', async () => {
     const page = await harness.newPage(SMALL);
     const sheet = splatSet([{ opacity: 0.98, position: [0, 0, 0], scale: [0.5, 0.005, 0.5] }]);
-    await page.route('**/still-life.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(sheet)) }));
+    await page.route('**/still-life.sog', (route) => route.fulfill({ body: Buffer.from(encodePly(sheet)) }));
     // Rapier is WebAssembly, which a page has to allow.
     const address = `${harness.server.url}?example=colliders`;
     await page.route(address, async (route) => {

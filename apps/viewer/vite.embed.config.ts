@@ -1,14 +1,19 @@
 // Builds the viewer as one file, embed.html: scripts, styles, icon and workers are written into the page, which then works
-// from a disk, in a frame, and wherever a single file can be put.
+// from a disk, in a frame, and wherever a single file can be put. Of the built-in scenes it has the small one alone, by the names
+// of both: the other is several times as large as all the rest.
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { mergeConfig, type Plugin } from 'vite';
 import viewer from './vite.config.ts';
 
+const SMALL_SCENE = createRequire(import.meta.url).resolve('@websplatter/scenes/files/still-life-small.spz');
+
 export default mergeConfig(viewer, {
-  plugins: [inlineWorkers(), onePage()],
+  plugins: [inlineFiles(), onePage()],
   worker: {
     // A classic script needs no address of its own.
     format: 'iife',
-    plugins: () => [inlineWorkers()],
+    plugins: () => [inlineFiles()],
     rolldownOptions: { output: { codeSplitting: false } },
   },
   build: {
@@ -21,26 +26,32 @@ export default mergeConfig(viewer, {
   },
 });
 
-/** Has workers started from text within the script, where they are started from files. */
-function inlineWorkers(): Plugin {
+/** Has workers started from text within the script, and scenes read from it, where they are files. */
+function inlineFiles(): Plugin {
   return {
-    name: 'websplatter:inline-workers',
+    name: 'websplatter:inline-files',
     enforce: 'pre',
     transform(code, id) {
       if (!/\.tsx?$/.test(id) || !code.includes('import.meta.url')) return null;
-      const imports: string[] = [];
-      const replaced = code.replace(
-        /new Worker\(\s*new URL\('([^']+)', import\.meta\.url\),\s*\{[^}]*\}\s*,?\s*\)/g,
-        (_, path) => {
-          const name = `InlineWorker${imports.length}`;
-          imports.push(`import ${name} from '${path}?worker&inline';`);
-          return `new ${name}()`;
-        },
-      );
+      const before = new Set<string>();
+      const replaced = code
+        .replace(/new URL\('[^']+\.(?:sog|spz)', import\.meta\.url\)/g, () => {
+          const bytes = readFileSync(SMALL_SCENE, 'base64');
+          before.add(`const smallScene = 'data:application/octet-stream;base64,${bytes}';`);
+          return 'new URL(smallScene)';
+        })
+        .replace(
+          /new Worker\(\s*new URL\('([^']+)', import\.meta\.url\),\s*\{[^}]*\}\s*,?\s*\)/g,
+          (_, path) => {
+            const name = `InlineWorker${before.size}`;
+            before.add(`import ${name} from '${path}?worker&inline';`);
+            return `new ${name}()`;
+          },
+        );
       if (replaced.includes('import.meta.url'))
-        this.error(`${id}: a worker is started in another form than the plugin knows`);
+        this.error(`${id}: a file is named in another form than the plugin knows`);
       // On one line, so that the others keep their places.
-      return { code: imports.join(' ') + replaced, map: null };
+      return { code: [...before].join(' ') + replaced, map: null };
     },
   };
 }

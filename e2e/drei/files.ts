@@ -1,15 +1,16 @@
+import { readFileSync } from 'node:fs';
 import { encodePly } from '@websplatter/core';
-import { stillLife } from '@websplatter/scenes';
+import { builtinScenes } from '@websplatter/scenes';
 import type { ServedFiles } from '../server.ts';
 import { splatSet } from '../three/splats.ts';
 
 const text = (content: string): Uint8Array => new TextEncoder().encode(content);
 
-/** What the trials load: all made here, as small as it can be. */
+/** What the trials load, as small as it can be. */
 export function trialFiles(): ServedFiles {
   const red = { color: [1, 0, 0], opacity: 0.99, scale: [0.35, 0.35, 0.35] } as const;
   return {
-    'still-life.ply': encodePly(stillLife({ splats: 5000, shDegree: 0 })),
+    'still-life-small.spz': readFileSync(builtinScenes[1].url),
     'ball.ply': encodePly(splatSet([red])),
     'sky.hdr': hdr(),
   };

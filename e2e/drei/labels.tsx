@@ -29,7 +29,7 @@ export function StillLifeScene({
           onSplats(object);
           if (object) splats.current = object;
         }}
-        src="still-life.ply"
+        src="still-life-small.spz"
         onClick={() => onClick('splats')}
       />
       {hasMesh && (

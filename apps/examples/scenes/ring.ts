@@ -1,4 +1,4 @@
-import type { SplatSet } from '@websplatter/core';
+import { encodePly, type SplatSet } from '@websplatter/core';
 
 /** A colour channel of 0…1 is 0.5 + its coefficient · SH_C0. */
 const SH_C0 = 0.28209479177387814;
@@ -6,6 +6,8 @@ const COUNT = 6_000;
 const RADIUS = 1;
 const TUBE_RADIUS = 0.22;
 const GOLDEN_RATIO = (1 + Math.sqrt(5)) / 2;
+
+export const ringPly = (): Uint8Array => encodePly(ring());
 
 /** Returns a torus of translucent splats about the z axis, whose colour goes once around the wheel. */
 export function ring(): SplatSet {

@@ -1,19 +1,29 @@
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
 import { type Plugin, runnerImport } from 'vite';
 
-/** The files that the examples show. Code makes them, so that the repository needs no captures. */
-const SCENE_FILES = ['still-life.ply', 'ring.ply'] as const;
+/** The files that the examples show, by name. */
+const SCENE_FILES: Readonly<Record<string, () => Promise<Uint8Array>>> = {
+  'still-life.sog': () => builtinFile('still-life.sog'),
+  'still-life-small.spz': () => builtinFile('still-life-small.spz'),
+  'ring.ply': madeRing,
+};
 
-/** Makes them by the packages' sources, which run in the page, too: otherwise these would have to be built. */
-async function sceneFile(name: (typeof SCENE_FILES)[number]): Promise<Uint8Array> {
-  const path = fileURLToPath(new URL('./make-scenes.ts', import.meta.url));
+function builtinFile(name: string): Promise<Uint8Array> {
+  return readFile(createRequire(import.meta.url).resolve(`@websplatter/scenes/files/${name}`));
+}
+
+/** Makes it by the packages' sources, which run in the page, too: otherwise these would have to be built. */
+async function madeRing(): Promise<Uint8Array> {
+  const path = fileURLToPath(new URL('./ring.ts', import.meta.url));
   const resolve = { conditions: ['@websplatter/source'], noExternal: [/^@websplatter\//] };
-  const { module } = await runnerImport<typeof import('./make-scenes.ts')>(path, {
+  const { module } = await runnerImport<typeof import('./ring.ts')>(path, {
     configFile: false,
     logLevel: 'error',
     environments: { inline: { resolve } },
   });
-  return name === 'ring.ply' ? module.ringPly() : module.stillLifePly();
+  return module.ringPly();
 }
 
 /** Serves the scenes as files next to the app, and builds them into it. */
@@ -21,10 +31,10 @@ export function sceneFiles(): Plugin {
   return {
     name: 'scene-files',
     configureServer({ middlewares }) {
-      for (const name of SCENE_FILES) {
+      for (const [name, read] of Object.entries(SCENE_FILES)) {
         middlewares.use(`/${name}`, async (_request, response, next) => {
           try {
-            const bytes = await sceneFile(name);
+            const bytes = await read();
             response.setHeader('content-type', 'application/octet-stream');
             response.end(bytes);
           } catch (error) {
@@ -34,8 +44,8 @@ export function sceneFiles(): Plugin {
       }
     },
     async generateBundle() {
-      for (const name of SCENE_FILES)
-        this.emitFile({ type: 'asset', fileName: name, source: await sceneFile(name) });
+      for (const [name, read] of Object.entries(SCENE_FILES))
+        this.emitFile({ type: 'asset', fileName: name, source: await read() });
     },
   };
 }

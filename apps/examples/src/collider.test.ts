@@ -1,8 +1,9 @@
 import { existsSync } from 'node:fs';
+import { readFile } from 'node:fs/promises';
 import type { World } from '@dimforge/rapier3d-compat';
-import { packCloud } from '@websplatter/core';
+import { loadSplats } from '@websplatter/core';
 import { makeColliderMesh } from '@websplatter/core/collider';
-import { stillLife } from '@websplatter/scenes';
+import { builtinScenes } from '@websplatter/scenes';
 import { beforeAll, describe, expect, it, vi } from 'vitest';
 
 const CELL_SIZE = 0.025;
@@ -23,10 +24,7 @@ describe.runIf(isInstalled || process.env.WEBSPLATTER_FULL === '1')(
       const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
       await RAPIER.init();
       warn.mockRestore();
-      const splats = packCloud(stillLife({ splats: 30_000, shDegree: 0 }), {
-        geometryPrecision: 'packed',
-        shPrecision: 'u8',
-      });
+      const splats = await loadSplats(new Blob([await readFile(builtinScenes[1].url)]));
       // The table, whose top is at y = 0, and what stands on it.
       const bounds = { min: [-0.7, -0.1, -0.7], max: [0.7, 0.4, 0.7] } as const;
       const { positions, indices } = await makeColliderMesh(splats, { cellSize: CELL_SIZE, bounds });

@@ -3,7 +3,6 @@ import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
 import { keepHud } from './hud/kept-hud.ts';
 import { linkedStart } from './links/linked-start.ts';
 import { addressedScene } from './scene/addressed-scene.ts';
-import { foreseeFirst } from './scene/first-source.ts';
 import { App } from './shell/app.tsx';
 import { mirrorToDocument } from './shell/document-mirror.ts';
 import { fetchLateWhenIdle } from './shell/fetch-lazy.ts';
@@ -26,9 +25,8 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
   keepHud(store);
   fetchLateWhenIdle(store);
   const viewer = new Viewer(store, start);
-  // Both take their time, and need neither each other nor the page.
+  // This takes its time, and does not need the page.
   viewer.prepare();
-  if (!dropped) foreseeFirst(start, location.href);
   followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
   void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));

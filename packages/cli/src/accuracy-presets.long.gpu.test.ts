@@ -1,7 +1,8 @@
-import { perspectiveCamera, type SplatEngine } from '@websplatter/core';
-import { cropSplats, transformSplats } from '@websplatter/core/write';
+import { readFile } from 'node:fs/promises';
+import { perspectiveCamera, readSplats, type SplatEngine } from '@websplatter/core';
+import { cropSplats, limitDegree, transformSplats } from '@websplatter/core/write';
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { builtinScenes, stillLife } from '@websplatter/scenes';
+import { builtinScenes } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe } from 'vitest';
 import { expectPresets, expectPresetsOfObject, IS_FULL, referenceEngine } from './testing/expect-presets.ts';
 
@@ -9,6 +10,9 @@ import { expectPresets, expectPresetsOfObject, IS_FULL, referenceEngine } from '
  * Compares every preset with float64, and with the reference image of the terminal and the viewer, and times it.
  * `npm run test:full` adds the whole built-in scene, larger images, and enough frames for the times to mean something.
  */
+
+const scene = builtinScenes.find(({ name }) => name === (IS_FULL ? 'still-life' : 'still-life-small'))!;
+const readScene = async () => readSplats(new Blob([await readFile(scene.url)]), { shPrecision: 'f32' });
 
 let engine: SplatEngine;
 beforeAll(async () => {
@@ -19,19 +23,18 @@ afterAll(() => engine?.destroy());
 describe('presets against float64, with what they cost', () => {
   gpuTest(
     'the built-in scene',
-    () => {
-      const name = IS_FULL ? 'still-life' : 'still-life-small';
-      const scene = builtinScenes.find((each) => each.name === name)!;
-      const camera = perspectiveCamera({ ...scene.cameras[0], aspect: 1 });
-      return expectPresets(engine, name, scene.make(), camera);
+    async () => {
+      const { name, cameras } = scene;
+      const camera = perspectiveCamera({ ...cameras[0], aspect: 1 });
+      return expectPresets(engine, name, await readScene(), camera);
     },
     600_000,
   );
 
   gpuTest(
     'an object alone, of degree 2 and y down, as captures are',
-    () => {
-      const still = stillLife({ splats: IS_FULL ? 40_000 : 10_000, shDegree: 2 });
+    async () => {
+      const still = limitDegree(await readScene(), 2);
       const object = cropSplats(still, { min: [-0.6, -0.3, -0.6], max: [0.6, 0.9, 0.6] });
       const turned = transformSplats(object, {
         rotation: [0, 1, 0, 0],

@@ -1,10 +1,4 @@
-import {
-  type AccuracySettings,
-  loadSplats,
-  type PackedCloud,
-  packCloud,
-  type SplatCloud,
-} from '@websplatter/core';
+import { type AccuracySettings, loadSplats, type PackedCloud, type SplatCloud } from '@websplatter/core';
 import { syntheticPly } from '@websplatter/scenes';
 import type { BenchOptions } from './bench-options.ts';
 import { type Gpu, openGpu } from './gpu-session.ts';
@@ -35,12 +29,17 @@ export interface BenchScene extends SceneSource {
 /** Finds the scene of a command line, which it does not read yet. */
 export async function findBenchScene(scene: BenchOptions['scene']): Promise<BenchScene> {
   if (scene.kind === 'named') {
-    const found = await findScene(scene.name);
-    return { ...found, isMade: 'make' in found.content };
+    return { ...(await findScene(scene.name)), isMade: false };
   }
   const { splats, shDegree, seed } = scene;
   const name = `synthetic (degree ${shDegree}, seed ${seed})`;
-  return { name, content: { source: syntheticPly({ splats, shDegree, seed }) }, isMade: true };
+  return {
+    name,
+    source: syntheticPly({ splats, shDegree, seed }),
+    limits: {},
+    isBuiltin: false,
+    isMade: true,
+  };
 }
 
 /**
@@ -64,7 +63,7 @@ export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings):
 }
 
 async function readTimed(
-  { name, content }: SceneSource,
+  { name, source, limits }: SceneSource,
   { geometryPrecision, shPrecision }: AccuracySettings,
 ): Promise<{ packed: PackedCloud } & Omit<LoadTimes, 'uploadMs'>> {
   const startedMs = performance.now();
@@ -72,23 +71,15 @@ async function readTimed(
   const endReading = () => {
     readMs ??= performance.now() - startedMs;
   };
-  let packed: PackedCloud;
-  if ('make' in content) {
-    const set = content.make();
-    endReading();
-    packed = packCloud(set, { geometryPrecision, shPrecision });
-  } else {
-    const { source, ...limits } = content;
-    packed = await loadSplats(source, {
-      ...limits,
-      geometryPrecision,
-      shPrecision,
-      name,
-      onProgress: ({ phase }) => {
-        if (phase !== 'read') endReading();
-      },
-    });
-  }
+  const packed = await loadSplats(source, {
+    ...limits,
+    geometryPrecision,
+    shPrecision,
+    name,
+    onProgress: ({ phase }) => {
+      if (phase !== 'read') endReading();
+    },
+  });
   const totalMs = performance.now() - startedMs;
   // A source without progress counts as read.
   return { packed, readMs: readMs ?? totalMs, packMs: totalMs - (readMs ?? totalMs) };

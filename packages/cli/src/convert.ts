@@ -34,8 +34,9 @@ export interface Conversion {
 /** A scene that was read. */
 interface Input {
   readonly name: string;
+  readonly isBuiltin: boolean;
   readonly set: SplatSet<Harmonics>;
-  /** Null for a scene that is made by code. */
+  /** Null where nothing tells. */
   readonly bytes: number | null;
 }
 
@@ -90,7 +91,7 @@ async function readInput(scene: SceneSource, onFraction: (fraction: number) => v
     bytes = loadedBytes;
     if (totalBytes) onFraction(loadedBytes / totalBytes);
   });
-  return { name: scene.name, set, bytes };
+  return { name: scene.name, isBuiltin: scene.isBuiltin, set, bytes };
 }
 
 /** Merged, moved, cropped and simplified, in this order. */
@@ -119,8 +120,8 @@ function notesOf(
   const keepsDistances = format.name === 'gltf' && fileFacts?.isSortedByDistance;
   if (inputs.some(({ set }) => set.fileFacts?.isSortedByDistance) && !keepsDistances)
     notes.push('nothing in the new file says that splats are sorted by their distances from the camera');
-  const isTurned = ({ set }: Input) =>
-    set.fileFacts !== undefined && hasYUp(set.fileFacts.format) !== format.hasYUp;
+  const isTurned = ({ set, isBuiltin }: Input) =>
+    set.fileFacts !== undefined && (isBuiltin || hasYUp(set.fileFacts.format)) !== format.hasYUp;
   if (!isTurnedUp && inputs.some(isTurned)) {
     const habit = 'axes are kept as they are; glTF has y up, and most files of other formats have y down';
     notes.push(`${habit}: --up -y turns the one into the other`);

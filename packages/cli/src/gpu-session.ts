@@ -63,10 +63,9 @@ export async function openGpu(accuracy: AccuracySettings): Promise<Gpu> {
 
 type Upload = (engine: SplatEngine) => SplatCloud;
 
-async function readForUpload({ name, content }: SceneSource, accuracy: AccuracySettings): Promise<Upload> {
-  if ('make' in content) return (engine) => engine.add(content.make(), { name });
+async function readForUpload(scene: SceneSource, accuracy: AccuracySettings): Promise<Upload> {
+  const { name, source, limits } = scene;
   const { geometryPrecision, shPrecision } = accuracy;
-  const { source, ...sourceOptions } = content;
-  const packed = await loadSplats(source, { ...sourceOptions, name, geometryPrecision, shPrecision });
-  return (engine) => engine.addPacked(packed, { name, source: lastingSource(source), sourceOptions });
+  const packed = await loadSplats(source, { ...limits, name, geometryPrecision, shPrecision });
+  return (engine) => engine.addPacked(packed, { name, source: lastingSource(source), sourceOptions: limits });
 }

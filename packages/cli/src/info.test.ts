@@ -27,9 +27,6 @@ test('info says what a file says of itself', async () => {
   const scene = folder.scene('trained.ply', { ...threeSplats(), isAntialiased: true });
   const { out } = await runMain('info', scene);
   expect(out).toMatch(/^antialiased +yes, it was trained so$/m);
-  // A scene that is made is of no file.
-  const made = await runMain('info', 'builtin:still-life-small');
-  expect(made.out).not.toMatch(/^format/m);
 });
 
 test('info says by what a glTF is sorted', async () => {

@@ -5,9 +5,7 @@ import { findScene } from './scene-source.ts';
 import { TestFolder } from './testing/test-folder.ts';
 
 async function sourceOf(path: string): Promise<Blob> {
-  const { content } = await findScene(path);
-  if (!('source' in content)) throw new Error('it is made by code');
-  return content.source as Blob;
+  return (await findScene(path)).source as Blob;
 }
 
 describe('a file', () => {

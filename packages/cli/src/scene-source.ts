@@ -17,8 +17,11 @@ import { describeSystemError, UsageError } from './input-error.ts';
 export interface SceneSource {
   /** As given on the command line; messages use it. */
   readonly name: string;
-  /** Makes the splats of a built-in scene, or the source to read them from. */
-  readonly content: { readonly make: () => SplatSet } | ({ readonly source: SplatSource } & ReadLimits);
+  /** What to read it from. */
+  readonly source: SplatSource;
+  readonly limits: ReadLimits;
+  /** Whether y is up, whatever is usual in files of its format. */
+  readonly isBuiltin: boolean;
 }
 
 const BUILTIN_PREFIX = 'builtin:';
@@ -33,27 +36,28 @@ const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: N
 export async function findScene(scene: string): Promise<SceneSource> {
   const builtinName = scene.startsWith(BUILTIN_PREFIX) ? scene.slice(BUILTIN_PREFIX.length) : scene;
   const builtin = builtinScenes.find(({ name }) => name === builtinName);
-  if (builtin) return { name: scene, content: { make: () => builtin.make() } };
+  if (builtin) {
+    const source = await openFile(fileURLToPath(builtin.url));
+    return { name: scene, source, limits: NO_LIMITS, isBuiltin: true };
+  }
   if (scene.startsWith(BUILTIN_PREFIX)) {
     const names = builtinScenes.map(({ name }) => `${BUILTIN_PREFIX}${name}`).join(', ');
     throw new UsageError('SCENE', `there is no scene ${scene}; there are ${names}`);
   }
   if (/^(https?|data):/.test(scene)) {
     if (!URL.canParse(scene)) throw new SplatSourceError(scene, 'it is no valid address');
-    return { name: scene, content: { source: new URL(scene) } };
+    return { name: scene, source: new URL(scene), limits: {}, isBuiltin: false };
   }
-  return { name: scene, content: { source: await openNamed(scene), ...NO_LIMITS } };
+  return { name: scene, source: await openNamed(scene), limits: NO_LIMITS, isBuiltin: false };
 }
 
 /** Reads the splats of a scene into memory. */
-export async function readScene(
-  scene: SceneSource,
+export function readScene(
+  { name, source, limits }: SceneSource,
   shPrecision: ShPrecision,
   onProgress?: (progress: LoadProgress) => void,
 ): Promise<SplatSet<Harmonics>> {
-  if ('make' in scene.content) return scene.content.make();
-  const { source, ...limits } = scene.content;
-  return readSplats(source, { ...limits, name: scene.name, shPrecision, onProgress });
+  return readSplats(source, { ...limits, name, shPrecision, onProgress });
 }
 
 async function openNamed(scene: string): Promise<SplatSource> {

@@ -139,7 +139,7 @@ describe('images against the float64 reference', () => {
     });
   });
 
-  gpuTest('an object alone, 256×256', () => expectObjectAccurate(engines, objectScene(5000)));
+  gpuTest('an object alone, 256×256', async () => expectObjectAccurate(engines, await objectScene(2)));
 });
 
 describe('a view', () => {

@@ -32,7 +32,7 @@ export class Prng {
 }
 
 /** A bijective avalanche mix of 32 bits; returns an unsigned integer. */
-export function mix32(value: number): number {
+function mix32(value: number): number {
   let bits = value | 0;
   bits = Math.imul(bits ^ (bits >>> 16), 0x7feb352d);
   bits = Math.imul(bits ^ (bits >>> 15), 0x846ca68b);

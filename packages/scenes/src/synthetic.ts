@@ -1,5 +1,5 @@
 import { coefficientsPerSplat, encodePly, type ShDegree, type SplatSet } from '@websplatter/core';
-import type { SceneCamera } from './cameras.ts';
+import type { SceneCamera } from './builtin-scenes.ts';
 import { Prng, seedFor } from './prng.ts';
 import { SplatBuilder } from './splat-builder.ts';
 

@@ -18,10 +18,14 @@ export interface ApiEntry {
 export function apiEntries(root: string): ApiEntry[] {
   return API_PACKAGES.flatMap((folder) => {
     const { exports } = JSON.parse(readFileSync(join(root, 'packages', folder, 'package.json'), 'utf8'));
-    return Object.entries<Record<string, string>>(exports)
-      .map(([subpath, conditions]) => ({
+    return Object.entries<string | Record<string, string>>(exports)
+      .flatMap(([subpath, conditions]) =>
+        // Files that are no code have no source.
+        typeof conditions === 'string' ? [] : [{ subpath, source: conditions['@websplatter/source'] }],
+      )
+      .map(({ subpath, source }) => ({
         name: `${folder}${subpath.slice(1)}`,
-        source: join('packages', folder, conditions['@websplatter/source']),
+        source: join('packages', folder, source),
       }))
       .filter(({ name }) => !SCRIPTS.has(name));
   });

@@ -25,7 +25,6 @@ const ALWAYS = [
   '@websplatter/react',
   '@websplatter/react/components',
   '@websplatter/react/hooks',
-  '@websplatter/scenes',
   '@websplatter/three',
 ];
 

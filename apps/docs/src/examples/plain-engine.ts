@@ -3,7 +3,7 @@ import { perspectiveCamera, SplatEngine } from '@websplatter/core';
 const canvas = document.body.appendChild(document.createElement('canvas'));
 const engine = await SplatEngine.create();
 const view = engine.createView({ canvas });
-const cloud = await engine.load('still-life.ply');
+const cloud = await engine.load('still-life.sog');
 
 let turn = 0;
 

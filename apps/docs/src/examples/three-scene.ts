@@ -10,7 +10,7 @@ camera.position.set(0.12, 0.45, 1.44);
 const controls = new OrbitControls(camera, canvas);
 
 const loader = new SplatLoader().detectSupport(renderer);
-scene.add(new SplatCloudObject(await loader.loadAsync('still-life.ply')));
+scene.add(new SplatCloudObject(await loader.loadAsync('still-life.sog')));
 
 // A mesh hides splats behind it, and splats in front veil it.
 const ball = new Mesh(new SphereGeometry(0.06), new MeshBasicMaterial({ color: '#2f80ed' }));

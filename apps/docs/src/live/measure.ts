@@ -1,5 +1,5 @@
 // Part of the kit: measurements on the reader's GPU, in the words of the viewer.
-import { isSoftwareAdapter, perspectiveCamera, SplatEngine } from '@websplatter/core';
+import { isSoftwareAdapter, perspectiveCamera, type SplatCloud, SplatEngine } from '@websplatter/core';
 import {
   type AccuracyTable,
   type FrameMeasurement,
@@ -7,7 +7,7 @@ import {
   measureFrames,
   orbitCameras,
 } from '@websplatter/core/measure';
-import { stillLife, stillLifeCameras } from '@websplatter/scenes';
+import { stillLifeCameras } from '@websplatter/scenes';
 import type { Measured } from './measured.ts';
 
 export interface MeasureHereOptions {
@@ -22,8 +22,8 @@ export interface MeasureHereOptions {
 /** Measured frames: a software rasteriser takes as long for a frame as a GPU for a hundred. */
 const FRAMES = { gpu: 120, software: 4 };
 const ACCURACY_FRAMES = { gpu: 15, software: 3 };
-/** Splats of the built-in scene, and size of the image. */
-const SCENE = { gpu: 150_000, software: 5_000 };
+/** Files of the kit, where this module is. */
+const SCENE = { gpu: 'still-life.sog', software: 'still-life-small.spz' };
 const SIZE_PX = { gpu: [1280, 720], software: [256, 144] } as const;
 const SWEEP_DEGREES = 60;
 
@@ -74,7 +74,7 @@ async function withScene<Result>(measure: (scene: MeasuredScene) => Promise<Resu
   try {
     const kind = isSoftwareAdapter(engine.device.adapterInfo) ? 'software' : 'gpu';
     const [widthPx, heightPx] = SIZE_PX[kind];
-    const cloud = engine.add(stillLife({ splats: SCENE[kind] }));
+    const cloud = await engine.load(new URL(SCENE[kind], import.meta.url));
     const camera = perspectiveCamera({ ...stillLifeCameras[0], aspect: widthPx / heightPx });
     return await measure({ engine, clouds: [{ cloud }], camera, widthPx, heightPx, kind });
   } finally {
@@ -84,7 +84,7 @@ async function withScene<Result>(measure: (scene: MeasuredScene) => Promise<Resu
 
 interface MeasuredScene {
   readonly engine: SplatEngine;
-  readonly clouds: readonly [{ readonly cloud: ReturnType<SplatEngine['add']> }];
+  readonly clouds: readonly [{ readonly cloud: SplatCloud }];
   readonly camera: ReturnType<typeof perspectiveCamera>;
   readonly widthPx: number;
   readonly heightPx: number;

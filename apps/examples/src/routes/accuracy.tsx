@@ -28,7 +28,7 @@ export default function Accuracy() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          <Splats src="still-life.ply" accuracy={REQUESTS[request]} onAccuracyChosen={keepChoice} />
+          <Splats src="still-life.sog" accuracy={REQUESTS[request]} onAccuracyChosen={keepChoice} />
         </Suspense>
         <OrbitControls />
       </Canvas>

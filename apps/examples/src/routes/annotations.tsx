@@ -16,7 +16,7 @@ export default function Annotations() {
     <>
       <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
-          <Splats src="still-life.ply" />
+          <Splats src="still-life.sog" />
         </Suspense>
         {LABELS.map(({ name, position }) => (
           <SplatAnnotation key={name} position={[...position]}>

@@ -26,7 +26,7 @@ export default function Clip() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          <Splats src="still-life.ply" clip={{ volumes: [{ ...SHAPES[shape](size), keep }], softEdge }} />
+          <Splats src="still-life.sog" clip={{ volumes: [{ ...SHAPES[shape](size), keep }], softEdge }} />
         </Suspense>
         <OrbitControls />
       </Canvas>

@@ -10,7 +10,7 @@ const BOUNDS = { min: [-0.7, -0.1, -0.7], max: [0.7, 0.4, 0.7] } as const;
 
 /** Splats with a mesh that balls bounce off, in one rigid body. */
 function Scene({ isMeshShown, onMade }: { isMeshShown: boolean; onMade: (triangles: number) => void }) {
-  const splats = useSplats('still-life.ply');
+  const splats = useSplats('still-life.sog');
   const { mesh } = useSplatCollider(splats, { bounds: BOUNDS, cellSize: 0.02 });
   const geometry = useMemo(() => {
     if (!mesh) return null;

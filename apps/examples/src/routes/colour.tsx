@@ -21,7 +21,7 @@ export default function Colour() {
         <Suspense>
           {/* White, 1, 3 and false change nothing, so shaders do not contain these effects. */}
           <Splats
-            src="still-life.ply"
+            src="still-life.sog"
             tint={tint}
             brightness={2 ** stops}
             opacity={opacity}

@@ -14,7 +14,7 @@ export default function DemandLoop() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          <Splats src="still-life.ply" />
+          <Splats src="still-life.sog" />
         </Suspense>
         <OrbitControls />
         <FrameCounter counter={counter} />

@@ -14,7 +14,7 @@ export default function DepthWrite() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          <Splats src="still-life.ply" depthWrite={depthWrite} />
+          <Splats src="still-life.sog" depthWrite={depthWrite} />
         </Suspense>
         {/* Transparent objects are drawn after opaque ones, and this one after the splats: only their depth can hide it. */}
         <mesh position={[-0.2, 0.16, -0.12]} rotation-x={-1.2} renderOrder={1}>

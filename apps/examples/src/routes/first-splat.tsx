@@ -5,7 +5,7 @@ import { createSplatRenderer, Splats } from '@websplatter/react';
 export default function FirstSplat() {
   return (
     <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
-      <Splats src="still-life.ply" />
+      <Splats src="still-life.sog" />
       <OrbitControls />
     </Canvas>
   );

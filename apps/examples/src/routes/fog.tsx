@@ -26,7 +26,7 @@ export default function Fog() {
           </mesh>
         ))}
         <Suspense>
-          <Splats src="still-life.ply" fog={isInFog} />
+          <Splats src="still-life.sog" fog={isInFog} />
         </Suspense>
         <OrbitControls />
       </Canvas>

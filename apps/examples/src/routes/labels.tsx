@@ -13,7 +13,7 @@ export default function Labels() {
   return (
     <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
       <Suspense>
-        <Splats ref={splats} src="still-life.ply" />
+        <Splats ref={splats} src="still-life.sog" />
         {LABELS.map(({ text, position }) => (
           <Float key={text} speed={1} rotationIntensity={0} floatIntensity={0.1}>
             {/* With `eps`, drei looks in every frame, and not only when the label has moved on the screen. */}

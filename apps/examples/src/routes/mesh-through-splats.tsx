@@ -14,7 +14,7 @@ export default function MeshThroughSplats() {
         <ambientLight intensity={1.2} />
         <directionalLight position={[-2, 3, 2]} intensity={2.5} />
         <Suspense>
-          <Splats src="still-life.ply" />
+          <Splats src="still-life.sog" />
         </Suspense>
         <Ball slider={slider} isMoving={isMoving} />
       </Canvas>

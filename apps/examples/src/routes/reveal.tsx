@@ -26,7 +26,7 @@ export default function Reveal() {
       >
         <Suspense>
           {/* A new key starts again. Splats request the frames that this needs, and none afterwards. */}
-          <Splats key={times} src="still-life.ply" reveal={reveal} />
+          <Splats key={times} src="still-life.sog" reveal={reveal} />
         </Suspense>
         <OrbitControls />
       </Canvas>

@@ -32,7 +32,7 @@ export default function Selection() {
         <Suspense>
           <Splats
             ref={splats}
-            src="still-life.ply"
+            src="still-life.sog"
             highlight={{ selection, color, strength: 0.75 }}
             onClick={select}
           />

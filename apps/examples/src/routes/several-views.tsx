@@ -12,7 +12,7 @@ export default function SeveralViews() {
   return (
     <>
       <Canvas gl={createSplatRenderer} flat>
-        <Splats src="still-life.ply" />
+        <Splats src="still-life.sog" />
         <Views />
       </Canvas>
       <ul className="view-names">

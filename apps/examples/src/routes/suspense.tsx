@@ -14,7 +14,7 @@ export default function WithSuspense() {
     <>
       <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense fallback={<Placeholder />}>
-          <Splats src="still-life.ply" onProgress={showProgress} />
+          <Splats src="still-life.sog" onProgress={showProgress} />
         </Suspense>
         <OrbitControls />
       </Canvas>

@@ -14,7 +14,7 @@ export default function WindSway() {
     <>
       <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
-          <Splats ref={splats} src="still-life.ply" />
+          <Splats ref={splats} src="still-life.sog" />
         </Suspense>
         <Wind splats={splats} amplitude={amplitude} isMoving={isMoving} />
         <OrbitControls />

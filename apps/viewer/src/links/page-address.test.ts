@@ -1,5 +1,5 @@
 import { resolveAccuracy } from '@websplatter/core';
-import { builtinSceneFacts } from '@websplatter/scenes';
+import { builtinScenes } from '@websplatter/scenes';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
@@ -12,7 +12,7 @@ const first = {
 };
 const moved = { ...first, pose: { ...FRONT, distance: 4, azimuth: 0.25, polar: 1 } };
 const unmentioned: UnmentionedView = { camera: first, accuracy: resolveAccuracy() };
-const [scene] = builtinSceneFacts;
+const [scene] = builtinScenes;
 const builtin: SceneSource = { kind: 'builtin', scene };
 const file: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') };
 const url: SceneSource = { kind: 'url', url: page('/scenes/a.ply') };

@@ -3,7 +3,6 @@ import type { SceneSource } from '../scene/scene-source.ts';
 
 /** Where a file of a scene can be read again. */
 export type LastingScene =
-  | { readonly kind: 'builtin'; readonly name: string }
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
   | { readonly kind: 'url'; readonly href: string };
 
@@ -11,7 +10,7 @@ export type LastingScene =
 export function lastingScene(source: SceneSource): LastingScene | null {
   switch (source.kind) {
     case 'builtin':
-      return { kind: 'builtin', name: source.scene.name };
+      return { kind: 'url', href: source.scene.url.href };
     case 'file':
       return source;
     case 'url':

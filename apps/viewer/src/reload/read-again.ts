@@ -1,5 +1,4 @@
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
-import { makeBuiltin } from '../scene/make-builtin.ts';
 import type { StoredSource } from './stored-source.ts';
 
 /**
@@ -12,7 +11,6 @@ export async function readAgain(
   onPart: (part: number | undefined) => void,
 ): Promise<SplatSet<Harmonics>> {
   if (source.kind === 'set') return source.set;
-  if (source.kind === 'builtin') return makeBuiltin(source.name);
   const isFile = source.kind === 'file';
   return readSplats(bytesOf(source), {
     name: isFile ? source.name : undefined,
@@ -22,7 +20,7 @@ export async function readAgain(
   });
 }
 
-function bytesOf(source: Exclude<StoredSource, { kind: 'set' | 'builtin' }>) {
+function bytesOf(source: Exclude<StoredSource, { kind: 'set' }>) {
   switch (source.kind) {
     case 'file':
       return source.source;

@@ -1,10 +1,10 @@
-import { builtinSceneFacts } from '@websplatter/scenes';
+import { builtinScenes } from '@websplatter/scenes';
 import { expect, it } from 'vitest';
 import { lastingScene } from './lasting-scene.ts';
 import { readAgain } from './read-again.ts';
 import { cloudSources } from './stored-source.ts';
 
-const [scene] = builtinSceneFacts;
+const [scene] = builtinScenes;
 const file = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') } as const;
 const url = new URL('https://example.org/a.ply');
 
@@ -12,7 +12,7 @@ it('a scene of one file can be read again where it is', async () => {
   for (const [source, stored] of [
     [
       { kind: 'builtin', scene },
-      { kind: 'builtin', name: scene.name },
+      { kind: 'url', href: scene.url.href },
     ],
     [file, file],
     [

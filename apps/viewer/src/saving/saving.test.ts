@@ -54,15 +54,6 @@ test('files of a scene are merged where they stand, as opaque as they are drawn'
   expect(read.at(-1)).toBe(1);
 });
 
-test('built-in scenes are made again', async () => {
-  const source = { kind: 'builtin' as const, name: 'still-life-small' };
-  const bytes = await writeScene(
-    { parts: [{ source, placement: null, opacity: 1, rows: null }], formatName: 'ply', up: '-y', crop: null },
-    () => {},
-  );
-  expect((await readSplats(bytes)).count).toBe(10_000);
-});
-
 test('what is cropped is cut before it is turned', async () => {
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(oneSplat)], 'a.ply') };
   const crop = { min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' } as const;

@@ -1,7 +1,7 @@
+import { type BuiltinScene, builtinScenes } from '@websplatter/scenes';
 import { hardCaseNameIn } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
 import type { AddressedScene } from './addressed-scene.ts';
-import { defaultSceneName, findBuiltinScene, foreseeBuiltinScene } from './builtin-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 
 /** What to open first. */
@@ -31,12 +31,6 @@ export function firstSource(
   return { ...builtinSource(scene, isSoftwareAdapter), failure };
 }
 
-/** Before it is known what draws: begins to make the scene that will probably be opened first, if it is a built-in one. */
-export function foreseeFirst(addressed: AddressedScene, base: string): void {
-  const [source] = firstSource(addressed, base, true).sources;
-  if (source.kind === 'builtin') foreseeBuiltinScene(source.scene.name);
-}
-
 /** The built-in scene that no GPU is too small for. */
 export function smallSource(): SceneSource {
   return builtinSource(null, true).sources[0];
@@ -46,13 +40,18 @@ export function smallSource(): SceneSource {
 export function builtinSource(asked: string | null | undefined, isSoftwareAdapter: boolean): FirstSource {
   const name = hardCaseNameIn(asked) === null ? asked : null;
   const found = name ? findBuiltinScene(name) : undefined;
-  const scene = found ?? findBuiltinScene(defaultSceneName(isSoftwareAdapter));
-  if (!scene) throw new Error('The default scene is missing.');
+  const [full, small] = builtinScenes;
+  // A software rasteriser would need seconds per frame for the full scene.
+  const scene = found ?? (isSoftwareAdapter ? small : full);
   return {
     sources: [{ kind: 'builtin', scene }],
     notice: name && !found ? `There is no built-in scene “${name}”.` : null,
     failure: null,
   };
+}
+
+function findBuiltinScene(wanted: string): BuiltinScene | undefined {
+  return builtinScenes.find(({ name }) => name === wanted);
 }
 
 function noAddress(text: string): FailureReport {

@@ -1,16 +1,14 @@
 import {
   type CloudInstance,
   type LoadOptions,
+  type SceneFiles,
   type SplatCloud,
   type SplatEngine,
   SplatFileError,
 } from '@websplatter/core';
-import type { BuiltinSceneFacts } from '@websplatter/scenes';
 import { isProbablyZUp } from '../camera/up-axis.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
-import { makeBuiltinScene } from './builtin-scene.ts';
-import type { MadeScene } from './builtin-scene.worker.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 
 /** Of most scenes. */
@@ -31,27 +29,27 @@ export interface LoadSceneOptions extends Pick<LoadOptions, 'onProgress'> {
   readonly onPreview: (preview: LoadedScene) => void;
 }
 
-/** Makes or reads `source` and uploads it. A load that fails or is called off leaves nothing on the GPU. */
+/** Reads or makes `source` and uploads it. A load that fails or is called off leaves nothing on the GPU. */
 export async function loadScene(
   engine: SplatEngine,
   source: SceneSource,
   options: LoadSceneOptions,
 ): Promise<LoadedScene> {
   const { signal, onProgress } = options;
-  if (source.kind === 'builtin') return loadBuiltin(engine, source.scene, options);
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
+  const builtin = source.kind === 'builtin' ? source.scene : null;
   const sceneOf = (cloud: SplatCloud) => ({
     ...PLAIN,
     clouds: [{ cloud }],
-    isUpsideDown: isUpsideDown(cloud),
+    firstView: builtin?.cameras[0] ?? null,
+    isUpsideDown: !builtin && isUpsideDown(cloud),
   });
   /** What is there of a file while it arrives need not have the shape of all of it. */
-  const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: isZUp(cloud) });
-  const isFile = source.kind === 'file';
-  const cloud = await engine.load(isFile ? source.source : source.url, {
+  const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: !builtin && isZUp(cloud) });
+  const cloud = await engine.load(fileOf(source), {
     name: titleOf(source),
     // Whoever opens a file of their own wants to see all of it.
-    maxSplats: isFile ? Number.POSITIVE_INFINITY : undefined,
+    maxSplats: source.kind === 'file' ? Number.POSITIVE_INFINITY : undefined,
     fit: 'auto',
     signal,
     onProgress,
@@ -60,29 +58,14 @@ export async function loadScene(
   return wholeSceneOf(cloud);
 }
 
-/** Makes a built-in scene. Where that takes long, what looks like it is shown until then. */
-async function loadBuiltin(
-  engine: SplatEngine,
-  { name, title, cameras }: BuiltinSceneFacts,
-  { signal, onPreview }: LoadSceneOptions,
-): Promise<LoadedScene> {
-  const upload = ({ packed, set }: MadeScene) => engine.addPacked(packed, { name: title, source: set });
-  const sceneOf = (cloud: SplatCloud) => ({
-    ...PLAIN,
-    clouds: [{ cloud }],
-    firstView: cameras[0],
-    isUpsideDown: false,
-  });
-  let draft: SplatCloud | undefined;
-  try {
-    const made = await makeBuiltinScene(name, engine.accuracy, signal, (each) => {
-      draft = upload(each);
-      onPreview(sceneOf(draft));
-    });
-    return sceneOf(upload(made));
-  } finally {
-    // Its image stays on the screen until another is drawn.
-    draft?.destroy();
+function fileOf(source: Exclude<SceneSource, { kind: 'hard-case' }>): File | SceneFiles | URL {
+  switch (source.kind) {
+    case 'builtin':
+      return source.scene.url;
+    case 'file':
+      return source.source;
+    case 'url':
+      return source.url;
   }
 }
 

@@ -1,10 +1,10 @@
 import type { SceneFiles } from '@websplatter/core';
-import type { BuiltinSceneFacts } from '@websplatter/scenes';
+import type { BuiltinScene } from '@websplatter/scenes';
 import { baseName } from '../formatting/format.ts';
 
 /** Where a scene, or a part of one, comes from; kept, so that it can be read again. */
 export type SceneSource =
-  | { readonly kind: 'builtin'; readonly scene: BuiltinSceneFacts }
+  | { readonly kind: 'builtin'; readonly scene: BuiltinScene }
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
   | { readonly kind: 'url'; readonly url: URL }
   | { readonly kind: 'hard-case'; readonly name: string };

@@ -265,7 +265,7 @@ export class Scenes {
       if (this.#loading === loading) store.setState({ load: { title, ...progress } });
     };
     report({
-      phase: source.kind === 'builtin' || source.kind === 'hard-case' ? 'make' : 'read',
+      phase: source.kind === 'hard-case' ? 'make' : 'read',
       loadedBytes: 0,
       totalBytes: undefined,
       splats: 0,

@@ -1,5 +1,6 @@
-import { stillLife, stillLifeCameras } from '@websplatter/scenes';
+import { stillLifeCameras } from '@websplatter/scenes';
 import { afterEach, beforeAll, describe, expect, test, vi } from 'vitest';
+import { filterSplats } from '../editing/filter-splats.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { packCloud } from '../packing/packed-cloud.ts';
@@ -14,6 +15,7 @@ import {
   randomRays,
 } from '../testing/random-rays.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { everyOf, stillLife } from '../testing/still-life.ts';
 import type { TrueRay } from '../testing/true-rays.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
@@ -122,20 +124,20 @@ describe('a tree', () => {
 
 describe('1,000 random rays, against what the reference picks,', () => {
   test('at a still life hit within 2 % of the depth, wherever splats cover a pixel', async () => {
-    const set = stillLife({ splats: 20_000 });
+    const set = await stillLife();
     const rays = randomRays(set, stillLifeCameras.slice(0, 5));
     expect(partWithin2Percent(await makeRayTree(pack(set), {}), rays)).toBeGreaterThanOrEqual(0.999);
   });
 
-  test('at an object alone all hit within 2 % of the depth, and miss where fewer than 10 % is covered', () =>
-    expectRaysAsShown(objectScene(20_000)));
+  test('at an object alone all hit within 2 % of the depth, and miss where fewer than 10 % is covered', async () =>
+    expectRaysAsShown(await objectScene()));
 
   describe('at a still life whose splats share blobs,', () => {
     let rays: TrueRay[];
     let tree: RayTree;
     beforeAll(async () => {
       // Without its surroundings, so that there is something to miss.
-      const set = within(stillLife({ splats: 20_000 }), [0, 0.3, 0], 0.8);
+      const set = within(everyOf(await stillLife('still-life'), 2), [0, 0.3, 0], 0.8);
       tree = await makeRayTree(pack(set), { mostBlobs: Math.round(set.count / 4.6) });
       rays = randomRays(set, stillLifeCameras.slice(0, 5));
     });
@@ -169,28 +171,11 @@ describe('1,000 random rays, against what the reference picks,', () => {
 });
 
 /** The splats within `radius` of `center`. */
-function within(set: SplatSet, center: Vec3, radius: number): SplatSet {
-  const kept = Array.from({ length: set.count }, (_, i) => i).filter((i) => {
-    const offset = center.map((c, axis) => set.positions[3 * i + axis] - c);
+function within(set: SplatSet<Harmonics>, center: Vec3, radius: number): SplatSet<Harmonics> {
+  return filterSplats(set, (index) => {
+    const offset = center.map((c, axis) => set.positions[3 * index + axis] - c);
     return Math.hypot(...offset) < radius;
   });
-  const pickOf = (values: Float32Array, width: number) =>
-    Float32Array.from(
-      { length: width * kept.length },
-      (_, i) => values[width * kept[Math.floor(i / width)] + (i % width)],
-    );
-  const width = set.harmonics.coefficients.length / set.count;
-  return {
-    ...set,
-    count: kept.length,
-    positions: pickOf(set.positions, 3),
-    logScales: pickOf(set.logScales, 3),
-    rotations: pickOf(set.rotations, 4),
-    opacityLogits: pickOf(set.opacityLogits, 1),
-    colorDc: pickOf(set.colorDc, 3),
-    harmonics: { ...set.harmonics, coefficients: pickOf(set.harmonics.coefficients, width) },
-    fileIndices: Uint32Array.from(kept),
-  };
 }
 
 describe('a ray tree that a worker makes', () => {

@@ -1,5 +1,5 @@
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
-import { STILL_LIFE_MIN_SPLATS, stillLife, stillLifeCameras } from '@websplatter/scenes';
+import { stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
@@ -7,6 +7,7 @@ import { SplatEngine } from '../create-engine.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import type { SortBy } from '../splats/sort-by.ts';
+import { everyOf, stillLife } from '../testing/still-life.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
 import { compareViews } from './compare-views.ts';
 import {
@@ -22,7 +23,7 @@ import { sampleCameras } from './sample-cameras.ts';
 
 // As small as possible: SwiftShader takes a second for some frames of the whole scene, and a measurement draws hundreds.
 const SIZE = { widthPx: 24, heightPx: 24 };
-const SPLATS = STILL_LIFE_MIN_SPLATS;
+const SPLATS = 1000;
 
 /** Times are compared in the full run only: it takes many frames to tell them apart. */
 const isFull = process.env.WEBSPLATTER_FULL === '1';
@@ -35,7 +36,7 @@ beforeAll(async () => {
   const adapter = await sharedTestGpu.requestAdapter();
   engine = await SplatEngine.create({ adapter, accuracy: 'reference' });
   watchDevice(engine.device);
-  clouds = [{ cloud: engine.add(stillLife({ splats: SPLATS }), { name: 'still life' }) }];
+  clouds = [{ cloud: engine.add(everyOf(await stillLife(), 10), { name: 'still life' }) }];
   const camera = perspectiveCamera({ ...stillLifeCameras[0], aspect: 1 });
   common = { clouds, cameras: [camera], ...SIZE };
 });
@@ -145,7 +146,7 @@ describe('measureAccuracy', () => {
   });
 
   gpuTest('reads finer planes again if they are needed, and frees them afterwards', async () => {
-    const cloud = engine.add(stillLife({ splats: SPLATS }));
+    const cloud = engine.add(everyOf(await stillLife(), 10));
     await engine.requestPrecision(cloud, { geometryPrecision: 'packed', shPrecision: 'u8' });
     const before = engine.memory().totalBytes;
     const options = { ...common, clouds: [{ cloud }], frames: 1, settings: [], combinations: false };

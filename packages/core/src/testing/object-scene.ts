@@ -1,15 +1,20 @@
-import { stillLife } from '@websplatter/scenes';
 import { cropSplats } from '../editing/crop-splats.ts';
+import { limitDegree } from '../editing/limit-degree.ts';
 import { transformSplats } from '../editing/transform-splats.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
+import { everyOf, stillLife } from './still-life.ts';
 
 /**
- * An object alone in empty space, as captures of objects are: small, flat splats of degree 2, y down, 2 across, about 0. Seven in
- * ten of the `splats` of a still life, which is cut off from what surrounds it.
+ * An object alone in empty space, as captures of objects are: small, flat splats of degree 2, y down, 2 across, about 0. Seven
+ * thousand splats of a still life, cut off from what surrounds it, or every `step`th of them.
  */
-export function objectScene(splats: number): SplatSet<Harmonics> {
-  const still = stillLife({ splats, shDegree: 2 });
+export async function objectScene(step = 1): Promise<SplatSet<Harmonics>> {
+  const still = limitDegree(await stillLife(), 2);
   const object = cropSplats(still, { min: [-0.6, -0.3, -0.6], max: [0.6, 0.9, 0.6] });
-  return transformSplats(object, { rotation: [0, 1, 0, 0], scale: 1.6, translation: [0, 0.7, 0] });
+  return transformSplats(everyOf(object, step), {
+    rotation: [0, 1, 0, 0],
+    scale: 1.6,
+    translation: [0, 0.7, 0],
+  });
 }

@@ -1,4 +1,5 @@
 import { existsSync, openAsBlob } from 'node:fs';
+import { fileURLToPath } from 'node:url';
 import { MODELS, testCameras } from '../cameras.mjs';
 import { drawFrame, effectsOf, imageOfFrame, noteEngine, picksOf } from '../draw-frame.mjs';
 import { randomPly } from '../random-ply.mjs';
@@ -21,7 +22,7 @@ export async function scenes({ checkout, size, playbot, test, note }) {
 
   await test('still-life', async (record) => {
     const scene = builtin.builtinScenes.find(({ name }) => name === 'still-life-small');
-    const cloud = engine.add(scene.make(), { name: scene.name });
+    const cloud = await engine.load(await openAsBlob(fileURLToPath(scene.url)), { name: scene.name });
     const [front, bowl] = ['front', 'bowl'].map((wanted) =>
       scene.cameras.find(({ name }) => name === wanted),
     );

@@ -9,6 +9,20 @@ export interface SceneCamera {
   readonly far: number;
 }
 
+/** A scene that comes with this package, as a file. */
+export interface BuiltinScene {
+  /** Identifier for command lines and addresses. */
+  readonly name: string;
+  /** Human-readable title. */
+  readonly title: string;
+  /** Number of splats. */
+  readonly splats: number;
+  /** Where the file is: for `engine.load` in a browser, a `file:` address in Node. */
+  readonly url: URL;
+  /** Good views; the first is where to start. */
+  readonly cameras: readonly SceneCamera[];
+}
+
 const UP = [0, 1, 0] as const;
 /** Far plane beyond the sky, which is 110 m from the table, wherever the camera stands on the terrace. */
 const FAR_M = 400;
@@ -34,4 +48,28 @@ export const stillLifeCameras: readonly SceneCamera[] = [
   camera('ball', [-0.16, 0.17, 0.56], [0, 0.06, 0.16], 38),
   camera('plumes', [-0.55, 0.62, 0.45], [-0.22, 0.52, -0.13], 40),
   camera('terrace', [2.6, 0.85, 3.4], [0, -0.02, 0], 34),
+];
+
+/**
+ * A table laid outdoors on a late afternoon: a glazed vase of pampas plumes, a jade bowl of fruit, a glass bottle, a steel ball, a
+ * loaf and a linen runner, with hills and sky around. Metres, y up, the table's top at y = 0, about 1.2 m across; the sky is 110 m
+ * away. Light is baked into spherical harmonics of degree 3. The small one is for software adapters, which need seconds for a
+ * frame of the other.
+ */
+export const builtinScenes: readonly BuiltinScene[] = [
+  {
+    name: 'still-life',
+    title: 'Still life',
+    splats: 150_000,
+    // Written out: bundlers look for this expression.
+    url: new URL('../files/still-life.sog', import.meta.url),
+    cameras: stillLifeCameras,
+  },
+  {
+    name: 'still-life-small',
+    title: 'Still life, small',
+    splats: 10_000,
+    url: new URL('../files/still-life-small.spz', import.meta.url),
+    cameras: stillLifeCameras,
+  },
 ];
