@@ -10,6 +10,7 @@ import {
   drawnCamera,
   dropFiles,
   loseDeviceOnDemand,
+  press,
   redraw,
   SMALL,
   textOf,
@@ -42,10 +43,6 @@ async function shotAfter(page: Page, action: () => Promise<unknown>): Promise<Sc
   await redraw(page, action);
   return viewerScreenshot(page);
 }
-
-/** Clicks from a script, since a sheet smaller than its contents may not show the button. */
-const press = (page: Page, testId: string) =>
-  page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
 
 const openTab = async (page: Page, tab: string) => {
   await page.keyboard.press('c');

@@ -3,7 +3,16 @@ import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { testScene } from './test-scene.ts';
-import { clickInTurn, dropFiles, redraw, SMALL, textOf, viewerHarness, waitForScene } from './viewer-page.ts';
+import {
+  clickInTurn,
+  dropFiles,
+  press,
+  redraw,
+  SMALL,
+  textOf,
+  viewerHarness,
+  waitForScene,
+} from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
 
@@ -63,15 +72,13 @@ describe('effects in the viewer', () => {
     // A measurement draws many frames: of few splats.
     await open(page, testScene());
     await page.keyboard.press('e');
-    const press = (testId: string) =>
-      page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
     const cautions = page.getByTestId('effect-cautions');
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor({ state: 'attached' });
     expect(await cautions.count()).toBe(0);
 
-    await redraw(page, () => press('switch-brightness'));
-    await press('measure');
+    await redraw(page, () => press(page, 'switch-brightness'));
+    await press(page, 'measure');
     await cautions.waitFor({ state: 'attached', timeout: LONG_PATIENCE_MS });
     expect(await textOf(page, 'cost-brightness')).toMatch(/^[±−]?[\d.,]+ ms$/);
     expect(await cautions.textContent()).toContain('software adapter');

@@ -143,12 +143,19 @@ export async function waitForNotice(page: Page, text: string): Promise<void> {
   await awaited(page, `A notice “${text}”`, page.waitForFunction(isNoted, text));
 }
 
+/** What is there and takes clicks: those of scripts are lost where a button is disabled. */
+const enabled = (page: Page, testId: string) => page.locator(`[data-testid=${testId}]:not(:disabled)`);
+
+/** Clicks from a script, since in a window as small as those of tests the button may be out of sight. */
+export const press = (page: Page, testId: string): Promise<void> =>
+  enabled(page, testId).evaluate((button: HTMLElement) => button.click());
+
 /**
  * Clicks on `first`, and by the page itself on `second` as soon as that is there: it is gone again once what `first` has begun is
  * over.
  */
 export async function clickInTurn(page: Page, first: string, second: string): Promise<void> {
-  await page.getByTestId(first).waitFor();
+  await enabled(page, first).waitFor();
   const clicks = page.waitForFunction(
     ([a, b]) =>
       new Promise<boolean>((resolve) => {

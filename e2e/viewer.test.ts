@@ -19,6 +19,7 @@ import {
   dropFiles,
   frameCount,
   loseDeviceOnDemand,
+  press,
   redraw,
   SMALL,
   textOf,
@@ -248,14 +249,11 @@ describe('viewer', () => {
 
     // This way up, as glTF wants it, nothing is turned.
     await page.keyboard.press('x');
-    // By the page itself: in a window as small as this, buttons may be out of sight.
-    const click = (testId: string) =>
-      page.getByTestId(testId).evaluate((button: HTMLElement) => button.click());
-    await click('save-gltf');
+    await press(page, 'save-gltf');
     const [saved] = await Promise.all([
       page.waitForEvent('download'),
       waitForNotice(page, 'Saved test scene.glb'),
-      click('save-file'),
+      press(page, 'save-file'),
     ]);
     expect(saved.suggestedFilename()).toBe('test scene.glb');
     const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
