@@ -17,6 +17,7 @@ import layout::TileGrid;
 import layout::View;
 import package::lib::dispatch::linearWorkgroup;
 @if(DEPTH_TEST) import package::lib::host_depth::{DEPTH_ROUNDING, centralDepth};
+import package::lib::layer_rounding::rounded;
 import package::lib::splat_record::{colorOf, fragmentAlpha, localCoordinate, localGradients, opacityOf};
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -270,14 +271,4 @@ fn store(cell: vec2u, pixel: Pixel) {
   textureStore(layer, cell, rounded(vec4f(pixel.color, 1.0 - pixel.transmittance)));
   // Weighted like a colour, as quads write it.
   @if(DEPTH_LAYER) textureStore(depthLayer, cell, vec4f(pixel.depthView * (1.0 - pixel.transmittance), 0.0, 0.0, 0.0));
-}
-
-/// Rounds to the nearest value of the layer's format: adapters may write the one below instead.
-fn rounded(color: vec4f) -> vec4f {
-  @if(LAYER_F32) return color;
-  @if(LAYER_F16) let bits = bitcast<vec4u>(color);
-  // Ties go to the even value. Halves keep 13 bits fewer than floats, but for those below 6·10⁻⁵.
-  @if(LAYER_F16) return bitcast<vec4f>((bits + 0xfffu + ((bits >> vec4u(13u)) & vec4u(1u))) & vec4u(0xffffe000u));
-  // A quarter of a step above the value, so that neither kind of rounding reaches another.
-  @if(!LAYER_F32 && !LAYER_F16) return (floor(clamp(color, vec4f(0.0), vec4f(1.0)) * 255.0 + 0.5) + 0.25) / 255.0;
 }

@@ -3,7 +3,7 @@ import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { DepthConvention } from '../camera/depth-convention.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { COVER_CONSTANTS, COVER_STRUCTS } from '../layout/cover-structs.ts';
-import { recordConditions } from './record-conditions.ts';
+import { recordConditions } from './format-conditions.ts';
 
 /** Threads of a workgroup. */
 export const COVER_WORKGROUP = 256;

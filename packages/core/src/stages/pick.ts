@@ -2,7 +2,7 @@ import source from '../../../../shaders/stages/pick.wgsl?raw';
 import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { PICK_CONSTANTS, PICK_STRUCTS } from '../layout/pick-structs.ts';
-import { recordConditions } from './record-conditions.ts';
+import { recordConditions } from './format-conditions.ts';
 
 /** Blends the splats over one pixel, per block of the drawing order. */
 export function pick(recordPrecision: RecordPrecision) {

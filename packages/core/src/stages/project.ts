@@ -4,7 +4,7 @@ import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { GeometryPrecision, ShPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
-import { recordConditions } from './record-conditions.ts';
+import { recordConditions } from './format-conditions.ts';
 
 /** Variant of the project stage to link. */
 export interface ProjectVariant {

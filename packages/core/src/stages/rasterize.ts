@@ -1,7 +1,7 @@
 import type { ColorTarget, Extent, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { DepthConvention } from '../camera/depth-convention.ts';
 import type { BindingKind, RenderState, StageDefinition } from '../gpu/pipelines.ts';
-import { recordConditions } from './record-conditions.ts';
+import { recordConditions } from './format-conditions.ts';
 
 /** Properties of the host's depth that splats drawn into its image depend on. */
 export interface RasterizeDepth {

@@ -17,7 +17,7 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'stages/radix-sort.gpu.test.ts': 'compares the combined stages of the sort with a sort on the CPU',
   'reference/radix-sort.ts': 'combines the twins of the stages of the sort',
   'stages/packing-libraries.ts': 'is shared by the stages that pack splats',
-  'stages/record-conditions.ts': 'is shared by the stages that write or read records',
+  'stages/format-conditions.ts': 'is shared by the stages that write or read records and layers',
   'stages/tile-lists.gpu.test.ts': 'checks the combined stages that list bins and tiles for any splat',
   'stages/sort-shape.ts': 'is shared by the stages of the sort',
   'reference/index.ts': 'is the entry point @websplatter/core/reference',

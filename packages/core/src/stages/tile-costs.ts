@@ -1,7 +1,7 @@
 import source from '../../../../shaders/stages/tile-costs.wgsl?raw';
 import type { RecordPrecision } from '../accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
-import { recordConditions } from './record-conditions.ts';
+import { recordConditions } from './format-conditions.ts';
 
 /** Contributions are counted in parts of a pixel of this number: as fine as float32 tells a weight from 1. */
 export const CONTRIBUTION_UNITS = 2 ** 24;

@@ -1,7 +1,7 @@
 import type { Extent, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
-import { recordConditions } from './record-conditions.ts';
+import { recordConditions } from './format-conditions.ts';
 
 /** Settings that decide which bins and tiles a splat may touch. */
 export interface TileListVariant {

@@ -2,8 +2,8 @@ import type { ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { tileSource } from '../shaders/later-source.ts';
+import { layerConditions, recordConditions } from './format-conditions.ts';
 import type { RasterizeDepth } from './rasterize.ts';
-import { recordConditions } from './record-conditions.ts';
 
 /** Variant of the tile-rasterize stage to link. */
 export interface TileRasterizeVariant {
@@ -50,8 +50,7 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
     conditions: {
       NARROW: isNarrow,
       ...recordConditions(recordPrecision),
-      LAYER_F32: colorTarget === 'rgba32float',
-      LAYER_F16: colorTarget === 'rgba16float',
+      ...layerConditions(colorTarget),
       DEPTH_TEST: depth !== null,
       DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
       ORTHOGRAPHIC: depth?.isOrthographic === true,

@@ -2,9 +2,11 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { UpscaleParameters } from '../layout/structs.ts';
 import { upscale as upscaleTwin } from '../reference/upscale.ts';
 import { uniformBuffer } from '../testing/gpu-buffers.ts';
+import { readFloats } from '../testing/gpu-textures.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { upscale } from './upscale.ts';
 
@@ -36,10 +38,8 @@ describe('upscale', () => {
     gpuTest(`${from.join('×')} to ${to.join('×')} px, with depths`, async () => {
       const device = await shareTestDevice();
       const pipelines = new Pipelines(device);
-      // Depths go into a second target, here of the same format, which can be read back.
-      const state = { topology: 'triangle-list', targets: [{ format: FORMAT }, { format: FORMAT }] } as const;
-      const stage = upscale(true);
-      await pipelines.prepare([[stage, { ...state, targets: [...state.targets] }]]);
+      const stage = upscale(FORMAT, true);
+      await pipelines.prepare([stage]);
       const random = seededRandom(51);
       const size = (px: readonly number[]) => ({ widthPx: px[0], heightPx: px[1] });
       const layers = [1, 1000].map((largest) =>
@@ -52,34 +52,37 @@ describe('upscale', () => {
         return texture.createView();
       });
       const parameters = UpscaleParameters.pack({ layerPerPx: [from[0] / to[0], from[1] / to[1]] });
-      const targets = layers.map(() =>
+      const [image, depthImage] = ([FORMAT, 'r32float'] as const).map((format) =>
         device.createTexture({
           size: to,
-          format: FORMAT,
-          usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
+          format,
+          usage: GPUTextureUsage.STORAGE_BINDING | GPUTextureUsage.COPY_SRC,
         }),
       );
       const encoder = device.createCommandEncoder();
-      const pass = encoder.beginRenderPass({
-        colorAttachments: targets.map((texture) => ({
-          view: texture.createView(),
-          loadOp: 'clear',
-          storeOp: 'store',
-        })),
-      });
-      pass.setPipeline(pipelines.render(stage, { ...state, targets: [...state.targets] })!);
-      const bindings = { parameters: uniformBuffer(device, parameters), layer, depthLayer };
+      const pass = encoder.beginComputePass();
+      pass.setPipeline(pipelines.compute(stage)!);
+      const bindings = {
+        parameters: uniformBuffer(device, parameters),
+        layer,
+        image: image.createView(),
+        depthLayer,
+        depthImage: depthImage.createView(),
+      };
       pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
-      pass.draw(3);
+      const tiles = to.map((px) => Math.ceil(px / SHADER_CONSTANTS.COMPOSITE_TILE_PX));
+      pass.dispatchWorkgroups(tiles[0], tiles[1]);
       pass.end();
       device.queue.submit([encoder.finish()]);
-      for (const [i, target] of targets.entries()) {
-        const { data } = await readTexture(device, target);
+      const written = [(await readTexture(device, image)).data, await readFloats(device, depthImage)];
+      for (const [i, values] of written.entries()) {
         const expected = upscaleTwin(layers[i], size(from), size(to));
         // A place errs by some roundings of up to 16 px, and its value by that share of its neighbours' difference.
         const bound = 64 * 16 * 2 ** -24 * [1, 1000][i];
-        for (const [at, value] of expected.entries())
-          expect(Math.abs(data[at] - value), `value ${at}`).toBeLessThanOrEqual(bound);
+        // Of depths, one value of four is written.
+        const step = expected.length / values.length;
+        for (const [at, value] of values.entries())
+          expect(Math.abs(value - expected[step * at]), `value ${at}`).toBeLessThanOrEqual(bound);
       }
       device.destroy();
     });

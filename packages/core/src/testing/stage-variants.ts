@@ -119,7 +119,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       ),
     ]),
     ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), ...radixSortStages(shape)]),
-    ...BOTH.map(upscale),
+    ...COLOR_TARGETS.flatMap((target) => BOTH.map((hasDepthLayer) => upscale(target, hasDepthLayer))),
     ...RECORD.map(pick),
     ...RECORD.flatMap((precision) => [null, ...COMPARES].map((compare) => coverPoints(precision, compare))),
     ...RECORD.flatMap((recordPrecision) => [

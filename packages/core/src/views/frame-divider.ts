@@ -121,7 +121,8 @@ export class FrameDivider {
       if (!frame.canDraw()) return null;
       const count = Math.min(this.#pacer.unitsFrom(first, stage, slowestMs), units - first);
       if (stage === 'tile-rasterize') this.#writeFirstTile(first, frame);
-      const tookMs = await this.#submit([command], { first, count, isLast: first + count >= units });
+      const part = { first, count, isLast: first + count >= units };
+      const tookMs = await this.#submit([command], isDivisible(stage) ? part : undefined);
       const work = { stage, slowestMs: slowestMs[first + count] - slowestMs[first] };
       if (count > 0) this.#pacer.take([work], tookMs);
       elapsedMs += tookMs;
@@ -238,4 +239,9 @@ export class FrameDivider {
       memory.destroyAll();
     }
   }
+}
+
+/** Whether parts of a command of this stage can be encoded. */
+function isDivisible(stage: string): boolean {
+  return stage === 'tile-rasterize' || stage === 'rasterize';
 }

@@ -1,25 +1,27 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../../layout/constants.ts';
 import { UpscaleParameters } from '../../layout/structs.ts';
-import { upscale, upscaleState } from '../../stages/upscale.ts';
+import { upscale } from '../../stages/upscale.ts';
 import {
   type DrawRecording,
-  drawOverAll,
   type FramePart,
   type LayerTextures,
   type PartChange,
   type PartContext,
+  useCompute,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
 
-/** The stage that enlarges the layer to the image's size, and the targets that it draws into. */
-const stageOf = perShape(({ accuracy, depth }) => {
-  const depthFormat = depth?.layerFormat ?? null;
-  return [upscale(depthFormat !== null), upscaleState(accuracy.colorTarget, depthFormat)] as const;
-});
+/** The stage that enlarges the layer to the image's size. */
+const stageOf = perShape(({ accuracy, depth }) => upscale(accuracy.colorTarget, hasDepthLayer({ depth })));
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => (isScaled(shape) ? [stageOf(shape)] : []));
+
+function hasDepthLayer({ depth }: Pick<FrameShape, 'depth'>): boolean {
+  return depth?.layerFormat != null;
+}
 
 /** Enlarges the blended splats to the image's size if they were blended in a smaller layer. */
 export class Upscale implements FramePart<DrawRecording> {
@@ -39,11 +41,12 @@ export class Upscale implements FramePart<DrawRecording> {
   fit({ request, shape }: FramePlan): PartChange | null {
     const { memory, shared } = this.#context;
     const { colorTarget } = shape.accuracy;
-    const depthFormat = shape.depth?.layerFormat ?? null;
+    const depthFormat = hasDepthLayer(shape) ? 'r32float' : null;
     if (!isScaled(shape)) {
       if (!this.#image) return null;
       return { free: () => this.#leave(), make: () => {} };
     }
+    const { STORAGE_BINDING } = GPUTextureUsage;
     if (fitsLayer(this.#image, request, colorTarget, depthFormat)) return null;
     return {
       free: () => {
@@ -51,7 +54,7 @@ export class Upscale implements FramePart<DrawRecording> {
         this.#image = null;
       },
       make: () => {
-        this.#image = createLayer(memory, 'splat layer', request, colorTarget, depthFormat);
+        this.#image = createLayer(memory, 'splat layer', request, colorTarget, depthFormat, STORAGE_BINDING);
         shared.image = this.#image;
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
         this.#parameters ??= memory.createBuffer('upscale parameters', UpscaleParameters.bytes, usage);
@@ -67,28 +70,26 @@ export class Upscale implements FramePart<DrawRecording> {
       return;
     }
     const { color, depthLayer } = shared.blended!;
-    const image = this.#image!.color;
-    const layerPerPx = [color.width / image.width, color.height / image.height];
+    const image = this.#image!;
+    const layerPerPx = [color.width / image.color.width, color.height / image.color.height];
     const contents = UpscaleParameters.pack({ layerPerPx });
     device.queue.writeBuffer(this.#parameters!, 0, contents);
-    this.#group = pipelines.bindGroup(stageOf(shape)[0], {
+    this.#group = pipelines.bindGroup(stageOf(shape), {
       parameters: this.#parameters!,
       layer: color.createView(),
+      image: image.color.createView(),
       ...(depthLayer && { depthLayer: depthLayer.createView() }),
+      ...(image.depthLayer && { depthImage: image.depthLayer.createView() }),
     });
   }
 
   record({ encoder, timer, shape }: DrawRecording): void {
     if (!this.#group) return;
-    const { color, depthLayer } = this.#image!;
-    const pass = encoder.beginRenderPass({
-      label: 'upscale',
-      colorAttachments: [color, depthLayer]
-        .filter((texture) => texture !== null)
-        .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
-      timestampWrites: timer.writes('upscale'),
-    });
-    drawOverAll(pass, this.#context.pipelines, stageOf(shape), this.#group);
+    const { width, height } = this.#image!.color;
+    const pass = encoder.beginComputePass({ label: 'upscale', timestampWrites: timer.writes('upscale') });
+    useCompute(pass, this.#context.pipelines, stageOf(shape), this.#group);
+    const { COMPOSITE_TILE_PX } = SHADER_CONSTANTS;
+    pass.dispatchWorkgroups(Math.ceil(width / COMPOSITE_TILE_PX), Math.ceil(height / COMPOSITE_TILE_PX));
     pass.end();
   }
 
