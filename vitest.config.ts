@@ -1,6 +1,6 @@
 import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { join, relative } from 'node:path';
 import { defaultClientConditions, defaultServerConditions } from 'vite';
 import { defineConfig, type TestProjectInlineConfiguration } from 'vitest/config';
 import { BaseSequencer, type TestSpecification } from 'vitest/node';
@@ -139,9 +139,12 @@ const groups: TestProjectInlineConfiguration[][] = [
  */
 class ByProject extends BaseSequencer {
   override async sort(files: TestSpecification[]): Promise<TestSpecification[]> {
-    const { shuffle, seed } = this.ctx.config.sequence;
+    const { root, sequence } = this.ctx.config;
+    const { shuffle, seed } = sequence;
     const rank = ({ moduleId }: TestSpecification) =>
-      createHash('sha256').update(`${seed} ${moduleId}`).digest('hex');
+      createHash('sha256')
+        .update(`${seed} ${relative(root, moduleId)}`)
+        .digest('hex');
     const sorted = shuffle
       ? files.toSorted((a, b) => rank(a).localeCompare(rank(b)))
       : await super.sort(files);
