@@ -5,7 +5,7 @@ import type { BrowserContextOptions, Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { ring } from '../apps/examples/scenes/ring.ts';
 import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
-import { windSwayTwin } from '../apps/examples/src/effects/wind-sway-twin.ts';
+import { windSwayReference } from '../apps/examples/src/effects/wind-sway-reference.ts';
 import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
@@ -461,11 +461,11 @@ describe('examples of effects', () => {
     await passTurns(page);
   });
 
-  it('wind-sway does what its twin in float64 does', async () => {
+  it('wind-sway does what its reference in float64 does', async () => {
     const { page, psnrWith } = await openWithTestScene('wind-sway');
     await page.getByRole('slider').fill('0.2');
     const effects = [windSway({ amplitude: 0.2, timeS: 0, ground: 0.3, tall: 0.4 })];
-    const swayed = psnrWith({ effects, effectTwins: { 'wind-sway': windSwayTwin } });
+    const swayed = psnrWith({ effects, effectReferences: { 'wind-sway': windSwayReference } });
     await expect.poll(swayed, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('slider').fill('0');
     await expect.poll(swayed, SELDOM).toBeLessThan(MIN_PSNR_DB - 10);

@@ -1,6 +1,6 @@
 import { cameraFromMatrices, type Harmonics, type SplatSet } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
-import { compareImages, renderReference, type TwinFunction } from '@websplatter/core/reference';
+import { compareImages, type ReferenceFunction, renderReference } from '@websplatter/core/reference';
 import type { Screenshot } from './screenshot.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
@@ -14,8 +14,8 @@ export const MIN_PSNR_DB = 45;
 /** Options with which all clouds of a page are drawn. */
 export interface ReferenceEffects {
   readonly effects?: readonly EffectUse[];
-  /** Twins of the page's own effects. */
-  readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
+  /** References of the page's own effects. */
+  readonly effectReferences?: Readonly<Record<string, ReferenceFunction>>;
 }
 
 /**
@@ -26,7 +26,7 @@ export function referenceImage(
   drawn: DrawnCamera,
   sets: readonly SplatSet<Harmonics>[],
   { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
-  { effects, effectTwins }: ReferenceEffects = {},
+  { effects, effectReferences }: ReferenceEffects = {},
 ): (shot: Screenshot) => number {
   const { viewMatrix, projectionMatrix, near, far, modelMatrices, opacities, background } = drawn;
   const camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
@@ -36,7 +36,7 @@ export function referenceImage(
     opacity: opacities?.[i],
     effects,
   }));
-  const reference = renderReference({ clouds, camera, widthPx, heightPx, effectTwins });
+  const reference = renderReference({ clouds, camera, widthPx, heightPx, effectReferences });
   return ({ data }) => {
     const actual = Float64Array.from(data, (value) => value / 255);
     return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;

@@ -1,6 +1,6 @@
 import { encodePly } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
-import type { EffectTwin, TwinFunction } from '@websplatter/core/reference';
+import type { EffectReference, ReferenceFunction } from '@websplatter/core/reference';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import {
@@ -42,7 +42,7 @@ const along = ({ low, high }: Ramp, part: number) =>
   mapped((c) => (low.color[c] + (high.color[c] - low.color[c]) * Math.min(1, Math.max(0, part))) / 255);
 
 /** The splat shrunk by `factor`, and with another opacity. */
-function solid(factor: number, opacity: (dilationPx2: number) => number): EffectTwin {
+function solid(factor: number, opacity: (dilationPx2: number) => number): EffectReference {
   return {
     changeSplat(splat) {
       const [x, y, z] = splat.logScales.map((value) => value + Math.log(factor));
@@ -53,7 +53,7 @@ function solid(factor: number, opacity: (dilationPx2: number) => number): Effect
 }
 
 /** What each mode says that it shows, in float64 and from what its legend says. */
-const TWINS = {
+const REFERENCES = {
   ellipsoids: () => ({
     ...solid(ELLIPSOID_SHRINKING, () => 0.5 / Math.exp(-0.5 * (ELLIPSOID_EDGE / ELLIPSOID_SHRINKING) ** 2)),
     changeColor(color, _, index) {
@@ -78,10 +78,10 @@ const TWINS = {
     changeOpacity: () => OVERDRAW_OPACITY,
     changeColor: () => mapped((c) => OVERDRAW_COLOR.color[c] / 255),
   }),
-} as const satisfies Record<string, (ticks: readonly number[]) => EffectTwin>;
+} as const satisfies Record<string, (ticks: readonly number[]) => EffectReference>;
 
 const anywhere = { bounds: { center: [0, 0, 0], radius: 1 }, focusDistance: () => 1 } as const;
-const USES: Readonly<Record<keyof typeof TWINS, EffectUse>> = {
+const USES: Readonly<Record<keyof typeof REFERENCES, EffectUse>> = {
   ellipsoids: ellipsoids(),
   centres: centres(),
   depth: depthColors(anywhere),
@@ -91,11 +91,11 @@ const USES: Readonly<Record<keyof typeof TWINS, EffectUse>> = {
 };
 
 /** Draws the frame on the screen as `mode` shows it, in float64; returns a function that gives the PSNR of a screenshot. */
-async function reference(page: Page, mode: keyof typeof TWINS, size: Screenshot) {
+async function reference(page: Page, mode: keyof typeof REFERENCES, size: Screenshot) {
   const ticks = await page.getByTestId('mode-scale').locator('li').allTextContents();
-  const twin: TwinFunction = () => TWINS[mode](ticks.map((text) => Number.parseFloat(text)));
+  const ofMode: ReferenceFunction = () => REFERENCES[mode](ticks.map((text) => Number.parseFloat(text)));
   const use = USES[mode];
-  const effects = { effects: [use], effectTwins: { [use.effect.name]: twin } };
+  const effects = { effects: [use], effectReferences: { [use.effect.name]: ofMode } };
   return referenceImage(await drawnCamera(page), [SCENE], size, effects);
 }
 
@@ -144,7 +144,7 @@ describe('view modes of the viewer', () => {
   it('show what their legends say, as float64 does, in the next scene too', async () => {
     const page = await openScene('ellipsoids');
     let before: Screenshot | null = null;
-    for (const mode of Object.keys(TWINS) as (keyof typeof TWINS)[]) {
+    for (const mode of Object.keys(REFERENCES) as (keyof typeof REFERENCES)[]) {
       if (mode !== 'ellipsoids') await redraw(page, () => page.keyboard.press('m'));
       expect((await textOf(page, 'mode-legend')).toLowerCase()).toContain(mode);
       await waitForMode(page, mode);

@@ -776,10 +776,10 @@ export const cases = {
     await shot(stage);
     const one = engine.counters();
     const second = splatCloud({ position: [0, 0, 1] });
-    const twin = new SplatCloudObjectClass(second.data);
-    scene.add(second, twin);
+    const copy = new SplatCloudObjectClass(second.data);
+    scene.add(second, copy);
     await shot(stage);
-    scene.remove(twin);
+    scene.remove(copy);
     await shot(stage);
     scene.remove(second);
     await shot(stage);
@@ -790,7 +790,7 @@ export const cases = {
     scene.remove(first, second);
     await Promise.resolve();
     const childrenAfter = scene.children.length;
-    for (const cloud of [first, second, twin]) cloud.dispose();
+    for (const cloud of [first, second, copy]) cloud.dispose();
     renderer.render(scene, camera);
     const bytesLeft = () => engine.memory().totalBytes - start.bytes;
     await until(() => bytesLeft() === 0);

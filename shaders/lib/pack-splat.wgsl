@@ -38,7 +38,7 @@ fn packRotation(rotation: vec4f) -> vec2u {
   return vec2u(steps.x | ((largest & 1u) << 15u), steps.y | ((largest >> 1u) << 15u) | (steps.z << 16u));
 }
 
-/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Twin of layout/half.ts. Uses
+/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Reference of layout/half.ts. Uses
 /// integers because WGSL leaves it to the device how pack2x16float rounds, and what it makes of 65520.
 fn halfBits(value: f32) -> u32 {
   let bits = bitcast<u32>(value);

@@ -1,5 +1,5 @@
 // Computes where a splat lands in the image and how far it reaches. Shared by cull-splats, which decides whether the splat is
-// drawn, project, which writes its record, and rasterize, which sizes its quad. Twin: reference/cull-splats.ts.
+// drawn, project, which writes its record, and rasterize, which sizes its quad. Reference: reference/cull-splats.ts.
 import layout::View;
 import package::lib::covariance::ScreenCovariance;
 @if(!ISOTROPIC) import package::lib::covariance::rotationMatrix;

@@ -2,7 +2,7 @@
 // Reads the smaller layer and, if there is one, its depths; writes both at the image's size. One
 // thread per pixel of the image: a render pass takes longer than the splats do (docs/accuracy.md).
 // Bilinear between the middles of pixels, constant beyond the outermost. Values are premultiplied, so
-// they can be averaged directly. Twin: reference/upscale.ts.
+// they can be averaged directly. Reference: reference/upscale.ts.
 import constants::COMPOSITE_TILE_PX;
 import layout::UpscaleParameters;
 import package::lib::layer_rounding::rounded;

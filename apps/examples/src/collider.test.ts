@@ -24,7 +24,7 @@ describe.runIf(isInstalled || process.env.WEBSPLATTER_FULL === '1')(
       const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
       await RAPIER.init();
       warn.mockRestore();
-      const splats = await loadSplats(new Blob([await readFile(builtinScenes[1].url)]));
+      const splats = await loadSplats(new Blob([await readFile(builtinScenes[0].url)]));
       // The table, whose top is at y = 0, and what stands on it.
       const bounds = { min: [-0.7, -0.1, -0.7], max: [0.7, 0.4, 0.7] } as const;
       const { positions, indices } = await makeColliderMesh(splats, { cellSize: CELL_SIZE, bounds });

@@ -26,7 +26,7 @@ export interface CaseFrame {
   readonly heightPx: number;
 }
 
-/** How the stages of a frame are compared with their twins. */
+/** How the stages of a frame are compared with their references. */
 export interface StageCheck {
   readonly preset: AccuracyPreset;
   readonly keyBits: number;
@@ -42,7 +42,7 @@ export const STAGE_CHECKS: readonly StageCheck[] = [
   { preset: 'reference', keyBits: 32 },
 ];
 
-/** Compares every stage of a frame with its float64 twin; of keys with more bits than one pass sorts, their order alone. */
+/** Compares every stage of a frame with its float64 reference; of keys with more bits than one pass sorts, their order alone. */
 export async function checkStages(
   watched: WatchedDevice,
   variant: RunVariant,

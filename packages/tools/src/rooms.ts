@@ -58,9 +58,9 @@ export const ROOMS: Arrows = {
   frame: 'clouds stages timing effects gpu camera accuracy packing splats layout math',
   /** All effects of a frame, each with the reason why it takes part or not. */
   ledger: 'frame effects layout math',
-  /** The twins: what every stage must compute, in float64, without a GPU. */
+  /** The references: what every stage must compute, in float64, without a GPU. */
   reference: 'effects camera accuracy packing splats layout math',
-  /** Single stages of a frame, read back and held against the twins. */
+  /** Single stages of a frame, read back and held against the references. */
   inspect:
     'reference frame clouds stages timing effects gpu shaders camera accuracy packing splats layout math',
   /** What settings and effects cost in time, and in error. */

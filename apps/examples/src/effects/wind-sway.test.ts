@@ -4,7 +4,7 @@ import type { SplatValues } from '@websplatter/core/reference';
 import * as fc from 'fast-check';
 import { expect, it } from 'vitest';
 import { type WindSwayOptions, windSway } from './wind-sway.ts';
-import { windSwayTwin } from './wind-sway-twin.ts';
+import { windSwayReference } from './wind-sway-reference.ts';
 
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 const place = { modelMatrix: identity, origin: [10, -3, 2], viewMatrix: identity } as const;
@@ -29,7 +29,7 @@ function splatAt(position: Vec3): SplatValues {
 it('moves no splat farther than its reach', () => {
   fc.assert(
     fc.property(anyOptions, vector, (options, position) => {
-      const moved = windSwayTwin(options, place).changeSplat!(splatAt(position), 0).position;
+      const moved = windSwayReference(options, place).changeSplat!(splatAt(position), 0).position;
       const distance = Math.hypot(...moved.map((coordinate, i) => coordinate - position[i]));
       expect(distance).toBeLessThanOrEqual(windSway(options).reach.displacement + 1e-12);
     }),
@@ -39,7 +39,7 @@ it('moves no splat farther than its reach', () => {
 it('moves nothing on the ground, and is off without wind', () => {
   const below: Vec3 = [1, 2, 3];
   const options = { amplitude: 1, timeS: 0.4, ground: below[1] + place.origin[1] };
-  expect(windSwayTwin(options, place).changeSplat!(splatAt(below), 0).position).toEqual(below);
+  expect(windSwayReference(options, place).changeSplat!(splatAt(below), 0).position).toEqual(below);
   expect(windSway(options).reason).toContain('up to 1');
   expect(windSway({ ...options, amplitude: 0 }).reason).toBeNull();
 });
@@ -52,10 +52,10 @@ it('is what docs/effects.md shows', () => {
   const textOf = (path: string) => readFileSync(new URL(path, import.meta.url), 'utf8');
   const guide = textOf('../../../../docs/effects.md');
   expect(guide).toContain(`\`\`\`wgsl\n${textOf('wind-sway.wgsl')}\`\`\``);
-  const sources = ['wind-sway.ts', 'wind-sway-twin.ts', '../routes/wind-sway.tsx'].map(textOf).join('');
+  const sources = ['wind-sway.ts', 'wind-sway-reference.ts', '../routes/wind-sway.tsx'].map(textOf).join('');
   const lines = new Set(sources.split('\n').map((line) => line.trim()));
   const shown = [...guide.matchAll(/```tsx?\n(.*?)```/gs)].map(([, code]) => code);
-  const ofThese = shown.filter((code) => /windSway = |function windSwayTwin|useFrame/.test(code));
+  const ofThese = shown.filter((code) => /windSway = |function windSwayReference|useFrame/.test(code));
   expect(ofThese).toHaveLength(3);
   for (const line of ofThese.join('').split('\n'))
     if (!line.includes('…')) expect(lines).toContain(line.trim());

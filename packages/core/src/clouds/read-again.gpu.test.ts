@@ -121,11 +121,11 @@ async function expectAsLoaded(cloud: SplatCloud, file: Blob, precision: RowPreci
   const loaded = await engine.load(file, { precision });
   expect(made).toEqual(await wordsOf(loaded, precision));
   loaded.destroy();
-  const twin = packSet(await readSplats(file, { shPrecision: precision.shPrecision }), precision);
-  expect(cloud.fileIndices).toEqual(twin.fileIndices);
-  expectSameGeometry({ ...twin.geometry, words: made.geometry }, twin.geometry);
-  const harmonics = ownHarmonics(twin.harmonics);
-  expectSameHarmonics({ ...harmonics, words: made.harmonics }, harmonics, twin.count);
+  const reference = packSet(await readSplats(file, { shPrecision: precision.shPrecision }), precision);
+  expect(cloud.fileIndices).toEqual(reference.fileIndices);
+  expectSameGeometry({ ...reference.geometry, words: made.geometry }, reference.geometry);
+  const harmonics = ownHarmonics(reference.harmonics);
+  expectSameHarmonics({ ...harmonics, words: made.harmonics }, harmonics, reference.count);
 }
 
 describe('a file whose rows the GPU takes is read again', () => {

@@ -50,14 +50,14 @@ describe('antialias', () => {
       const frame = await draw(DRAWN, camera);
       const { stored, view, effects } = frame.clouds[0];
       const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects };
-      const twins = Array.from({ length: stored.count }, (_, index) =>
+      const references = Array.from({ length: stored.count }, (_, index) =>
         cullSplat(stored, index, view, frame.projection, settings),
       );
       const records = await readRecords(frame);
-      const drawn = twins.flatMap((twin, index) => (twin ? [index] : []));
+      const drawn = references.flatMap((reference, index) => (reference ? [index] : []));
       expect(records.map(({ splat }) => splat)).toEqual(drawn);
       for (const { splat, color } of records)
-        expect(Math.abs(color[3] - twins[splat]!.opacity), `splat ${splat}`).toBeLessThan(1e-6);
+        expect(Math.abs(color[3] - references[splat]!.opacity), `splat ${splat}`).toBeLessThan(1e-6);
       expect(await findNonFinite(frame)).toEqual([]);
       frame.destroy();
     });
@@ -80,8 +80,8 @@ describe('antialias', () => {
     const off = await draw({ cloud: trainedCloud, effects: [antialias(false)] });
     expect(off).toEqual(await draw({ cloud }));
     expect(off).not.toEqual(automatic);
-    const twin = renderReference({ clouds: [{ set: trained }], camera, ...SIZE });
-    expect(compareImages(automatic, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    const reference = renderReference({ clouds: [{ set: trained }], camera, ...SIZE });
+    expect(compareImages(automatic, reference.data, SIZE).psnrDb).toBeGreaterThan(60);
     engine.destroy();
   });
 

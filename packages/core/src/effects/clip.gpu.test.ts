@@ -2,7 +2,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../camera/camera.ts';
 import { translated4, type Vec3 } from '../math/mat4.ts';
-import { expectAsTwin } from '../testing/expect-as-twin.ts';
+import { expectAsReference } from '../testing/expect-as-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import { type ClipVolume, clip } from './clip.ts';
@@ -35,8 +35,8 @@ describe('clip', () => {
         effects: [clip({ volumes: [volume], softEdge: (i + j) % 2 === 0 ? 0.3 : 0 })],
       })),
     );
-    const drawn = await expectAsTwin(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
-    const most = await expectAsTwin(device, { clouds: [{ set: SET }], camera: CAMERA, ...SIZE }, 1e-5);
+    const drawn = await expectAsReference(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
+    const most = await expectAsReference(device, { clouds: [{ set: SET }], camera: CAMERA, ...SIZE }, 1e-5);
     for (const count of drawn.slice(0, VOLUMES.length)) {
       expect(count).toBeGreaterThan(3);
       expect(count).toBeLessThan(most[0] - 3);
@@ -63,7 +63,7 @@ describe('clip', () => {
       })),
       { set: SET },
     ];
-    const drawn = await expectAsTwin(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
+    const drawn = await expectAsReference(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
     const all = drawn.at(-1)!;
     for (let i = 1; i < 8; i++) expect(drawn[i]).toBeLessThan(drawn[i - 1]);
     expect(drawn[7]).toBeGreaterThan(0);
@@ -88,12 +88,12 @@ describe('clip', () => {
     }));
     const viewMatrix = translated4(CAMERA.viewMatrix, [-far[0], -far[1], -far[2]]);
     const camera = cameraFromMatrices(viewMatrix, CAMERA.projectionMatrix, CAMERA);
-    const drawn = await expectAsTwin(device, { clouds, camera, ...SIZE }, 1e-5);
+    const drawn = await expectAsReference(device, { clouds, camera, ...SIZE }, 1e-5);
     const near = SHAPES.map((volume) => ({
       set: SET,
       effects: [clip({ volumes: [volume], softEdge: 0.3 })],
     }));
-    expect(drawn).toEqual(await expectAsTwin(device, { clouds: near, camera: CAMERA, ...SIZE }, 1e-5));
+    expect(drawn).toEqual(await expectAsReference(device, { clouds: near, camera: CAMERA, ...SIZE }, 1e-5));
   });
 
   gpuTest('the comparison with float64 notices a ten-thousandth of a unit', async () => {
@@ -101,7 +101,7 @@ describe('clip', () => {
     const use = clip({ volumes: [sphere], softEdge: 0.3 });
     const shifted = { ...use, options: { volumes: [{ ...sphere, radius: 0.7001 }], softEdge: 0.3 } };
     const clouds = [{ set: SET, effects: [shifted] }];
-    await expect(expectAsTwin(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5)).rejects.toThrow(
+    await expect(expectAsReference(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5)).rejects.toThrow(
       /opacity is/,
     );
   });

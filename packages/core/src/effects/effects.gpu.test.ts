@@ -39,17 +39,20 @@ async function draw(effects: readonly EffectUse[], camera: Camera): Promise<Floa
   return (await view.readPixels()).data;
 }
 
-async function psnrAgainstTwin(effects: readonly EffectUse[], camera = CAMERAS.perspective): Promise<number> {
+async function psnrAgainstReference(
+  effects: readonly EffectUse[],
+  camera = CAMERAS.perspective,
+): Promise<number> {
   const data = await draw(effects, camera);
-  const twin = renderReference({ clouds: [{ set: SET, modelMatrix: MODEL, effects }], camera, ...SIZE });
-  return compareImages(data, twin.data, SIZE).psnrDb;
+  const reference = renderReference({ clouds: [{ set: SET, modelMatrix: MODEL, effects }], camera, ...SIZE });
+  return compareImages(data, reference.data, SIZE).psnrDb;
 }
 
 describe('an effect', () => {
   for (const use of EFFECT_EXAMPLES) {
     gpuTest(`${use.effect.name}: as in float64, in perspective and orthographic views`, async () => {
       for (const camera of [CAMERAS.perspective, CAMERAS.orthographic]) {
-        expect(await psnrAgainstTwin([use], camera)).toBeGreaterThan(60);
+        expect(await psnrAgainstReference([use], camera)).toBeGreaterThan(60);
         // And it is visible.
         const without = await draw([], camera);
         expect(compareImages(await draw([use], camera), without, SIZE).psnrDb).toBeLessThan(45);
@@ -63,7 +66,9 @@ describe('effects together', () => {
     if (!isFull) skip('random sets suffice in the short run');
     for (const [i, a] of EFFECT_EXAMPLES.entries())
       for (const b of EFFECT_EXAMPLES.slice(i + 1))
-        expect(await psnrAgainstTwin([b, a]), `${a.effect.name} and ${b.effect.name}`).toBeGreaterThan(45);
+        expect(await psnrAgainstReference([b, a]), `${a.effect.name} and ${b.effect.name}`).toBeGreaterThan(
+          45,
+        );
   });
 
   const sets = isFull ? 10 : 4;
@@ -72,7 +77,7 @@ describe('effects together', () => {
     for (let i = 0; i < sets; i++) {
       const some = EFFECT_EXAMPLES.filter(() => random() < 0.5);
       const names = some.map(({ effect }) => effect.name).join(', ');
-      expect(await psnrAgainstTwin(some, CAMERAS.inside), names).toBeGreaterThan(45);
+      expect(await psnrAgainstReference(some, CAMERAS.inside), names).toBeGreaterThan(45);
     }
   });
 });

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { InvalidArgumentError } from '../errors.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { EFFECT_TWINS } from '../reference/effects/twins.ts';
+import { EFFECT_REFERENCES } from '../reference/effects/references.ts';
 import { linkInput } from '../shaders/link-shader.ts';
 import { linkModules } from '../shaders/shader-linker.ts';
 import type { CullSplatsVariant } from '../stages/cull-splats.ts';
@@ -73,10 +73,10 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
 });
 
 describe('effects', () => {
-  test('have unique names and a twin each', () => {
+  test('have unique names and a reference each', () => {
     const names = CLOUD_EFFECTS.map(({ name }) => name);
     expect(new Set(names).size).toBe(names.length);
-    expect(Object.keys(EFFECT_TWINS).toSorted()).toEqual(names.toSorted());
+    expect(Object.keys(EFFECT_REFERENCES).toSorted()).toEqual(names.toSorted());
   });
 
   for (const use of EFFECT_EXAMPLES) {

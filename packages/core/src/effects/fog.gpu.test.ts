@@ -1,7 +1,7 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { orthographicCamera } from '../camera/camera.ts';
-import { expectAsTwin } from '../testing/expect-as-twin.ts';
+import { expectAsReference } from '../testing/expect-as-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { type FogOptions, fog } from './fog.ts';
@@ -39,7 +39,7 @@ describe('fog', () => {
   for (const [name, camera] of Object.entries(CAMERAS))
     gpuTest(`between depths and of a density, ${name}`, async () => {
       const clouds = FOGS.map((options) => ({ set: SET, effects: [fog(options)] }));
-      const drawn = await expectAsTwin(device, { clouds, camera, ...SIZE }, 2e-5);
+      const drawn = await expectAsReference(device, { clouds, camera, ...SIZE }, 2e-5);
       for (const count of drawn) expect(count).toBeGreaterThan(50);
     });
 });

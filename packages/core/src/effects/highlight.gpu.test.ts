@@ -1,10 +1,10 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import type { TwinFunction } from '../reference/effects/twins.ts';
+import type { ReferenceFunction } from '../reference/effects/references.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { SplatSelection } from '../splats/splat-selection.ts';
-import { expectAsTwin } from '../testing/expect-as-twin.ts';
+import { expectAsReference } from '../testing/expect-as-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { defineEffect } from './effect.ts';
@@ -37,7 +37,7 @@ fn hideSplat(splat: Splat, splatIndex: u32, selected: bool) -> Splat {
   calledFor: () => 'selected splats are hidden',
   selection: (selection) => selection,
 });
-const effectTwins: Record<string, TwinFunction> = {
+const effectReferences: Record<string, ReferenceFunction> = {
   'test-hide': (selection: SplatSelection) => ({
     changeSplat: (splat) => (selection.has(splat.row) ? { ...splat, opacity: 0 } : splat),
   }),
@@ -60,7 +60,7 @@ describe('a highlight', () => {
       { set: SET, modelMatrix: place },
       { set: SET, modelMatrix: place, effects: [marked(two, 0.3)], splatsPerPage: 512 },
     ];
-    await expectAsTwin(device, { clouds, camera, ...SIZE }, 1e-4);
+    await expectAsReference(device, { clouds, camera, ...SIZE }, 1e-4);
   });
 
   gpuTest('follows its selection, and holds nothing while that is empty', async () => {
@@ -74,8 +74,8 @@ describe('a highlight', () => {
     const draw = async () => {
       view.render(frame);
       const { data } = await view.readPixels();
-      const twin = renderReference({ clouds: [{ set: SET, effects }], camera, ...SIZE });
-      expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(45);
+      const reference = renderReference({ clouds: [{ set: SET, effects }], camera, ...SIZE });
+      expect(compareImages(data, reference.data, SIZE).psnrDb).toBeGreaterThan(45);
       return data;
     };
     const labels = () => engine.memory().resources.map(({ label }) => label);
@@ -127,8 +127,8 @@ gpuTest('effects of one cloud act on selections of their own, which change one b
     shown.add(Array.from({ length: 200 }, (_, i) => from + every * i));
     view.render({ camera, clouds: [{ cloud, effects }], ...SIZE });
     const { data } = await view.readPixels();
-    const twin = renderReference({ clouds: [{ set: SET, effects }], effectTwins, camera, ...SIZE });
-    expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    const reference = renderReference({ clouds: [{ set: SET, effects }], effectReferences, camera, ...SIZE });
+    expect(compareImages(data, reference.data, SIZE).psnrDb).toBeGreaterThan(60);
     const held = engine.memory().resources.find(({ label }) => label === 'frame selections');
     expect(held?.bytes).toBe(2 * 4 * Math.ceil(SET.count / 32));
   }
@@ -142,7 +142,7 @@ gpuTest('effects that change splats also take the selection', async () => {
   const effects = [hide(selection), marked(selection)];
   view.render({ camera, clouds: [{ cloud: engine.add(SET), effects }], ...SIZE });
   const { data } = await view.readPixels();
-  const twin = renderReference({ clouds: [{ set: SET, effects }], effectTwins, camera, ...SIZE });
-  expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+  const reference = renderReference({ clouds: [{ set: SET, effects }], effectReferences, camera, ...SIZE });
+  expect(compareImages(data, reference.data, SIZE).psnrDb).toBeGreaterThan(60);
   engine.destroy();
 });

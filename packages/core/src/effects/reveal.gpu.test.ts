@@ -2,7 +2,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../camera/camera.ts';
 import { translated4, type Vec3 } from '../math/mat4.ts';
-import { expectAsTwin } from '../testing/expect-as-twin.ts';
+import { expectAsReference } from '../testing/expect-as-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import { type RevealOptions, reveal } from './reveal.ts';
@@ -35,7 +35,7 @@ describe('reveal', () => {
         uses.map((options) => ({ set: SET, modelMatrix, effects: [reveal(options)] })),
       );
       clouds.push({ set: SET, modelMatrix: TEST_MODELS.identity, effects: [] });
-      const drawn = await expectAsTwin(device, { clouds, camera: CAMERAS[camera], ...SIZE }, 1e-5);
+      const drawn = await expectAsReference(device, { clouds, camera: CAMERAS[camera], ...SIZE }, 1e-5);
       const all = drawn.at(-1)!;
       for (const count of drawn.slice(0, 4)) {
         expect(count).toBeGreaterThan(3);
@@ -56,7 +56,7 @@ describe('reveal', () => {
         { set, effects: [reveal({ ...band, from: point })] },
         { set, effects: [reveal({ ...band, from: 'camera' })] },
       ];
-      return expectAsTwin(device, { clouds, camera: seenBy, ...SIZE }, 1e-5);
+      return expectAsReference(device, { clouds, camera: seenBy, ...SIZE }, 1e-5);
     };
     const drawn = await drawFrom({ ...SET, origin: far }, from, camera);
     expect(drawn).toEqual(await drawFrom(SET, FROM, perspective));

@@ -44,7 +44,7 @@ async function drawWith(settings: Partial<AccuracySettings>, set = SCENE, camera
   }
 }
 
-function psnrAgainstTwin(
+function psnrAgainstReference(
   data: Float32Array,
   settings: Partial<AccuracySettings>,
   set: SplatSet = SCENE,
@@ -70,7 +70,7 @@ describe('accuracy settings', () => {
           const { psnrDb, p999Error } = compareImages(other, plain, SIZE);
           expect(psnrDb).toBeGreaterThan(70);
           expect(p999Error).toBeLessThan(1e-3);
-          expect(psnrAgainstTwin(other, settings, set, camera)).toBeGreaterThan(60);
+          expect(psnrAgainstReference(other, settings, set, camera)).toBeGreaterThan(60);
         }
       }
     });
@@ -83,8 +83,10 @@ describe('accuracy settings', () => {
     const exact = await drawWith({}, set, camera);
     for (const sortKeyBits of [24, 20, 16] as const) {
       const data = await drawWith({ sortKeyBits }, set, camera);
-      // Splats change places if their float32 depths fall on the other side of a step, which the twin does not model.
-      expect(psnrAgainstTwin(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(55);
+      // Splats change places if their float32 depths fall on the other side of a step, which the reference does not model.
+      expect(psnrAgainstReference(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(
+        55,
+      );
       // Depths with equal keys are within 2^-(bits − 4) of each other: the image hardly changes.
       expect(compareImages(data, exact, SIZE).psnrDb).toBeGreaterThan(45);
     }
@@ -118,14 +120,14 @@ describe('accuracy settings', () => {
     // Those records clamp colours at 1: the scene's stay below.
     const set = { ...SCENE, harmonics: NO_REST, colorDc: SCENE.colorDc.map((value) => value / 2) };
     const data = await drawWith({ recordPrecision: 'paper' }, set);
-    expect(psnrAgainstTwin(data, {}, set)).toBeGreaterThan(45);
+    expect(psnrAgainstReference(data, {}, set)).toBeGreaterThan(45);
   });
 
   gpuTest('an 8-bit target: every value a step of it', async () => {
     const data = await drawWith({ colorTarget: 'rgba8unorm' });
     expect(data.every((value) => Math.abs(255 * value - Math.round(255 * value)) < 1e-4)).toBe(true);
     // Each layer rounds by half a step, partly covered by later layers; a single rounding is 58.9 dB.
-    expect(psnrAgainstTwin(data, {})).toBeGreaterThan(44);
+    expect(psnrAgainstReference(data, {})).toBeGreaterThan(44);
   });
 
   gpuTest('a scaled resolution: drawn small, enlarged smoothly', async () => {
@@ -134,7 +136,7 @@ describe('accuracy settings', () => {
       for (const camera of [CAMERA, CAMERAS.orthographic, CAMERAS['off-centre']]) {
         // As exact as at full size, since enlarging averages.
         expect(
-          psnrAgainstTwin(await drawWith(settings, SCENE, camera), settings, SCENE, camera),
+          psnrAgainstReference(await drawWith(settings, SCENE, camera), settings, SCENE, camera),
         ).toBeGreaterThan(58);
       }
     }
@@ -235,7 +237,7 @@ describe('accuracy settings', () => {
       view.render({ camera: CAMERA, clouds: [{ cloud }], ...SIZE, accuracy: preset });
       const { data } = await view.readPixels();
       cloud.destroy();
-      expect(psnrAgainstTwin(data, ACCURACY_PRESETS[preset])).toBeGreaterThan(35);
+      expect(psnrAgainstReference(data, ACCURACY_PRESETS[preset])).toBeGreaterThan(35);
     });
   }
 });

@@ -49,7 +49,7 @@ async function draw(red: SplatSet, blue: SplatSet, request: Request = {}) {
   return { data, entry };
 }
 
-function twin(sortBy: SortBy, camera = PERSPECTIVE, sets: readonly SplatSet[] = [RED, BLUE]) {
+function reference(sortBy: SortBy, camera = PERSPECTIVE, sets: readonly SplatSet[] = [RED, BLUE]) {
   return renderReference({ clouds: sets.map((set) => ({ set })), camera, sortBy, ...SIZE }).data;
 }
 
@@ -64,8 +64,8 @@ describe('the order of a frame', () => {
       gpuTest(`${rasterizer}, by ${sortBy}: as in float64, and not that by ${other}`, async () => {
         const accuracy = { preset: 'reference', rasterizer } as const;
         const { data } = await draw(RED, BLUE, { sortBy, accuracy });
-        expect(psnrDb(data, twin(sortBy))).toBeGreaterThan(90);
-        expect(psnrDb(data, twin(other))).toBeLessThan(30);
+        expect(psnrDb(data, reference(sortBy))).toBeGreaterThan(90);
+        expect(psnrDb(data, reference(other))).toBeLessThan(30);
       });
     }
   }
@@ -73,8 +73,8 @@ describe('the order of a frame', () => {
   gpuTest('without perspective, is that of depths', async () => {
     for (const sortBy of ['distance', 'auto'] as const) {
       const { data, entry } = await draw(asking(RED), BLUE, { camera: ORTHOGRAPHIC, sortBy });
-      expect(psnrDb(data, twin('depth', ORTHOGRAPHIC))).toBeGreaterThan(90);
-      expect(psnrDb(data, twin('distance', ORTHOGRAPHIC))).toBeGreaterThan(90);
+      expect(psnrDb(data, reference('depth', ORTHOGRAPHIC))).toBeGreaterThan(90);
+      expect(psnrDb(data, reference('distance', ORTHOGRAPHIC))).toBeGreaterThan(90);
       expect(entry).toMatchObject({ isOn: false, reason: 'the camera has no perspective', clouds: [] });
     }
   });
@@ -94,9 +94,9 @@ describe('the order of a frame', () => {
     ] as const) {
       const { data, entry } = await draw(red, blue, { sortBy });
       expect(entry).toMatchObject(expected);
-      const exact = twin(expected.isOn ? 'distance' : 'depth');
+      const exact = reference(expected.isOn ? 'distance' : 'depth');
       expect(psnrDb(data, exact)).toBeGreaterThan(90);
-      expect(Array.from(twin(sortBy ?? 'auto', PERSPECTIVE, [red, blue]))).toEqual(Array.from(exact));
+      expect(Array.from(reference(sortBy ?? 'auto', PERSPECTIVE, [red, blue]))).toEqual(Array.from(exact));
     }
   });
 
@@ -113,7 +113,7 @@ describe('the order of a frame', () => {
       ] as const) {
         expect(view.render({ ...frame, sortBy })).toBe(isDrawn);
         const { data } = await view.readPixels();
-        expect(psnrDb(data, twin(sortBy))).toBeGreaterThan(90);
+        expect(psnrDb(data, reference(sortBy))).toBeGreaterThan(90);
       }
       for (const { cloud } of clouds) cloud.destroy();
     },

@@ -53,11 +53,11 @@ async function draw({ clouds, camera = CAMERAS.perspective }: Scene, settings: S
   }
 }
 
-async function psnrAgainstTwin(scene: Scene, settings: Settings = {}, size = SIZE): Promise<number> {
+async function psnrAgainstReference(scene: Scene, settings: Settings = {}, size = SIZE): Promise<number> {
   const data = await draw(scene, settings, size);
-  const twin = renderReference({ camera: CAMERAS.perspective, ...scene, ...size, settings });
-  expect(twin.visibleSplats).toBeGreaterThan(0);
-  return compareImages(data, twin.data, size).psnrDb;
+  const reference = renderReference({ camera: CAMERAS.perspective, ...scene, ...size, settings });
+  expect(reference.visibleSplats).toBeGreaterThan(0);
+  return compareImages(data, reference.data, size).psnrDb;
 }
 
 /** Bit for bit; a deep comparison of so many numbers takes longer than drawing them. */
@@ -70,7 +70,7 @@ const ONE = { clouds: [{ set: SET }] };
 describe('tiles draw as float64 does', () => {
   for (const [name, camera] of Object.entries(CAMERAS)) {
     gpuTest(`${name} camera`, async () => {
-      expect(await psnrAgainstTwin({ ...ONE, camera })).toBeGreaterThan(95);
+      expect(await psnrAgainstReference({ ...ONE, camera })).toBeGreaterThan(95);
     });
   }
 
@@ -79,7 +79,7 @@ describe('tiles draw as float64 does', () => {
     gpuTest(`with ${use.effect.name}`, async () => {
       const scene = { clouds: [{ set: SET, modelMatrix: TEST_MODELS.sheared, effects: [use] }] };
       for (const camera of [CAMERAS.perspective, CAMERAS.orthographic]) {
-        expect(await psnrAgainstTwin({ ...scene, camera })).toBeGreaterThan(90);
+        expect(await psnrAgainstReference({ ...scene, camera })).toBeGreaterThan(90);
       }
     });
   }
@@ -90,7 +90,7 @@ describe('tiles draw as float64 does', () => {
       modelMatrix,
       opacity: 1 - i / 8,
     }));
-    expect(await psnrAgainstTwin({ clouds })).toBeGreaterThan(90);
+    expect(await psnrAgainstReference({ clouds })).toBeGreaterThan(90);
   });
 
   gpuTest('huge splats and needles', async () => {
@@ -101,7 +101,7 @@ describe('tiles draw as float64 does', () => {
     ] as const) {
       const set = randomSplats({ count: 200, seed: 81, logScales });
       for (const camera of [CAMERAS.perspective, CAMERAS.inside, CAMERAS.orthographic]) {
-        expect(await psnrAgainstTwin({ clouds: [{ set }], camera })).toBeGreaterThan(90);
+        expect(await psnrAgainstReference({ clouds: [{ set }], camera })).toBeGreaterThan(90);
       }
     }
   });
@@ -117,7 +117,7 @@ describe('tiles draw as float64 does', () => {
       const set = randomSplats({ count: 600, seed, logScales: [-3, -1] });
       return { set: { ...set, positions: set.positions.map((value, i) => (i % 3 === 2 ? 0 : value)) } };
     };
-    expect(await psnrAgainstTwin({ clouds: [sheet(82), sheet(83)], camera })).toBeGreaterThan(95);
+    expect(await psnrAgainstReference({ clouds: [sheet(82), sheet(83)], camera })).toBeGreaterThan(95);
   });
 
   gpuTest('5,000 layers on one pixel, and 2,000 splats over everything', async () => {
@@ -133,7 +133,7 @@ describe('tiles draw as float64 does', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
     const size = { widthPx: 70, heightPx: 70 };
     for (const set of [layers(5000, -9, -4.5), layers(5000, -9, 3), layers(2000, 4, -4.5)]) {
-      expect(await psnrAgainstTwin({ clouds: [{ set }], camera }, {}, size)).toBeGreaterThan(90);
+      expect(await psnrAgainstReference({ clouds: [{ set }], camera }, {}, size)).toBeGreaterThan(90);
     }
   });
 });
@@ -151,7 +151,7 @@ describe('tiles keep every setting', () => {
     for (const colorTarget of ['rgba32float', 'rgba16float', 'rgba8unorm'] as const) {
       gpuTest(`records in ${recordPrecision}, blending in ${colorTarget}`, async () => {
         const settings = { recordPrecision, colorTarget };
-        const psnrDb = await psnrAgainstTwin({ clouds: [{ set: MUTED }] }, settings);
+        const psnrDb = await psnrAgainstReference({ clouds: [{ set: MUTED }] }, settings);
         expect(psnrDb).toBeGreaterThan(MIN_PSNR_DB[recordPrecision][colorTarget]);
       });
     }
@@ -174,8 +174,8 @@ describe('tiles keep every setting', () => {
     // A deep scene, so that few bits lose much.
     const set = randomSplats({ count: 1500, seed: 85, halfExtent: 30, logScales: [-2, 0] });
     for (const sortKeyBits of [24, 20, 16] as const) {
-      const db = await psnrAgainstTwin({ clouds: [{ set }], camera: CAMERAS.inside }, { sortKeyBits });
-      // Splats change places if their float32 depths fall on the other side of a step, which the twin does not model.
+      const db = await psnrAgainstReference({ clouds: [{ set }], camera: CAMERAS.inside }, { sortKeyBits });
+      // Splats change places if their float32 depths fall on the other side of a step, which the reference does not model.
       expect(db).toBeGreaterThan(55);
     }
   });
@@ -188,7 +188,7 @@ describe('tiles keep every setting', () => {
       { shDegree: 1 },
     ] as const)
       for (const camera of [CAMERAS.orthographic, CAMERAS['off-centre']])
-        expect(await psnrAgainstTwin({ ...ONE, camera }, settings)).toBeGreaterThan(90);
+        expect(await psnrAgainstReference({ ...ONE, camera }, settings)).toBeGreaterThan(90);
   });
 });
 
@@ -225,8 +225,8 @@ describe('a view with tiles', () => {
       const camera = testCameras(widthPx / heightPx).inside;
       own.render({ camera, clouds: [{ cloud }], widthPx, heightPx });
       const { data } = await own.readPixels();
-      const twin = renderReference({ ...ONE, camera, widthPx, heightPx });
-      expect(compareImages(data, twin.data, { widthPx, heightPx }).psnrDb).toBeGreaterThan(90);
+      const reference = renderReference({ ...ONE, camera, widthPx, heightPx });
+      expect(compareImages(data, reference.data, { widthPx, heightPx }).psnrDb).toBeGreaterThan(90);
     }
     own.destroy();
     cloud.destroy();

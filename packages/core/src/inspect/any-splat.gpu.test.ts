@@ -75,7 +75,7 @@ gpuTest(
       ),
       { numRuns: RUNS },
     );
-    // A GPU that draws nothing, or a twin that is never sure, would otherwise pass.
+    // A GPU that draws nothing, or a reference that is never sure, would otherwise pass.
     expect(drawn).toBeGreaterThan(RUNS);
     expect(unsure).toBeLessThan(total / 4);
   },

@@ -9,7 +9,7 @@ import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
 import { sortDepths } from './sort-depths.ts';
 
-/** A splat that the GPU drew and the twin culls, or the reverse. */
+/** A splat that the GPU drew and the reference culls, or the reverse. */
 export interface CullingMismatch {
   readonly cloudIndex: number;
   readonly splatIndex: number;
@@ -27,7 +27,7 @@ export interface CullingComparison {
   readonly flaws: readonly string[];
 }
 
-/** Compares the splats that the frame drew with those that the float64 twin draws. */
+/** Compares the splats that the frame drew with those that the float64 reference draws. */
 export async function compareCulling(frame: InspectedFrame): Promise<CullingComparison> {
   const visibleCount = await frame.visibleCount();
   const visibleSplats = (await frame.words('visibleSplats')).subarray(0, visibleCount);
@@ -54,7 +54,7 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
 }
 
 /**
- * Whether the twin draws the splat, and whether that is sure or rounding may decide otherwise: the twin runs again with
+ * Whether the reference draws the splat, and whether that is sure or rounding may decide otherwise: the reference runs again with
  * cutoff, near, far and the image's edges moved by float32's largest error, once against the splat and once in its favour.
  */
 function verdict(

@@ -38,7 +38,7 @@ const LONGEST_AXIS_PX = 1e18;
 /** Middle of an image so wide that nothing lies outside of it. */
 const MIDDLE_PX = 5e8;
 
-/** Compares every record of the frame with its float64 twin; see `compareRecord` for the bounds. */
+/** Compares every record of the frame with its float64 reference; see `compareRecord` for the bounds. */
 export async function compareRecords(frame: InspectedFrame): Promise<FieldErrors<RecordField>> {
   const errors = new FieldErrors<RecordField>();
   for (const record of await readRecords(frame)) compareRecord(frame, record, errors);
@@ -51,18 +51,18 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
   const { cloud, index } = frame.locate(record.splat);
   const place = { cloudIndex: frame.clouds.indexOf(cloud), splatIndex: index };
   const add: Add = (field, got, expected, bound) => errors.add(place, field, got, expected, bound);
-  const twin = twinOf(frame, cloud, index);
-  // The GPU draws this splat and the twin does not: compare its opacity with 0.
-  if (!twin) {
+  const reference = referenceOf(frame, cloud, index);
+  // The GPU draws this splat and the reference does not: compare its opacity with 0.
+  if (!reference) {
     add('opacity', record.color[3], 0, 0);
     return;
   }
   const bounds = projectionErrors(cloud.stored, index, cloud.view, frame.projection);
   const { centerPx } = frame.projection;
-  // The middle is added to the twin's centre and taken off again, a rounding of float64 each.
+  // The middle is added to the reference's centre and taken off again, a rounding of float64 each.
   const middleError = 2 * MIDDLE_PX * 2 ** -53;
   for (const axis of [0, 1] as const) {
-    const expected = twin.centerPx[axis] - MIDDLE_PX + centerPx[axis];
+    const expected = reference.centerPx[axis] - MIDDLE_PX + centerPx[axis];
     add(
       axis === 0 ? 'centerPx.x' : 'centerPx.y',
       record.centerPx[axis],
@@ -70,15 +70,15 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
       bounds.centerPx[axis] + middleError,
     );
   }
-  add('depthView', record.depthView, twin.depthView, bounds.depthView);
+  add('depthView', record.depthView, reference.depthView, bounds.depthView);
   const rounding = roundingOf(frame);
-  compareShape(record, twin, bounds, rounding, add);
-  compareColor(frame, record, cloud, index, twin, bounds, rounding, add);
-  compareAlpha(record, twin, bounds, rounding, add);
+  compareShape(record, reference, bounds, rounding, add);
+  compareColor(frame, record, cloud, index, reference, bounds, rounding, add);
+  compareAlpha(record, reference, bounds, rounding, add);
 }
 
-/** The twin's record of a splat wherever it lies: every splat that the GPU kept must match its twin. */
-export function twinOf(
+/** The reference's record of a splat wherever it lies: every splat that the GPU kept must match its reference. */
+export function referenceOf(
   { projection }: InspectedFrame,
   { stored, view, effects }: InspectedCloud,
   index: number,
@@ -122,7 +122,7 @@ function roundingOf({ accuracy: { recordPrecision } }: InspectedFrame): RecordRo
 }
 
 /** Both lengths at √2 standard deviations, px. */
-function twinLengths({ covariance }: VisibleSplat): [major: number, minor: number] {
+function referenceLengths({ covariance }: VisibleSplat): [major: number, minor: number] {
   const { majorPx, minorPx } = screenAxes(covariance);
   return [Math.hypot(...majorPx), Math.hypot(...minorPx)];
 }
@@ -140,13 +140,13 @@ function lengthBound(majorPx: number, { rowsPx }: ProjectionErrors): number {
  */
 function compareShape(
   record: DecodedRecord,
-  twin: VisibleSplat,
+  reference: VisibleSplat,
   bounds: ProjectionErrors,
   rounding: RecordRounding,
   add: Add,
 ): void {
-  const { a, b, c } = twin.covariance;
-  const [major, minor] = twinLengths(twin);
+  const { a, b, c } = reference.covariance;
+  const [major, minor] = referenceLengths(reference);
   const { longestAxisPx, axis } = rounding;
   const shortened = (length: number) => Math.min(longestAxisPx, length);
   const bound = (length: number) => lengthBound(shortened(major), bounds) + axis * shortened(length);
@@ -173,7 +173,7 @@ function compareColor(
   record: DecodedRecord,
   { stored, view, effects }: InspectedCloud,
   index: number,
-  twin: CulledSplat,
+  reference: CulledSplat,
   { direction }: ProjectionErrors,
   rounding: RecordRounding,
   add: Add,
@@ -189,7 +189,7 @@ function compareColor(
   const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;
   // Any larger value is the same colour, white.
   const most = maxColor(frame.accuracy);
-  for (const [channel, value] of splatColor(stored, index, view, shDegree, twin, effects).entries()) {
+  for (const [channel, value] of splatColor(stored, index, view, shDegree, reference, effects).entries()) {
     const expected = Math.min(most, value);
     add(
       (['r', 'g', 'b'] as const)[channel],
@@ -201,7 +201,7 @@ function compareColor(
 }
 
 /**
- * Alpha of the record's Gaussian and of the twin's, both in float64, at k = 0, 1 and 2 of the twin's standard
+ * Alpha of the record's Gaussian and of the reference's, both in float64, at k = 0, 1 and 2 of the reference's standard
  * deviations √λ along each axis e.
  *
  * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows is equivalent to more
@@ -215,17 +215,17 @@ function compareColor(
  */
 function compareAlpha(
   record: DecodedRecord,
-  twin: VisibleSplat,
+  reference: VisibleSplat,
   bounds: ProjectionErrors,
   { longestAxisPx, axis: axisRounding, color }: RecordRounding,
   add: Add,
 ): void {
-  const opacityError = 8 * u + color(twin.opacity);
-  add('opacity', record.color[3], twin.opacity, opacityError);
+  const opacityError = 8 * u + color(reference.opacity);
+  add('opacity', record.color[3], reference.opacity, opacityError);
   const capped = (alpha: number) => Math.min(MAX_FRAGMENT_ALPHA, alpha);
-  add('alpha at 0σ', capped(record.color[3]), capped(twin.opacity), opacityError);
-  const { majorPx, minorPx } = screenAxes(twin.covariance);
-  const lengths = twinLengths(twin);
+  add('alpha at 0σ', capped(record.color[3]), capped(reference.opacity), opacityError);
+  const { majorPx, minorPx } = screenAxes(reference.covariance);
+  const lengths = referenceLengths(reference);
   // Such a record has shortened axes, so alphas along them cannot be compared; the lengths are.
   if (lengths[0] >= longestAxisPx) return;
   const [deviation1, deviation2] = lengths.map((length) => length / Math.SQRT2);
@@ -240,10 +240,10 @@ function compareAlpha(
     const deviation = axis === 'major' ? deviation1 : deviation2;
     for (const k of [1, 2] as const) {
       const offsetPx = along.map((component) => (k * component) / Math.SQRT2);
-      const alpha = twin.opacity * Math.exp(-0.5 * k * k);
+      const alpha = reference.opacity * Math.exp(-0.5 * k * k);
       const unrounded = 0.5 * k * k * (relative(deviation) + cross);
       const exponentError = unrounded + (axisRounding > 0 ? stretch * (0.5 * k * k + unrounded) : 0);
-      const bound = Math.min(twin.opacity, alpha * Math.expm1(exponentError)) + opacityError;
+      const bound = Math.min(reference.opacity, alpha * Math.expm1(exponentError)) + opacityError;
       add(`alpha at ${k}σ ${axis}`, capped(recordAlpha(record, offsetPx)), capped(alpha), bound);
     }
   }

@@ -162,7 +162,7 @@ gpuTest('fragments and contributions are those that float64 finds in the whole s
     const request = { camera, clouds: [{ cloud: engine.add(set) }], ...SIZE, accuracy };
     const costs = await countCosts(engine, request);
     const { contributionsPx } = await mapContributions(engine, request);
-    const splats = await visibleByTwin(set);
+    const splats = await visibleByReference(set);
     expect(contributionsPx.length).toBe(splats.length);
     const nearestFirst = [...splats.keys()].sort((a, b) => splats[a].depthView - splats[b].depthView);
     const ranked = nearestFirst.map((i) => splats[i]);
@@ -184,7 +184,7 @@ gpuTest('fragments and contributions are those that float64 finds in the whole s
 });
 
 /** The splats that culling keeps, in storage order, in float64. */
-async function visibleByTwin(set: SplatSet) {
+async function visibleByReference(set: SplatSet) {
   const frame = await InspectedFrame.draw(device, { clouds: [{ set }], camera, ...SIZE });
   const [{ stored, view }] = frame.clouds;
   const settings = { alphaCutoff: accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects: [] };

@@ -9,7 +9,7 @@ export const FLOAT32_ROUNDING = 2 ** -24;
 /** Error of denormals that are flushed to zero in the terms of a view coordinate. */
 const FLUSHED = 8 * 2 ** -126;
 
-/** Bounds of the GPU's difference from the twin for one splat, derived from the splat's own numbers. */
+/** Bounds of the GPU's difference from the reference for one splat, derived from the splat's own numbers. */
 export interface ProjectionErrors {
   /** Bound of the view depth, world units. */
   readonly depthView: number;

@@ -1,4 +1,4 @@
-/** Difference of one number of the GPU from its float64 twin. */
+/** Difference of one number of the GPU from its float64 reference. */
 export interface FieldError<Field extends string = string> {
   readonly field: Field;
   /** Index of the splat's cloud in the frame, and of the splat in that cloud's storage order. */

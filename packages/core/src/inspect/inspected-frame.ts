@@ -22,8 +22,8 @@ import { dropNonFinite } from '../packing/drop-non-finite.ts';
 import type { Harmonics, StoredHarmonics } from '../packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
-import type { EffectTwin } from '../reference/effects/effect-twin.ts';
-import { twinsOf } from '../reference/effects/twins.ts';
+import type { EffectReference } from '../reference/effects/effect-reference.ts';
+import { referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import type { SortBy } from '../splats/sort-by.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
@@ -57,17 +57,17 @@ export interface InspectOptions {
 /** Tests through these frames do not need the most exact target; every device can blend this format. */
 const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 
-/** A cloud of an inspected frame as the float64 twins read it. */
+/** A cloud of an inspected frame as the float64 references read it. */
 export interface InspectedCloud {
   /** In storage order, with the values that the GPU unpacks. */
   readonly stored: SplatSet<StoredHarmonics>;
   readonly packed: PackedCloud;
   readonly view: CloudView;
-  readonly effects: readonly EffectTwin[];
+  readonly effects: readonly EffectReference[];
   readonly planes: readonly FrustumSide[];
 }
 
-/** The buffers of a frame after all of its stages have run, and the inputs from which the twins compute the same. */
+/** The buffers of a frame after all of its stages have run, and the inputs from which the references compute the same. */
 export class InspectedFrame {
   readonly plan: FramePlan;
   readonly parts: FrameParts;
@@ -163,7 +163,7 @@ export class InspectedFrame {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
         view,
-        effects: twinsOf(usesOf(instances[i]), {
+        effects: referencesOf(usesOf(instances[i]), {
           modelMatrix,
           origin: stored.origin,
           viewMatrix: camera.viewMatrix,

@@ -1,5 +1,5 @@
 import { sortDistance } from '../layout/depth-key.ts';
-import { twinOf } from './compare-records.ts';
+import { referenceOf } from './compare-records.ts';
 import { projectionErrors } from './error-bounds.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 import { readRecords } from './read-records.ts';
@@ -12,7 +12,7 @@ export interface SortDepth {
 
 /**
  * What the frame's visible splats are sorted by, in the order of `visibleSplats`: the depths of their records, to the bit, or the
- * twin's distances (`sortDistance`), which the GPU's may miss by their rounding.
+ * reference's distances (`sortDistance`), which the GPU's may miss by their rounding.
  */
 export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
   const records = await readRecords(frame);
@@ -20,10 +20,10 @@ export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
     return records.map(({ depthView }) => ({ least: depthView, most: depthView }));
   return records.map(({ splat }) => {
     const { cloud, index } = frame.locate(splat);
-    const twin = twinOf(frame, cloud, index);
+    const reference = referenceOf(frame, cloud, index);
     // It should not have been drawn; that is for others to find.
-    if (!twin) return { least: 0, most: Number.POSITIVE_INFINITY };
-    const distance = Math.hypot(...twin.centerView);
+    if (!reference) return { least: 0, most: Number.POSITIVE_INFINITY };
+    const distance = Math.hypot(...reference.centerView);
     const bound = projectionErrors(cloud.stored, index, cloud.view, frame.projection).distance;
     const { near } = frame.projection;
     return {

@@ -3,7 +3,7 @@ const u32 = new Uint32Array(f32.buffer);
 
 /**
  * Returns the bits of the float32 nearest to `depthView`, as an unsigned integer in the order of the numbers: a < b exactly
- * if orderedBits(a) < orderedBits(b). −0 counts as 0. Twin of shaders/lib/depth-key.wgsl.
+ * if orderedBits(a) < orderedBits(b). −0 counts as 0. Reference of shaders/lib/depth-key.wgsl.
  */
 export function orderedBits(depthView: number): number {
   f32[0] = depthView + 0;
@@ -15,7 +15,7 @@ const MOST_UNITS = 1e19;
 
 /**
  * What splats are sorted by where that is their distance: its square, in units of the power of two below `near`, or of 1 for a near
- * of 0. Twin of `sortDepth` in shaders/lib/depth-key.wgsl.
+ * of 0. Reference of `sortDepth` in shaders/lib/depth-key.wgsl.
  */
 export function sortDistance(distance: number, near: number): number {
   f32[0] = near;

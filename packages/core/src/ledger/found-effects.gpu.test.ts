@@ -9,7 +9,7 @@ import { compareCulling } from '../inspect/compare-culling.ts';
 import { compareRecords } from '../inspect/compare-records.ts';
 import { describeFieldError } from '../inspect/field-error.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
-import type { TwinFunction } from '../reference/effects/twins.ts';
+import type { ReferenceFunction } from '../reference/effects/references.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { linkShader } from '../shaders/link-shader.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
@@ -45,14 +45,14 @@ fn flattenSplat(splat: Splat, splatIndex: u32) -> Splat {
 }`,
   calledFor: () => 'they are to be flat',
 });
-const FLATTEN_TWIN: Record<string, TwinFunction> = {
+const FLATTEN_REFERENCE: Record<string, ReferenceFunction> = {
   'test-flatten': () => ({
     changeSplat: ({ logScales: [x, y, z], ...rest }) => ({ ...rest, logScales: [x, y, z + Math.log(0.01)] }),
   }),
 };
 
 /** Draws the clouds, and compares visible splats and records with float64. */
-async function drawnAsTwin(
+async function drawnAsReference(
   clouds: InspectOptions['clouds'],
   camera: keyof typeof CAMERAS,
   accuracy: InspectOptions['accuracy'] = {},
@@ -79,7 +79,7 @@ describe('round splats', () => {
     for (const geometryPrecision of ['f32', 'packed'] as const) {
       gpuTest(`${camera}, ${geometryPrecision}: as in float64, without a rotation`, async () => {
         const modelMatrix = TEST_MODELS.sheared;
-        const drawn = await drawnAsTwin([{ set, modelMatrix }], camera, { geometryPrecision });
+        const drawn = await drawnAsReference([{ set, modelMatrix }], camera, { geometryPrecision });
         expect(drawn.visibleCount).toBeGreaterThan(20);
         expect(drawn.shapes.map((cloud) => cloud.isIsotropic)).toEqual([true]);
         for (const text of drawn.texts) expect(text).not.toMatch(/rotationMatrix|unpackRotation/);
@@ -89,7 +89,7 @@ describe('round splats', () => {
 
   gpuTest('stay so with effects of this package', async () => {
     const shrink = reveal({ from: [0, 0, 0], radius: 1.2, softEdge: 0.5 });
-    const { shapes } = await drawnAsTwin([{ set, effects: [shrink] }], 'perspective');
+    const { shapes } = await drawnAsReference([{ set, effects: [shrink] }], 'perspective');
     expect(shapes.map((cloud) => cloud.isIsotropic)).toEqual([true]);
   });
 
@@ -101,8 +101,13 @@ describe('round splats', () => {
     view.render({ camera, clouds: [{ cloud: engine.add(set), effects }], ...SIZE });
     const { data } = await view.readPixels();
     expect(view.shape!.clouds.map((cloud) => cloud.isIsotropic)).toEqual([false]);
-    const twin = renderReference({ clouds: [{ set, effects }], effectTwins: FLATTEN_TWIN, camera, ...SIZE });
-    expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(60);
+    const reference = renderReference({
+      clouds: [{ set, effects }],
+      effectReferences: FLATTEN_REFERENCE,
+      camera,
+      ...SIZE,
+    });
+    expect(compareImages(data, reference.data, SIZE).psnrDb).toBeGreaterThan(60);
     engine.destroy();
   });
 });

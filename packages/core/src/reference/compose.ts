@@ -2,7 +2,7 @@ import type { SizePx } from '../accuracy/accuracy.ts';
 import { decodeSrgb, encodeSrgb } from './srgb.ts';
 
 /**
- * Twin of compose: splats over the host's image.
+ * Reference of compose: splats over the host's image.
  *
  * @param layer blended splats, premultiplied, sRGB-encoded, 4 values per pixel.
  * @param behind the host's colours, premultiplied, linear, 4 values per pixel.
@@ -16,7 +16,7 @@ export function compose(layer: ArrayLike<number>, behind: ArrayLike<number>): Fl
 const EDGE_RATIO = 1.05;
 
 /**
- * Twin of compose for a host's depth with several samples per pixel, which show the edges of meshes. At an edge the host's
+ * Reference of compose for a host's depth with several samples per pixel, which show the edges of meshes. At an edge the host's
  * colour is a mixture. The near surface's part of it, with the splats in front, is taken from the neighbour that shows most
  * of that surface; the rest of the pixel is the far surface under the pixel's own splats.
  *
@@ -51,7 +51,7 @@ export function composeWithEdges(
 }
 
 /**
- * Twin of compose's depth: the mean or median depth of a pixel's splats, as the host stores it.
+ * Reference of compose's depth: the mean or median depth of a pixel's splats, as the host stores it.
  *
  * @param depthLayer view depths, blended like a colour, or times the opacity.
  * @param stored maps a view depth at normalised device coordinates (y up) to the host's.

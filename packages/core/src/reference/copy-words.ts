@@ -1,4 +1,4 @@
-/** Twin of copy-words. */
+/** Reference of copy-words. */
 export function copyWords(words: Uint32Array): Uint32Array {
   return words.slice();
 }

@@ -9,7 +9,7 @@ export interface ChunkBounds {
   readonly maxScale: number;
 }
 
-/** Twin of cull-chunks: whether the chunk can reach into the image. */
+/** Reference of cull-chunks: whether the chunk can reach into the image. */
 export function isChunkInFrustum(chunk: ChunkBounds, planes: readonly FrustumSide[]): boolean {
   return chunkClearance(chunk, planes) >= 0;
 }

@@ -5,7 +5,7 @@ import type { Vec3 } from '../math/mat4.ts';
 import { opacityOf } from '../packing/geometry.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
-import type { EffectTwin, SplatValues } from './effects/effect-twin.ts';
+import type { EffectReference, SplatValues } from './effects/effect-reference.ts';
 
 /** Cutoffs that decide which splats are drawn and how far each reaches. */
 export interface CullSettings {
@@ -13,8 +13,8 @@ export interface CullSettings {
   readonly alphaCutoff: number;
   /** Variance added to both screen axes, px². */
   readonly dilationPx2: number;
-  /** Twins of the cloud's effects, in the order in which they act; default none. */
-  readonly effects?: readonly EffectTwin[];
+  /** References of the cloud's effects, in the order in which they act; default none. */
+  readonly effects?: readonly EffectReference[];
   /** Default `opacity`. */
   readonly extent?: Extent;
   /** Default `bounding-box`. */
@@ -43,7 +43,7 @@ export interface CulledSplat extends VisibleSplat {
 /** FARTHEST_CENTER_PX of shaders/stages/cull-splats.wgsl. */
 const FARTHEST_CENTER_PX = 1e18;
 
-/** Twin of cull-splats for splat `index`: the visible splat, or null if no part of it is drawn. */
+/** Reference of cull-splats for splat `index`: the visible splat, or null if no part of it is drawn. */
 export function cullSplat(
   set: SplatColumns,
   index: number,
@@ -81,7 +81,7 @@ export function cullSplat(
 }
 
 /** Returns splat `index` after effects. */
-function changedSplat(set: SplatColumns, index: number, effects: readonly EffectTwin[]): SplatValues {
+function changedSplat(set: SplatColumns, index: number, effects: readonly EffectReference[]): SplatValues {
   const { positions, rotations, logScales } = set;
   const [at3, at4] = [3 * index, 4 * index];
   let splat: SplatValues = {

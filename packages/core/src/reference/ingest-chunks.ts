@@ -1,2 +1,2 @@
-/** Twin of ingest-chunks: the host's own bounds, from log scales before they were rounded. */
+/** Reference of ingest-chunks: the host's own bounds, from log scales before they were rounded. */
 export { chunkBounds as ingestChunks } from '../packing/packed-cloud.ts';

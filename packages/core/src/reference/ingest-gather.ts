@@ -1,4 +1,4 @@
-/** Twin of ingest-gather over all pages: word `word` of the splats of `list`, with the bits of `mask`. */
+/** Reference of ingest-gather over all pages: word `word` of the splats of `list`, with the bits of `mask`. */
 export function ingestGather(
   plane: Uint32Array,
   wordsPerSplat: number,

@@ -1,7 +1,7 @@
 import { type MortonFrame, mortonCell } from '../packing/morton-order.ts';
 
 /**
- * Twin of ingest-keys: for each splat of `order`, 24 bits of the 48-bit Morton code of its centre, bit by bit: the lower ones in
+ * Reference of ingest-keys: for each splat of `order`, 24 bits of the 48-bit Morton code of its centre, bit by bit: the lower ones in
  * round 0, the upper ones in round 1, where dropped splats also have bit 24.
  */
 export function ingestKeys(

@@ -6,7 +6,7 @@ import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 
 /**
- * Twin of ingest-rows for rows that are kept: the host's own packers, in float64. Log scales are packed over all that a splat
+ * Reference of ingest-rows for rows that are kept: the host's own packers, in float64. Log scales are packed over all that a splat
  * may have.
  */
 export function ingestRows(

@@ -1,4 +1,4 @@
-/** Twin of ingest-scatter: `plane` with `words` as word `word` of its splats. */
+/** Reference of ingest-scatter: `plane` with `words` as word `word` of its splats. */
 export function ingestScatter(
   plane: Uint32Array,
   wordsPerSplat: number,

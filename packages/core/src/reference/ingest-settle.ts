@@ -2,7 +2,7 @@ import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 
-/** Twin of ingest-settle: the host's packer, for splats about `origin`, with their own range of log scales. */
+/** Reference of ingest-settle: the host's packer, for splats about `origin`, with their own range of log scales. */
 export function ingestSettle(
   set: SplatColumns,
   geometryPrecision: GeometryPrecision,

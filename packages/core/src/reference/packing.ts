@@ -14,7 +14,7 @@ export interface UnpackedSplat {
   readonly colorDc: readonly [number, number, number];
 }
 
-/** Twin of shaders/lib/packing.wgsl, in float64: splat `index` of `geometry`. */
+/** Reference of shaders/lib/packing.wgsl, in float64: splat `index` of `geometry`. */
 export function unpackSplat(
   { precision, words, logScaleRange }: PackedGeometry,
   index: number,

@@ -16,7 +16,7 @@ export interface ReferencePick {
 }
 
 /**
- * Twin of pick: blends the splats of `backToFront` over the pixel in column `xPx` and row `yPx`, front to back. The foremost
+ * Reference of pick: blends the splats of `backToFront` over the pixel in column `xPx` and row `yPx`, front to back. The foremost
  * of equal contributions wins. Returns null if no splat is drawn there.
  */
 export function pickSplat(

@@ -11,7 +11,7 @@ export interface PageSlots {
 }
 
 /**
- * Twin of plan-cull: distributes the slots of the visible chunks over the pages.
+ * Reference of plan-cull: distributes the slots of the visible chunks over the pages.
  *
  * @param flags 1 for each visible chunk, 0 for the others.
  * @returns the slots of each page, their number in total, and the numbers of workgroups, one per slot, that cull the splats

@@ -2,7 +2,7 @@ import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { PageSlots } from './plan-cull.ts';
 
 /**
- * Twin of plan-project: distributes the visible splats over the pages.
+ * Reference of plan-project: distributes the visible splats over the pages.
  *
  * @param splatCounts number of visible splats of each visible chunk.
  * @param visibleCapacity most splats to distribute; the last ones are left out.

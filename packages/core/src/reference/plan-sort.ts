@@ -5,7 +5,7 @@ export interface SortRoom {
   readonly blockKeys: number;
 }
 
-/** Twin of plan-sort: the numbers of keys and of blocks. */
+/** Reference of plan-sort: the numbers of keys and of blocks. */
 export function planSort(keyCount: number, { capacity, blockKeys }: SortRoom) {
   const sorted = Math.min(keyCount, capacity);
   return { keyCount: sorted, blockCount: Math.ceil(sorted / blockKeys) };

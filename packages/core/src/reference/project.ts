@@ -3,7 +3,7 @@ import type { Vec3 } from '../math/mat4.ts';
 import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import type { CulledSplat } from './cull-splats.ts';
-import type { EffectTwin } from './effects/effect-twin.ts';
+import type { EffectReference } from './effects/effect-reference.ts';
 import { shColor } from './spherical-harmonics.ts';
 
 /** Unit vector, in cloud space, from the camera to a splat at `position`. */
@@ -16,14 +16,14 @@ function viewDirection(position: Vec3, view: CloudView): [number, number, number
 
 const rest = new Float64Array(coefficientsPerSplat(3));
 
-/** Twin of project's colours: r, g, b of splat `index`, seen from the camera. */
+/** Reference of project's colours: r, g, b of splat `index`, seen from the camera. */
 export function splatColor(
   set: SplatSet<Harmonics>,
   index: number,
   view: CloudView,
   degreeLimit: ShDegree,
   { splat, centerView }: Pick<CulledSplat, 'splat' | 'centerView'>,
-  effects: readonly EffectTwin[] = [],
+  effects: readonly EffectReference[] = [],
 ): Vec3 {
   const degree = Math.min(set.harmonics.degree, degreeLimit) as ShDegree;
   readCoefficients(set.harmonics, index, rest);

@@ -5,7 +5,7 @@ import { compactSplats } from './compact-splats.ts';
 import { prefixScan } from './prefix-scan.ts';
 import { radixSort } from './radix-sort.ts';
 
-describe('the integer twins', () => {
+describe('the integer references', () => {
   test('the radix sort is a stable sort', () => {
     const shape = fc.constantFrom(
       { digitBits: 8, passes: 4, blockKeys: 7 },

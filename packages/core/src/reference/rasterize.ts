@@ -19,7 +19,7 @@ export interface ReferenceDepths {
   readonly medians: Float64Array;
 }
 
-/** Twin of rasterize: blends one splat over `image`. Pixel centres are at half-integers. */
+/** Reference of rasterize: blends one splat over `image`. Pixel centres are at half-integers. */
 export function rasterizeSplat(
   image: ReferenceImage,
   splat: VisibleSplat,
@@ -42,7 +42,7 @@ export function rasterizeSplat(
 }
 
 /**
- * Twin of tile-rasterize's depth: notes one splat's, if less than half of a pixel is covered by those before it.
+ * Reference of tile-rasterize's depth: notes one splat's, if less than half of a pixel is covered by those before it.
  *
  * @param transmittances share of the light that passes through all nearer splats, per pixel; changed for the next one.
  */

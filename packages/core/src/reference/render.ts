@@ -17,7 +17,7 @@ import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { asksForDistance, type SortBy } from '../splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
-import { type TwinFunction, twinsOf } from './effects/twins.ts';
+import { type ReferenceFunction, referencesOf } from './effects/references.ts';
 import { splatColor } from './project.ts';
 import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 import { upscale } from './upscale.ts';
@@ -33,8 +33,8 @@ export interface ReferenceFrame {
     /** As in a frame request. */
     readonly effects?: readonly EffectUse[];
   }[];
-  /** Twins of effects from outside this package, by name. */
-  readonly effectTwins?: Readonly<Record<string, TwinFunction>>;
+  /** References of effects from outside this package, by name. */
+  readonly effectReferences?: Readonly<Record<string, ReferenceFunction>>;
   /** As in a frame request. */
   readonly sortBy?: SortBy;
   readonly camera: Camera;
@@ -121,7 +121,7 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
     const place = { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix };
     const facts = { isAntialiased: set.isAntialiased ?? null };
-    const effects = twinsOf(usesOf({ ...instance, cloud: { facts } }), place, frame.effectTwins);
+    const effects = referencesOf(usesOf({ ...instance, cloud: { facts } }), place, frame.effectReferences);
     for (let index = 0; index < stored.count; index++) {
       const visible = cullSplat(stored, index, view, projection, { ...settings, effects });
       if (!visible) continue;

@@ -3,7 +3,7 @@ import type { SplatColumns } from '../splats/splat-set.ts';
 import { unpackSplat } from './packing.ts';
 
 /**
- * Twin of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with the range of log scales that
+ * Reference of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with the range of log scales that
  * was found when they were loaded.
  */
 export function repackGeometry(set: SplatColumns, finer: PackedGeometry): PackedGeometry {

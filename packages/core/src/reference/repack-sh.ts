@@ -1,2 +1,2 @@
-/** Twin of repack-sh: the host's own packer, which divides in float64. */
+/** Reference of repack-sh: the host's own packer, which divides in float64. */
 export { repackHarmonics as repackSh } from '../packing/repack-harmonics.ts';

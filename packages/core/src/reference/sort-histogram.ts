@@ -6,11 +6,11 @@ export interface SortPass {
 }
 
 export function digitOf(key: number, { digitShift, digitBits }: SortPass): number {
-  // Shader and twin also agree beyond the key's top: extractBits takes only the bits that exist.
+  // Shader and reference also agree beyond the key's top: extractBits takes only the bits that exist.
   return (key >>> digitShift) & ((1 << digitBits) - 1);
 }
 
-/** Twin of sort-histogram: how often each digit occurs in each block; all blocks of digit 0, then of digit 1, … */
+/** Reference of sort-histogram: how often each digit occurs in each block; all blocks of digit 0, then of digit 1, … */
 export function sortHistogram(keys: ArrayLike<number>, pass: SortPass): Uint32Array {
   const blockCount = Math.ceil(keys.length / pass.blockKeys);
   const counts = new Uint32Array(blockCount << pass.digitBits);

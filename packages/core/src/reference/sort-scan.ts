@@ -6,7 +6,7 @@ export interface DigitPlaces {
   readonly digitTotals: Uint32Array;
 }
 
-/** Twin of sort-scan. */
+/** Reference of sort-scan. */
 export function sortScan(digitCounts: ArrayLike<number>, digitBits: number): DigitPlaces {
   const digitTotals = new Uint32Array(2 ** digitBits);
   const blockCount = digitCounts.length / digitTotals.length;

@@ -21,7 +21,7 @@ export interface EllipseRecord {
   readonly color: readonly number[];
 }
 
-/** Twin of lib/splat-ellipse.wgsl: where a splat's opacity reaches the cutoff; null if it does nowhere. */
+/** Reference of lib/splat-ellipse.wgsl: where a splat's opacity reaches the cutoff; null if it does nowhere. */
 export function splatEllipse(record: EllipseRecord, alphaCutoff: number): SplatEllipse | null {
   const opacity = record.color[3];
   if (opacity < alphaCutoff) return null;

@@ -13,7 +13,7 @@ export interface ReferencePixelCosts {
   readonly weights: readonly number[];
 }
 
-/** Twin of tile-costs for one pixel. @param listed records of its tile's list, nearest first. */
+/** Reference of tile-costs for one pixel. @param listed records of its tile's list, nearest first. */
 export function pixelCosts(
   listed: readonly EllipseRecord[],
   [xPx, yPx]: readonly [number, number],
@@ -36,7 +36,7 @@ export function pixelCosts(
 }
 
 /**
- * Twin of the stage's map for one pixel: the mean of log₂ of what its records contribute to the whole picture, by what each
+ * Reference of the stage's map for one pixel: the mean of log₂ of what its records contribute to the whole picture, by what each
  * contributes here; 0 where there are none.
  *
  * @param contributionsPx of the same records, px.

@@ -14,7 +14,7 @@ export interface PairCounts {
 }
 
 /**
- * Twin of tile-count.
+ * Reference of tile-count.
  *
  * @param ranked records, nearest first.
  */

@@ -10,7 +10,7 @@ export interface PairPlan {
   readonly quads: number;
 }
 
-/** Twin of tile-plan. */
+/** Reference of tile-plan. */
 export function tilePlan(
   blockPairs: ArrayLike<number>,
   visibleCount: number,

@@ -23,7 +23,7 @@ export interface TilePixel {
 }
 
 /**
- * Twin of tile-rasterize for one pixel: blends records front to back.
+ * Reference of tile-rasterize for one pixel: blends records front to back.
  *
  * @param ranked records, nearest first.
  * @param hostDepthView view depth behind which splats are hidden; default nothing is.

@@ -1,7 +1,7 @@
 import type { SizePx } from '../accuracy/accuracy.ts';
 
 /**
- * Twin of upscale: bilinear between the middles of pixels, constant beyond the outermost.
+ * Reference of upscale: bilinear between the middles of pixels, constant beyond the outermost.
  *
  * @param values image of size `from`, top row first, with any number of values per pixel.
  * @returns image of size `to`, with as many values per pixel.

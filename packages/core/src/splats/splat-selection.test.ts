@@ -11,17 +11,17 @@ describe('a selection', () => {
     fc.assert(
       fc.property(steps, rows, (changes, asked) => {
         const selection = new SplatSelection();
-        const twin = new Set<number>();
+        const reference = new Set<number>();
         for (const { what, rows } of changes) {
           selection[what](rows);
-          for (const row of rows) twin[what](row);
+          for (const row of rows) reference[what](row);
         }
-        expect(selection.count).toBe(twin.size);
-        for (const row of asked) expect(selection.has(row)).toBe(twin.has(row));
+        expect(selection.count).toBe(reference.size);
+        for (const row of asked) expect(selection.has(row)).toBe(reference.has(row));
         const bits = selection.bitsOf(Uint32Array.from(asked));
         expect(bits.length).toBe(Math.ceil(asked.length / 32));
         for (const [i, row] of asked.entries())
-          expect((bits[Math.floor(i / 32)] >>> (i % 32)) & 1).toBe(twin.has(row) ? 1 : 0);
+          expect((bits[Math.floor(i / 32)] >>> (i % 32)) & 1).toBe(reference.has(row) ? 1 : 0);
       }),
     );
   });

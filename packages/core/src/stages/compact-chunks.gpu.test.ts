@@ -3,7 +3,7 @@ import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { CullParameters } from '../layout/structs.ts';
-import { compactChunks as compactTwin } from '../reference/compact-chunks.ts';
+import { compactChunks as compactReference } from '../reference/compact-chunks.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -33,7 +33,7 @@ describe('compact-chunks', () => {
           dispatchSize(Math.ceil(chunkCount / 64), dispatchRow),
         );
         const expected = new Uint32Array(chunkCount).fill(0xffffffff);
-        expected.set(compactTwin(flags));
+        expected.set(compactReference(flags));
         expect(await readWords(device, visibleChunks)).toEqual(expected);
       }
     }

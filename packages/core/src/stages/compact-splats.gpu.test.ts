@@ -3,7 +3,7 @@ import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { CullParameters } from '../layout/structs.ts';
-import { compactSplats as compactTwin } from '../reference/compact-splats.ts';
+import { compactSplats as compactReference } from '../reference/compact-splats.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -28,9 +28,9 @@ describe('compact-splats', () => {
       const masks = Uint32Array.from({ length: 8 * chunkCount }, (_, i) =>
         i >= 8 * slots ? 0xffffffff : [0, 0xffffffff, random() * 2 ** 32][i % 3],
       );
-      const expected = compactTwin(visibleChunks, masks, room);
+      const expected = compactReference(visibleChunks, masks, room);
       const counts = visibleChunks.map(
-        (_, slot) => compactTwin([0], masks.subarray(8 * slot, 8 * slot + 8), 256).length,
+        (_, slot) => compactReference([0], masks.subarray(8 * slot, 8 * slot + 8), 256).length,
       );
       const parameters = CullParameters.pack({
         chunkCount,

@@ -5,7 +5,7 @@ import { type DepthConvention, depthMapping, storedDepth } from '../camera/depth
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { HostDepth, HostViewport } from '../layout/structs.ts';
-import { composeDepth, compose as composeTwin, composeWithEdges } from '../reference/compose.ts';
+import { composeDepth, compose as composeReference, composeWithEdges } from '../reference/compose.ts';
 import { uniformBuffer } from '../testing/gpu-buffers.ts';
 import { colorTexture, depthTexture, drawStage } from '../testing/gpu-textures.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -133,7 +133,7 @@ async function check(options: Options, pipelines = new Pipelines(device)) {
   const [color, depths] = await Promise.all(targets.map((target) => readTexture(device, target)));
   const expectedColor = isMultisampled
     ? composeWithEdges(layer, behind, samplesView, SAMPLES, SIZE)
-    : composeTwin(layer, behind);
+    : composeReference(layer, behind);
   const expectedDepths = composeDepth(layer, depthsView, SIZE, stored);
   for (let i = 0; i < PIXELS; i++)
     expect(color.data[4 * i + 3] === 0, `nothing at pixel ${i}`).toBe(layer[4 * i + 3] === 0);

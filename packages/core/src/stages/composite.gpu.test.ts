@@ -3,7 +3,7 @@ import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { CompositeParameters } from '../layout/structs.ts';
-import { composite as compositeTwin } from '../reference/composite.ts';
+import { composite as compositeReference } from '../reference/composite.ts';
 import { uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { composite, compositeState } from './composite.ts';
@@ -45,7 +45,7 @@ describe('composite', () => {
       pass.end();
       device.queue.submit([encoder.finish()]);
       const { data } = await readTexture(device, target);
-      const expected = compositeTwin(layer, background);
+      const expected = compositeReference(layer, background);
       // Three roundings of numbers up to 1. Eight bits round by half a step, to which WebGPU adds a tenth.
       const bound = format === 'rgba8unorm' ? 0.6 / 255 : 4 * 2 ** -24;
       for (const [i, value] of expected.entries()) {

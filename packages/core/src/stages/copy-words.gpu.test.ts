@@ -2,7 +2,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { copyWords as twin } from '../reference/copy-words.ts';
+import { copyWords as reference } from '../reference/copy-words.ts';
 import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import { COPY_WORKGROUP, copyWords } from './copy-words.ts';
 
@@ -15,7 +15,7 @@ gpuTest('copy-words copies every word and none beyond', async () => {
     const bindings = { wordsIn: storageBuffer(device, words), wordsOut };
     // More workgroups than are needed, in two rows.
     await runStage(device, pipelines, copyWords, bindings, [Math.ceil(count / 4 / COPY_WORKGROUP), 2, 1]);
-    expect(await readWords(device, wordsOut)).toEqual(twin(words));
+    expect(await readWords(device, wordsOut)).toEqual(reference(words));
   }
   device.destroy();
 });

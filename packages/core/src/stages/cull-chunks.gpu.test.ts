@@ -13,7 +13,7 @@ import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 const KEPT_BEYOND = 1.2e-5;
 
 describe('cull-chunks', () => {
-  gpuTest('keeps every chunk that the twin keeps, and none that it clearly drops', async () => {
+  gpuTest('keeps every chunk that the reference keeps, and none that it clearly drops', async () => {
     const device = await shareTestDevice();
     let dropped = 0;
     for (const [cameraName, camera] of Object.entries(testCameras(1.5))) {

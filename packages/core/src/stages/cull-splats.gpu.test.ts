@@ -26,7 +26,7 @@ async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'key
 
 describe('cull-splats', () => {
   for (const [name, camera] of Object.entries(testCameras(1.5))) {
-    gpuTest(`${name} camera: draws the splats that the twin draws`, async () => {
+    gpuTest(`${name} camera: draws the splats that the reference draws`, async () => {
       const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 7 });
       const { visibleCount, unsure } = await check({ clouds: [{ set }], camera });
       expect(visibleCount).toBeGreaterThan(SPLATS / 50);
@@ -105,7 +105,7 @@ describe('cull-splats', () => {
     { extent: 'fixed', culling: 'frustum' },
   ] as const) {
     gpuTest(
-      `${Object.values(settings).join(' extent, ')}: draws more, and the splats that the twin draws`,
+      `${Object.values(settings).join(' extent, ')}: draws more, and the splats that the reference draws`,
       async () => {
         for (const name of ['inside', 'telephoto', 'orthographic']) {
           plain[name] ??= check(optionsOf(name));

@@ -7,7 +7,7 @@ import { Chunk } from '../layout/structs.ts';
 import { packGeometry } from '../packing/geometry.ts';
 import { chunkCountOf } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
-import { ingestChunks as twin } from '../reference/ingest-chunks.ts';
+import { ingestChunks as reference } from '../reference/ingest-chunks.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { expectSameChunks } from '../testing/expect-same-planes.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -46,7 +46,7 @@ describe('ingest-chunks', () => {
       gpuTest(`${count} splats, ${precision}: bounds are exact, scales to a step`, async () => {
         const set = randomSplats({ count, seed: count, shDegree: 0, logScales: [-30, 30] });
         set.positions.set([-0, 1e-42, -3e38]);
-        expectSameChunks(await chunksOf(set, precision), twin(set));
+        expectSameChunks(await chunksOf(set, precision), reference(set));
       });
     }
   }
@@ -55,6 +55,6 @@ describe('ingest-chunks', () => {
     const set = randomSplats({ count: 300, seed: 1, shDegree: 0 });
     const mutation = { file: 'stages/ingest-chunks', find: 'let ordered = ', replace: 'let ordered = 1u + ' };
     const chunks = await chunksOf(set, 'packed', new Pipelines(device, mutation));
-    expect(() => expectSameChunks(chunks, twin(set))).toThrow();
+    expect(() => expectSameChunks(chunks, reference(set))).toThrow();
   });
 });

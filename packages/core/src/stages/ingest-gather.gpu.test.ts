@@ -3,7 +3,7 @@ import { expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { PermuteParameters } from '../layout/packing-structs.ts';
-import { ingestGather as twin } from '../reference/ingest-gather.ts';
+import { ingestGather as reference } from '../reference/ingest-gather.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { ingestGather } from './ingest-gather.ts';
@@ -38,7 +38,7 @@ gpuTest('ingest-gather takes any word of the splats of a list, page by page', as
       const size = dispatchSize(Math.ceil(list.length / 256), DISPATCH_ROW);
       await runStage(device, pipelines, ingestGather, bindings, size);
     }
-    expect(await readWords(device, words)).toEqual(twin(plane, WIDTH, word, list, mask));
+    expect(await readWords(device, words)).toEqual(reference(plane, WIDTH, word, list, mask));
   }
   device.destroy();
 });

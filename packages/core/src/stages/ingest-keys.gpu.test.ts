@@ -6,7 +6,7 @@ import { MortonParameters } from '../layout/packing-structs.ts';
 import { GEOMETRY_WORDS, packGeometry } from '../packing/geometry.ts';
 import { type MortonFrame, mortonFrame } from '../packing/morton-order.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
-import { ingestKeys as twin } from '../reference/ingest-keys.ts';
+import { ingestKeys as reference } from '../reference/ingest-keys.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { randomSplats } from '../testing/random-splats.ts';
@@ -80,7 +80,7 @@ describe('ingest-keys', () => {
     'at one point': (set: SplatSet) => set.positions.fill(1e30),
   })) {
     for (const precision of ['packed', 'f32'] as const) {
-      gpuTest(`splats ${what}, ${precision}: the keys of the twin, bit for bit`, async () => {
+      gpuTest(`splats ${what}, ${precision}: the keys of the reference, bit for bit`, async () => {
         const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
         change(set);
         for (const [round, order] of [
@@ -89,7 +89,7 @@ describe('ingest-keys', () => {
         ] as const) {
           const { keys, payloads } = await keysOf(set, shuffled, round, precision);
           expect(payloads).toEqual(order);
-          expect(keys).toEqual(twin(set.positions, order, frameOf(set), round, isDropped));
+          expect(keys).toEqual(reference(set.positions, order, frameOf(set), round, isDropped));
         }
       });
     }
@@ -97,7 +97,7 @@ describe('ingest-keys', () => {
 
   gpuTest('a code without dropped rows, or with other cells, is noticed', async () => {
     const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
-    const expected = twin(set.positions, shuffled, frameOf(set), 1, isDropped);
+    const expected = reference(set.positions, shuffled, frameOf(set), 1, isDropped);
     for (const [find, replace] of [
       ['isDropped << 24u', '0u'],
       ['0.0, 65535.0', '0.0, 60000.0'],

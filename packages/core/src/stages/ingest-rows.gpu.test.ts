@@ -13,7 +13,7 @@ import { shWordsPerSplat } from '../packing/harmonics.ts';
 import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { clampLogScale } from '../packing/log-scale.ts';
 import type { RowPrecision } from '../packing/precision.ts';
-import { ingestRows as twin } from '../reference/ingest-rows.ts';
+import { ingestRows as reference } from '../reference/ingest-rows.ts';
 import { DROP_REASONS, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
 import { type FileRowsOptions, fileRows } from '../testing/file-rows.ts';
@@ -129,7 +129,7 @@ describe('ingest-rows', () => {
         async () => {
           const set = hardSplats(shDegree);
           const { geometry, harmonics, dropped, facts, rests } = await take(set, precision);
-          const expected = twin(set, precision);
+          const expected = reference(set, precision);
           expectSameGeometry({ ...expected.geometry, words: geometry }, expected.geometry);
           expectSameHarmonics({ ...expected.harmonics, words: harmonics }, expected.harmonics, set.count);
           expect(dropped).toEqual([]);
@@ -198,7 +198,7 @@ describe('ingest-rows', () => {
 
   gpuTest('notices what must not be lost', async () => {
     const set = hardSplats(3);
-    const expected = twin(set, PACKED);
+    const expected = reference(set, PACKED);
     for (const [find, replace] of [
       ['if (largest >= 0x21800000u) { return bitcast<f32>(bits); }', 'return bitcast<f32>(bits);'],
       ['(vec3u(whole + 40.0) << vec3u(19u))', '(vec3u(whole + 40.0) << vec3u(18u))'],

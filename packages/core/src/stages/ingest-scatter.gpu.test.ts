@@ -3,7 +3,7 @@ import { expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { PermuteParameters } from '../layout/packing-structs.ts';
-import { ingestScatter as twin } from '../reference/ingest-scatter.ts';
+import { ingestScatter as reference } from '../reference/ingest-scatter.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { ingestScatter } from './ingest-scatter.ts';
@@ -35,6 +35,6 @@ gpuTest('ingest-scatter writes one word of all splats of a page, and nothing els
   };
   const size = dispatchSize(Math.ceil(SPLATS / 256), DISPATCH_ROW);
   await runStage(device, new Pipelines(device), ingestScatter, bindings, size);
-  expect(await readWords(device, plane)).toEqual(twin(before, WIDTH, 1, words.subarray(PAGE_START)));
+  expect(await readWords(device, plane)).toEqual(reference(before, WIDTH, 1, words.subarray(PAGE_START)));
   device.destroy();
 });

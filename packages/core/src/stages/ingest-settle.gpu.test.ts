@@ -8,7 +8,7 @@ import { packGeometry } from '../packing/geometry.ts';
 import { INGEST_LOG_SCALES, ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { clampLogScale } from '../packing/log-scale.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
-import { ingestSettle as twin } from '../reference/ingest-settle.ts';
+import { ingestSettle as reference } from '../reference/ingest-settle.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { expectSameGeometry } from '../testing/expect-same-planes.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
@@ -27,12 +27,12 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Settles what the twin of ingest-rows leaves of `set`. */
+/** Settles what the reference of ingest-rows leaves of `set`. */
 async function settle(
   set: SplatSet,
   precision: GeometryPrecision,
   origin: SplatSet['origin'],
-  { min, step } = twin(set, precision, origin).logScaleRange,
+  { min, step } = reference(set, precision, origin).logScaleRange,
 ): Promise<Uint32Array> {
   const steps = Array.from(set.logScales, (value) => ingestLogScaleSteps(clampLogScale(value)));
   const taken = packGeometry(set, precision, INGEST_LOG_SCALES).words;
@@ -75,7 +75,7 @@ describe('ingest-settle', () => {
     for (const precision of ['packed', 'f32'] as const) {
       gpuTest(`${precision}: splats ${name}, as the host packs them`, async () => {
         const set = randomSplats({ count: 600, seed: 9, shDegree: 0, ...options });
-        const expected = twin(set, precision, [0, 0, 0]);
+        const expected = reference(set, precision, [0, 0, 0]);
         const words = await settle(set, precision, [0, 0, 0]);
         expectSameGeometry({ ...expected, words }, expected);
       });
@@ -88,7 +88,7 @@ describe('ingest-settle', () => {
     set.positions[1] = -0;
     set.positions[4] = 1e-42;
     for (const precision of ['packed', 'f32'] as const) {
-      const expected = twin(set, precision, [1000, 0, 0]);
+      const expected = reference(set, precision, [1000, 0, 0]);
       const words = await settle(set, precision, [1000, 0, 0]);
       expectSameGeometry({ ...expected, words }, expected);
       expect(Math.max(...expected.words)).toBeGreaterThan(0);
@@ -97,7 +97,7 @@ describe('ingest-settle', () => {
 
   gpuTest('a smallest log scale that is off by a step is noticed', async () => {
     const set = randomSplats({ count: 300, seed: 4, shDegree: 0, logScales: [-9, -1] });
-    const expected = twin(set, 'packed', [0, 0, 0]);
+    const expected = reference(set, 'packed', [0, 0, 0]);
     const { min, step } = expected.logScaleRange;
     const words = await settle(set, 'packed', [0, 0, 0], { min: min + step, step });
     expect(() => expectSameGeometry({ ...expected, words }, expected)).toThrow();

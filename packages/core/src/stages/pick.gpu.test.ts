@@ -9,7 +9,7 @@ import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.
 import { readRecords } from '../inspect/read-records.ts';
 import { transform3 } from '../math/mat4.ts';
 import { cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
-import { pickSplat as pickTwin } from '../reference/pick.ts';
+import { pickSplat as pickReference } from '../reference/pick.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
@@ -51,7 +51,7 @@ async function drawnByGpu(frame: InspectedFrame): Promise<{ splats: VisibleSplat
 }
 
 /** The frame's splats computed from the scene in float64, in exact order. */
-function drawnByTwin({ clouds, projection, accuracy: { alphaCutoff } }: InspectedFrame) {
+function drawnByReference({ clouds, projection, accuracy: { alphaCutoff } }: InspectedFrame) {
   const drawn = clouds.flatMap(({ stored, view, effects }) =>
     Array.from({ length: stored.count }, (_, index) =>
       cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2: DILATION_PX2, effects }),
@@ -74,7 +74,7 @@ interface CheckOptions {
   readonly exactError?: number;
 }
 
-/** Compares picks at pixels all over the image with the twin's; returns those that found a splat. */
+/** Compares picks at pixels all over the image with the reference's; returns those that found a splat. */
 async function check(
   scene: Scene,
   { pixels = 30, imageError = 4e-3, exactError = 2e-3 }: CheckOptions = {},
@@ -82,7 +82,7 @@ async function check(
   const frame = await draw(scene);
   const { alphaCutoff } = frame.accuracy;
   const gpu = await drawnByGpu(frame);
-  const twin = drawnByTwin(frame);
+  const reference = drawnByReference(frame);
   const random = seededRandom(5);
   const picks: SplatPick[] = [];
   let others = 0;
@@ -90,7 +90,7 @@ async function check(
     const [xPx, yPx] = [SIZE.widthPx * random(), SIZE.heightPx * random()];
     const [column, row] = [Math.floor(xPx), Math.floor(yPx)];
     const got = await pickAt(frame, xPx, yPx);
-    const expected = pickTwin(gpu.splats, column, row, alphaCutoff);
+    const expected = pickReference(gpu.splats, column, row, alphaCutoff);
     const alphaInImage = frame.image.data[4 * (row * SIZE.widthPx + column) + 3];
     const place = `pixel ${column}, ${row}`;
     expect(got === null, place).toBe(expected === null);
@@ -110,7 +110,7 @@ async function check(
     } else others++;
 
     // The float64 scene: splats whose depths float32 cannot distinguish may swap places.
-    const exact = pickTwin(twin, column, row, alphaCutoff);
+    const exact = pickReference(reference, column, row, alphaCutoff);
     expect(Math.abs(got.weight - exact!.weight), place).toBeLessThanOrEqual(exactError);
     expect(Math.abs(got.totalOpacity - exact!.totalOpacity), place).toBeLessThanOrEqual(exactError);
 

@@ -4,7 +4,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { CullParameters, PagePlan } from '../layout/structs.ts';
-import { planCull as planTwin } from '../reference/plan-cull.ts';
+import { planCull as planReference } from '../reference/plan-cull.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -26,7 +26,7 @@ interface Frame {
   readonly dispatchRow: number;
 }
 
-/** Contents of the buffers after the stage, and the contents that the twin expects. */
+/** Contents of the buffers after the stage, and the contents that the reference expects. */
 async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
   const random = seededRandom(pageCount + visiblePart);
   const chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random()));
@@ -59,7 +59,7 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = n
     ...written,
   };
   await runStage(device, pipelines, planCull, bindings, [1, 1, 1]);
-  const { slots, slotCount, workgroups } = planTwin(flags, pages);
+  const { slots, slotCount, workgroups } = planReference(flags, pages);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
   const expected = {
@@ -75,7 +75,7 @@ const { PLAN_WORKGROUP } = SHADER_CONSTANTS;
 
 describe('plan-cull', () => {
   for (const pageCount of [1, 2, PLAN_WORKGROUP, PLAN_WORKGROUP + 1, 3 * PLAN_WORKGROUP + 5]) {
-    gpuTest(`${pageCount} pages: the twin's slots and dispatches`, async () => {
+    gpuTest(`${pageCount} pages: the reference's slots and dispatches`, async () => {
       for (const visiblePart of [0, 0.3, 1]) {
         for (const dispatchRow of [7, 65_535]) {
           const { actual, expected } = await run({ pageCount, visiblePart, dispatchRow });

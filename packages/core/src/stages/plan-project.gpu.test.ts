@@ -4,7 +4,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 import { CullParameters, PagePlan } from '../layout/structs.ts';
-import { planProject as planTwin } from '../reference/plan-project.ts';
+import { planProject as planReference } from '../reference/plan-project.ts';
 import { prefixScan } from '../reference/prefix-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -28,7 +28,7 @@ interface Frame {
   readonly visibleCapacity?: number;
 }
 
-/** Contents of the buffers after the stage, and the contents that the twin expects. */
+/** Contents of the buffers after the stage, and the contents that the reference expects. */
 async function run(
   { pageCount, maxSlots, dispatchRow, visibleCapacity = 2 ** 31 }: Frame,
   pipelines = new Pipelines(device),
@@ -76,7 +76,7 @@ async function run(
     ...written,
   };
   await runStage(device, pipelines, planProject, bindings, [1, 1, 1]);
-  const { splats, visibleCount, workgroups } = planTwin(splatCounts, pages, visibleCapacity);
+  const { splats, visibleCount, workgroups } = planReference(splatCounts, pages, visibleCapacity);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
   const expected = {
@@ -92,7 +92,7 @@ const { PLAN_WORKGROUP } = SHADER_CONSTANTS;
 
 describe('plan-project', () => {
   for (const pageCount of [1, 2, PLAN_WORKGROUP, PLAN_WORKGROUP + 1, 3 * PLAN_WORKGROUP + 5]) {
-    gpuTest(`${pageCount} pages: the twin's splats, dispatches and draw`, async () => {
+    gpuTest(`${pageCount} pages: the reference's splats, dispatches and draw`, async () => {
       for (const maxSlots of [0, 1, 60]) {
         for (const dispatchRow of [7, 65_535]) {
           for (const visibleCapacity of [undefined, 0, 3000]) {

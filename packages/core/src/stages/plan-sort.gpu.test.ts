@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SortParameters } from '../layout/structs.ts';
-import { planSort as planTwin } from '../reference/plan-sort.ts';
+import { planSort as planReference } from '../reference/plan-sort.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { planSort } from './plan-sort.ts';
@@ -22,7 +22,7 @@ interface Keys {
   readonly dispatchRow: number;
 }
 
-/** Contents of the buffers after the stage, and the contents that the twin expects. */
+/** Contents of the buffers after the stage, and the contents that the reference expects. */
 async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = new Pipelines(device)) {
   const blockKeys = blockKeysOf(sortShapeFor(keyBits));
   const pass = { digitShift: 0, makesPayloads: 0, writesKeys: 0, scanLanes: 0 };
@@ -37,17 +37,17 @@ async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines
   await runStage(device, pipelines, planSort(blockKeys), bindings, [1, 1, 1]);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
-  const twin = planTwin(keyCount, { capacity, blockKeys });
+  const reference = planReference(keyCount, { capacity, blockKeys });
   const expected = {
-    plan: [twin.keyCount, twin.blockCount],
-    blockDispatch: dispatchSize(twin.blockCount, dispatchRow),
+    plan: [reference.keyCount, reference.blockCount],
+    blockDispatch: dispatchSize(reference.blockCount, dispatchRow),
   };
   return { actual, expected };
 }
 
 describe('plan-sort', () => {
   for (const keyBits of [24, 27, 32]) {
-    gpuTest(`keys of ${keyBits} bits: the twin's blocks and dispatch`, async () => {
+    gpuTest(`keys of ${keyBits} bits: the reference's blocks and dispatch`, async () => {
       const block = blockKeysOf(sortShapeFor(keyBits));
       for (const keyCount of [0, 1, block - 1, block, block + 1, 7 * block, 7 * block + 1, 1_000_003]) {
         for (const capacity of [keyCount, keyCount + 5000, Math.ceil(keyCount / 2)]) {

@@ -54,7 +54,7 @@ const large = [SCAN_BLOCK ** 2 - 1, SCAN_BLOCK ** 2, SCAN_BLOCK ** 2 + 1];
 
 describe('prefix-scan', () => {
   for (const count of process.env.WEBSPLATTER_FULL ? [...counts, ...large] : counts) {
-    gpuTest(`${count} counts give the sums of the twin`, async () => {
+    gpuTest(`${count} counts give the sums of the reference`, async () => {
       const values = randomCounts(count);
       const { sums } = await scanOnGpu(values);
       expect(firstMismatch(sums, prefixScan(values))).toBeNull();
@@ -81,7 +81,7 @@ describe('prefix-scan', () => {
     expect(firstMismatch(sums, prefixScan(values))).toBeNull();
   });
 
-  gpuTest('sums wrap at 2^32 as the twin does', async () => {
+  gpuTest('sums wrap at 2^32 as the reference does', async () => {
     const values = new Uint32Array(3 * SCAN_BLOCK).fill(0x80000001);
     const { sums } = await scanOnGpu(values);
     expect(firstMismatch(sums, prefixScan(values))).toBeNull();

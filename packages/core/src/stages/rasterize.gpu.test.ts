@@ -77,8 +77,8 @@ async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
   return data;
 }
 
-/** Draws the splat by the twin, from exactly the float32 numbers that the GPU reads. */
-function drawByTwin(splat: DrawnSplat, widthPx: number, heightPx: number) {
+/** Draws the splat by the reference, from exactly the float32 numbers that the GPU reads. */
+function drawByReference(splat: DrawnSplat, widthPx: number, heightPx: number) {
   const [majorX, majorY] = [Math.cos(splat.angle), Math.sin(splat.angle)].map((v) =>
     Math.fround(splat.majorLengthPx * v),
   );
@@ -110,7 +110,7 @@ function drawByTwin(splat: DrawnSplat, widthPx: number, heightPx: number) {
 /** Compares every pixel; returns the number of pixels that the splat covers. */
 async function check(splat: DrawnSplat, widthPx = 64, heightPx = 48): Promise<number> {
   const actual = await drawOnGpu(splat, widthPx, heightPx);
-  const { expected, alphas } = drawByTwin(splat, widthPx, heightPx);
+  const { expected, alphas } = drawByReference(splat, widthPx, heightPx);
   // Interpolation is linear between corners: it errs by some roundings of the largest local coordinate that a corner has,
   // on the box or on the ellipse's own quad, whose sides reach two standard units and a snapping step further.
   const reach = Math.sqrt(Math.log(splat.opacity / ALPHA_CUTOFF));

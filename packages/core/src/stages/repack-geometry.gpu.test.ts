@@ -6,7 +6,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/packing-structs.ts';
 import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
 import { unpackSplat } from '../reference/packing.ts';
-import { repackGeometry as twin } from '../reference/repack-geometry.ts';
+import { repackGeometry as reference } from '../reference/repack-geometry.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
@@ -49,7 +49,7 @@ async function repackOnGpu(finer: PackedGeometry, count: number): Promise<Packed
 async function check(set: SplatSet): Promise<void> {
   const finer = packGeometry(set, 'f32');
   const made = await repackOnGpu(finer, set.count);
-  for (const expected of [twin(set, finer), packGeometry(set, 'packed')]) {
+  for (const expected of [reference(set, finer), packGeometry(set, 'packed')]) {
     for (let i = 0; i < set.count; i++) {
       const [a, b] = [made, expected].map((geometry) => unpackSplat(geometry, i));
       const at = `splat ${i}`;

@@ -6,7 +6,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { RepackParameters } from '../layout/packing-structs.ts';
 import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
 import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
-import { repackSh as twin } from '../reference/repack-sh.ts';
+import { repackSh as reference } from '../reference/repack-sh.ts';
 import { coefficientsPerSplat } from '../splats/splat-set.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { randomSplats } from '../testing/random-splats.ts';
@@ -63,20 +63,20 @@ describe('repack-sh', () => {
       { degree: 1, from: 'f32', to: 'f16' },
       new Pipelines(device, mutation),
     );
-    expect(cut).not.toEqual(twin(finer, COUNT, 'f16').words);
+    expect(cut).not.toEqual(reference(finer, COUNT, 'f16').words);
   });
 
   for (const degree of [1, 2, 3] as const) {
     gpuTest(`degree ${degree}: f32 to f16 equals the host's bit for bit`, async () => {
       const finer = coefficients(degree);
       const words = await repackOnGpu(finer, { degree, from: 'f32', to: 'f16' });
-      expect(words).toEqual(twin(finer, COUNT, 'f16').words);
+      expect(words).toEqual(reference(finer, COUNT, 'f16').words);
     });
 
     for (const from of ['f32', 'f16'] as const) {
       gpuTest(`degree ${degree}: ${from} to u8 equals the host's to within one step`, async () => {
         const finer = repackHarmonics(coefficients(degree), COUNT, from);
-        const expected = twin(finer, COUNT, 'u8');
+        const expected = reference(finer, COUNT, 'u8');
         const made = { ...expected, words: await repackOnGpu(finer, { degree, from, to: 'u8' }) };
         const [a, b] = [0, 1].map(() => new Float64Array(coefficientsPerSplat(degree)));
         let differing = 0;

@@ -3,7 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import type { DepthConvention } from '../camera/depth-convention.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { HostViewport } from '../layout/structs.ts';
-import { type LayerPlace, resolveDepth as resolveTwin } from '../reference/resolve-depth.ts';
+import { type LayerPlace, resolveDepth as resolveReference } from '../reference/resolve-depth.ts';
 import { uniformBuffer } from '../testing/gpu-buffers.ts';
 import { depthTexture, drawStage, readFloats } from '../testing/gpu-textures.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -28,7 +28,7 @@ interface Options {
   readonly place: LayerPlace;
 }
 
-/** Resolves random depths on the GPU and by the twin. */
+/** Resolves random depths on the GPU and by the reference. */
 async function run({ compare, samples, place }: Options, pipelines = new Pipelines(device)) {
   const { widthPx, heightPx, originPx, pxPerLayerPx } = place;
   const size = {
@@ -61,7 +61,7 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
   );
   return {
     actual: [...(await readFloats(device, target))],
-    expected: [...resolveTwin(host, place, compare)],
+    expected: [...resolveReference(host, place, compare)],
   };
 }
 
@@ -92,7 +92,7 @@ describe('resolve-depth', () => {
   for (const [name, place] of Object.entries(PLACES)) {
     for (const samples of [1, 4] as const) {
       for (const compare of ['less-equal', 'greater-equal'] as const) {
-        gpuTest(`${name}, ${samples} samples, ${compare}: the twin's depths`, async () => {
+        gpuTest(`${name}, ${samples} samples, ${compare}: the reference's depths`, async () => {
           const { actual, expected } = await run({ compare, samples, place });
           expect(actual).toEqual(expected);
         });

@@ -3,7 +3,7 @@ import { describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SortParameters } from '../layout/structs.ts';
-import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
+import { sortHistogram as histogramReference } from '../reference/sort-histogram.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
@@ -12,7 +12,7 @@ import { sortHistogram } from './sort-histogram.ts';
 import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
 
 describe('sort-histogram', () => {
-  gpuTest('counts the digits of each block as the twin does, in every pass', async () => {
+  gpuTest('counts the digits of each block as the reference does, in every pass', async () => {
     const device = await createSortDevice();
     const pipelines = new Pipelines(device);
     const random = seededRandom(3);
@@ -55,7 +55,7 @@ describe('sort-histogram', () => {
             bindings,
             dispatchSize(blockCount, dispatchRow),
           );
-          const expected = histogramTwin(keys.subarray(0, count), {
+          const expected = histogramReference(keys.subarray(0, count), {
             digitShift,
             digitBits: shape.digitBits,
             blockKeys,

@@ -4,7 +4,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SCAN_BLOCK } from '../layout/constants.ts';
 import { SortParameters } from '../layout/structs.ts';
-import { sortScan as scanTwin } from '../reference/sort-scan.ts';
+import { sortScan as scanReference } from '../reference/sort-scan.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { dispatchSize } from './dispatch.ts';
@@ -20,7 +20,7 @@ afterAll(() => device.destroy());
 
 const BEHIND = 0xdeadbeef;
 
-/** Scans counts on the GPU and by the twin; words after the counts and the totals must not change. */
+/** Scans counts on the GPU and by the reference; words after the counts and the totals must not change. */
 async function scan(
   counts: Uint32Array,
   digitBits: number,
@@ -42,12 +42,12 @@ async function scan(
   // Workgroups behind the last digit must do nothing.
   const workgroups = dispatchSize(scanWorkgroups({ digitBits }, scanLanes) + 5, dispatchRow);
   await runStage(device, pipelines, sortScan({ digitBits }), bindings, workgroups);
-  const twin = scanTwin(counts, digitBits);
+  const reference = scanReference(counts, digitBits);
   return {
     actual: { offsets: await readWords(device, digitCounts), totals: await readWords(device, digitTotals) },
     expected: {
-      offsets: Uint32Array.of(...twin.digitOffsets, BEHIND),
-      totals: Uint32Array.of(...twin.digitTotals, BEHIND),
+      offsets: Uint32Array.of(...reference.digitOffsets, BEHIND),
+      totals: Uint32Array.of(...reference.digitTotals, BEHIND),
     },
   };
 }
@@ -59,7 +59,7 @@ function randomCounts(digitBits: number, blockCount: number): Uint32Array {
 
 describe('sort-scan', () => {
   for (const digitBits of [1, 8, 9]) {
-    gpuTest(`digits of ${digitBits} bits: the twin's sums for few blocks`, async () => {
+    gpuTest(`digits of ${digitBits} bits: the reference's sums for few blocks`, async () => {
       for (const blockCount of [0, 1, 2, 7, 8, 9, 63, 64, 65]) {
         for (const row of [3, 65_535]) {
           const { actual, expected } = await scan(randomCounts(digitBits, blockCount), digitBits, { row });
@@ -96,7 +96,7 @@ describe('sort-scan', () => {
     }
   });
 
-  gpuTest('sums wrap at 2^32 as the twin does', async () => {
+  gpuTest('sums wrap at 2^32 as the reference does', async () => {
     const { actual, expected } = await scan(new Uint32Array(4 * SCAN_BLOCK).fill(0x80000001), 1);
     expect(actual).toEqual(expected);
   });

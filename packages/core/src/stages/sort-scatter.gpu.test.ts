@@ -3,9 +3,9 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SortParameters } from '../layout/structs.ts';
-import { sortHistogram as histogramTwin } from '../reference/sort-histogram.ts';
+import { sortHistogram as histogramReference } from '../reference/sort-histogram.ts';
 import { sortScan } from '../reference/sort-scan.ts';
-import { sortScatter as scatterTwin } from '../reference/sort-scatter.ts';
+import { sortScatter as scatterReference } from '../reference/sort-scatter.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { createSortDevice, sortLimitsOf } from '../testing/sort-device.ts';
@@ -21,7 +21,7 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Keys of `bits` bits, and their payloads, in one pass by the GPU and by the twin. */
+/** Keys of `bits` bits, and their payloads, in one pass by the GPU and by the reference. */
 async function scatter(options: {
   readonly bits: number;
   readonly workgroupBytes: number;
@@ -45,7 +45,7 @@ async function scatter(options: {
   );
   const payloads = Uint32Array.from(keys, () => Math.floor(random() * 2 ** 32));
   const blockCount = Math.ceil(count / blockKeys);
-  const places = sortScan(histogramTwin(keys, pass), digitBits);
+  const places = sortScan(histogramReference(keys, pass), digitBits);
   const parameters = SortParameters.pack({
     digitShift: pass.digitShift,
     capacity: count,
@@ -70,10 +70,10 @@ async function scatter(options: {
   const workgroups = dispatchSize(blockCount + 3, dispatchRow);
   await runStage(device, pipelines, sortScatter(shape), bindings, workgroups);
   const taken = makesPayloads ? keys.map((_, i) => i) : payloads;
-  const twin = scatterTwin(keys, taken, places, pass);
+  const reference = scatterReference(keys, taken, places, pass);
   return {
     actual: { keys: await readWords(device, keysOut), payloads: await readWords(device, payloadsOut) },
-    expected: { ...twin, keys: writesKeys ? twin.keys : new Uint32Array(count) },
+    expected: { ...reference, keys: writesKeys ? reference.keys : new Uint32Array(count) },
   };
 }
 
@@ -87,7 +87,7 @@ describe('sort-scatter', () => {
   ] as const) {
     const payloads = makesPayloads ? 'makes payloads' : 'reads payloads';
     const name = `${bits} bits, ${payloads}, ${writesKeys ? 'writes' : 'drops'} keys`;
-    gpuTest(`${name}: moves keys and payloads to the twin's places`, async () => {
+    gpuTest(`${name}: moves keys and payloads to the reference's places`, async () => {
       for (const workgroupBytes of sortLimitsOf(device)) {
         for (const isNarrow of [false, true]) {
           const countOf = (blockKeys: number) => 3 * blockKeys + 1234;

@@ -124,7 +124,7 @@ function* pixelsOf(column: number, row: number): Generator<readonly [number, num
 describe('tile-costs', () => {
   for (const recordPrecision of ['f32', 'paper'] as const) {
     gpuTest(
-      `records of ${recordPrecision}: counts and contributions as the twin's, at every pixel`,
+      `records of ${recordPrecision}: counts and contributions as the reference's, at every pixel`,
       async () => {
         const { records, pairs, counts, entries, contributionsPx, map } = await run(
           splats(300),
@@ -143,8 +143,8 @@ describe('tile-costs', () => {
           for (const [x, y] of pixelsOf(column, row)) {
             const place = `column ${x}, row ${y}`;
             const at = y * SIZE.widthPx + x;
-            const twin = pixelCosts(listed, [x, y], ALPHA_CUTOFF);
-            for (const [i, weight] of twin.weights.entries()) expectedPx[ranks[i]] += weight;
+            const reference = pixelCosts(listed, [x, y], ALPHA_CUTOFF);
+            for (const [i, weight] of reference.weights.entries()) expectedPx[ranks[i]] += weight;
             const hidden = ranks.filter((rank) => {
               const [centerX, centerY] = records[rank].centerPx;
               return (
@@ -155,13 +155,13 @@ describe('tile-costs', () => {
             unseen += hidden.length;
             if (isDoubtful(listed, x, y)) continue;
             compared++;
-            if (twin.steps < listed.length) ended++;
+            if (reference.steps < listed.length) ended++;
             const got = [0, 1, 2].map((plane) => counts[plane * PIXELS + at]);
-            expect(got, place).toEqual([twin.steps, twin.blended, twin.fragments]);
+            expect(got, place).toEqual([reference.steps, reference.blended, reference.fragments]);
             const listedPx = ranks.map((rank) => contributionsPx[rank]);
-            const mean = meanLogContribution(twin.weights, listedPx);
+            const mean = meanLogContribution(reference.weights, listedPx);
             expect(Math.abs(floats[at] - mean), place).toBeLessThan(2e-3);
-            const opacity = twin.weights.reduce((sum, weight) => sum + weight, 0);
+            const opacity = reference.weights.reduce((sum, weight) => sum + weight, 0);
             expect(Math.abs(floats[PIXELS + at] - opacity), place).toBeLessThan(1e-4);
           }
         }

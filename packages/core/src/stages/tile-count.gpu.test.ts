@@ -6,7 +6,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { binGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { EllipseRecord } from '../reference/splat-ellipse.ts';
-import { tileCount as countTwin } from '../reference/tile-count.ts';
+import { tileCount as countReference } from '../reference/tile-count.ts';
 import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import {
   type DrawnSplat,
@@ -95,18 +95,18 @@ function pairsPerRank({ pairOffsets, blockPairs }: Awaited<ReturnType<typeof cou
 
 describe('tile-count', () => {
   for (const recordPrecision of RECORD_PRECISIONS) {
-    gpuTest(`${recordPrecision}: exactly the twin's pairs of splats whose bins are clear`, async () => {
+    gpuTest(`${recordPrecision}: exactly the reference's pairs of splats whose bins are clear`, async () => {
       const isCounted = (record: RankedRecord) => hasClearBins(record, GRID, ALPHA_CUTOFF);
       const { records, actual } = await count({ ranked: splats(3200), recordPrecision, isCounted });
       expect(records.length).toBeGreaterThan(2 * TILE_COUNT_BLOCK);
-      expect(actual).toEqual(countTwin(records, GRID, ALPHA_CUTOFF));
+      expect(actual).toEqual(countReference(records, GRID, ALPHA_CUTOFF));
       const pairs = pairsPerRank(actual);
       expect(Math.max(...pairs)).toBe(GRID.binColumns * GRID.binRows);
       expect(pairs.filter((each) => each === 0).length).toBeGreaterThan(records.length / 5);
     });
   }
 
-  gpuTest('never fewer pairs than the twin, nor more than a widened ellipse has', async () => {
+  gpuTest('never fewer pairs than the reference, nor more than a widened ellipse has', async () => {
     const { records, actual } = await count({ ranked: splats(3000), recordPrecision: 'f32' });
     for (const [rank, pairs] of pairsPerRank(actual).entries()) {
       const { least, most } = binsOf(records[rank], GRID, ALPHA_CUTOFF);
@@ -123,8 +123,8 @@ describe('tile-count', () => {
       const isCounted = (record: RankedRecord) => hasClearBins(asCounted(record), GRID, ALPHA_CUTOFF);
       const options = { ranked: splats(1500), recordPrecision: 'f16', extent: 'fixed', isCounted } as const;
       const { records, actual } = await count(options);
-      expect(actual).toEqual(countTwin(records.map(asCounted), GRID, ALPHA_CUTOFF));
-      expect(actual).not.toEqual(countTwin(records, GRID, ALPHA_CUTOFF));
+      expect(actual).toEqual(countReference(records.map(asCounted), GRID, ALPHA_CUTOFF));
+      expect(actual).not.toEqual(countReference(records, GRID, ALPHA_CUTOFF));
     },
   );
 
@@ -134,7 +134,7 @@ describe('tile-count', () => {
     for (const length of [1, 2, TILE_COUNT_BLOCK - 1, TILE_COUNT_BLOCK, TILE_COUNT_BLOCK + 1]) {
       const { records, actual } = await count({ ranked: clear.slice(0, length), recordPrecision: 'f32' });
       expect(records).toHaveLength(length);
-      expect(actual).toEqual(countTwin(records, GRID, ALPHA_CUTOFF));
+      expect(actual).toEqual(countReference(records, GRID, ALPHA_CUTOFF));
     }
   });
 });

@@ -7,7 +7,7 @@ import { binGrid } from '../layout/bin-grid.ts';
 import { TilePlan } from '../layout/structs.ts';
 import { sortHistogram } from '../reference/sort-histogram.ts';
 import { type PairCounts, tileCount } from '../reference/tile-count.ts';
-import { tileEmit as emitTwin, type Pairs } from '../reference/tile-emit.ts';
+import { tileEmit as emitReference, type Pairs } from '../reference/tile-emit.ts';
 import { tilePlan } from '../reference/tile-plan.ts';
 import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../testing/ranked-records.ts';
@@ -59,7 +59,7 @@ interface EmitOptions {
   readonly ranked: readonly DrawnSplat[];
   readonly size: SizePx;
   readonly precision: RecordPrecision;
-  /** Changes the twin's counts, as if tile-count had rounded otherwise. */
+  /** Changes the reference's counts, as if tile-count had rounded otherwise. */
   readonly miscount?: (counts: PairCounts) => void;
 }
 
@@ -95,7 +95,7 @@ async function emit({ ranked, size, precision, miscount = () => {} }: EmitOption
   // Workgroups behind the last block must do nothing.
   await runStage(device, pipelines, stage, bindings, dispatchSize(blockCount + 3, dispatchRow));
   return {
-    twin: emitTwin(packed.records, grid, ALPHA_CUTOFF),
+    reference: emitReference(packed.records, grid, ALPHA_CUTOFF),
     places: packed.places,
     pass: { digitShift: 0, digitBits, blockKeys },
     binCount,
@@ -125,11 +125,11 @@ describe('tile-emit', () => {
       ['two passes', LARGE_SIZE, 4000],
     ] as const) {
       gpuTest(
-        `${precision}, ${name}: lists the twin's pairs in several blocks, and counts their digits`,
+        `${precision}, ${name}: lists the reference's pairs in several blocks, and counts their digits`,
         async () => {
           const result = await emit({ ranked: splats(count, size, precision), size, precision });
           expect(result.blockCount).toBeGreaterThan(2);
-          expectPairs(result, result.twin);
+          expectPairs(result, result.reference);
         },
       );
     }
@@ -140,8 +140,8 @@ describe('tile-emit', () => {
     const over = { majorLengthPx: 1e5, minorLengthPx: 9e4, angle: 1, opacity: 0.9 };
     const result = await emit({ ranked: [{ centerPx: [9, 9], ...over }], size, precision: 'f32' });
     expect(result.blockCount).toBeGreaterThan(1);
-    expect(result.twin.bins).toHaveLength(90 * 80);
-    expectPairs(result, result.twin);
+    expect(result.reference.bins).toHaveLength(90 * 80);
+    expectPairs(result, result.reference);
   });
 
   gpuTest('one pair, and none', async () => {
@@ -174,8 +174,8 @@ describe('tile-emit', () => {
       },
     });
     expect(ranked.length).toBeLessThan(1024);
-    const { twin, binCount } = result;
-    const expected = Array.from(twin.bins, (bin, i) => ({ bin, rank: twin.ranks[i] }));
+    const { reference, binCount } = result;
+    const expected = Array.from(reference.bins, (bin, i) => ({ bin, rank: reference.ranks[i] }));
     for (const rank of miscounted) {
       const behind = expected.findIndex((pair) => pair.rank > rank);
       expected.splice(behind, 0, { bin: binCount, rank }, { bin: binCount, rank });

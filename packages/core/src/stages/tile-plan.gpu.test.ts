@@ -4,7 +4,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { SortPlan, TilePlan } from '../layout/structs.ts';
-import { tilePlan as planTwin } from '../reference/tile-plan.ts';
+import { tilePlan as planReference } from '../reference/tile-plan.ts';
 import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { tileUniforms } from '../testing/tile-buffers.ts';
@@ -23,7 +23,7 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Plans these blocks, of which the last has `lastRanks` ranks, by the GPU and by the twin. */
+/** Plans these blocks, of which the last has `lastRanks` ranks, by the GPU and by the reference. */
 async function check(
   blockPairs: readonly number[],
   pairCapacity: number,
@@ -45,22 +45,22 @@ async function check(
     ...outputs,
   };
   await runStage(device, pipelines, tilePlan(shape), bindings, [1, 1, 1]);
-  const twin = planTwin(blockPairs, visibleCount, pairCapacity);
+  const reference = planReference(blockPairs, visibleCount, pairCapacity);
   const starts = Array.from(await readWords(device, blocks));
   // The block behind the last is not this frame's.
   expect(starts.pop()).toBe(1234);
   // Pairs that do not fit are not listed, so nothing reads where they would begin.
-  if (twin.fits) expect(starts).toEqual(twin.blockStarts);
+  if (reference.fits) expect(starts).toEqual(reference.blockStarts);
   expect(Array.from(await readWords(device, outputs.tilePlan))).toEqual([
-    Math.min(twin.neededPairs, MOST_PAIRS),
-    twin.pairCount,
-    Number(twin.fits),
+    Math.min(reference.neededPairs, MOST_PAIRS),
+    reference.pairCount,
+    Number(reference.fits),
     visibleCount,
   ]);
-  const blockCount = Math.ceil(twin.pairCount / blockKeysOf(shape));
-  expect(Array.from(await readWords(device, outputs.sortPlan))).toEqual([twin.pairCount, blockCount]);
-  expect(Array.from(await readWords(device, outputs.drawArguments))).toEqual([4, twin.quads, 0, 0]);
-  return twin;
+  const blockCount = Math.ceil(reference.pairCount / blockKeysOf(shape));
+  expect(Array.from(await readWords(device, outputs.sortPlan))).toEqual([reference.pairCount, blockCount]);
+  expect(Array.from(await readWords(device, outputs.drawArguments))).toEqual([4, reference.quads, 0, 0]);
+  return reference;
 }
 
 describe('tile-plan', () => {
@@ -89,8 +89,8 @@ describe('tile-plan', () => {
     // Of one round of the scan, of several, and of single blocks whose own sums stopped.
     await check(Array<number>(64).fill(pairs), pairs);
     await check(Array<number>(1024).fill(2 ** 22), pairs);
-    const twin = await check([1, MOST_PAIRS, MOST_PAIRS, MOST_PAIRS, MOST_PAIRS], pairs);
-    expect(twin.neededPairs).toBeGreaterThan(2 ** 32);
-    expect(twin.fits).toBe(false);
+    const reference = await check([1, MOST_PAIRS, MOST_PAIRS, MOST_PAIRS, MOST_PAIRS], pairs);
+    expect(reference.neededPairs).toBeGreaterThan(2 ** 32);
+    expect(reference.fits).toBe(false);
   });
 });

@@ -5,7 +5,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { binGrid } from '../layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { TilePlan } from '../layout/structs.ts';
-import { tileRanges as rangesTwin } from '../reference/tile-ranges.ts';
+import { tileRanges as rangesReference } from '../reference/tile-ranges.ts';
 import { runStage, storageBuffer } from '../testing/gpu-buffers.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { tileUniforms } from '../testing/tile-buffers.ts';
@@ -48,7 +48,7 @@ async function check(lengths: readonly number[], binColumns: number, leftover = 
   };
   await runStage(device, pipelines, tileRanges, bindings, [1, 1, 1]);
   const starts = Array.from(await readWords(device, binStarts));
-  expect(starts).toEqual([...rangesTwin(bins, binCount), 77]);
+  expect(starts).toEqual([...rangesReference(bins, binCount), 77]);
   const order = Array.from(await readWords(device, binOrder));
   expect(order.pop()).toBe(77);
   expect(order.toSorted((a, b) => a - b)).toEqual(lengths.map((_, bin) => bin));

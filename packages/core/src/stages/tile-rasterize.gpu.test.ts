@@ -178,7 +178,7 @@ function errorBound(records: readonly RankedRecord[], x: number, y: number): num
     if (alpha >= ALPHA_CUTOFF) light *= 1 - alpha;
     if (light < OPAQUE / 2) break;
   }
-  // Twin and shader end pixels at different splats: behind both, less than OPAQUE of the light passes through.
+  // Reference and shader end pixels at different splats: behind both, less than OPAQUE of the light passes through.
   return error + (light < 2 * OPAQUE ? OPAQUE : 0);
 }
 
@@ -206,7 +206,7 @@ function formatError(colorTarget: ColorTarget, value: number): number {
   return colorTarget === 'rgba16float' ? Math.max(Math.abs(value) * 2 ** -10, 2 ** -24) : 0;
 }
 
-/** Compares every pixel of both kinds of threads with the twin; returns statistics of the image. */
+/** Compares every pixel of both kinds of threads with the reference; returns statistics of the image. */
 async function check(scene: Scene, drawing = pipelines) {
   const { size = SIZE, colorTarget = 'rgba32float', host } = scene;
   const { widthPx, heightPx } = size;
@@ -237,12 +237,12 @@ async function check(scene: Scene, drawing = pipelines) {
       const shown = host
         ? listed.filter(({ depthView }) => isShown(depthView, host, x, y, size, surfaces![pixel]))
         : listed;
-      const twin = tilePixel(shown, [x, y], ALPHA_CUTOFF);
+      const reference = tilePixel(shown, [x, y], ALPHA_CUTOFF);
       const error = errorBound(shown, x, y);
       for (const [threads, { data, depths }] of drawn) {
         const place = () => `column ${x}, row ${y}, by threads ${threads}`;
         for (let channel = 0; channel < 4; channel++) {
-          const value = twin.rgba[channel];
+          const value = reference.rgba[channel];
           const expected = colorTarget === 'rgba8unorm' ? Math.min(1, value) : value;
           const bound = (channel === 3 ? 1 : brightest) * error + formatError(colorTarget, expected);
           const got = data[4 * pixel + channel];
@@ -250,17 +250,19 @@ async function check(scene: Scene, drawing = pipelines) {
             expect.fail(`${place()}, channel ${channel}: got ${got}, expected ${expected} ± ${bound}`);
         }
         // What covers less than half of a pixel has no median.
-        if (depths && twin.rgba[3] > 0.5 + error) {
+        if (depths && reference.rgba[3] > 0.5 + error) {
           const bound = 2 * farthest * error;
-          const possible = possibleMedians(shown, [x, y], error).map((depthView) => depthView * twin.rgba[3]);
+          const possible = possibleMedians(shown, [x, y], error).map(
+            (depthView) => depthView * reference.rgba[3],
+          );
           if (!possible.some((expected) => Math.abs(depths[pixel] - expected) <= bound))
             expect.fail(`${place()}: depth ${depths[pixel]}, expected ${possible} ± ${bound}`);
           medians++;
         }
       }
-      if (twin.rgba[3] > 0) covered++;
+      if (reference.rgba[3] > 0) covered++;
       if (shown.length < listed.length) hidden++;
-      if (twin.tested < shown.length) ended++;
+      if (reference.tested < shown.length) ended++;
     }
   }
   return { covered, hidden, ended, medians, data: together.data };
@@ -298,7 +300,7 @@ const always = () => true;
 describe('tile-rasterize', () => {
   for (const recordPrecision of ['f32', 'f16', 'paper'] as const) {
     for (const colorTarget of ['rgba32float', 'rgba16float', 'rgba8unorm'] as const) {
-      gpuTest(`${recordPrecision} records in ${colorTarget}: every pixel as the twin`, async () => {
+      gpuTest(`${recordPrecision} records in ${colorTarget}: every pixel as the reference`, async () => {
         const { covered } = await check({ ranked: splats(150), recordPrecision, colorTarget });
         expect(covered).toBeGreaterThan(0.9 * SIZE.widthPx * SIZE.heightPx);
       });

@@ -4,7 +4,7 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import { UpscaleParameters } from '../layout/structs.ts';
-import { upscale as upscaleTwin } from '../reference/upscale.ts';
+import { upscale as upscaleReference } from '../reference/upscale.ts';
 import { uniformBuffer } from '../testing/gpu-buffers.ts';
 import { readFloats } from '../testing/gpu-textures.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -76,7 +76,7 @@ describe('upscale', () => {
       device.queue.submit([encoder.finish()]);
       const written = [(await readTexture(device, image)).data, await readFloats(device, depthImage)];
       for (const [i, values] of written.entries()) {
-        const expected = upscaleTwin(layers[i], size(from), size(to));
+        const expected = upscaleReference(layers[i], size(from), size(to));
         // A place errs by some roundings of up to 16 px, and its value by that share of its neighbours' difference.
         const bound = 64 * 16 * 2 ** -24 * [1, 1000][i];
         // Of depths, one value of four is written.

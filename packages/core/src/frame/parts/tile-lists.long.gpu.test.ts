@@ -144,9 +144,9 @@ describe('pairs of a frame', () => {
       for (const camera of [CAMERA, amid, CAMERA]) {
         await measured(view, () => draw({ camera }));
         const data = await draw({ camera, force: true });
-        const twin = renderReference({ clouds: [{ set: COVERING }], camera, ...SIZE });
-        expect(twin.visibleSplats).toBeGreaterThan(100);
-        expect(compareImages(data, twin.data, SIZE).psnrDb).toBeGreaterThan(45);
+        const reference = renderReference({ clouds: [{ set: COVERING }], camera, ...SIZE });
+        expect(reference.visibleSplats).toBeGreaterThan(100);
+        expect(compareImages(data, reference.data, SIZE).psnrDb).toBeGreaterThan(45);
         bytes.push(tileBytes(engine));
       }
       expect(bytes).toEqual([bytes[0], bytes[0], bytes[0]]);
@@ -166,8 +166,10 @@ describe('pairs of a frame', () => {
       const request = { widthPx, heightPx };
       await measured(view, () => draw(request));
       const data = await draw({ ...request, force: true });
-      const twin = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...request });
-      expect(compareImages(data, twin.data, request).psnrDb, `${widthPx}×${heightPx}`).toBeGreaterThan(45);
+      const reference = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...request });
+      expect(compareImages(data, reference.data, request).psnrDb, `${widthPx}×${heightPx}`).toBeGreaterThan(
+        45,
+      );
     }
     engine.destroy();
   });

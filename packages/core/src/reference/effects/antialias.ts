@@ -1,6 +1,6 @@
-import type { EffectTwin } from './effect-twin.ts';
+import type { EffectReference } from './effect-reference.ts';
 
-export function antialiasTwin(): EffectTwin {
+export function antialiasReference(): EffectReference {
   return {
     changeOpacity: (opacity, { covariance, undilated }) =>
       opacity * Math.sqrt(undilated.determinant / covariance.determinant),

@@ -3,10 +3,10 @@ import type { EffectPlace } from '../../effects/effect.ts';
 import { transform3, type Vec3 } from '../../math/mat4.ts';
 import { rotationMatrix } from '../covariance.ts';
 import { edgeFade } from './edge-fade.ts';
-import type { EffectTwin } from './effect-twin.ts';
+import type { EffectReference } from './effect-reference.ts';
 import { worldPosition } from './world-position.ts';
 
-export function clipTwin({ volumes, softEdge = 0 }: ClipOptions, place: EffectPlace): EffectTwin {
+export function clipReference({ volumes, softEdge = 0 }: ClipOptions, place: EffectPlace): EffectReference {
   return {
     changeSplat(splat) {
       const position = worldPosition(splat.position, place);

@@ -1,9 +1,9 @@
 import type { FogOptions } from '../../effects/fog.ts';
 import { decodeSrgb, encodeSrgb } from '../srgb.ts';
 import { edgeFade } from './edge-fade.ts';
-import type { EffectTwin } from './effect-twin.ts';
+import type { EffectReference } from './effect-reference.ts';
 
-export function fogTwin(options: FogOptions): EffectTwin {
+export function fogReference(options: FogOptions): EffectReference {
   return {
     changeColor([r, g, b], _splat, _index, centerView) {
       const hidden = hiddenAt(options, -centerView[2]);

@@ -1,8 +1,8 @@
 import type { HighlightOptions } from '../../effects/highlight.ts';
 import type { Vec3 } from '../../math/mat4.ts';
-import type { EffectTwin } from './effect-twin.ts';
+import type { EffectReference } from './effect-reference.ts';
 
-export function highlightTwin({ selection, color, strength }: HighlightOptions): EffectTwin {
+export function highlightReference({ selection, color, strength }: HighlightOptions): EffectReference {
   const mixed = (unselected: Vec3, axis: number) =>
     unselected[axis] + strength * (color[axis] - unselected[axis]);
   return {

@@ -1,5 +1,5 @@
-import type { EffectTwin } from './effect-twin.ts';
+import type { EffectReference } from './effect-reference.ts';
 
-export function opacityTwin(factor: number): EffectTwin {
+export function opacityReference(factor: number): EffectReference {
   return { changeSplat: (splat) => ({ ...splat, opacity: splat.opacity * factor }) };
 }

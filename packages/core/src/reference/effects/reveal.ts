@@ -2,10 +2,10 @@ import type { EffectPlace } from '../../effects/effect.ts';
 import type { RevealOptions } from '../../effects/reveal.ts';
 import { linearPart, transform3 } from '../../math/mat4.ts';
 import { edgeFade } from './edge-fade.ts';
-import type { EffectTwin } from './effect-twin.ts';
+import type { EffectReference } from './effect-reference.ts';
 import { worldPosition } from './world-position.ts';
 
-export function revealTwin(options: RevealOptions, place: EffectPlace): EffectTwin {
+export function revealReference(options: RevealOptions, place: EffectPlace): EffectReference {
   const { from, radius, softEdge = 0, grow = true } = options;
   const { viewMatrix } = place;
   return {

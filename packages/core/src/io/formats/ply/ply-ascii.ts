@@ -126,7 +126,7 @@ function rowParser(body: PlyBody, vertex: PlyElement, target: Float64Array): Row
   };
 }
 
-/** A text file's value is what its binary twin would hold. */
+/** A text file's value is what its binary counterpart would hold. */
 function inType(value: number, type: PlyType): number {
   return type === 'float32' ? Math.fround(value) : value;
 }

@@ -23,8 +23,8 @@ export interface ScreenValues {
   readonly dilationPx2: number;
 }
 
-/** One effect on one cloud of one frame, in float64: each function is the twin of the shader's function for that hook. */
-export interface EffectTwin {
+/** One effect on one cloud of one frame, in float64: each function is the reference of the shader's function for that hook. */
+export interface EffectReference {
   /** @param index in storage order. */
   readonly changeSplat?: (splat: SplatValues, index: number) => SplatValues;
   readonly changeOpacity?: (opacity: number, onScreen: ScreenValues) => number;

@@ -12,7 +12,7 @@ import { splatColor } from '../reference/project.ts';
  *
  * @returns the number of drawn splats of each cloud.
  */
-export async function expectAsTwin(
+export async function expectAsReference(
   device: GPUDevice,
   options: InspectOptions,
   tolerance: number,
@@ -38,23 +38,23 @@ async function compare(frame: InspectedFrame, tolerance: number): Promise<number
       const name = `splat ${index} of cloud ${cloudIndex}`;
       const record = records.get(`${cloudIndex} ${index}`);
       const settings = { alphaCutoff, dilationPx2: DILATION_PX2, effects };
-      const twin = cullSplat(stored, index, view, frame.projection, settings);
-      if (!record || !twin) {
-        const opacity = twin?.opacity ?? record?.color[3] ?? 0;
+      const reference = cullSplat(stored, index, view, frame.projection, settings);
+      if (!record || !reference) {
+        const opacity = reference?.opacity ?? record?.color[3] ?? 0;
         if (opacity > alphaCutoff * (1 + tolerance))
-          expect.fail(`${name}: drawn only by the GPU or only by the twin`);
+          expect.fail(`${name}: drawn only by the GPU or only by the reference`);
         continue;
       }
       count++;
-      const { a, c } = twin.covariance;
+      const { a, c } = reference.covariance;
       const [x, y] = record.majorPx;
       const spread = (x * x + y * y + record.minorLengthPx ** 2) / 2;
       const pairs: (readonly [string, number, number, number])[] = [
-        ['opacity', record.color[3], twin.opacity, 1],
+        ['opacity', record.color[3], reference.opacity, 1],
         ['a + c', spread, a + c, a + c],
-        ['x', record.centerPx[0], twin.centerPx[0], 64],
-        ['y', record.centerPx[1], twin.centerPx[1], 64],
-        ...splatColor(stored, index, view, shDegree, twin, effects).map(
+        ['x', record.centerPx[0], reference.centerPx[0], 64],
+        ['y', record.centerPx[1], reference.centerPx[1], 64],
+        ...splatColor(stored, index, view, shDegree, reference, effects).map(
           (value, channel) => [`colour ${channel}`, record.color[channel], value, 1] as const,
         ),
       ];

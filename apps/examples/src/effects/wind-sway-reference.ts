@@ -1,10 +1,10 @@
 import type { Vec3 } from '@websplatter/core';
 import type { EffectPlace } from '@websplatter/core/effects';
-import type { EffectTwin } from '@websplatter/core/reference';
+import type { EffectReference } from '@websplatter/core/reference';
 import type { WindSwayOptions } from './wind-sway.ts';
 
 /** Computes `windSway` in float64, from its options alone. Tests compare the shader with it. */
-export function windSwayTwin(options: WindSwayOptions, { origin }: EffectPlace): EffectTwin {
+export function windSwayReference(options: WindSwayOptions, { origin }: EffectPlace): EffectReference {
   const { amplitude, timeS, periodS = 3, waveLength = 1, ground = 0, tall = 1 } = options;
   const { direction = [1, 0, 0], up = [0, 1, 0] } = options;
   const along = (axis: Vec3, point: readonly number[]) =>
