@@ -98,7 +98,7 @@ function holdMeasurement(): void {
 const send = (page: Page, event: string) =>
   page.evaluate((type) => void dispatchEvent(new Event(type)), event);
 
-/** Opens the viewer with a wish, whose measurement stands still, and the panel that shows it. */
+/** Opens the viewer with a target, whose measurement stands still, and the panel that shows it. */
 async function openHeld(): Promise<Page> {
   const page = await newPage(TINY);
   await page.addInitScript(holdMeasurement);
@@ -252,21 +252,21 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
   });
 
-  it('ends a wish that is called off before its measurement has chosen', async () => {
+  it('ends a target that is called off before its measurement has chosen', async () => {
     const page = await openHeld();
-    const wish = page.getByTestId('kept-wish');
-    expect(await wish.textContent()).toContain('Keeps: at least 40 dB');
+    const target = page.getByTestId('kept-target');
+    expect(await target.textContent()).toContain('Keeps: at least 40 dB');
     expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
     expect(await isPressed(page, 'preset-balanced')).toBe('false');
     await press(page, 'cancel-sweep');
-    await wish.waitFor({ state: 'detached' });
+    await target.waitFor({ state: 'detached' });
     expect(await isPressed(page, 'preset-balanced')).toBe('true');
     await send(page, 'release-measurement');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await page.getByTestId('accuracy-point').count()).toBe(0);
   });
 
-  it('measures a scene that is opened later for the wish, and shows other tabs meanwhile', async () => {
+  it('measures a scene that is opened later for the target, and shows other tabs meanwhile', async () => {
     const page = await openHeld();
     await press(page, 'accuracy-tab-settings');
     await page.getByTestId('setting-shDegree').waitFor(ATTACHED);
@@ -289,28 +289,28 @@ describe('accuracy in the viewer', () => {
     expect(psnrOf(picked, exact)).toBeGreaterThan(39);
   });
 
-  it('keeps the choice of a wish that is measured once more and called off, until a point is clicked', async () => {
+  it('keeps the choice of a target that is measured once more and called off, until a point is clicked', async () => {
     const page = await openHeld();
     await send(page, 'release-measurement');
     const choice = page.getByTestId('choice');
     await choice.waitFor(MEASURED);
-    await page.getByTestId('wish-value').fill('44');
-    await press(page, 'wish-submit');
+    await page.getByTestId('target-value').fill('44');
+    await press(page, 'target-submit');
     await choice.getByText('44 dB').waitFor(MEASURED);
-    const wish = page.getByTestId('kept-wish');
+    const target = page.getByTestId('kept-target');
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await choice.getAttribute('data-met')).toBe('true');
-    expect(await wish.textContent()).toBe('Keeps: at least 44 dBEnd');
+    expect(await target.textContent()).toBe('Keeps: at least 44 dBEnd');
 
     const other = page.locator('[data-testid=accuracy-point][aria-pressed=false]').last();
     await shotAfter(page, () => other.evaluate((button: HTMLElement) => button.click()));
     expect(await page.locator('[data-testid=accuracy-point][aria-pressed=true]').count()).toBe(1);
-    await wish.waitFor({ state: 'detached' });
+    await target.waitFor({ state: 'detached' });
     expect(await choice.count()).toBe(0);
   });
 
-  it('measures presets, then every setting, where nothing is wished for, and draws with the point that is clicked', async () => {
+  it('measures presets, then every setting, where there is no target, and draws with the point that is clicked', async () => {
     const page = await openViewer('?scene=still-life-small&accuracy=balanced', TINY);
     await openOwn(page);
     await waitForScene(page, 'own.ply');
@@ -345,7 +345,7 @@ describe('accuracy in the viewer', () => {
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
   });
 
-  it('measures a wish anew when the device was lost', async () => {
+  it('measures a target anew when the device was lost', async () => {
     const page = await newPage(TINY);
     for (const script of [loseDeviceOnDemand, holdMeasurement]) await page.addInitScript(script);
     await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
@@ -357,7 +357,7 @@ describe('accuracy in the viewer', () => {
     await progress.waitFor({ state: 'detached' });
     await waitForState(page, 'ready');
     await progress.waitFor(ATTACHED);
-    expect(await textOf(page, 'kept-wish')).toContain('at least 40 dB');
+    expect(await textOf(page, 'kept-target')).toContain('at least 40 dB');
   });
 });
 

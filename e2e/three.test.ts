@@ -692,8 +692,8 @@ describe('three 0.187', () => {
       expect(otherErrors).toEqual([expect.stringMatching(/^SplatsPrecisionError: .*no source/)]);
     });
 
-    test('are measured where they wish for an outcome, and drawn with what was chosen', async () => {
-      const { tooEarly, isMet, why, psnrDb, isToldAgain, image, camera } = await run('wishedAccuracy', 35);
+    test('are measured where they ask for an outcome, and drawn with what was chosen', async () => {
+      const { tooEarly, isMet, why, psnrDb, isToldAgain, image, camera } = await run('targetAccuracy', 35);
       expect(tooEarly).toBe('InvalidArgumentError');
       expect(isMet, why).toBe(true);
       expect(psnrDb).toBeGreaterThanOrEqual(35);
@@ -813,7 +813,7 @@ describe('three 0.187', () => {
       expect(errors).toEqual({
         opacity: [expect.stringMatching(/^InvalidArgumentError: .*opacity/)],
         accuracy: [expect.stringMatching(/^InvalidArgumentError: .*slow/)],
-        wish: [expect.stringMatching(/^InvalidArgumentError: .*maxFrameMs/)],
+        target: [expect.stringMatching(/^InvalidArgumentError: .*maxFrameMs/)],
         shDegree: [expect.stringMatching(/^InvalidArgumentError: .*degree 7/)],
         twice: [expect.stringMatching(/^InvalidArgumentError: .*tint is used twice/)],
       });

@@ -549,7 +549,7 @@ export const cases = {
     const invalid = {
       opacity: { opacity: 2 },
       accuracy: { accuracy: 'slow' },
-      wish: { accuracy: { maxFrameMs: -1 } },
+      target: { accuracy: { maxFrameMs: -1 } },
       shDegree: { shDegree: 7 },
       twice: { effects: [tint([1, 1, 0]), tint([1, 0, 0])] },
     };
@@ -731,8 +731,8 @@ export const cases = {
     };
   },
 
-  /** A cloud that wishes for an outcome. */
-  wishedAccuracy: async (minPsnrDb: number) => {
+  /** A cloud that asks for an outcome. */
+  targetAccuracy: async (minPsnrDb: number) => {
     const stage = await newStage();
     const { scene, camera } = stage;
     const data = await new SplatLoader().loadAsync(new Blob([encodePly(testScene()) as BlobPart]));

@@ -1,5 +1,5 @@
 import { DEFAULT_ACCURACY } from './accuracy/accuracy.ts';
-import { checkAccuracy } from './accuracy/accuracy-wish.ts';
+import { checkAccuracy } from './accuracy/accuracy-target.ts';
 import { checkEngineNumbers } from './check-options.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
 import { CodeUnavailableError } from './errors.ts';

@@ -159,7 +159,7 @@ function nextTurn(): Promise<void> {
 
 /** Everything that an engine does at once, again and again until it ends. Returns what each kind of work rejected with. */
 function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[] {
-  const [view, wishing] = [engine.createView(), engine.createView()];
+  const [view, targeting] = [engine.createView(), engine.createView()];
   const cloud = engine.add(SET);
   const shown = { cloud: cloud as SplatCloud };
   const frameAt = (sizePx: number) => ({
@@ -190,8 +190,8 @@ function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[]
       await engine.requestPrecision(cloud, { geometryPrecision: 'f32', shPrecision });
     },
     async () => {
-      wishing.render({ ...frameAt(48), clouds: [{ cloud }], accuracy: { minPsnrDb: 45 } });
-      await wishing.chooseAccuracy();
+      targeting.render({ ...frameAt(48), clouds: [{ cloud }], accuracy: { minPsnrDb: 45 } });
+      await targeting.chooseAccuracy();
     },
     async () => {
       const embedded = engine.createEmbeddedView();

@@ -6,7 +6,7 @@ import {
   internAccuracy,
   type PossibleAccuracy,
 } from './accuracy/accuracy.ts';
-import { type AccuracyRequest, type AccuracyWish, internWish } from './accuracy/accuracy-wish.ts';
+import { type AccuracyRequest, type AccuracyTarget, internTarget } from './accuracy/accuracy-target.ts';
 import { checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
@@ -43,7 +43,7 @@ import type { PackedCloud } from './packing/packed-cloud.ts';
 import type { CloudPrecision } from './packing/precision.ts';
 import type { ShaderMutation } from './shaders/link-shader.ts';
 import type { SplatSet } from './splats/splat-set.ts';
-import { AccuracyWishes } from './views/accuracy-wishes.ts';
+import { AccuracyTargets } from './views/accuracy-targets.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
 import { rememberedRasterizer } from './views/remembered-rasterizer.ts';
 import { SplatView } from './views/splat-view.ts';
@@ -53,7 +53,7 @@ import type { ViewContext } from './views/view-core.ts';
 /** How exactly a frame was drawn. */
 export interface DrawnAccuracy {
   readonly settings: AccuracySettings;
-  /** What was chosen for the wish of that view, with the reason in words; null before that, and where settings were requested. */
+  /** What was chosen for the target of that view, with the reason in words; null before that, and where settings were requested. */
   readonly choice: AccuracyChoice | null;
   readonly rasterizer: FrameRasterizer;
   /** Why that one, for people. */
@@ -63,7 +63,7 @@ export interface DrawnAccuracy {
 export interface EngineOptions extends DeviceOptions {
   /** Device to draw on; by default the engine requests one of its own, see `requestSplatDevice`. */
   readonly device?: GPUDevice;
-  /** Settings, or a wish: see `SplatView.onAccuracyChosen`. Default `balanced`. */
+  /** Settings, or a target: see `SplatView.onAccuracyChosen`. Default `balanced`. */
   readonly accuracy?: AccuracyRequest;
   /** Most workgroups in one dimension of a dispatch; default the device's limit. For tests of large dispatches. */
   readonly maxWorkgroupsPerDimension?: number;
@@ -183,13 +183,13 @@ export class SplatEngine {
   #ballots: BallotDevice | null = null;
   #isRankingChosen = false;
   #planeMaker: Promise<PlaneMaker> | null = null;
-  readonly #wishes: AccuracyWishes;
+  readonly #targets: AccuracyTargets;
   readonly #views = new Set<SplatView | EmbeddedView>();
   readonly #clouds = new Set<SplatCloud>();
   /** Requested settings → the closest settings that this device supports. */
   readonly #possible = new WeakMap<AccuracySettings, PossibleAccuracy>();
-  /** The wish of frames without an accuracy of their own, or null. */
-  #wish: AccuracyWish | null = null;
+  /** The target of frames without an accuracy of their own, or null. */
+  #target: AccuracyTarget | null = null;
   #accuracy: PossibleAccuracy = { settings: internAccuracy(), notices: [] };
   #destroyedBecause: string | null = null;
   /** Aborts when the engine or its device ends. */
@@ -208,11 +208,11 @@ export class SplatEngine {
     this.#tileBudgetBytes = options.tileBudgetBytes ?? DEFAULT_TILE_BUDGET_BYTES;
     this.#submissionBudgetMs = options.submissionBudgetMs ?? DEFAULT_SUBMISSION_BUDGET_MS;
     this.#ingestMinRows = options.ingestMinRows ?? INGEST_MIN_ROWS;
-    this.#wishes = new AccuracyWishes({
-      measure: async (wish, frame, options) => {
-        // Most pages never use a wish, so they do not load this module.
-        const { measureWish } = await import('./measure/measure-wish.ts');
-        return measureWish(this, wish, frame, options);
+    this.#targets = new AccuracyTargets({
+      measure: async (target, frame, options) => {
+        // Most pages never use a target, so they do not load this module.
+        const { measureTarget } = await import('./measure/measure-target.ts');
+        return measureTarget(this, target, frame, options);
       },
       adopt: (choice, clouds) => this.#adopt(choice, clouds),
     });
@@ -225,7 +225,7 @@ export class SplatEngine {
   }
 
   /**
-   * Default settings of frames, and the settings that clouds are packed for when they are loaded. Under a wish these are
+   * Default settings of frames, and the settings that clouds are packed for when they are loaded. Under a target these are
    * the settings chosen for it last, or `balanced` before the first choice; a view of other clouds may have its own choice.
    */
   get accuracy(): AccuracySettings {
@@ -239,7 +239,7 @@ export class SplatEngine {
 
   /**
    * Changes `accuracy`. Views draw with it from their next frame on, at first from the planes that their clouds hold. Each
-   * cloud then gets its precisions as by `requestPrecision`; if that fails, the cloud stays unchanged. For a wish, this
+   * cloud then gets its precisions as by `requestPrecision`; if that fails, the cloud stays unchanged. For a target, this
    * happens once settings have been chosen: see `SplatView.onAccuracyChosen`.
    *
    * @returns the clouds that could not be given the requested precision; resolves when all clouds are done and never rejects.
@@ -252,8 +252,8 @@ export class SplatEngine {
   ): Promise<readonly PrecisionProblem[]> {
     this.#checkUsable();
     this.#takeAccuracy(accuracy);
-    // The precision that a wish needs is unknown until it has been measured.
-    return this.#requestPrecisions(this.#wish ? [] : [...this.#clouds], options);
+    // The precision that a target needs is unknown until it has been measured.
+    return this.#requestPrecisions(this.#target ? [] : [...this.#clouds], options);
   }
 
   /**
@@ -422,17 +422,19 @@ export class SplatEngine {
   }
 
   #takeAccuracy(request: AccuracyRequest): void {
-    const wish = internWish(request);
-    const accuracy = wish ? (this.#wishes.latest(wish)?.settings ?? DEFAULT_ACCURACY) : (request as Accuracy);
+    const target = internTarget(request);
+    const accuracy = target
+      ? (this.#targets.latest(target)?.settings ?? DEFAULT_ACCURACY)
+      : (request as Accuracy);
     this.#accuracy = this.resolveAccuracy(accuracy);
-    if (this.#wish && this.#wish !== wish) this.#wishes.withdraw(this.#wish);
-    this.#wish = wish;
+    if (this.#target && this.#target !== target) this.#targets.withdraw(this.#target);
+    this.#target = target;
   }
 
-  /** Adopts a choice as the engine's settings if the wish is the engine's, and frees planes that no view draws any more. */
+  /** Adopts a choice as the engine's settings if the target is the engine's, and frees planes that no view draws any more. */
   async #adopt(choice: AccuracyChoice, clouds: readonly SplatCloud[]): Promise<void> {
-    const { wish, settings } = choice;
-    if (wish === this.#wish) this.#accuracy = this.resolveAccuracy(settings);
+    const { target, settings } = choice;
+    if (target === this.#target) this.#accuracy = this.resolveAccuracy(settings);
     const others = [...this.#views].filter(({ accuracyChoice }) => accuracyChoice !== choice);
     const requests = clouds.map((cloud) => {
       const isShared = others.some(({ shape }) => shape !== null && requestsOther(shape, cloud, settings));
@@ -544,7 +546,7 @@ export class SplatEngine {
       onDestroyed: (destroyed) => {
         this.#counting.cloudsDestroyed++;
         this.#clouds.delete(destroyed);
-        this.#wishes.stop(new DestroyedError(`The cloud ${name}`, 'it was destroyed'), destroyed);
+        this.#targets.stop(new DestroyedError(`The cloud ${name}`, 'it was destroyed'), destroyed);
       },
     };
   }
@@ -562,9 +564,9 @@ export class SplatEngine {
       pipelines: this.#pipelines,
       memory: this.#memory.part(),
       counting: this.#counting,
-      wishFor: (requested) => (requested === undefined ? this.#wish : internWish(requested)),
+      targetFor: (requested) => (requested === undefined ? this.#target : internTarget(requested)),
       accuracyFor: (requested) => this.resolveAccuracy(requested).settings,
-      wishes: this.#wishes,
+      targets: this.#targets,
       dispatchRow: this.#dispatchRow,
       workgroupBytes: this.device.limits.maxComputeWorkgroupStorageSize,
       hasNarrowSubgroups: hasNarrowSubgroups(this.device),
@@ -603,7 +605,7 @@ export class SplatEngine {
       leases.end(new DestroyedError('This request', because));
       editing?.end();
     }
-    this.#wishes.stop(new DestroyedError('This measurement', because));
+    this.#targets.stop(new DestroyedError('This measurement', because));
   }
 
   async #makePlanes(...request: Parameters<PlaneMaker['make']>): Promise<void> {

@@ -1,6 +1,6 @@
 import { describe, expect, test, vi } from 'vitest';
 import { internAccuracy, resolveAccuracy } from './accuracy/accuracy.ts';
-import { internWish } from './accuracy/accuracy-wish.ts';
+import { internTarget } from './accuracy/accuracy-target.ts';
 import { cameraFromMatrices, orthographicCamera, perspectiveCamera, projectionOf } from './camera/camera.ts';
 import { SplatEngine } from './create-engine.ts';
 import { type SplatArrays, splatsFromArrays } from './editing/splats-from-arrays.ts';
@@ -68,7 +68,7 @@ const MATRICES = ['viewMatrix', 'projectionMatrix'];
 const CALLS: Record<string, Call> = {
   resolveAccuracy: { good: [{ preset: 'high', shDegree: 2, alphaCutoff: 0.01 }], call: resolveAccuracy },
   internAccuracy: { good: [{ preset: 'fast', resolutionScale: 0.5 }], call: internAccuracy },
-  internWish: { good: [{ minPsnrDb: 40 }], call: (request) => internWish(request)?.toString() },
+  internTarget: { good: [{ minPsnrDb: 40 }], call: (request) => internTarget(request)?.toString() },
   perspectiveCamera: { good: [{ ...CAMERA, fovYDegrees: 60 }], call: perspectiveCamera, others: MATRICES },
   orthographicCamera: { good: [{ ...CAMERA, height: 3 }], call: orthographicCamera, others: MATRICES },
   cameraFromMatrices: {

@@ -18,10 +18,10 @@ export {
 } from './accuracy/accuracy.ts';
 export {
   type AccuracyRequest,
-  type AccuracyWish,
+  type AccuracyTarget,
   checkAccuracy,
-  isAccuracyWish,
-} from './accuracy/accuracy-wish.ts';
+  isAccuracyTarget,
+} from './accuracy/accuracy-target.ts';
 export { combineAccuracies, mostExact } from './accuracy/combine-accuracies.ts';
 export {
   type Camera,
@@ -114,7 +114,7 @@ export {
   type TimedPass,
   wallClockTimings,
 } from './timing/frame-statistics.ts';
-export type { ChooseAccuracyOptions } from './views/accuracy-wishes.ts';
+export type { ChooseAccuracyOptions } from './views/accuracy-targets.ts';
 export type { EmbeddedFrameRequest, EmbeddedView } from './views/embedded-view.ts';
 export type { PointCoverage, PointToCover } from './views/find-coverage.ts';
 export type { SplatPick } from './views/pick-splat.ts';

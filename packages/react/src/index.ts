@@ -5,7 +5,7 @@ export {
   type Accuracy,
   type AccuracyChoice,
   type AccuracyRequest,
-  type AccuracyWish,
+  type AccuracyTarget,
   CodeUnavailableError,
   type FrameStatistics,
   GpuLimitError,

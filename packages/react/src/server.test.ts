@@ -28,7 +28,7 @@ describe('leaves components that need a file to the browser', () => {
     return useSplats('garden.ply').count;
   }
   const page = createElement(Suspense, { fallback: 'Loading' }, createElement(Count));
-  /** What Next looks at to tell the wish to go on in the browser from an error, on the server and in the page. */
+  /** What Next looks at to tell the target to go on in the browser from an error, on the server and in the page. */
   const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
   const errors: unknown[] = [];
   /** As in Next: what is returned goes into the page. */

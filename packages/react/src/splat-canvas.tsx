@@ -15,7 +15,7 @@ import { type CanvasRendererParameters, createSplatRenderer } from './create-spl
 import { useCanvasRenderer } from './use-renderer.ts';
 
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
-  /** How exactly and how fast to draw splats: settings, or a wish such as `{ minPsnrDb: 45 }`; default `balanced`. */
+  /** How exactly and how fast to draw splats: settings, or a target such as `{ minPsnrDb: 45 }`; default `balanced`. */
   accuracy?: AccuracyRequest;
   /** Further options of `createSplatRenderer`, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;

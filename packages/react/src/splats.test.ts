@@ -310,14 +310,14 @@ it('resets props that become undefined, like props that are left out', async () 
 });
 
 const BOTH_REVEALS = { from: 'camera', radius: 1, durationMs: 9 } as never;
-const BOTH_WISHES = { minPsnrDb: 45, maxFrameMs: 8 } as never;
+const BOTH_TARGETS = { minPsnrDb: 45, maxFrameMs: 8 } as never;
 
 it.each<Partial<SplatsProps>>([
   { brightness: -1 },
   { reveal: { from: 'camera', radius: -1 } },
   { reveal: { from: 'camera', durationMs: 0 } },
   { reveal: BOTH_REVEALS },
-  { accuracy: BOTH_WISHES },
+  { accuracy: BOTH_TARGETS },
   { accuracy: 'best' as never },
 ])('passes errors of invalid effects and accuracies to the error boundary: %o', async (props) => {
   const src = splatData('a');
@@ -369,7 +369,7 @@ it('says which prop contradicts itself', async () => {
   await show(splats({ src, reveal: BOTH_REVEALS }));
   expect(caught).toMatchObject({ argument: 'reveal' });
   attempt++;
-  await show(splats({ src, accuracy: BOTH_WISHES }));
+  await show(splats({ src, accuracy: BOTH_TARGETS }));
   expect(caught).toMatchObject({ argument: 'accuracy' });
 });
 
@@ -434,7 +434,7 @@ it('keeps splats that cannot be drawn as exactly as requested, and logs a warnin
   expect(console.warn).toHaveBeenCalledWith(error);
 });
 
-it('changes accuracy without reading or suspending, and reports the choice for a wish', async () => {
+it('changes accuracy without reading or suspending, and reports the choice for a target', async () => {
   const onAccuracyChosen = vi.fn();
   await show(splats({ src: 'a.ply', accuracy: 'high' }));
   expect(test.loads.map((load) => load.accuracy)).toEqual(['high']);

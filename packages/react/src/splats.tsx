@@ -56,7 +56,7 @@ export interface SplatsProps
    */
   src?: SplatsSource | null;
   /**
-   * How exactly and how fast to draw: settings, or a wish such as `{ minPsnrDb: 45 }`; default: the Canvas's. All clouds in
+   * How exactly and how fast to draw: settings, or a target such as `{ minPsnrDb: 45 }`; default: the Canvas's. All clouds in
    * view share one frame and its accuracy: `SplatCloudObject.accuracy` of @websplatter/three says which. A change suspends
    * nothing, and reads a file again, in the background, only for a finer precision than it was packed for.
    */
@@ -71,7 +71,7 @@ export interface SplatsProps
   onProgress?: (event: ProgressEvent) => void;
   /** Called when the first frame with these splats has been submitted to the GPU. */
   onFirstFrame?: () => void;
-  /** Called when settings were chosen for a wish; `choice.why` says which and why. */
+  /** Called when settings were chosen for a target; `choice.why` says which and why. */
   onAccuracyChosen?: (choice: AccuracyChoice) => void;
   /**
    * Receives errors from reading and drawing; the splats on screen stay. Without it, errors reach the nearest error boundary,

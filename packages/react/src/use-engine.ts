@@ -35,7 +35,7 @@ export function useSplatEffects(renderer?: object): readonly EffectEntry[] | nul
 }
 
 /**
- * Returns how exactly the last frame of a Canvas was drawn: its settings, what was chosen for a wish and why, and the rasteriser.
+ * Returns how exactly the last frame of a Canvas was drawn: its settings, what was chosen for a target and why, and the rasteriser.
  * Looks again a quarter of a second after frames, and causes a render only if something has changed.
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).

@@ -8,7 +8,7 @@ export interface SplatRendererParameters
   extends Omit<WebGPURendererParameters, 'device' | 'forceWebGL' | 'powerPreference' | 'requiredLimits'> {
   /** Device limits that the application needs, by name; default none, as in three. */
   readonly requiredLimits?: Readonly<Record<string, number>>;
-  /** How exactly and how fast to draw splats, or a wish for an outcome; default `balanced`. */
+  /** How exactly and how fast to draw splats, or a target for an outcome; default `balanced`. */
   readonly accuracy?: AccuracyRequest;
   readonly powerPreference?: GPUPowerPreference | 'default';
   /** Entry point of WebGPU; default `navigator.gpu`. */

@@ -50,7 +50,7 @@ export interface SplatCloudEventMap extends Object3DEventMap {
   firstframe: object;
   /** The next frame will differ although nothing in the scene has changed: shaders or data have become ready. */
   needsframe: object;
-  /** Settings have been chosen for a frame with this cloud, because the renderer or a cloud in the frame has a wish. */
+  /** Settings have been chosen for a frame with this cloud, because the renderer or a cloud in the frame has a target. */
   accuracychosen: { readonly choice: AccuracyChoice };
 }
 
@@ -80,11 +80,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
    */
   depthWrite = false;
   /**
-   * How exactly and how fast to draw splats: settings, or a wish (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
+   * How exactly and how fast to draw splats: settings, or a target (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
    * settings are measured and chosen; null: the renderer's accuracy. All clouds in view with the same `renderOrder` share one
    * frame and its accuracy. In
-   * order of precedence, that is: the highest `minPsnrDb` that any cloud wishes for; the settings that clouds request, each
-   * at its most exact value; the lowest `maxFrameMs` that any cloud wishes for. The planes on the GPU follow in the
+   * order of precedence, that is: the highest `minPsnrDb` that any cloud asks for; the settings that clouds request, each
+   * at its most exact value; the lowest `maxFrameMs` that any cloud asks for. The planes on the GPU follow in the
    * background; the old image stays until they are ready.
    */
   accuracy: AccuracyRequest | null = null;
@@ -192,10 +192,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * Measures again which settings meet the wish of the frame that drew this cloud last. The settings in use stay until then,
+   * Measures again which settings meet the target of the frame that drew this cloud last. The settings in use stay until then,
    * and if measuring fails. All clouds of the frame dispatch an `accuracychosen` event.
    *
-   * @throws InvalidArgumentError if the cloud has not been drawn, or not under a wish; the signal's reason; an AbortError
+   * @throws InvalidArgumentError if the cloud has not been drawn, or not under a target; the signal's reason; an AbortError
    *   if a later measurement takes over; DestroyedError.
    */
   async chooseAccuracy(options?: ChooseAccuracyOptions): Promise<AccuracyChoice> {

@@ -6,7 +6,7 @@ import {
   combineAccuracies,
   DestroyedError,
   type Camera as EngineCamera,
-  isAccuracyWish,
+  isAccuracyTarget,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
@@ -333,13 +333,13 @@ function instanceOf(
 
 /**
  * Returns the settings whose planes each drawn cloud is to hold: those for all `shown` clouds, even if a camera sees only some
- * of them. Otherwise several cameras with different clouds would claim different planes in turn. Null under a wish: the view
+ * of them. Otherwise several cameras with different clouds would claim different planes in turn. Null under a target: the view
  * itself claims the planes for the settings that it has chosen.
  */
 function planesFor(shown: Iterable<LayerCloud>, engine: SplatEngine): AccuracySettings | null {
   const accuracy = accuracyOf(shown);
-  const isWish = accuracy !== undefined && isAccuracyWish(accuracy);
-  return isWish ? null : engine.resolveAccuracy(accuracy).settings;
+  const isTarget = accuracy !== undefined && isAccuracyTarget(accuracy);
+  return isTarget ? null : engine.resolveAccuracy(accuracy).settings;
 }
 
 function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {

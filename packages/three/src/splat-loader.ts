@@ -54,9 +54,9 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
 
   /**
    * Packs later loads for renderers or clouds of this accuracy; default that of the renderer in `detectSupport`, else
-   * `balanced`. A wish counts as the default, because its settings are unknown before anything is drawn.
+   * `balanced`. A target counts as the default, because its settings are unknown before anything is drawn.
    *
-   * @throws InvalidArgumentError for unknown settings and invalid wishes.
+   * @throws InvalidArgumentError for unknown settings and invalid targets.
    */
   setAccuracy(accuracy: AccuracyRequest): this {
     this.#accuracy = checkAccuracy(accuracy);

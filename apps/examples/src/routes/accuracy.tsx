@@ -1,6 +1,6 @@
 import { OrbitControls } from '@react-three/drei';
 import { Canvas } from '@react-three/fiber';
-import { isAccuracyWish } from '@websplatter/core';
+import { isAccuracyTarget } from '@websplatter/core';
 import { type AccuracyChoice, type AccuracyRequest, createSplatRenderer, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
@@ -41,7 +41,7 @@ export default function Accuracy() {
             ))}
           </select>
         </label>
-        {isAccuracyWish(REQUESTS[request]) && (
+        {isAccuracyTarget(REQUESTS[request]) && (
           <output>{choices[request]?.why ?? 'Measuring which settings meet that…'}</output>
         )}
       </form>

@@ -6,10 +6,10 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 /** The presets as buttons. */
 export function AccuracyPresets({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
-  const wish = useStore(store, (state) => state.wish);
+  const target = useStore(store, (state) => state.target);
   const { preset, changed } = nearestPreset(accuracy);
-  // Under a wish no preset was chosen, even if the chosen settings equal one.
-  const chosen = wish === null && changed.length === 0 ? preset : null;
+  // Under a target no preset was chosen, even if the chosen settings equal one.
+  const chosen = target === null && changed.length === 0 ? preset : null;
   return (
     <fieldset className="chips accuracy-presets" aria-label="Presets">
       {PRESET_NAMES.map((name) => (

@@ -1,24 +1,24 @@
-import type { AccuracyWish } from '@websplatter/core';
+import type { AccuracyTarget } from '@websplatter/core';
 import { useStore } from 'zustand';
-import { describeAccuracy, describeWish } from '../formatting/accuracy-words.ts';
+import { describeAccuracy, describeTarget } from '../formatting/accuracy-words.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /**
- * In words: the settings that are drawn, the wish that is kept, and what the GPU cannot do. It lies below the forms, which
+ * In words: the settings that are drawn, the target that is kept, and what the GPU cannot do. It lies below the forms, which
  * would move under the hand that changes a setting.
  */
 export function AccuracyStatus({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
-  const wish = useStore(store, (state) => state.wish);
+  const target = useStore(store, (state) => state.target);
   const choice = useStore(store, (state) => state.choice);
   const notices = useStore(store, (state) => state.accuracyNotices);
   return (
     <footer className="accuracy-status">
-      {wish && <KeptWish store={store} viewer={viewer} wish={wish} />}
+      {target && <KeptTarget store={store} viewer={viewer} target={target} />}
       <p className="accuracy-custom" data-testid="accuracy-custom">
-        {wish && 'Drawn with '}
+        {target && 'Drawn with '}
         {describeAccuracy(accuracy)}
-        {wish && !choice && ' until this scene is measured'}
+        {target && !choice && ' until this scene is measured'}
       </p>
       {notices.map((notice) => (
         <p key={notice} className="accuracy-notice">
@@ -29,18 +29,18 @@ export function AccuracyStatus({ store, viewer }: PanelProps) {
   );
 }
 
-/** The wish that is kept in every scene, and the button that ends it. */
-function KeptWish({ store, viewer, wish }: PanelProps & { readonly wish: AccuracyWish }) {
+/** The target that is kept in every scene, and the button that ends it. */
+function KeptTarget({ store, viewer, target }: PanelProps & { readonly target: AccuracyTarget }) {
   return (
-    <p className="kept-wish" data-testid="kept-wish">
+    <p className="kept-target" data-testid="kept-target">
       <span role="status">
-        Keeps: <b>{describeWish(wish)}</b>
+        Keeps: <b>{describeTarget(target)}</b>
       </span>
       <button
         type="button"
         className="text-button"
         title="Keeps the settings that are drawn now"
-        data-testid="end-wish"
+        data-testid="end-target"
         onClick={() => viewer.setAccuracy(store.getState().accuracy)}
       >
         End

@@ -1,4 +1,4 @@
-import { type AccuracySettings, InvalidArgumentError, isAccuracyWish } from '@websplatter/core';
+import { type AccuracySettings, InvalidArgumentError, isAccuracyTarget } from '@websplatter/core';
 import { decodeAccuracy } from '../formatting/accuracy-address.ts';
 
 /** What the address asks the benchmark to do: the same on every device, whatever its window. */
@@ -29,7 +29,7 @@ const MOST_FRAMES = 10_000;
  */
 export function benchRequest(query: URLSearchParams): BenchRequest {
   const accuracy = decodeAccuracy(query.get('accuracy'));
-  if (isAccuracyWish(accuracy)) {
+  if (isAccuracyTarget(accuracy)) {
     const message = `accuracy is ${query.get('accuracy')}; a benchmark needs settings that are the same on every device, such as accuracy=balanced.`;
     throw new InvalidArgumentError('accuracy', message);
   }

@@ -141,8 +141,8 @@ export class Drawing {
 
   /** Draws both sides of a split image, or the only one; returns whether anything was, or will be, submitted. */
   #render({ views }: Session, frame: DrawnFrame['frame']): boolean {
-    const { wish, accuracy: settings, comparison } = this.#options.store.getState();
-    const accuracy = wish ?? settings;
+    const { target, accuracy: settings, comparison } = this.#options.store.getState();
+    const accuracy = target ?? settings;
     if (comparison?.kind !== 'split') return views.main.render({ ...frame, accuracy });
     const isLeftSubmitted = views.main.render({
       ...frame,

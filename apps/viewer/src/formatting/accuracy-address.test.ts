@@ -1,7 +1,7 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import { decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
-import { describeWish } from './accuracy-words.ts';
+import { describeTarget } from './accuracy-words.ts';
 
 describe('accuracy in the address', () => {
   it.each([
@@ -18,10 +18,10 @@ describe('accuracy in the address', () => {
   it.each([
     [{ minPsnrDb: 45 }, 'minPsnrDb:45', 'at least 45 dB'],
     [{ maxFrameMs: 0.5 }, 'maxFrameMs:0.5', 'at most 0.5 ms'],
-  ])('writes the wish %o as %s, and for people', (wish, text, words) => {
-    expect(encodeAccuracy(wish)).toBe(text);
-    expect(decodeAccuracy(text)).toEqual(wish);
-    expect(describeWish(wish)).toBe(words);
+  ])('writes the target %o as %s, and for people', (target, text, words) => {
+    expect(encodeAccuracy(target)).toBe(text);
+    expect(decodeAccuracy(text)).toEqual(target);
+    expect(describeTarget(target)).toBe(words);
   });
 
   it('names the usual default where the device has another, which it does not', () => {
@@ -41,7 +41,7 @@ describe('accuracy in the address', () => {
   );
 
   it.each(['minPsnrDb:0', 'minPsnrDb:', 'minPsnrDb:1e999', 'maxFrameMs:soon', 'fast,minPsnrDb:45'])(
-    'refuses the wish %j with what would do',
+    'refuses the target %j with what would do',
     (text) => expect(() => decodeAccuracy(text)).toThrow(/write minPsnrDb|there are/),
   );
 });

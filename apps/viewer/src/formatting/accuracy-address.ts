@@ -1,10 +1,10 @@
 import {
   type AccuracyPreset,
   type AccuracySettings,
-  type AccuracyWish,
+  type AccuracyTarget,
   DEFAULT_ACCURACY,
   InvalidArgumentError,
-  isAccuracyWish,
+  isAccuracyTarget,
   resolveAccuracy,
 } from '@websplatter/core';
 import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
@@ -15,10 +15,10 @@ import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
  * @param unmentioned that default; null where other devices have to understand the address, which mentions all.
  */
 export function encodeAccuracy(
-  accuracy: AccuracySettings | AccuracyWish,
+  accuracy: AccuracySettings | AccuracyTarget,
   unmentioned: AccuracySettings | null = resolveAccuracy(),
 ): string | null {
-  if (isAccuracyWish(accuracy)) return Object.entries(accuracy)[0].join(':');
+  if (isAccuracyTarget(accuracy)) return Object.entries(accuracy)[0].join(':');
   if (unmentioned && isSameAccuracy(accuracy, unmentioned)) return null;
   const { preset, changed } = nearestPreset(accuracy);
   return [preset, ...changed.map((name) => `${name}:${accuracy[name]}`)].join(',');
@@ -29,7 +29,7 @@ export function encodeAccuracy(
  *
  * @throws InvalidArgumentError naming the preset or setting that does not exist, or the value that it cannot have.
  */
-export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyWish {
+export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyTarget {
   if (text === null) return resolveAccuracy();
   const parts = text.split(',').map((part) => part.trim());
   // A first part with a colon is a change already: `shDegree:1` alone is a change of the default.
@@ -39,11 +39,11 @@ export function decodeAccuracy(text: string | null): AccuracySettings | Accuracy
     return [name, value !== '' && Number.isFinite(Number(value)) ? Number(value) : value];
   });
   const asked = Object.fromEntries(changes);
-  if (!text.includes(',') && isAccuracyWish(asked)) {
+  if (!text.includes(',') && isAccuracyTarget(asked)) {
     // Text that is no finite number stays text, whatever it compares as.
     const [amount] = Object.values<unknown>(asked);
     if (typeof amount === 'number' && amount > 0) return asked;
-    const message = `The wish "${text}" has no number above 0; write minPsnrDb:45 for decibels or maxFrameMs:8 for milliseconds.`;
+    const message = `The target "${text}" has no number above 0; write minPsnrDb:45 for decibels or maxFrameMs:8 for milliseconds.`;
     throw new InvalidArgumentError('accuracy', message);
   }
   // Names and values may be wrong: resolveAccuracy checks them.

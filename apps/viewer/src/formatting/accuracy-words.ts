@@ -4,7 +4,7 @@ import {
   type AccuracyPreset,
   type AccuracySetting,
   type AccuracySettings,
-  type AccuracyWish,
+  type AccuracyTarget,
   DEFAULT_ACCURACY,
 } from '@websplatter/core';
 
@@ -98,6 +98,6 @@ function describeSetting(name: SettingName, settings: AccuracySettings): string 
 }
 
 /** `at least 45 dB`, `at most 8 ms`. */
-export function describeWish(wish: AccuracyWish): string {
-  return 'minPsnrDb' in wish ? `at least ${wish.minPsnrDb} dB` : `at most ${wish.maxFrameMs} ms`;
+export function describeTarget(target: AccuracyTarget): string {
+  return 'minPsnrDb' in target ? `at least ${target.minPsnrDb} dB` : `at most ${target.maxFrameMs} ms`;
 }

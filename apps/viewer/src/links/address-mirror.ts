@@ -38,7 +38,7 @@ export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void 
 /** Parts of the state after whose change the address may be another one. */
 const MIRRORED = [
   'accuracy',
-  'wish',
+  'target',
   'comparison',
   'splitPart',
   'requested',

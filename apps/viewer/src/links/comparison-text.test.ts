@@ -31,7 +31,7 @@ describe('a comparison in the address', () => {
     ['fast/fast/0.5/1', 'two sides'],
     ['fast/high/', 'its line'],
     ['fast/high/2', 'its line, “2”'],
-    ['fast/minPsnrDb:45', 'is a wish'],
+    ['fast/minPsnrDb:45', 'is a target'],
     ['fast/best', 'best'],
   ])('refuses %j with what is wrong', (text, why) => {
     expect(() => decodeComparison(text)).toThrow(InvalidArgumentError);

@@ -1,4 +1,4 @@
-import { InvalidArgumentError, isAccuracyWish } from '@websplatter/core';
+import { InvalidArgumentError, isAccuracyTarget } from '@websplatter/core';
 import { decodeAccuracy, encodeAccuracy } from '../formatting/accuracy-address.ts';
 import type { Comparison, ComparisonSide } from '../state/comparison.ts';
 
@@ -38,7 +38,8 @@ function sideText(side: ComparisonSide): string {
 function sideIn(text: string): ComparisonSide {
   if (text === 'current') return text;
   const accuracy = decodeAccuracy(text);
-  if (isAccuracyWish(accuracy)) throw refused(`“${text}” is a wish, which only the chosen accuracy can be`);
+  if (isAccuracyTarget(accuracy))
+    throw refused(`“${text}” is a target, which only the chosen accuracy can be`);
   return accuracy;
 }
 

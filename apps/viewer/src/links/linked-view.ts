@@ -6,13 +6,13 @@ import type { LinkedView } from './page-address.ts';
 
 /** What an address has to tell so that what is shown now is shown again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
-  const { wish, accuracy, comparison, splitPart, requested, viewMode, inspecting } = state;
+  const { target, accuracy, comparison, splitPart, requested, viewMode, inspecting } = state;
   const parts = viewer.scenes.newest?.parts ?? [];
   return {
     sources: parts.map(({ source }) => source),
     looks: looksOf(parts),
     camera: viewer.camera.snapshot(),
-    accuracy: wish ?? accuracy,
+    accuracy: target ?? accuracy,
     comparison: comparison && { comparison, splitPart },
     effects: requested.choices,
     crop: inspecting.crop,

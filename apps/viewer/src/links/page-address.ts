@@ -1,4 +1,4 @@
-import type { AccuracySettings, AccuracyWish } from '@websplatter/core';
+import type { AccuracySettings, AccuracyTarget } from '@websplatter/core';
 import type { LinkedCamera } from '../camera/view-camera.ts';
 import { encodeAccuracy } from '../formatting/accuracy-address.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
@@ -21,7 +21,7 @@ export interface LinkedView {
   /** How each of them is drawn, as `encodeLook` writes it; none where all are drawn as they come. */
   readonly looks: readonly string[];
   readonly camera: LinkedCamera;
-  readonly accuracy: AccuracySettings | AccuracyWish;
+  readonly accuracy: AccuracySettings | AccuracyTarget;
   readonly comparison: LinkedComparison | null;
   readonly effects: EffectChoices;
   readonly crop: Crop | null;

@@ -7,14 +7,14 @@ import type { Viewer } from '../viewer/viewer.ts';
 import type { Measurement } from './measurement.ts';
 
 /**
- * Measures what accuracy costs for the frame on the screen. A wish is measured as soon as it is made, and again for each
+ * Measures what accuracy costs for the frame on the screen. A target is measured as soon as it is made, and again for each
  * scene that is opened.
  */
 export class AccuracyMeasurement {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
   readonly #measurement: Measurement;
-  /** Settings from before this wish in this scene: they come back if nothing is chosen. */
+  /** Settings from before this target in this scene: they come back if nothing is chosen. */
   #fallback: AccuracySettings;
 
   constructor(viewer: Viewer, store: ViewerStore, measurement: Measurement) {
@@ -24,12 +24,12 @@ export class AccuracyMeasurement {
     this.#fallback = store.getState().accuracy;
   }
 
-  /** Starts the measurement that a wish needs, and ends that of a wish that is no more; returns what stops that. */
+  /** Starts the measurement that a target needs, and ends that of a target that is no more; returns what stops that. */
   watch(): () => void {
     return this.#store.subscribe((state, before) => {
-      const { wish, scene, measuring, failedMeasurement } = state;
-      if (wish !== before.wish || scene !== before.scene) this.#fallback = before.accuracy;
-      if (wish !== before.wish && measuring?.of === 'accuracy') this.#measurement.stop();
+      const { target, scene, measuring, failedMeasurement } = state;
+      if (target !== before.target || scene !== before.scene) this.#fallback = before.accuracy;
+      if (target !== before.target && measuring?.of === 'accuracy') this.#measurement.stop();
       if (failedMeasurement !== before.failedMeasurement && failedMeasurement?.of === 'accuracy')
         this.#giveUp();
       if (lacksChoice(this.#store.getState())) void this.choose();
@@ -57,11 +57,11 @@ export class AccuracyMeasurement {
     if (measured) this.#take(measured);
   }
 
-  /** Measures which settings meet the wish, and draws with them. */
+  /** Measures which settings meet the target, and draws with them. */
   async choose(): Promise<void> {
     const measured = await this.#measurement.run('accuracy', async (_, options) => {
       const { table } = await this.#viewer.chooseAccuracy(options);
-      return { table, sweep: 'wish' as const, isCutShort: false, allSettingsMs: null };
+      return { table, sweep: 'target' as const, isCutShort: false, allSettingsMs: null };
     });
     if (measured) this.#take(measured);
   }
@@ -76,19 +76,19 @@ export class AccuracyMeasurement {
     if (!tellsLess) this.#store.setState({ measured });
   }
 
-  /** An earlier choice stays; a wish without one ends. */
+  /** An earlier choice stays; a target without one ends. */
   cancel(): void {
     this.#measurement.stop();
     this.#giveUp();
   }
 
   #giveUp(): void {
-    const { wish, choice } = this.#store.getState();
-    if (wish && !choice) this.#viewer.setAccuracy(this.#fallback);
+    const { target, choice } = this.#store.getState();
+    if (target && !choice) this.#viewer.setAccuracy(this.#fallback);
   }
 }
 
-/** Whether there are an image at rest and a wish, but nothing was chosen for it. */
-function lacksChoice({ wish, choice, status, scene, isIdle }: ViewerState): boolean {
-  return wish !== null && choice === null && status === 'running' && scene !== null && isIdle;
+/** Whether there are an image at rest and a target, but nothing was chosen for it. */
+function lacksChoice({ target, choice, status, scene, isIdle }: ViewerState): boolean {
+  return target !== null && choice === null && status === 'running' && scene !== null && isIdle;
 }

@@ -7,7 +7,7 @@ import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { MeasuredResults } from './measured-results.tsx';
 import { MeasurementRunner } from './measurement-runner.tsx';
 import { PsnrExplained } from './psnr-explained.tsx';
-import { WishForm } from './wish-form.tsx';
+import { TargetForm } from './target-form.tsx';
 
 /** Measures the cost and the error of each setting for the frame on the screen, and offers them to choose from. */
 export function MeasureForm({
@@ -18,10 +18,10 @@ export function MeasureForm({
   const measured = useStore(store, (state) => state.measured);
   const imageId = useStore(store, (state) => state.imageId);
   const choice = useStore(store, (state) => state.choice);
-  const hasWish = useStore(store, (state) => state.wish !== null);
-  const next = nextSweep(measured?.imageId === imageId ? measured : null, hasWish);
+  const hasTarget = useStore(store, (state) => state.target !== null);
+  const next = nextSweep(measured?.imageId === imageId ? measured : null, hasTarget);
   const start = (sweep: NextSweep['sweep']) =>
-    void (sweep === 'wish' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
+    void (sweep === 'target' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
   return (
     <div className="measure-form">
       <MeasurementRunner
@@ -39,7 +39,7 @@ export function MeasureForm({
       )}
       <PsnrExplained />
       {measured && <MeasuredResults store={store} viewer={viewer} measured={measured} />}
-      <WishForm store={store} viewer={viewer} />
+      <TargetForm store={store} viewer={viewer} />
     </div>
   );
 }
@@ -55,8 +55,9 @@ interface NextSweep {
  *
  * @param fresh what is known of the image on the screen; null: nothing.
  */
-function nextSweep(fresh: MeasuredAccuracy | null, hasWish: boolean): NextSweep {
-  if (hasWish) return { sweep: 'wish', label: fresh ? 'Measure again' : 'Measure this view', about: null };
+function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSweep {
+  if (hasTarget)
+    return { sweep: 'target', label: fresh ? 'Measure again' : 'Measure this view', about: null };
   if (fresh === null || (fresh.sweep === 'presets' && fresh.isCutShort))
     return {
       sweep: 'presets',

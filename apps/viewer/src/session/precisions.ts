@@ -71,8 +71,8 @@ export class Precisions {
     const session = sessions.current;
     if (!session) return;
     const { engine } = session;
-    const { wish, accuracy, comparison, scene } = store.getState();
-    const asked = wish ?? accuracy;
+    const { target, accuracy, comparison, scene } = store.getState();
+    const asked = target ?? accuracy;
     const work = new AbortController();
     this.#work = work;
     const options = {
@@ -84,14 +84,16 @@ export class Precisions {
     const isCurrent = () => {
       const now = store.getState();
       return (
-        sessions.current === session && (now.wish ?? now.accuracy) === asked && now.comparison === comparison
+        sessions.current === session &&
+        (now.target ?? now.accuracy) === asked &&
+        now.comparison === comparison
       );
     };
     const request = engine.setAccuracy(asked, options);
     store.setState({
       accuracyNotices: engine.notices,
-      // Until the scene has been measured: what was chosen for the same wish before, or the default.
-      ...(wish && { accuracy: engine.accuracy }),
+      // Until the scene has been measured: what was chosen for the same target before, or the default.
+      ...(target && { accuracy: engine.accuracy }),
     });
     const problems = (await request).map(({ error }) => error.message);
     if (!isCurrent()) return this.#end(work);

@@ -148,8 +148,8 @@ export class SessionOwner {
   }
 
   #askForEngine(): Promise<SplatEngine> {
-    const { wish, accuracy } = this.#store.getState();
-    return this.#createEngine({ accuracy: wish ?? accuracy });
+    const { target, accuracy } = this.#store.getState();
+    return this.#createEngine({ accuracy: target ?? accuracy });
   }
 
   #sessionOf(engine: SplatEngine, canvas: HTMLCanvasElement): Session {

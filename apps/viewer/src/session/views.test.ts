@@ -13,19 +13,19 @@ function setUp() {
 }
 
 describe('Views', () => {
-  it('measures a wish in the view that is drawn with it', () => {
+  it('measures a target in the view that is drawn with it', () => {
     const { views } = setUp();
     views.createRight(canvas);
-    expect(views.wishing(null)).toBe(views.main);
-    expect(views.wishing({ kind: 'error' })).toBe(views.main);
-    expect(views.wishing({ kind: 'split', left: 'current', right: reference })).toBe(views.main);
-    expect(views.wishing({ kind: 'split', left: fast, right: 'current' })).toBe(views.right);
-    expect(views.wishing({ kind: 'split', left: fast, right: reference })).toBe(views.probe);
+    expect(views.targeting(null)).toBe(views.main);
+    expect(views.targeting({ kind: 'error' })).toBe(views.main);
+    expect(views.targeting({ kind: 'split', left: 'current', right: reference })).toBe(views.main);
+    expect(views.targeting({ kind: 'split', left: fast, right: 'current' })).toBe(views.right);
+    expect(views.targeting({ kind: 'split', left: fast, right: reference })).toBe(views.probe);
   });
 
-  it('measures a wish beside the screen while the right side has no canvas', () => {
+  it('measures a target beside the screen while the right side has no canvas', () => {
     const { views } = setUp();
-    expect(views.wishing({ kind: 'split', left: fast, right: 'current' })).toBe(views.probe);
+    expect(views.targeting({ kind: 'split', left: fast, right: 'current' })).toBe(views.probe);
   });
 
   it('makes the probe once, and the right side once per canvas', () => {

@@ -41,8 +41,8 @@ export class Views {
     this.#right = null;
   }
 
-  /** A view that is drawn with what was chosen because of a wish, not with what it is compared with. */
-  wishing(comparison: Comparison | null): SplatView {
+  /** A view that is drawn with what was chosen because of a target, not with what it is compared with. */
+  targeting(comparison: Comparison | null): SplatView {
     if (comparison?.kind !== 'split' || comparison.left === 'current') return this.main;
     return comparison.right === 'current' && this.#right ? this.#right : this.probe;
   }

@@ -10,7 +10,7 @@ export type Comparison =
   /** The error of each pixel: how far the shown accuracy is from `reference`. */
   | { readonly kind: 'error' };
 
-/** @param current the chosen settings, or the wish. */
+/** @param current the chosen settings, or the target. */
 export function sideAccuracy<T>(side: ComparisonSide, current: T): AccuracySettings | T {
   return side === 'current' ? current : side;
 }

@@ -22,8 +22,8 @@ export interface MeasuredImage {
   readonly isSoftware: boolean;
 }
 
-/** What is measured of accuracy: the presets, every setting, or what a wish needs to know. */
-export type AccuracySweep = 'presets' | 'settings' | 'wish';
+/** What is measured of accuracy: the presets, every setting, or what a target needs to know. */
+export type AccuracySweep = 'presets' | 'settings' | 'target';
 
 /** What accuracy was measured to cost. */
 export interface MeasuredAccuracy extends MeasuredImage {

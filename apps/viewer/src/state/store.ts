@@ -45,7 +45,7 @@ export function createViewerStore(): ViewerStore {
     accuracyTab: 'measure',
     accuracy: defaultAccuracy,
     defaultAccuracy,
-    wish: null,
+    target: null,
     choice: null,
     accuracyNotices: [],
     comparison: null,

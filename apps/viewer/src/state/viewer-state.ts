@@ -1,7 +1,7 @@
 import type {
   AccuracyChoice,
   AccuracySettings,
-  AccuracyWish,
+  AccuracyTarget,
   EffectEntry,
   FrameRasterizer,
   FrameStatistics,
@@ -160,13 +160,13 @@ export interface ViewerState {
   /** Height of a panel that is a sheet, as on phones, as a part of the window's. */
   readonly sheetPart: number;
   readonly accuracyTab: AccuracyTab;
-  /** Settings that frames are drawn with: asked for, or chosen because of the wish. */
+  /** Settings that frames are drawn with: asked for, or chosen because of the target. */
   readonly accuracy: AccuracySettings;
   /** Settings that this device begins with; the page's address does not mention them. */
   readonly defaultAccuracy: AccuracySettings;
   /** The outcome to keep in every scene; null if settings were chosen by hand. */
-  readonly wish: AccuracyWish | null;
-  /** The settings chosen because of the wish, and why; null until this scene has been measured. */
+  readonly target: AccuracyTarget | null;
+  /** The settings chosen because of the target, and why; null until this scene has been measured. */
   readonly choice: AccuracyChoice | null;
   /** Settings that the GPU cannot honour, in words. */
   readonly accuracyNotices: readonly string[];

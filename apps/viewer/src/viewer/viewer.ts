@@ -1,10 +1,10 @@
 import {
   type AccuracyChoice,
   type AccuracySettings,
-  type AccuracyWish,
+  type AccuracyTarget,
   type ChooseAccuracyOptions,
   InvalidArgumentError,
-  isAccuracyWish,
+  isAccuracyTarget,
   isSoftwareAdapter,
   type SplatEngine,
   type SplatPick,
@@ -126,9 +126,9 @@ export class Viewer {
     this.#sessions.recover();
   }
 
-  /** Draws with `accuracy` from the next frame on; ends a wish. */
+  /** Draws with `accuracy` from the next frame on; ends a target. */
   setAccuracy(accuracy: AccuracySettings): void {
-    this.#store.setState({ accuracy, wish: null, choice: null });
+    this.#store.setState({ accuracy, target: null, choice: null });
     this.#followAccuracy();
   }
 
@@ -144,9 +144,9 @@ export class Viewer {
     this.#drawing.request();
   }
 
-  /** Draws each scene with settings that `chooseAccuracy` finds for `wish`, until settings are chosen by hand. */
-  setWish(wish: AccuracyWish): void {
-    this.#store.setState({ wish, choice: null });
+  /** Draws each scene with settings that `chooseAccuracy` finds for `target`, until settings are chosen by hand. */
+  setTarget(target: AccuracyTarget): void {
+    this.#store.setState({ target, choice: null });
     this.#followAccuracy();
   }
 
@@ -157,18 +157,18 @@ export class Viewer {
   }
 
   /**
-   * Measures which settings meet the wish for the frame on the screen, and draws with them.
+   * Measures which settings meet the target for the frame on the screen, and draws with them.
    *
-   * @throws InvalidArgumentError where there is no wish or no frame; what `SplatView.chooseAccuracy` throws. Then the
+   * @throws InvalidArgumentError where there is no target or no frame; what `SplatView.chooseAccuracy` throws. Then the
    *   accuracy stays as it was.
    */
   async chooseAccuracy(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     const shown = this.#drawing.shown;
-    const { wish, comparison } = this.#store.getState();
-    if (!shown || !wish)
-      throw new InvalidArgumentError('chooseAccuracy', 'It takes a wish and a frame on the screen.');
-    const view = shown.scene.session.views.wishing(comparison);
-    view.render({ ...shown.frame, accuracy: wish });
+    const { target, comparison } = this.#store.getState();
+    if (!shown || !target)
+      throw new InvalidArgumentError('chooseAccuracy', 'It takes a target and a frame on the screen.');
+    const view = shown.scene.session.views.targeting(comparison);
+    view.render({ ...shown.frame, accuracy: target });
     const choice = await view.chooseAccuracy(options);
     await view.whenDrawn();
     return choice;
@@ -244,9 +244,9 @@ export class Viewer {
 
   /** The device is known: takes what suits it, unless the address or a person has asked for something. */
   #takeDefaultOf({ engine }: Session): void {
-    const { accuracy, defaultAccuracy, wish } = this.#store.getState();
+    const { accuracy, defaultAccuracy, target } = this.#store.getState();
     const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
-    const isUntouched = wish === null && accuracy === defaultAccuracy;
+    const isUntouched = target === null && accuracy === defaultAccuracy;
     this.#store.setState({ defaultAccuracy: suited, ...(isUntouched && { accuracy: suited }) });
   }
 
@@ -256,7 +256,7 @@ export class Viewer {
   }
 
   #takeChoice(engine: SplatEngine, choice: AccuracyChoice): void {
-    if (this.#store.getState().wish === null) return;
+    if (this.#store.getState().target === null) return;
     this.#store.setState({ accuracy: choice.settings, choice, accuracyNotices: engine.notices });
     // The view has drawn it by itself.
     this.#drawing.countOwnFrame();
@@ -266,7 +266,7 @@ export class Viewer {
     if (text === null) return;
     try {
       const accuracy = decodeAccuracy(text);
-      this.#store.setState(isAccuracyWish(accuracy) ? { wish: accuracy } : { accuracy });
+      this.#store.setState(isAccuracyTarget(accuracy) ? { target: accuracy } : { accuracy });
     } catch (error) {
       if (!(error instanceof InvalidArgumentError)) throw error;
       this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });

@@ -8,7 +8,8 @@ describe('the accuracy of a frame', () => {
     expect(combineAccuracies([])).toBeUndefined();
     for (const only of ['fast', { preset: 'high', sortKeyBits: 20 }] as const)
       expect(combineAccuracies([only])).toBe(only);
-    for (const wish of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(combineAccuracies([wish])).toBe(wish);
+    for (const target of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }])
+      expect(combineAccuracies([target])).toBe(target);
   });
 
   test('has each setting at the most exact requested value', () => {
@@ -25,11 +26,11 @@ describe('the accuracy of a frame', () => {
     });
   });
 
-  test('prefers a wish for an error to settings, and settings to a wish for a time', () => {
-    const wishes = [{ maxFrameMs: 8 }, { minPsnrDb: 45 }, { maxFrameMs: 4 }, { minPsnrDb: 50 }];
-    expect(combineAccuracies(['reference', ...wishes])).toEqual({ minPsnrDb: 50 });
-    expect(combineAccuracies([wishes[0], 'fast', wishes[2]])).toBe('fast');
-    expect(combineAccuracies([wishes[0], wishes[2]])).toEqual({ maxFrameMs: 4 });
+  test('prefers a target for an error to settings, and settings to a target for a time', () => {
+    const targets = [{ maxFrameMs: 8 }, { minPsnrDb: 45 }, { maxFrameMs: 4 }, { minPsnrDb: 50 }];
+    expect(combineAccuracies(['reference', ...targets])).toEqual({ minPsnrDb: 50 });
+    expect(combineAccuracies([targets[0], 'fast', targets[2]])).toBe('fast');
+    expect(combineAccuracies([targets[0], targets[2]])).toEqual({ maxFrameMs: 4 });
   });
 
   test('is rejected if a setting is unknown', () => {

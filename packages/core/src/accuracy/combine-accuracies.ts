@@ -1,5 +1,5 @@
 import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
-import { type AccuracyRequest, isAccuracyWish } from './accuracy-wish.ts';
+import { type AccuracyRequest, isAccuracyTarget } from './accuracy-target.ts';
 
 /**
  * Combines the accuracy requests of a frame's clouds into one. In order of precedence: the highest `minPsnrDb`; the requested
@@ -8,12 +8,16 @@ import { type AccuracyRequest, isAccuracyWish } from './accuracy-wish.ts';
  * @throws InvalidArgumentError for unknown settings.
  */
 export function combineAccuracies(requests: readonly AccuracyRequest[]): AccuracyRequest | undefined {
-  const wishes = requests.filter(isAccuracyWish);
-  const [clearest] = wishes.filter((wish) => 'minPsnrDb' in wish).sort((a, b) => b.minPsnrDb - a.minPsnrDb);
+  const targets = requests.filter(isAccuracyTarget);
+  const [clearest] = targets
+    .filter((target) => 'minPsnrDb' in target)
+    .sort((a, b) => b.minPsnrDb - a.minPsnrDb);
   if (clearest) return clearest;
-  const settings = requests.filter((request): request is Accuracy => !isAccuracyWish(request));
+  const settings = requests.filter((request): request is Accuracy => !isAccuracyTarget(request));
   if (settings.length > 0) return settings.length === 1 ? settings[0] : mostExact(settings);
-  const [fastest] = wishes.filter((wish) => 'maxFrameMs' in wish).sort((a, b) => a.maxFrameMs - b.maxFrameMs);
+  const [fastest] = targets
+    .filter((target) => 'maxFrameMs' in target)
+    .sort((a, b) => a.maxFrameMs - b.maxFrameMs);
   return fastest;
 }
 

@@ -77,7 +77,7 @@ export class CloudLease {
  *
  * - A cloud holds the planes that its leases claim, and no others.
  * - `own` is the cloud's own lease. It claims the uploaded precision until the engine changes it: for `requestPrecision`, for
- *   the engine's accuracy, and for the settings chosen to meet a wish. A holder whose leases cover everything that shows the
+ *   the engine's accuracy, and for the settings chosen to meet a target. A holder whose leases cover everything that shows the
  *   cloud releases it.
  * - There is always a claim, so that there is always something to draw: when the last lease is released, its claims pass to
  *   `own`.

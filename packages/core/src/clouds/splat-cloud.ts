@@ -236,7 +236,7 @@ export class SplatCloud {
 
   /**
    * Claims this precision until the lease is changed or released. The cloud holds the planes that its leases claim, and frees
-   * all others. Its own lease claims the uploaded precision, until the engine's accuracy, a wish or
+   * all others. Its own lease claims the uploaded precision, until the engine's accuracy, a target or
    * `engine.requestPrecision` changes that; release `cloud.ownLease` if your leases cover everything that shows the cloud.
    *
    * A coarser precision than the cloud holds is made on the GPU. For a finer one the splats are read again in the

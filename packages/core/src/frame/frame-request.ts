@@ -1,4 +1,4 @@
-import type { AccuracyRequest } from '../accuracy/accuracy-wish.ts';
+import type { AccuracyRequest } from '../accuracy/accuracy-target.ts';
 import { type Camera, checkDepths } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
@@ -36,7 +36,7 @@ export interface FrameRequest {
   /** Colour behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
   readonly background?: Vec3;
   /**
-   * Settings, or a wish: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame: each
+   * Settings, or a target: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame: each
    * object is read once.
    */
   readonly accuracy?: AccuracyRequest;

@@ -13,7 +13,7 @@ import { TilePlan } from '../layout/structs.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../stages/tile-costs.ts';
 
-/** The frame to count: with settings, not a wish. */
+/** The frame to count: with settings, not a target. */
 export interface CostRequest extends FrameRequest {
   /** Tiles list the splats of the frame, whatever its rasteriser. */
   readonly accuracy: AccuracySettings;

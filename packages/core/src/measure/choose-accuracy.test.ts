@@ -52,7 +52,7 @@ describe('chooseFrom', () => {
     expect(chooseFrom(ordinary, { maxFrameMs: 6.05 }).point.name).toBe('fast');
   });
 
-  test('chooses the closest if nothing meets the wish, and says so', () => {
+  test('chooses the closest if nothing meets the target, and says so', () => {
     expect(chooseFrom(ordinary, { minPsnrDb: 80 })).toMatchObject({
       isMet: false,
       why: 'None of the 3 settings measured can reach 80 dB; “high” comes closest with 65.0 dB in 9 ms.',
@@ -64,16 +64,16 @@ describe('chooseFrom', () => {
   });
 
   test('does not flip between settings whose times cannot be told apart', () => {
-    const wish = { maxFrameMs: 6.2 };
-    const first = chooseFrom(ordinary, wish);
+    const target = { maxFrameMs: 6.2 };
+    const first = chooseFrom(ordinary, target);
     expect(first.point.name).toBe('balanced');
     const slightlySlower = table(['high', 65, 9], ['balanced', 52, 6.15], ['fast', 40, 6.0]);
-    expect(chooseFrom(slightlySlower, wish).point.name).toBe('fast');
-    const kept = chooseFrom(slightlySlower, wish, first);
+    expect(chooseFrom(slightlySlower, target).point.name).toBe('fast');
+    const kept = chooseFrom(slightlySlower, target, first);
     expect(kept.point.name).toBe('balanced');
     expect(kept.why).toContain('stays');
     const muchSlower = table(['high', 65, 12], ['balanced', 52, 9], ['fast', 40, 4]);
-    expect(chooseFrom(muchSlower, wish, first).point.name).toBe('fast');
+    expect(chooseFrom(muchSlower, target, first).point.name).toBe('fast');
     // The more accurate of equally fast settings is chosen, whichever median happens to be lower.
     for (const noise of [-0.05, 0.05]) {
       const close = table(['high', 65, 6 + noise], ['balanced', 52, 6], ['fast', 40, 6 - noise]);
@@ -81,9 +81,14 @@ describe('chooseFrom', () => {
     }
   });
 
-  test('rejects invalid wishes', () => {
-    for (const wish of [{}, { minPsnrDb: -1 }, { maxFrameMs: Number.NaN }, { minPsnrDb: 40, maxFrameMs: 8 }])
-      expect(() => chooseFrom(ordinary, wish as never)).toThrow(InvalidArgumentError);
+  test('rejects invalid targets', () => {
+    for (const target of [
+      {},
+      { minPsnrDb: -1 },
+      { maxFrameMs: Number.NaN },
+      { minPsnrDb: 40, maxFrameMs: 8 },
+    ])
+      expect(() => chooseFrom(ordinary, target as never)).toThrow(InvalidArgumentError);
   });
 });
 

@@ -1,5 +1,5 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import { type AccuracyWish, checkWish } from '../accuracy/accuracy-wish.ts';
+import { type AccuracyTarget, checkTarget } from '../accuracy/accuracy-target.ts';
 import {
   type AccuracyPoint,
   type AccuracyTable,
@@ -11,7 +11,7 @@ import { overlap } from './time-spread.ts';
 
 /** Settings chosen by measurement. */
 export interface AccuracyChoice {
-  readonly wish: AccuracyWish;
+  readonly target: AccuracyTarget;
   readonly settings: AccuracySettings;
   readonly isMet: boolean;
   /** A sentence that says which settings were chosen and why. */
@@ -20,24 +20,24 @@ export interface AccuracyChoice {
   readonly table: AccuracyTable;
 }
 
-/** A previous choice may stay if it exceeds the wished time by no more than this fraction. */
+/** A previous choice may stay if it exceeds the target's time by no more than this fraction. */
 const KEPT_OVERRUN = 0.05;
 
 /**
- * Measures, and chooses the settings that meet the wish: the fastest that are accurate enough, or the most accurate that are
+ * Measures, and chooses the settings that meet the target: the fastest that are accurate enough, or the most accurate that are
  * fast enough. If none meets it, chooses the closest.
  *
- * @param options as for `measureAccuracy`: with `sampleCameras` the wish is met from all sides, since the worst camera
+ * @param options as for `measureAccuracy`: with `sampleCameras` the target is met from all sides, since the worst camera
  * counts. `previous`: the last choice; it stays unless the measurement shows that another is better.
- * @throws InvalidArgumentError for a wish that is no positive number; errors of `measureAccuracy`.
+ * @throws InvalidArgumentError for a target that is no positive number; errors of `measureAccuracy`.
  */
 export async function chooseAccuracy(
   engine: MeasuredEngine,
-  wish: AccuracyWish,
+  target: AccuracyTarget,
   options: MeasureAccuracyOptions & { readonly previous?: AccuracyChoice },
 ): Promise<AccuracyChoice> {
-  checkWish(wish);
-  return chooseFrom(await measureAccuracy(engine, options), wish, options.previous);
+  checkTarget(target);
+  return chooseFrom(await measureAccuracy(engine, options), target, options.previous);
 }
 
 /**
@@ -47,30 +47,30 @@ export async function chooseAccuracy(
  */
 export function chooseFrom(
   table: AccuracyTable,
-  wish: AccuracyWish,
+  target: AccuracyTarget,
   previous?: AccuracyChoice,
 ): AccuracyChoice {
-  checkWish(wish);
+  checkTarget(target);
   const { points } = table;
-  const fitting = points.filter((point) => meets(point, wish));
+  const fitting = points.filter((point) => meets(point, target));
   const isMet = fitting.length > 0;
-  const candidates = isMet ? fitting : closest(points, wish);
-  const best = 'minPsnrDb' in wish ? fastest(candidates) : mostAccurate(candidates);
+  const candidates = isMet ? fitting : closest(points, target);
+  const best = 'minPsnrDb' in target ? fastest(candidates) : mostAccurate(candidates);
   const before = previous && points.find(({ settings }) => settings === previous.settings);
-  const isKept = before !== undefined && before !== best && mayStay(before, best, wish, isMet);
+  const isKept = before !== undefined && before !== best && mayStay(before, best, target, isMet);
   const point = isKept ? before : best;
-  const why = sentence(point, wish, isMet, isKept, points.length);
-  return { wish, settings: point.settings, isMet, why, point, table };
+  const why = sentence(point, target, isMet, isKept, points.length);
+  return { target, settings: point.settings, isMet, why, point, table };
 }
 
-function meets({ error, timeMs }: AccuracyPoint, wish: AccuracyWish): boolean {
+function meets({ error, timeMs }: AccuracyPoint, target: AccuracyTarget): boolean {
   // The whole interval must meet the time: with the median alone, the verdict would flip in every other measurement.
-  return 'minPsnrDb' in wish ? error.psnrDb >= wish.minPsnrDb : timeMs.total.high <= wish.maxFrameMs;
+  return 'minPsnrDb' in target ? error.psnrDb >= target.minPsnrDb : timeMs.total.high <= target.maxFrameMs;
 }
 
-/** Returns the points nearest to the wish. */
-function closest(points: readonly AccuracyPoint[], wish: AccuracyWish): AccuracyPoint[] {
-  if ('maxFrameMs' in wish) return indistinguishable(points);
+/** Returns the points nearest to the target. */
+function closest(points: readonly AccuracyPoint[], target: AccuracyTarget): AccuracyPoint[] {
+  if ('maxFrameMs' in target) return indistinguishable(points);
   const highest = Math.max(...points.map(({ error }) => error.psnrDb));
   return points.filter(({ error }) => error.psnrDb === highest);
 }
@@ -99,18 +99,23 @@ function mostAccurate(points: readonly AccuracyPoint[]): AccuracyPoint {
 }
 
 /** Whether the previous choice is not measurably worse than the best point. */
-function mayStay(before: AccuracyPoint, best: AccuracyPoint, wish: AccuracyWish, isMet: boolean): boolean {
+function mayStay(
+  before: AccuracyPoint,
+  best: AccuracyPoint,
+  target: AccuracyTarget,
+  isMet: boolean,
+): boolean {
   const [then, now] = [before.timeMs.total, best.timeMs.total];
   if (!overlap(then, now)) return false;
-  if ('minPsnrDb' in wish) return isMet ? meets(before, wish) : before.error.psnrDb === best.error.psnrDb;
+  if ('minPsnrDb' in target) return isMet ? meets(before, target) : before.error.psnrDb === best.error.psnrDb;
   // It must be at least as accurate as the best, and may be slightly too slow.
-  const isFastEnough = !isMet || then.median <= (1 + KEPT_OVERRUN) * wish.maxFrameMs;
+  const isFastEnough = !isMet || then.median <= (1 + KEPT_OVERRUN) * target.maxFrameMs;
   return isFastEnough && before.error.psnrDb >= best.error.psnrDb;
 }
 
 function sentence(
   { name, error, timeMs }: AccuracyPoint,
-  wish: AccuracyWish,
+  target: AccuracyTarget,
   isMet: boolean,
   isKept: boolean,
   count: number,
@@ -121,8 +126,8 @@ function sentence(
       : `${error.psnrDb.toFixed(1)} dB`;
   const result = `${decibels} in ${milliseconds(timeMs.total.median)}`;
   const goal =
-    'minPsnrDb' in wish ? `reach ${wish.minPsnrDb} dB` : `stay within ${milliseconds(wish.maxFrameMs)}`;
-  const superlative = 'minPsnrDb' in wish ? 'fastest' : 'most accurate';
+    'minPsnrDb' in target ? `reach ${target.minPsnrDb} dB` : `stay within ${milliseconds(target.maxFrameMs)}`;
+  const superlative = 'minPsnrDb' in target ? 'fastest' : 'most accurate';
   if (!isMet) {
     const rivals = `None of the ${count} settings measured can ${goal}`;
     return `${rivals}; “${name}” comes closest with ${result}.`;

@@ -17,7 +17,7 @@ import {
   type MeasureProgress,
   measureAccuracy,
 } from './measure-accuracy.ts';
-import { measureWish } from './measure-wish.ts';
+import { measureTarget } from './measure-target.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
@@ -106,8 +106,8 @@ describe('measureAccuracy', () => {
 
     orders.clear();
     const request = { ...common, camera: common.cameras[0], sortBy: 'distance' } as const;
-    const wish = { minPsnrDb: 20 };
-    await measureWish(watched, wish, request, { previous: null, signal: new AbortController().signal });
+    const target = { minPsnrDb: 20 };
+    await measureTarget(watched, target, request, { previous: null, signal: new AbortController().signal });
     expect([...orders]).toEqual(['true: the request asks for it']);
   });
 
@@ -230,7 +230,7 @@ describe('measureAccuracy', () => {
 });
 
 describe('chooseAccuracy', () => {
-  gpuTest('chooses settings whose measured error meets the wish, from every side', async () => {
+  gpuTest('chooses settings whose measured error meets the target, from every side', async () => {
     const cameras = sampleCameras(common.cameras[0], clouds[0].cloud.robustBounds, 2);
     const options = { ...common, cameras, frames: 1, settings: ['shDegree'], combinations: false };
     const choice = await chooseAccuracy(engine, { minPsnrDb: 40 }, options);

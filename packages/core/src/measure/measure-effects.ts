@@ -1,4 +1,4 @@
-import { isAccuracyWish } from '../accuracy/accuracy-wish.ts';
+import { isAccuracyTarget } from '../accuracy/accuracy-target.ts';
 import { antialias } from '../effects/antialias.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -41,7 +41,7 @@ const DEFAULT_FRAMES = 15;
  * change is not counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame has read.
  *
  * Measures, in the ledger's order, the requested effects, and the found effects that a frame can do without (`harmonics`,
- * `isotropic`). If `frame` has a wish, the engine's settings are measured. An effect
+ * `isotropic`). If `frame` has a target, the engine's settings are measured. An effect
  * that moves splats may lengthen sort keys, which takes new buffers: only then do the two kinds of frames not share theirs.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
@@ -53,7 +53,7 @@ export async function measureEffects(
 ): Promise<EffectCost[]> {
   checkOptions(frame, frames);
   const { accuracy = engine.accuracy } = frame;
-  const settings = isAccuracyWish(accuracy) ? engine.accuracy : accuracy;
+  const settings = isAccuracyTarget(accuracy) ? engine.accuracy : accuracy;
   const request: FrameRequest = { ...frame, accuracy: settings, force: true };
   return withView(engine, async (view) => {
     signal?.throwIfAborted();

@@ -1,5 +1,5 @@
 import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
-import { isAccuracyWish } from '../accuracy/accuracy-wish.ts';
+import { isAccuracyTarget } from '../accuracy/accuracy-target.ts';
 import type { Camera } from '../camera/camera.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -17,7 +17,7 @@ export interface MeasureFramesOptions
   extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'sortBy'> {
   /** One camera per measured frame, each unlike the one before: see `orbitCameras`. */
   readonly cameras: readonly Camera[];
-  /** Default the engine's; under a wish, the engine's settings. */
+  /** Default the engine's; under a target, the engine's settings. */
   readonly accuracy?: FrameRequest['accuracy'];
   /** Bytes of each copy that bandwidth is measured by: see `CopyBandwidthOptions`. */
   readonly copyBytes?: number;
@@ -170,7 +170,7 @@ async function drawFrames(
     onProgress,
   }: MeasureFramesOptions,
 ): Promise<Runs> {
-  const asked = engine.resolveAccuracy(isAccuracyWish(accuracy) ? engine.accuracy : accuracy);
+  const asked = engine.resolveAccuracy(isAccuracyTarget(accuracy) ? engine.accuracy : accuracy);
   const hasTimestamps = engine.device.features.has('timestamp-query');
   const warmUpFrames = asked.settings.rasterizer === 'auto' ? CHOICE_FRAMES : WARM_UP_FRAMES;
   const total = warmUpFrames + cameras.length * (hasTimestamps ? 3 : 2);

@@ -10,7 +10,7 @@ import type { Vec3 } from '../math/mat4.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { storableCanvasFormat } from '../stages/composite.ts';
 import type { FrameProfile } from '../timing/frame-profile.ts';
-import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
+import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { FrameDivider } from './frame-divider.ts';
 import type { SplatPick } from './pick-splat.ts';
 import { SubmissionForecast } from './submission-forecast.ts';

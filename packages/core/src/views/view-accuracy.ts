@@ -1,24 +1,24 @@
 import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
-import type { AccuracyRequest, AccuracyWish } from '../accuracy/accuracy-wish.ts';
+import type { AccuracyRequest, AccuracyTarget } from '../accuracy/accuracy-target.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
-import type { AccuracyWishes, ChooseAccuracyOptions, WishedScene, WishingView } from './accuracy-wishes.ts';
+import type { AccuracyTargets, ChooseAccuracyOptions, TargetScene, TargetView } from './accuracy-targets.ts';
 
 /** The engine's part in the settings of a frame. */
 export interface AccuracyContext {
-  /** Returns the wish in `asked` (default: the engine's), or null for settings. Equal wishes are the same object. */
-  readonly wishFor: (asked: AccuracyRequest | undefined) => AccuracyWish | null;
+  /** Returns the target in `asked` (default: the engine's), or null for settings. Equal targets are the same object. */
+  readonly targetFor: (asked: AccuracyRequest | undefined) => AccuracyTarget | null;
   /** Returns the closest settings that the device supports (default: the engine's). Equal settings are the same object. */
   readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
-  readonly wishes: AccuracyWishes;
+  readonly targets: AccuracyTargets;
 }
 
-/** The settings that a view draws with: the requested ones, or those chosen for a wish. */
-export class ViewAccuracy implements WishingView {
+/** The settings that a view draws with: the requested ones, or those chosen for a target. */
+export class ViewAccuracy implements TargetView {
   readonly #context: AccuracyContext;
   readonly #onChosen: (choice: AccuracyChoice, request: FrameRequest) => void;
-  #scene: WishedScene | null = null;
+  #scene: TargetScene | null = null;
   #reported: AccuracyChoice | null = null;
 
   /** @param onChosen called with each new choice and the request to draw again with it, in a microtask of its own. */
@@ -34,17 +34,17 @@ export class ViewAccuracy implements WishingView {
   /**
    * Returns the settings of a frame that is about to be drawn.
    *
-   * @throws InvalidArgumentError for unknown settings and invalid wishes.
+   * @throws InvalidArgumentError for unknown settings and invalid targets.
    */
   settingsFor(frame: FrameRequest): AccuracySettings {
-    const { wishFor, accuracyFor, wishes } = this.#context;
-    const wish = wishFor(frame.accuracy);
-    if (!wish) {
+    const { targetFor, accuracyFor, targets } = this.#context;
+    const target = targetFor(frame.accuracy);
+    if (!target) {
       this.leave();
-      // Without a wish of the engine, `undefined` stands for its settings.
+      // Without a target of the engine, `undefined` stands for its settings.
       return accuracyFor(frame.accuracy as Accuracy | undefined);
     }
-    const scene = wishes.sceneOf(wish, frame, this.choice);
+    const scene = targets.sceneOf(target, frame, this.choice);
     if (scene !== this.#scene) {
       this.leave();
       this.#scene = scene;
@@ -62,7 +62,7 @@ export class ViewAccuracy implements WishingView {
   async choose(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     if (this.#scene) return this.#scene.choose(options);
     const message =
-      'The last frame was drawn without a wish: give the frame or the engine one, and draw first.';
+      'The last frame was drawn without a target: give the frame or the engine one, and draw first.';
     throw new InvalidArgumentError('chooseAccuracy', message);
   }
 

@@ -1,5 +1,5 @@
 import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import { checkAccuracy } from '../accuracy/accuracy-wish.ts';
+import { checkAccuracy } from '../accuracy/accuracy-target.ts';
 import { DestroyedError, type GpuLimitError, InvalidArgumentError } from '../errors.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
@@ -18,7 +18,7 @@ import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
 import type { FrameStatistics } from '../timing/frame-statistics.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
-import type { ChooseAccuracyOptions } from './accuracy-wishes.ts';
+import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { PointCoverage, PointToCover } from './find-coverage.ts';
 import type { SplatPick } from './pick-splat.ts';
 import {
@@ -75,14 +75,14 @@ const LIKELY_KEY_BITS = 27;
 let picking: typeof import('./pick-splat.ts') | null = null;
 
 /**
- * Base class of views, whatever they draw into: plans frames, waits for shaders, applies the settings chosen for a wish,
+ * Base class of views, whatever they draw into: plans frames, waits for shaders, applies the settings chosen for a target,
  * gathers statistics and picks splats. Subclasses decide when a frame is drawn and where its image goes.
  */
 export abstract class ViewCore {
   /** Called with the statistics of each measured frame, some frames later. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
   /**
-   * Called when settings have been chosen for a wish (`accuracy: { minPsnrDb: 45 }`). Measuring takes seconds and begins half
+   * Called when settings have been chosen for a target (`accuracy: { minPsnrDb: 45 }`). Measuring takes seconds and begins half
    * a second after the first frame, and after the last change of its size. A scene is measured again when its clouds change,
    * but not when the camera moves. A `SplatView` has already drawn its last frame again with the choice; an `EmbeddedView`
    * has called `onReady`, for its host to prepare the frame again.
@@ -147,16 +147,16 @@ export abstract class ViewCore {
     return this.#statistics;
   }
 
-  /** The last choice for the wish; null before the first choice, and if settings were requested. */
+  /** The last choice for the target; null before the first choice, and if settings were requested. */
   get accuracyChoice(): AccuracyChoice | null {
     return this.#accuracy.choice;
   }
 
   /**
-   * Measures the last frame now, and chooses the settings that meet its wish again: for all views with the same wish and the
+   * Measures the last frame now, and chooses the settings that meet its target again: for all views with the same target and the
    * same clouds, at the size of the largest.
    *
-   * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a wish; DestroyedError; an AbortError if
+   * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a target; DestroyedError; an AbortError if
    *   the view is destroyed or a later call takes over; the signal's reason. On failure the settings stay.
    */
   async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
@@ -303,7 +303,7 @@ export abstract class ViewCore {
   /** Draws the last sound frame again, or what takes the place of one that found no memory. */
   protected abstract redraw(plan: FramePlan): void;
 
-  /** Called when settings have been chosen for a wish; `request` is that of the last frame. */
+  /** Called when settings have been chosen for a target; `request` is that of the last frame. */
   protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 
   /**

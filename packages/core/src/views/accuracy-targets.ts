@@ -1,11 +1,11 @@
-import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
+import type { AccuracyTarget } from '../accuracy/accuracy-target.ts';
 import { isHeld } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError, InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { MeasureProgress } from '../measure/measure-accuracy.ts';
-import type { WishOptions } from '../measure/measure-wish.ts';
+import type { TargetOptions } from '../measure/measure-target.ts';
 import { numberOf } from '../number-of.ts';
 
 /** A scene counts as still loading until nothing has changed for this long. */
@@ -18,60 +18,60 @@ export interface ChooseAccuracyOptions {
 }
 
 /** Receives choices. */
-export interface WishingView {
+export interface TargetView {
   /** @param request the view's last one. */
   onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 }
 
-interface WishContext {
+interface TargetContext {
   /** Chooses settings for the frame of `request`, and makes its clouds hold the planes for them. */
   readonly measure: (
-    wish: AccuracyWish,
+    target: AccuracyTarget,
     request: FrameRequest,
-    options: WishOptions,
+    options: TargetOptions,
   ) => Promise<AccuracyChoice>;
   /** Makes the clouds hold the planes for `choice`, as far as possible, and frees those that no view draws; never rejects. */
   readonly adopt: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => Promise<void>;
 }
 
-/** The wishes of an engine's views, each met by measuring the views' frames: one measurement at a time. */
-export class AccuracyWishes {
-  readonly #context: WishContext;
-  /** Keys are made of wish and clouds. */
-  readonly #scenes = new Map<string, WishedScene>();
-  readonly #latest = new WeakMap<AccuracyWish, AccuracyChoice>();
+/** The targets of an engine's views, each met by measuring the views' frames: one measurement at a time. */
+export class AccuracyTargets {
+  readonly #context: TargetContext;
+  /** Keys are made of target and clouds. */
+  readonly #scenes = new Map<string, TargetScene>();
+  readonly #latest = new WeakMap<AccuracyTarget, AccuracyChoice>();
   #lastTurn: Promise<unknown> = Promise.resolve();
 
-  constructor(context: WishContext) {
+  constructor(context: TargetContext) {
     this.#context = context;
   }
 
-  /** Returns the last choice for `wish` (interned), for any clouds; null before the first choice. */
-  latest(wish: AccuracyWish): AccuracyChoice | null {
-    return this.#latest.get(wish) ?? null;
+  /** Returns the last choice for `target` (interned), for any clouds; null before the first choice. */
+  latest(target: AccuracyTarget): AccuracyChoice | null {
+    return this.#latest.get(target) ?? null;
   }
 
-  /** Returns the scene that all views share that draw these clouds with this wish (interned). */
-  sceneOf(wish: AccuracyWish, { clouds }: FrameRequest, previous: AccuracyChoice | null): WishedScene {
+  /** Returns the scene that all views share that draw these clouds with this target (interned). */
+  sceneOf(target: AccuracyTarget, { clouds }: FrameRequest, previous: AccuracyChoice | null): TargetScene {
     const distinct = new Set(clouds.map(({ cloud }) => cloud));
-    const key = JSON.stringify([numberOf(wish), ...[...distinct].map(numberOf).sort((a, b) => a - b)]);
+    const key = JSON.stringify([numberOf(target), ...[...distinct].map(numberOf).sort((a, b) => a - b)]);
     let scene = this.#scenes.get(key);
     if (!scene) {
-      const measure: WishContext['measure'] = (...args) => this.#inTurn(...args);
-      const adopt: WishContext['adopt'] = (choice, clouds) => {
-        this.#latest.set(wish, choice);
+      const measure: TargetContext['measure'] = (...args) => this.#inTurn(...args);
+      const adopt: TargetContext['adopt'] = (choice, clouds) => {
+        this.#latest.set(target, choice);
         return this.#context.adopt(choice, clouds);
       };
-      const start = previous?.wish === wish ? previous : this.latest(wish);
-      scene = new WishedScene(wish, distinct, start, { measure, adopt });
+      const start = previous?.target === target ? previous : this.latest(target);
+      scene = new TargetScene(target, distinct, start, { measure, adopt });
       this.#scenes.set(key, scene);
     }
     return scene;
   }
 
-  /** Cancels the measurements for `wish` (interned), until a view draws a frame with it again. */
-  withdraw(wish: AccuracyWish): void {
-    for (const scene of this.#scenes.values()) if (scene.wish === wish) scene.pause();
+  /** Cancels the measurements for `target` (interned), until a view draws a frame with it again. */
+  withdraw(target: AccuracyTarget): void {
+    for (const scene of this.#scenes.values()) if (scene.target === target) scene.pause();
   }
 
   /** Stops the measurements of scenes with `cloud`, or of all scenes. Pending choices reject with `reason`. */
@@ -83,23 +83,27 @@ export class AccuracyWishes {
     }
   }
 
-  async #inTurn(wish: AccuracyWish, request: FrameRequest, options: WishOptions): Promise<AccuracyChoice> {
+  async #inTurn(
+    target: AccuracyTarget,
+    request: FrameRequest,
+    options: TargetOptions,
+  ): Promise<AccuracyChoice> {
     const turn = this.#lastTurn.then(() => {
       options.signal.throwIfAborted();
-      return this.#context.measure(wish, request, options);
+      return this.#context.measure(target, request, options);
     });
     this.#lastTurn = turn.catch(() => {});
     return turn;
   }
 }
 
-/** A wish and the clouds that it is for. All views that draw the clouds with this wish share one choice. */
-export class WishedScene {
-  readonly wish: AccuracyWish;
+/** A target and the clouds that it is for. All views that draw the clouds with this target share one choice. */
+export class TargetScene {
+  readonly target: AccuracyTarget;
   readonly clouds: ReadonlySet<SplatCloud>;
-  readonly #context: WishContext;
+  readonly #context: TargetContext;
   /** The views of the scene, and the last request of each. */
-  readonly #views = new Map<WishingView, FrameRequest | null>();
+  readonly #views = new Map<TargetView, FrameRequest | null>();
   #choice: AccuracyChoice | null;
   /** Whether automatic measuring is over: the scene was measured, or cannot be. */
   #isSettled = false;
@@ -108,12 +112,12 @@ export class WishedScene {
 
   /** @param previous the choice to draw with until there is one for exactly these clouds. */
   constructor(
-    wish: AccuracyWish,
+    target: AccuracyTarget,
     clouds: ReadonlySet<SplatCloud>,
     previous: AccuracyChoice | null,
-    context: WishContext,
+    context: TargetContext,
   ) {
-    this.wish = wish;
+    this.target = target;
     this.clouds = clouds;
     this.#choice = previous;
     this.#context = context;
@@ -126,12 +130,12 @@ export class WishedScene {
     return this.#choice;
   }
 
-  join(view: WishingView): void {
+  join(view: TargetView): void {
     this.#views.set(view, null);
   }
 
   /** Removes a view. The last view to leave ends the measurement. */
-  leave(view: WishingView): void {
+  leave(view: TargetView): void {
     this.#views.delete(view);
     if (this.#views.size === 0)
       this.#running?.abort(new DOMException('No view shows what was measured any more.', 'AbortError'));
@@ -140,7 +144,7 @@ export class WishedScene {
   }
 
   /** Records a finished frame. Schedules a measurement some time after the first frame, and after each change of size. */
-  show(view: WishingView, request: FrameRequest): void {
+  show(view: TargetView, request: FrameRequest): void {
     const before = this.#views.get(view);
     this.#views.set(view, request);
     const isNew = before?.widthPx !== request.widthPx || before.heightPx !== request.heightPx;
@@ -167,7 +171,7 @@ export class WishedScene {
     const signals = signal ? [ending.signal, signal] : [ending.signal];
     const options = { signal: AbortSignal.any(signals), onProgress, previous: this.#choice };
     try {
-      const choice = await this.#context.measure(this.wish, request, options);
+      const choice = await this.#context.measure(this.target, request, options);
       options.signal.throwIfAborted();
       this.#isSettled = true;
       this.#choice = choice;
@@ -191,7 +195,7 @@ export class WishedScene {
   /** Cancels the measurement, until a view draws its next frame. */
   pause(): void {
     for (const view of this.#views.keys()) this.#views.set(view, null);
-    this.#running?.abort(new DOMException('The wish was withdrawn.', 'AbortError'));
+    this.#running?.abort(new DOMException('The target was withdrawn.', 'AbortError'));
     this.#wait();
   }
 
@@ -204,7 +208,7 @@ export class WishedScene {
   }
 
   /** Passes an earlier choice to a new view; the clouds may no longer hold its planes. */
-  async #resume(view: WishingView, choice: AccuracyChoice): Promise<void> {
+  async #resume(view: TargetView, choice: AccuracyChoice): Promise<void> {
     const lacking = [...this.clouds].filter(({ precisions }) => !isHeld(precisions, choice.settings));
     await this.#context.adopt(choice, lacking);
     const request = this.#views.get(view);
@@ -224,7 +228,9 @@ export class WishedScene {
       if (name === 'AbortError' || error instanceof DestroyedError) return;
       clearTimeout(this.#timer);
       this.#isSettled = true;
-      console.warn(`The wish ${JSON.stringify(this.wish)} could not be measured; images stay. ${message}`);
+      console.warn(
+        `The target ${JSON.stringify(this.target)} could not be measured; images stay. ${message}`,
+      );
     }
   }
 

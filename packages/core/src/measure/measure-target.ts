@@ -1,5 +1,5 @@
 import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
-import type { AccuracyWish } from '../accuracy/accuracy-wish.ts';
+import type { AccuracyTarget } from '../accuracy/accuracy-target.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import type { Bounds } from '../packing/packed-cloud.ts';
@@ -10,7 +10,7 @@ import { sampleCameras } from './sample-cameras.ts';
 
 /** The fewest frames that give a 95 % interval: an application is waiting, and its own frames alternate with these. */
 const FRAMES = 6;
-/** The paper's ablations draw the same image more slowly, so they never meet a wish that other settings miss. */
+/** The paper's ablations draw the same image more slowly, so they never meet a target that other settings miss. */
 const ABLATED: readonly string[] = ['extent', 'culling'];
 const SETTINGS = Object.keys(ACCURACY_SETTINGS).filter((name) => !ABLATED.includes(name));
 
@@ -19,7 +19,7 @@ const SOFTWARE_FRAMES = 3;
 /** A software rasteriser's time depends on the number of pixels. */
 const SOFTWARE_SETTINGS = ['resolutionScale'];
 
-export interface WishOptions {
+export interface TargetOptions {
   readonly signal: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
   /** The current choice, which stays unless the measurement shows that another is better. */
@@ -27,16 +27,16 @@ export interface WishOptions {
 }
 
 /**
- * Measures the frame of a request, from its camera and from around it, and chooses the settings that meet the wish or come
+ * Measures the frame of a request, from its camera and from around it, and chooses the settings that meet the target or come
  * closest. Afterwards the clouds hold the planes for the choice in addition to those that they held before.
  *
  * @throws errors of `measureAccuracy`.
  */
-export async function measureWish(
+export async function measureTarget(
   engine: MeasuredEngine,
-  wish: AccuracyWish,
+  target: AccuracyTarget,
   { camera, clouds, widthPx, heightPx, sortBy }: FrameRequest,
-  { previous, signal, onProgress }: WishOptions,
+  { previous, signal, onProgress }: TargetOptions,
 ): Promise<AccuracyChoice> {
   const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
   const options = {
@@ -53,7 +53,7 @@ export async function measureWish(
     signal,
     onProgress,
   };
-  const choose = (table: AccuracyChoice['table']) => chooseFrom(table, wish, previous ?? undefined);
+  const choose = (table: AccuracyChoice['table']) => chooseFrom(table, target, previous ?? undefined);
   const choice = await measureThen(engine, options, choose, ({ settings }) => settings);
   if (!isSoftware) return choice;
   return { ...choice, why: `${choice.why} Without a GPU only a few settings were measured, from one side.` };

@@ -1,19 +1,19 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { internAccuracy } from '../accuracy/accuracy.ts';
-import { internWish } from '../accuracy/accuracy-wish.ts';
+import { internTarget } from '../accuracy/accuracy-target.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DestroyedError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
-import type { WishOptions } from '../measure/measure-wish.ts';
-import { AccuracyWishes, type WishedScene, type WishingView } from './accuracy-wishes.ts';
+import type { TargetOptions } from '../measure/measure-target.ts';
+import { AccuracyTargets, type TargetScene, type TargetView } from './accuracy-targets.ts';
 
-const WISH = internWish({ minPsnrDb: 45 })!;
+const TARGET = internTarget({ minPsnrDb: 45 })!;
 const GARDEN = { precisions: { geometry: ['packed'], sh: ['u8'] } } as unknown as SplatCloud;
 const BICYCLE = { ...GARDEN } as SplatCloud;
 
 /** A running measurement, to be ended by the test. */
-interface Begun extends WishOptions {
+interface Begun extends TargetOptions {
   readonly request: FrameRequest;
   end(settings: AccuracyChoice['settings']): Promise<AccuracyChoice>;
   fail(error: Error): Promise<void>;
@@ -21,7 +21,7 @@ interface Begun extends WishOptions {
 
 let begun: Begun[];
 let adopted: { readonly choice: AccuracyChoice; readonly clouds: readonly SplatCloud[] }[];
-let wishes: AccuracyWishes;
+let targets: AccuracyTargets;
 const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
 
 beforeEach(() => {
@@ -29,12 +29,12 @@ beforeEach(() => {
   warn.mockClear();
   begun = [];
   adopted = [];
-  wishes = new AccuracyWishes({
-    measure: (wish, request, options) =>
+  targets = new AccuracyTargets({
+    measure: (target, request, options) =>
       new Promise((resolve, reject) => {
         options.signal.addEventListener('abort', () => reject(options.signal.reason));
         const end = async (settings: AccuracyChoice['settings']) => {
-          const choice = { wish, settings } as AccuracyChoice;
+          const choice = { target, settings } as AccuracyChoice;
           resolve(choice);
           await passMs(0);
           return choice;
@@ -63,12 +63,12 @@ function requestOf(clouds: readonly SplatCloud[], widthPx = 64): FrameRequest {
   return { camera: {} as FrameRequest['camera'], clouds: instances, widthPx, heightPx: 64 };
 }
 
-class FakeView implements WishingView {
+class FakeView implements TargetView {
   readonly told: AccuracyChoice[] = [];
-  scene: WishedScene | null = null;
+  scene: TargetScene | null = null;
 
-  show(request: FrameRequest, wish = WISH): void {
-    const scene = wishes.sceneOf(wish, request, this.scene?.choice ?? null);
+  show(request: FrameRequest, target = TARGET): void {
+    const scene = targets.sceneOf(target, request, this.scene?.choice ?? null);
     if (scene !== this.scene) {
       this.leave();
       this.scene = scene;
@@ -87,7 +87,7 @@ class FakeView implements WishingView {
   }
 }
 
-describe('when a wish is measured', () => {
+describe('when a target is measured', () => {
   test('half a second after the first frame and the last change of a size, the largest of all views', async () => {
     const [small, large] = [new FakeView(), new FakeView()];
     small.show(requestOf([GARDEN], 32));
@@ -151,15 +151,15 @@ describe('when a wish is measured', () => {
       { choice: first, clouds: [GARDEN] },
     ]);
     expect(begun).toHaveLength(2);
-    expect(wishes.latest(WISH)).toBe(first);
+    expect(targets.latest(TARGET)).toBe(first);
   });
 
-  test('again for another wish', async () => {
+  test('again for another target', async () => {
     const view = new FakeView();
     view.show(requestOf([GARDEN]));
     await passMs(500);
     await begun[0].end(internAccuracy('high'));
-    view.show(requestOf([GARDEN]), internWish({ maxFrameMs: 8 })!);
+    view.show(requestOf([GARDEN]), internTarget({ maxFrameMs: 8 })!);
     expect(view.scene!.choice).toBeNull();
     await passMs(500);
     expect(begun[1].previous).toBeNull();
@@ -252,11 +252,11 @@ describe('the end', () => {
     expect(views[0].told).toHaveLength(1);
   });
 
-  test('a withdrawn wish is not measured until a view has it again', async () => {
+  test('a withdrawn target is not measured until a view has it again', async () => {
     const [view, idle] = [new FakeView(), new FakeView()];
     for (const each of [view, idle]) each.show(requestOf([GARDEN]));
     await passMs(500);
-    wishes.withdraw(WISH);
+    targets.withdraw(TARGET);
     await passMs(1000);
     expect(begun.map(({ signal }) => signal.aborted)).toEqual([true]);
     view.show(requestOf([GARDEN]));
@@ -272,10 +272,10 @@ describe('the end', () => {
     views[1].show(requestOf([BICYCLE]));
     await passMs(500);
     const waiting = expect(views[1].scene!.choose()).rejects.toThrow(DestroyedError);
-    wishes.stop(new DestroyedError('The cloud', 'it was destroyed'), GARDEN);
+    targets.stop(new DestroyedError('The cloud', 'it was destroyed'), GARDEN);
     await passMs(0);
     expect(begun.map(({ signal }) => signal.aborted)).toEqual([true, false]);
-    wishes.stop(new DestroyedError('This measurement', 'the engine was destroyed'));
+    targets.stop(new DestroyedError('This measurement', 'the engine was destroyed'));
     await waiting;
     await passMs(1000);
     expect(begun).toHaveLength(2);
@@ -289,7 +289,7 @@ describe('the end', () => {
     await passMs(500);
     await begun[0].fail(new Error('The reference is broken.'));
     expect(warn.mock.calls).toEqual([
-      ['The wish {"minPsnrDb":45} could not be measured; images stay. The reference is broken.'],
+      ['The target {"minPsnrDb":45} could not be measured; images stay. The reference is broken.'],
     ]);
     view.show(requestOf([GARDEN], 128));
     await passMs(1000);

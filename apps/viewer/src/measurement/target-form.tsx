@@ -1,36 +1,36 @@
-import type { AccuracyWish } from '@websplatter/core';
+import type { AccuracyTarget } from '@websplatter/core';
 import { type FormEvent, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
-type WishKind = 'minPsnrDb' | 'maxFrameMs';
+type TargetKind = 'minPsnrDb' | 'maxFrameMs';
 
-/** The number of a wish as text for its field, by the wish's name. */
-function textsOf(wish: AccuracyWish | null): Partial<Record<WishKind, string>> {
-  return Object.fromEntries(Object.entries(wish ?? {}).map(([name, value]) => [name, String(value)]));
+/** The number of a target as text for its field, by the target's name. */
+function textsOf(target: AccuracyTarget | null): Partial<Record<TargetKind, string>> {
+  return Object.fromEntries(Object.entries(target ?? {}).map(([name, value]) => [name, String(value)]));
 }
 
 /** Asks for an outcome instead of settings. */
-export function WishForm({ store, viewer }: PanelProps) {
+export function TargetForm({ store, viewer }: PanelProps) {
   const id = useId();
   const isBusy = useStore(store, (state) => state.measuring !== null || state.scene === null);
-  const { wish } = store.getState();
-  const [kind, setKind] = useState<WishKind>(wish && 'maxFrameMs' in wish ? 'maxFrameMs' : 'minPsnrDb');
-  const [amounts, setAmounts] = useState({ minPsnrDb: '45', maxFrameMs: '8', ...textsOf(wish) });
+  const { target } = store.getState();
+  const [kind, setKind] = useState<TargetKind>(target && 'maxFrameMs' in target ? 'maxFrameMs' : 'minPsnrDb');
+  const [amounts, setAmounts] = useState({ minPsnrDb: '45', maxFrameMs: '8', ...textsOf(target) });
   const value = Number(amounts[kind]);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    viewer.setWish(kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value });
+    viewer.setTarget(kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value });
   };
   return (
-    <form className="wish" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="wish">
+    <form className="target" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="target">
       <h3 id={`${id}-title`}>Choose settings for me</h3>
-      <div className="wish-row">
+      <div className="target-row">
         <select
-          aria-label="Wish"
+          aria-label="Target"
           value={kind}
-          data-testid="wish-kind"
-          onChange={({ target }) => setKind(target.value as WishKind)}
+          data-testid="target-kind"
+          onChange={({ target }) => setKind(target.value as TargetKind)}
         >
           <option value="minPsnrDb">At least</option>
           <option value="maxFrameMs">At most</option>
@@ -42,7 +42,7 @@ export function WishForm({ store, viewer }: PanelProps) {
           step="any"
           required
           value={amounts[kind]}
-          data-testid="wish-value"
+          data-testid="target-value"
           onChange={({ target }) => setAmounts({ ...amounts, [kind]: target.value })}
         />
         <span aria-hidden="true">{kind === 'minPsnrDb' ? 'dB' : 'ms'}</span>
@@ -50,7 +50,7 @@ export function WishForm({ store, viewer }: PanelProps) {
           type="submit"
           className="text-button outlined"
           disabled={isBusy || !(value > 0)}
-          data-testid="wish-submit"
+          data-testid="target-submit"
         >
           Keep
         </button>

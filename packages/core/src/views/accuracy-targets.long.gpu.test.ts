@@ -10,7 +10,7 @@ import { compareViews } from '../measure/compare-views.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
-const WISH = { minPsnrDb: 45 };
+const TARGET = { minPsnrDb: 45 };
 
 let engine: SplatEngine;
 let cloud: SplatCloud;
@@ -28,10 +28,10 @@ function cameraAt(x: number) {
 }
 
 function frameOf(clouds: readonly SplatCloud[], x = 0): FrameRequest {
-  return { camera: cameraAt(x), clouds: clouds.map((each) => ({ cloud: each })), ...SIZE, accuracy: WISH };
+  return { camera: cameraAt(x), clouds: clouds.map((each) => ({ cloud: each })), ...SIZE, accuracy: TARGET };
 }
 
-describe('a view with a wish', () => {
+describe('a view with a target', () => {
   const warn = vi.spyOn(console, 'warn');
   beforeEach(() => void warn.mockClear());
   afterEach(() => expect(warn).not.toHaveBeenCalled());
@@ -60,25 +60,25 @@ describe('a view with a wish', () => {
       embedded.onReady = onReady;
       expect(view.accuracyChoice).toBeNull();
       const choice = await first;
-      expect(choice).toMatchObject({ wish: WISH, isMet: true });
+      expect(choice).toMatchObject({ target: TARGET, isMet: true });
       expect(choice.table.points.map(({ name }) => name)).not.toContain('paper −CULL');
       expect(view.accuracyChoice).toBe(choice);
       const { geometryPrecision, shPrecision } = choice.settings;
       await expect.poll(() => cloud.precisions).toEqual({ geometry: [geometryPrecision], sh: [shPrecision] });
 
-      // Another view of the same clouds with the same wish has the same choice.
+      // Another view of the same clouds with the same target has the same choice.
       expect(embeddedTold.mock.calls).toEqual([[choice]]);
       expect(onReady).toHaveBeenCalledOnce();
       embedded.destroy();
 
-      // The view has drawn its frame again, as close to the reference as the wish requires.
+      // The view has drawn its frame again, as close to the reference as the target requires.
       expect(view.render(frameOf([cloud]))).toBe(false);
       const planes = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
       const lease = cloud.hold(planes);
       await lease.met;
       const reference = engine.createView();
       reference.render({ ...frameOf([cloud]), accuracy: choice.table.reference.settings });
-      expect((await compareViews(view, reference)).psnrDb).toBeGreaterThanOrEqual(WISH.minPsnrDb);
+      expect((await compareViews(view, reference)).psnrDb).toBeGreaterThanOrEqual(TARGET.minPsnrDb);
       reference.destroy();
       lease.release();
 
@@ -94,8 +94,8 @@ describe('a view with a wish', () => {
       const { table, settings } = await second;
       expect(table.splats).toBe(400);
       expect(told).toHaveLength(2);
-      // Clouds loaded by an engine with this wish are packed for the choice.
-      await engine.setAccuracy({ ...WISH });
+      // Clouds loaded by an engine with this target are packed for the choice.
+      await engine.setAccuracy({ ...TARGET });
       expect(engine.accuracy).toBe(settings);
       await engine.setAccuracy('balanced');
       view.destroy();
@@ -115,9 +115,9 @@ describe('a view with a wish', () => {
 
   gpuTest('measures nothing for settings, and stops when its signal is aborted', async () => {
     const view = engine.createView();
-    await expect(view.chooseAccuracy()).rejects.toThrow('without a wish');
+    await expect(view.chooseAccuracy()).rejects.toThrow('without a target');
     view.render({ ...frameOf([cloud]), accuracy: 'fast' });
-    await expect(view.chooseAccuracy()).rejects.toThrow('without a wish');
+    await expect(view.chooseAccuracy()).rejects.toThrow('without a target');
     view.render(frameOf([cloud]));
     const ending = new AbortController();
     const calledOff = view.chooseAccuracy({
@@ -131,7 +131,7 @@ describe('a view with a wish', () => {
 
   gpuTest('ends quietly with its view, its cloud and its engine', async () => {
     const adapter = await sharedTestGpu.requestAdapter();
-    const own = await SplatEngine.create({ adapter, accuracy: WISH });
+    const own = await SplatEngine.create({ adapter, accuracy: TARGET });
     const clouds = [own.add(randomSplats({ count: 50 })), own.add(randomSplats({ count: 60 }))];
     const views = clouds.map(() => own.createView());
     const started = views.map(
