@@ -63,7 +63,7 @@ export interface FrameShape {
   readonly binCount: number;
 }
 
-/** Found effects that can be left out of a frame, to measure their cost. */
+/** Automatic features that can be left out of a frame, to measure their cost. */
 export type OmittableEffect = 'isotropic';
 
 /** Whether splats are blended in a layer smaller than the image. */

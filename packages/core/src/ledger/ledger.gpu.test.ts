@@ -9,11 +9,11 @@ import { frameStages } from '../frame/frame.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { identity4 } from '../math/mat4.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
-import { FOUND_SHADERS } from '../testing/found-shaders.ts';
+import { FEATURE_SHADERS } from '../testing/feature-shaders.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import type { SplatView } from '../views/splat-view.ts';
-import { FOUND_EFFECTS } from './found-effects.ts';
+import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 const SIZE = { widthPx: 16, heightPx: 16 };
 const SET = randomSplats({ count: 300, seed: 70, shDegree: 1, logScales: [-4, -2] });
@@ -99,7 +99,7 @@ describe('the ledger of requested effects', () => {
   });
 });
 
-describe('the ledger of found effects', () => {
+describe('the ledger of automatic features', () => {
   const ball = { logScales: [-2, -2, -2], opacityLogit: 3 };
   const examples: readonly (readonly [
     string,
@@ -120,8 +120,8 @@ describe('the ledger of found effects', () => {
         const clouds = [{ cloud, modelMatrix, effects }, { cloud: round }];
         const ledger = await ledgerOf(clouds, CAMERAS[camera], accuracy);
         const stages = frameStages(view.shape!).map((entry) => ('bindings' in entry ? entry : entry[0]));
-        for (const effect of FOUND_EFFECTS) {
-          const own = FOUND_SHADERS[effect.name];
+        for (const effect of AUTOMATIC_FEATURES) {
+          const own = FEATURE_SHADERS[effect.name];
           if (own.conditions.length === 0) continue;
           const isLinked = stages.some(({ conditions = {} }) =>
             own.conditions.some((each) => conditions[each]),

@@ -3,8 +3,8 @@ import { STRUCT_ALIGNMENT } from '../effects/effect-set.ts';
 import { CLOUD_EFFECTS } from '../effects/effects.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
-import type { DrawnFrame, FoundEffect } from './found-effect.ts';
-import { FOUND_EFFECTS } from './found-effects.ts';
+import type { AutomaticFeature, DrawnFrame } from './automatic-feature.ts';
+import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 /** State of one effect in a frame. */
 export interface EffectEntry {
@@ -26,13 +26,13 @@ export interface EffectEntry {
   readonly bytes: number;
 }
 
-/** Lists all effects, on and off: the found ones, then the requested ones in the order in which they act. */
+/** Lists automatic features, then effects in the order in which they act; both on and off. */
 export function effectsLedger(frame: DrawnFrame): readonly EffectEntry[] {
   const { clouds } = frame.plan.request;
   const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
   const own = asked.filter((effect) => !CLOUD_EFFECTS.includes(effect));
   return [
-    ...FOUND_EFFECTS.map((effect) => foundEntry(effect, frame)),
+    ...AUTOMATIC_FEATURES.map((feature) => featureEntry(feature, frame)),
     ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, frame)),
   ];
 }
@@ -43,12 +43,12 @@ interface Finding {
   readonly reason: string;
 }
 
-function foundEntry(effect: FoundEffect, frame: DrawnFrame): EffectEntry {
-  const { name, label, about, stages } = effect;
-  const bytes = effect.bytes?.(frame) ?? 0;
-  if (effect.of === 'view') {
-    const on = effect.calledFor(frame);
-    const reason = on ?? effect.offReason(frame);
+function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry {
+  const { name, label, about, stages } = feature;
+  const bytes = feature.bytes?.(frame) ?? 0;
+  if (feature.of === 'view') {
+    const on = feature.calledFor(frame);
+    const reason = on ?? feature.offReason(frame);
     return { name, label, about, isOn: on !== null, reason, clouds: [], stages, bytes };
   }
   const { plan } = frame;
@@ -57,9 +57,9 @@ function foundEntry(effect: FoundEffect, frame: DrawnFrame): EffectEntry {
   for (const [index, cloudPlan] of plan.clouds.entries()) {
     const place = { plan, index, cloud: cloudPlan, shape: plan.shape.clouds[index] };
     const cloud = cloudPlan.instance.cloud.name;
-    const reason = effect.calledFor(place);
+    const reason = feature.calledFor(place);
     if (reason !== null) on.push({ cloud, reason });
-    else off.push({ cloud, reason: effect.offReason(place) });
+    else off.push({ cloud, reason: feature.offReason(place) });
   }
   const isOn = on.length > 0;
   const reason = together(isOn ? on : off);

@@ -3,7 +3,7 @@ import { antialias } from '../effects/antialias.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { OmittableEffect } from '../frame/frame-shape.ts';
-import { FOUND_EFFECTS } from '../ledger/found-effects.ts';
+import { AUTOMATIC_FEATURES } from '../ledger/automatic-features.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
@@ -40,7 +40,7 @@ const DEFAULT_FRAMES = 15;
  * a frame by more than an effect does, so both kinds use the same ones and only other shaders. The first frame after each
  * change is not counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame has read.
  *
- * Measures, in the ledger's order, the requested effects, and the found effects that a frame can do without (`harmonics`,
+ * Measures, in the ledger's order, the requested effects, and the automatic features that a frame can do without (`harmonics`,
  * `isotropic`). If `frame` has a target, the engine's settings are measured. An effect
  * that moves splats may lengthen sort keys, which takes new buffers: only then do the two kinds of frames not share theirs.
  *
@@ -133,7 +133,7 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
     const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
     return comparedWith({ ...whole, request: { ...request, clouds } });
   }
-  if (FOUND_EFFECTS.some((found) => found.name === name)) return null;
+  if (AUTOMATIC_FEATURES.some((feature) => feature.name === name)) return null;
   const clouds = request.clouds.map(({ opacity, effects = [], ...instance }) => {
     const others = effects.filter(({ effect }) => effect.name !== name);
     return {

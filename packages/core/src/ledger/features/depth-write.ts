@@ -1,7 +1,7 @@
-import type { FoundInView } from '../found-effect.ts';
+import type { FeatureOfView } from '../automatic-feature.ts';
 
 /** Splats that hide meshes drawn later. */
-export const depthWrite: FoundInView = {
+export const depthWrite: FeatureOfView = {
   of: 'view',
   name: 'depth-write',
   label: 'Depth of splats',

@@ -1,7 +1,7 @@
-import type { FoundInCloud } from '../found-effect.ts';
+import type { FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Rotations do not change spheres. */
-export const isotropic: FoundInCloud = {
+export const isotropic: FeatureOfCloud = {
   of: 'cloud',
   name: 'isotropic',
   label: 'Round splats',

@@ -1,11 +1,11 @@
 import { linearPart } from '../../math/mat4.ts';
-import type { FoundInCloud } from '../found-effect.ts';
+import type { FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Lengths and angles that differ by less count as the same. */
 const TOLERANCE = 1e-6;
 
 /** A cloud's transform costs shaders nothing: it is part of one matrix, computed in float64. */
-export const transform: FoundInCloud = {
+export const transform: FeatureOfCloud = {
   of: 'cloud',
   name: 'transform',
   label: 'Placement',

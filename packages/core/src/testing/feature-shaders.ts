@@ -1,13 +1,13 @@
-/** What shaders have for a found effect. */
-export interface FoundShaders {
+/** What shaders have for an automatic feature. */
+export interface FeatureShaders {
   /** Names of the conditions (`@if(NAME)`) that guard its code in shaders; all are false while it is off. */
   readonly conditions: readonly string[];
   /** Bindings that stages need for it, by their names in shaders. */
   readonly bindings: readonly string[];
 }
 
-/** By names of found effects. All effects are listed: with no conditions, they are in no shader. */
-export const FOUND_SHADERS: Readonly<Record<string, FoundShaders>> = {
+/** By names of automatic features. All effects are listed: with no conditions, they are in no shader. */
+export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
   harmonics: {
     conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8', 'SH_PALETTE'],
     bindings: ['shRest'],

@@ -3,10 +3,10 @@ import { CLOUD_EFFECTS } from '../effects/effects.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { linkInput } from '../shaders/link-shader.ts';
 import { linkModules } from '../shaders/shader-linker.ts';
-import { FOUND_SHADERS } from '../testing/found-shaders.ts';
+import { FEATURE_SHADERS } from '../testing/feature-shaders.ts';
 import { allStageVariants, spreadByStage } from '../testing/stage-variants.ts';
 import { withoutConditions } from '../testing/without-conditions.ts';
-import { FOUND_EFFECTS } from './found-effects.ts';
+import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 /** Stages that exist for one effect, and never run without it. */
 const OWN_STAGES: Readonly<Record<string, string>> = { 'depth-test': 'resolve-depth' };
@@ -36,19 +36,19 @@ function linkedText(stage: StageDefinition): string {
   return text;
 }
 
-describe('found effects', () => {
+describe('automatic features', () => {
   test('have names of their own', () => {
-    const names = [...FOUND_EFFECTS, ...CLOUD_EFFECTS].map(({ name }) => name);
+    const names = [...AUTOMATIC_FEATURES, ...CLOUD_EFFECTS].map(({ name }) => name);
     expect(new Set(names).size).toBe(names.length);
     for (const name of names) expect(name).toMatch(/^[a-z]+(-[a-z]+)*$/);
   });
 
   test('are all known to these tests', () => {
-    expect(Object.keys(FOUND_SHADERS)).toEqual(FOUND_EFFECTS.map(({ name }) => name));
+    expect(Object.keys(FEATURE_SHADERS)).toEqual(AUTOMATIC_FEATURES.map(({ name }) => name));
   });
 
-  for (const { name, stages } of FOUND_EFFECTS) {
-    const { conditions, bindings } = FOUND_SHADERS[name];
+  for (const { name, stages } of AUTOMATIC_FEATURES) {
+    const { conditions, bindings } = FEATURE_SHADERS[name];
     if (conditions.length === 0) continue;
     test(`${name}: while off, all stages are as in a build without it`, () => {
       const without = variantsWithout([...conditions, ...(IMPLYING[name] ?? [])], OWN_STAGES[name]);

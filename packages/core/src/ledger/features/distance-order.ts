@@ -1,7 +1,7 @@
-import type { FoundInCloud } from '../found-effect.ts';
+import type { FeatureOfCloud } from '../automatic-feature.ts';
 
 /** The order of distances. All clouds of a frame have one order; it is on for those that ask for this one. */
-export const distanceOrder: FoundInCloud = {
+export const distanceOrder: FeatureOfCloud = {
   of: 'cloud',
   name: 'distance-order',
   label: 'Order of distances',

@@ -1,7 +1,7 @@
-import type { FoundInView } from '../found-effect.ts';
+import type { FeatureOfView } from '../automatic-feature.ts';
 
 /** Meshes that hide splats. */
-export const depthTest: FoundInView = {
+export const depthTest: FeatureOfView = {
   of: 'view',
   name: 'depth-test',
   label: 'Hidden by meshes',

@@ -1,7 +1,7 @@
-import type { DrawnCloud, FoundInCloud } from '../found-effect.ts';
+import type { DrawnCloud, FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Colours that depend on the direction from which a splat is seen. */
-export const harmonics: FoundInCloud = {
+export const harmonics: FeatureOfCloud = {
   of: 'cloud',
   name: 'harmonics',
   label: 'View-dependent colour',

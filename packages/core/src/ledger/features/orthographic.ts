@@ -1,7 +1,7 @@
-import type { FoundInView } from '../found-effect.ts';
+import type { FeatureOfView } from '../automatic-feature.ts';
 
 /** Projection without a division by depth. */
-export const orthographic: FoundInView = {
+export const orthographic: FeatureOfView = {
   of: 'view',
   name: 'orthographic',
   label: 'Orthographic view',

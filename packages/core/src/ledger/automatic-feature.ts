@@ -31,7 +31,7 @@ export interface DrawnCloud {
   readonly shape: CloudShape;
 }
 
-interface FoundIn<Place> {
+interface FeatureOf<Place> {
   /** Lower case with hyphens. */
   readonly name: string;
   readonly label: string;
@@ -47,13 +47,13 @@ interface FoundIn<Place> {
   readonly bytes?: (frame: DrawnFrame) => number;
 }
 
-/** A found effect that is on or off per cloud. */
-export interface FoundInCloud extends FoundIn<DrawnCloud> {
+/** An automatic feature that is on or off per cloud. */
+export interface FeatureOfCloud extends FeatureOf<DrawnCloud> {
   readonly of: 'cloud';
 }
 
-/** A found effect that is on or off for the whole view. */
-export interface FoundInView extends FoundIn<DrawnFrame> {
+/** An automatic feature that is on or off for the whole view. */
+export interface FeatureOfView extends FeatureOf<DrawnFrame> {
   readonly of: 'view';
 }
 
@@ -61,4 +61,4 @@ export interface FoundInView extends FoundIn<DrawnFrame> {
  * An effect that splats, camera or host make necessary. The frame's shape decides whether it is on, and thereby which
  * shaders run; this entry gives the reason.
  */
-export type FoundEffect = FoundInCloud | FoundInView;
+export type AutomaticFeature = FeatureOfCloud | FeatureOfView;

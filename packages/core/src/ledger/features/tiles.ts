@@ -1,7 +1,7 @@
-import type { FoundInView } from '../found-effect.ts';
+import type { FeatureOfView } from '../automatic-feature.ts';
 
 /** Compute shaders blend splats tile by tile, where that is faster than a quad per splat. */
-export const tiles: FoundInView = {
+export const tiles: FeatureOfView = {
   of: 'view',
   name: 'tiles',
   label: 'Tiles',
