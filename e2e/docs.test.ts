@@ -78,7 +78,7 @@ describe('the documentation site', () => {
     }
   });
 
-  it('asks nobody but its own server for anything', async () => {
+  it('asks no server but its own for anything', async () => {
     const { page } = await open('index.html');
     const elsewhere: string[] = [];
     page.on('request', (request) => {

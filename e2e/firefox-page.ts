@@ -16,7 +16,7 @@ export function launch(): Promise<Browser> {
 }
 
 /**
- * Opens a page at `url`. Firefox tells nobody of WebGPU's errors that no scope has caught, nor of lost devices, so the page
+ * Opens a page at `url`. Firefox reports neither WebGPU's errors that no scope has caught nor lost devices, so the page
  * itself does.
  *
  * @param scripts run in the page before its own.

@@ -4,7 +4,7 @@ import { decodePng } from './png.ts';
 
 const [WIDTH, HEIGHT] = [5, 10];
 
-/** A PNG whose rows take each filter in turn; without checksums, which nobody reads here. */
+/** A PNG whose rows take each filter in turn; without checksums, which are not read here. */
 function encodePng(pixels: Uint8Array, colorType: number, bits = 8): Uint8Array {
   const header = Buffer.alloc(13);
   header.writeUInt32BE(WIDTH, 0);

@@ -209,7 +209,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   });
   const before = await atRest(page, () => framesOf(page));
   await passTurns(page, 60);
-  expect(await framesOf(page), 'frames that nobody has asked for').toEqual(before);
+  expect(await framesOf(page), 'frames that were not asked for').toEqual(before);
   for (let i = 1; i <= 3; i++) {
     await page.evaluate(() => window.page.canvases.get('canvas')!.invalidate());
     expect(await atRest(page, () => framesOf(page)), `frames after ${i} calls of invalidate()`).toEqual(
@@ -312,7 +312,7 @@ it('shows the labels whose points nothing covers, as float64 depth tells, and as
       .toSorted(),
   );
 
-  // At rest nobody asks.
+  // At rest no frame is asked for.
   const readbacksOf = async () => (await countersOf(page)).readbacks;
   const before = await atRest(page, readbacksOf);
   await passTurns(page, 60);

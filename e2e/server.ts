@@ -19,9 +19,9 @@ export interface AppServer {
   readonly url: string;
   /** Resolves when a browser has aborted a request for `endless.ply`. */
   readonly whenEndlessFileIsDropped: () => Promise<void>;
-  /** Sends the rest of `slow.ply` to whoever has asked for it. */
+  /** Sends the rest of `slow.ply` to pages that have asked for it. */
   readonly sendRestOfSlowFile: () => void;
-  /** Ends the connection of whoever has asked for `slow.ply`, without the rest. */
+  /** Ends the connections of pages that have asked for `slow.ply`, without the rest. */
   readonly cutSlowFile: () => void;
   /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;

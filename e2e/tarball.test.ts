@@ -127,7 +127,7 @@ describe('the packed tarballs in a fresh Vite app', () => {
   it('show splats under the development server, without any configuration, and as they are edited', async () => {
     await expectVite('dev', async (page) => {
       const messages = async () => (await page.consoleMessages()).map((message) => message.text());
-      // What is edited before is sent to nobody.
+      // What is edited before is not sent.
       await expect.poll(messages).toContain('[vite] connected.');
       // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));

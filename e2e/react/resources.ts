@@ -1,4 +1,4 @@
-// Counts what a page holds that nobody collects as garbage. Imported before all else.
+// Counts what a page holds that is not collected as garbage. Imported before all else.
 
 /** Of each kind, how many there are at this moment. */
 export interface Resources {

@@ -267,7 +267,7 @@ export const cases = {
     const [plain, blurred, deep] = pipelines.map((node) => new RenderPipeline(renderer, node));
     deep.outputColorTransform = false;
     const shown = async (pipeline: RenderPipeline) => {
-      // three draws a pass once per frame of the page, whoever asks.
+      // three draws a pass once per frame of the page, however often it is asked to.
       await nextFrame();
       return shotOf(stage, () => pipeline.render());
     };

@@ -89,7 +89,7 @@ export function ensureChromium() {
 /**
  * Installs Firefox and a Vulkan driver for the CPU, for the tests of a second WebGPU, and returns whether they must run. Where
  * that would need a confirmation, another system or a network that is not there, prints what will be skipped. In CI, where
- * nobody would read it, a failed installation ends the process.
+ * it would not be read, a failed installation ends the process.
  *
  * @param {object} machine what this machine lacks and may do, for tests.
  */

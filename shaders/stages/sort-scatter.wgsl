@@ -157,7 +157,7 @@ fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   }
   let first = firstOf(peers, group.lane);
   var start = 0u;
-  // Nobody waits for this sum but for the shuffle: a round of the group begins when the one before has been counted.
+  // The sum is waited for at the shuffle alone: a round of the group begins when the one before has been counted.
   if (isKey && first == group.lane) { start = atomicAdd(&words[group.index * RADIX + digit], countOf4(peers)); }
   return subgroupShuffle(start, first) + countOf4(peers & before(group.lane));
 }

@@ -42,7 +42,7 @@ export async function shareBlendingDevice(): Promise<GPUDevice> {
   return shareTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
 }
 
-/** WebGPU whose adapters give such devices. Nobody watches them. */
+/** WebGPU whose adapters give such devices, which are not watched. */
 export const sharedTestGpu = {
   async requestAdapter(): Promise<GPUAdapter> {
     const { adapter } = await createNodeGpu();

@@ -53,7 +53,7 @@ gpuTest('the search leaves no driver setting behind for child processes', async 
   vi.unstubAllEnvs();
 });
 
-gpuTest.fails('a validation error that nobody looks at fails the test', async () => {
+gpuTest.fails('a validation error that is not looked at fails the test', async () => {
   const device = await createTestDevice();
   device.createBuffer({ size: 16, usage: 0 });
 });

@@ -182,7 +182,7 @@ describe('useSplatsLoad', () => {
     expect(renders.at(-1)).toMatchObject({ status: 'failed', error, splats: null });
   });
 
-  it('aborts a load that nobody wants any more', async () => {
+  it('aborts a load that is not wanted any more', async () => {
     await rendersOf(() => useSplatsLoad('c.ply'));
     await act(async () => root.render(null));
     await vi.advanceTimersByTimeAsync(GRACE_MS);
@@ -240,7 +240,7 @@ describe('useSplatCollider', () => {
     expect(renders.at(-1)).toEqual({ status: 'failed', mesh: null, error });
   });
 
-  it('calls off what nobody waits for any more', async () => {
+  it('calls off what is not waited for any more', async () => {
     vi.mocked(makeColliderMesh).mockReturnValue(new Promise(() => {}));
     const data = asData(splats());
     await rendersOf(() => useSplatCollider(data));

@@ -72,7 +72,7 @@ export function SplatCanvas({
       if (generation > 0) {
         // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
         await new Promise((resolve) => setTimeout(resolve, waitMs));
-        // Nobody is left to read a message.
+        // No page is left to read a message.
         if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error();
       }
       if (workerUrl) setWorkerUrl(workerUrl);

@@ -19,7 +19,7 @@ interface KnownSplats {
 }
 
 /**
- * Loads splats from `source` once more. For a preview, waits until nobody asks any more: the whole splats will take its place.
+ * Loads splats from `source` once more. For a preview, waits until it is not asked for any more: the whole splats will take its place.
  *
  * @throws SplatSourceError if the source is gone, or has other splats now.
  */

@@ -139,7 +139,7 @@ describe('data that can be read again', () => {
     expect(second.addPacked).not.toHaveBeenCalled();
   });
 
-  test('is read again where nobody had it any more', async () => {
+  test('is read again where it was not held any more', async () => {
     const fake = loadingEngine();
     const data = new SplatData(packedFile, 'garden', ADDRESS);
     const user = {};
@@ -270,7 +270,7 @@ describe('data that an engine has loaded', () => {
     expect(addPacked).not.toHaveBeenCalled();
   });
 
-  test('is disposed of only where nobody uses it', () => {
+  test('is disposed of only where it is not used', () => {
     const unused = loaded();
     unused.data.dispose();
     expect(unused.destroyed).toHaveBeenCalledTimes(1);

@@ -13,7 +13,7 @@ export interface BrowserOptions {
 
 /**
  * What Playwright leaves out, too, where it matters here: of several such arguments, Chromium heeds the last one. For each page,
- * Chromium would load two of its own for the address bar, which nobody sees, and start a process for a page that may come: half
+ * Chromium would load two of its own for the address bar, which is not shown, and start a process for a page that may come: half
  * as much work again as a page of ours takes.
  */
 const DISABLED_FEATURES = [

@@ -135,7 +135,7 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
     "strips shaders as the packages' build does, and asks which version it builds, both of which no browser runs",
   'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
   'apps/docs/src/build/kit.ts': "builds the examples' scenes beside what they import; apps export nothing",
-  'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core exports to nobody",
+  'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core does not export",
   'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
 };

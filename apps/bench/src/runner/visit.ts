@@ -13,7 +13,7 @@ import type {
 } from '../page/protocol.ts';
 import type { SizePx } from './options.ts';
 
-/** Besides what any headless browser here gets: nothing in it may slow down a page that nobody looks at. */
+/** Besides what any headless browser here gets: nothing in it may slow down a page in the background. */
 const BROWSER_ARGS = [
   '--disable-renderer-backgrounding',
   '--disable-backgrounding-occluded-windows',

@@ -116,7 +116,7 @@ function fitNotes(title: string, { clouds }: LoadedScene): string[] {
   return clouds.flatMap(({ cloud }) => (cloud.fit ? [fitNotice(title, cloud.fit)] : []));
 }
 
-/** Browsers slow down what nobody sees. */
+/** Browsers slow down pages that are out of sight. */
 function watchVisibility(): { readonly notes: () => string[]; readonly stop: () => void } {
   let wasHidden = document.hidden;
   const listener = () => {

@@ -44,7 +44,7 @@ export class CoveredGlide {
 
   /** Where the picture is for now. */
   get now(): Covered {
-    // Fast at first: whoever opens a panel looks there next.
+    // Fast at first: a person who opens a panel looks there next.
     const left = (1 - this.#elapsedMs / GLIDE_MS) ** 3;
     if (left === 0) return this.#to;
     const between = (from: number, to: number) => to + left * (from - to);

@@ -10,7 +10,7 @@ export interface GamepadSticks {
   readonly rightTrigger: number;
 }
 
-/** A stick that nobody touches rests anywhere within this part of its way. */
+/** A stick that is not touched rests anywhere within this part of its way. */
 const DEAD_ZONE = 0.15;
 const TURN_RADIANS_PER_S = 2;
 /** Parts of the image's height. */

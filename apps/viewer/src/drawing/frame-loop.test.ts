@@ -53,7 +53,7 @@ describe('FrameLoop', () => {
     expect(test.onWake).not.toHaveBeenCalled();
     test.loop.request();
     test.loop.request();
-    // At once: nobody may take the image before for the next one.
+    // At once: the image before must not be taken for the next one.
     expect(test.onWake).toHaveBeenCalledOnce();
     expect(test.loop.isResting).toBe(false);
     test.refresh(0);

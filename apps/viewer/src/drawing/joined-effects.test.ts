@@ -17,7 +17,7 @@ const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] } as const;
 const plane = { shape: 'plane', point: [0, 0, 0], normal: [0, 1, 0] } as const;
 const namesOf = (uses: readonly EffectUse[]) => uses.map(({ effect }) => effect.name);
 
-it('is empty where nobody asks for anything', () => {
+it('is empty where nothing is asked for', () => {
   expect(joinedEffects(NO_EFFECTS, '1/0')).toEqual([]);
 });
 

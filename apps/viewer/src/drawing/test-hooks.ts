@@ -21,7 +21,7 @@ export function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFram
   });
 }
 
-/** Another image has been asked for. Whoever asked finds this written at once, and waits for the next rest. */
+/** Another image has been asked for. The caller finds this written at once, and waits for the next rest. */
 export function clearRest(canvas: HTMLCanvasElement): void {
   delete canvas.dataset.resting;
 }

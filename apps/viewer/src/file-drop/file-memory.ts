@@ -54,7 +54,7 @@ export class FileMemory {
     void this.#kept.write({ name: joinedNames(names), handles }).catch(() => {});
   }
 
-  /** Nobody wants it again. */
+  /** It is not wanted again. */
   forget(): void {
     this.#offered = null;
     this.#store.setState({ lastFile: null });

@@ -16,7 +16,7 @@ export class Turns {
       signal.throwIfAborted();
       return work();
     });
-    // Whoever comes next does not mind what became of this.
+    // The next in turn does not mind what became of this.
     this.#last = turn.catch(() => {});
     return turn;
   }

@@ -60,7 +60,7 @@ it('reads the scene once, then asks; answers find who asked', async () => {
   ]);
 });
 
-it('closing it answers nobody, and the next question reads again', async () => {
+it('closing it answers no question, and the next one reads again', async () => {
   const { reader, readings } = readerOf();
   const asked = reader.ask('histograms', null);
   await expect.poll(() => FakeWorker.last.posted.length).toBe(2);
@@ -76,7 +76,7 @@ it('closing it answers nobody, and the next question reads again', async () => {
 it.each([
   ['the file', () => FakeWorker.last.reply({ kind: 'failed', message: 'It is gone.' }), 'It is gone.'],
   ['the worker', () => FakeWorker.last.onerror?.({ message: '' }), 'no memory'],
-])('%s that fails is told, and answers nobody', async (_, fail, message) => {
+])('%s that fails is told, and answers no question', async (_, fail, message) => {
   const { reader, readings } = readerOf();
   const asked = reader.ask('histograms', null);
   await expect.poll(() => FakeWorker.last.posted.length).toBe(2);

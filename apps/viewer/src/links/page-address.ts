@@ -45,7 +45,7 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
   if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
-    // Nobody else has a file of this device: its camera, effects and crop would be those of another scene.
+    // No other device has a file of this one: its camera, effects and crop would be those of another scene.
     const isShared = canLink(view.sources);
     const isMentioned = isShared && !isFirstView;
     const effects = isShared ? encodeEffects(view.effects) : null;

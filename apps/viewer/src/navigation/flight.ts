@@ -103,7 +103,7 @@ export class Flight {
     this.#held.delete(event.code);
   }
 
-  /** Keys that are let go over another window tell nobody. */
+  /** Keys that are let go over another window send no event here. */
   #release(): void {
     this.#held.clear();
     this.#isFast = false;

@@ -81,7 +81,7 @@ export class SavedViews {
     store.setState({ isPathPlaying: true });
     let shown = camera.controls.pose;
     camera.setMotion((elapsedMs) => {
-      // Whoever takes hold of the image wants to look around.
+      // A person who takes hold of the image wants to look around.
       if (camera.controls.pose !== shown || this.#at >= end) {
         this.pause();
         return false;

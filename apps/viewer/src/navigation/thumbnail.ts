@@ -17,7 +17,7 @@ export async function drawThumbnail(
   const widthPx = Math.max(1, Math.round(frame.widthPx * scale));
   const heightPx = Math.max(1, Math.round(frame.heightPx * scale));
   const canvas = Object.assign(document.createElement('canvas'), { width: widthPx, height: heightPx });
-  // A view of its own: nobody else's images get into each other's way.
+  // A view of its own, so that other images are not in the way.
   const view = engine.createView();
   try {
     view.render({ ...frame, widthPx, heightPx, accuracy });

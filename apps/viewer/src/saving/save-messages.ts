@@ -37,5 +37,5 @@ export interface SaveRequest {
 export type SaveReply =
   | ({ readonly kind: 'progress' } & Pick<SavingState, 'phase' | 'part'>)
   | { readonly kind: 'done'; readonly bytes: Uint8Array<ArrayBuffer> }
-  /** `isFault`: nobody threw it on purpose. */
+  /** `isFault`: it was not thrown on purpose. */
   | { readonly kind: 'failed'; readonly message: string; readonly isFault: boolean };

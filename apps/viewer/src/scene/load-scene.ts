@@ -48,7 +48,7 @@ export async function loadScene(
   const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: !builtin && isZUp(cloud) });
   const cloud = await engine.load(fileOf(source), {
     name: titleOf(source),
-    // Whoever opens a file of their own wants to see all of it.
+    // People who open a file of their own want to see all of it.
     maxSplats: source.kind === 'file' ? Number.POSITIVE_INFINITY : undefined,
     fit: 'auto',
     signal,

@@ -324,7 +324,7 @@ export class Scenes {
     return lookOf;
   }
 
-  /** An empty window helps nobody: opens what was shown before the device was lost, or the built-in scene, in place of `failed`. */
+  /** An empty window is of no use: opens what was shown before the device was lost, or the built-in scene, in place of `failed`. */
   #fillWindow({ engine }: Session, failed: AskedPart): void {
     const shown = this.#newest?.parts ?? [];
     const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);

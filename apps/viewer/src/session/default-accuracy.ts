@@ -1,7 +1,7 @@
 import { type AccuracySettings, DEFAULT_ACCURACY, resolveAccuracy } from '@websplatter/core';
 
 /**
- * Settings for a device that nobody has chosen any for: the fastest known among those that are at least as exact as the
+ * Settings for a device for which none were chosen: the fastest known among those that are at least as exact as the
  * engine's default. A CPU takes long to convert 16-bit floats, which save a GPU memory traffic: there the most exact settings
  * take less time.
  */

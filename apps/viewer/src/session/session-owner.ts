@@ -52,7 +52,7 @@ export class SessionOwner {
   /** Asks for the GPU, so that it is there when a canvas is. */
   prepare(): void {
     this.#prepared = this.#askForEngine();
-    // Whoever takes it finds out.
+    // Those who take it find out.
     this.#prepared.catch(() => {});
   }
 

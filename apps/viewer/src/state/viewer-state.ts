@@ -148,7 +148,7 @@ export interface ViewerState {
   readonly savedViews: readonly SavedView[];
   /** Whether the camera follows the path through them. */
   readonly isPathPlaying: boolean;
-  /** How fast the camera flies, 1 at first; null while nobody flies. */
+  /** How fast the camera flies, 1 at first; null while it does not. */
   readonly flightSpeed: number | null;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;

@@ -69,7 +69,7 @@ describe('a cloud holds', () => {
   test.each([
     [0, 1],
     [1, 0],
-  ])('the planes that several holders claim, whoever releases first (%i, %i)', async (...order) => {
+  ])('the planes that several holders claim, whichever releases first (%i, %i)', async (...order) => {
     const { leases, held } = leased();
     const precisions = [FINEST, MIDDLE];
     const holders = precisions.map((precision) => leases.hold(precision));

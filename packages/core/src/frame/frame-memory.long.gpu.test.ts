@@ -91,7 +91,7 @@ describe('room for visible splats', () => {
     passedMs += 10 * ROOM_PERIOD_MS;
     await draw(view, detail);
     expect(engine.memory().totalBytes).toBe(overviewBytes);
-    // Nobody looks at these: drawn on the CPU, they would take ten seconds.
+    // These are not looked at: drawn on the CPU, they would take ten seconds.
     const undrawn = vi.spyOn(device.queue, 'submit').mockReturnValue(undefined);
     for (let frame = 0; frame < 65; frame++) {
       passedMs += ROOM_PERIOD_MS / 25;

@@ -225,7 +225,7 @@ function newCache(device: GPUDevice): DeviceCache {
     pipelines: new RecentMap<string, Promise<Pipeline>>(MAX_KEPT_PIPELINES),
   };
   caches.set(device, cache);
-  // Whoever holds a lost device need not hold its shaders too.
+  // Holders of a lost device need not hold its shaders too.
   void device.lost.then(() => caches.delete(device));
   return cache;
 }

@@ -13,7 +13,7 @@ export async function probeMemory({ device, availableBytes }: GpuMemory, bytes: 
   }
   const error = device.popErrorScope();
   for (const buffer of made) buffer.destroy();
-  // A lost device answers nothing, and whoever asks finds that out.
+  // A lost device answers nothing, and callers find that out.
   const isLacking = (await error.catch(() => null)) !== null;
   await reclaimMemory(device);
   return !isLacking;

@@ -62,7 +62,7 @@ test.each([
   },
 );
 
-/** A load ends by its signal, or by an error of whoever reads. */
+/** A load ends by its signal, or by an error of its reader. */
 const ENDS = [
   ['its signal', new Error('enough'), (caller: AbortController) => caller.abort(new Error('enough'))],
   ['an error', DestroyedError, () => {}],

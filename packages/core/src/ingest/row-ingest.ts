@@ -71,7 +71,7 @@ export interface RowIngestOptions extends CloudPrecision {
 export interface IngestedCloud {
   readonly contents: CloudContents;
   readonly planes: CloudPlanes;
-  /** Shares the planes, and lasts as long as they do; null if nobody looks. */
+  /** Shares the planes, and lasts as long as they do; null without `onPreview`. */
   readonly preview: SplatCloud | null;
   /** Coarser settings than the file's and the options', which lacked memory; else null. */
   readonly fit: CloudFit | null;
@@ -94,7 +94,7 @@ interface Held {
   /** Null where rows have harmonics of their own. */
   readonly palette: GPUBuffer | null;
   readonly offsets: Uint32Array;
-  /** Null if nobody looks. */
+  /** Null without `onPreview`. */
   readonly arrivals: Arrivals | null;
 }
 
@@ -117,7 +117,7 @@ export class RowIngest implements RowSink {
   readonly #context: ArrangeContext;
   #options: RowIngestOptions & RowPrecision;
   #fit: CloudFit | null = null;
-  /** Null if nobody looks. */
+  /** Null without `onPreview`. */
   readonly #previews: LoadPreviews | null;
   readonly #staging: GPUBuffer[] = [];
   /** Mapped, or about to be. */
@@ -302,7 +302,7 @@ export class RowIngest implements RowSink {
       const planes = new CloudPlanes(memory, name, result.planes);
       previews?.show(planes, drawable);
       const whole = { ...drawable, fileIndices: await reading[1] };
-      // The copy of millions of rows is work enough for one task; whoever waits for the cloud has more to do.
+      // The copy of millions of rows is work enough for one task; those who wait for the cloud have more to do.
       await nextTask();
       return { contents: whole, planes, preview: previews?.shown ?? null, fit: this.#fit };
     } catch (error) {
@@ -322,7 +322,7 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Call after each wait: what was there before may have been destroyed meanwhile, and nobody would free what is made now. A load
+   * Call after each wait: what was there before may have been destroyed meanwhile, and what is made now would never be freed. A load
    * ends by its signal, or by an error of its reader.
    *
    * @throws the signal's reason, DestroyedError.
@@ -385,7 +385,7 @@ export class RowIngest implements RowSink {
       return;
     }
     const free = this.#context.memory.map(staging, GPUMapMode.WRITE).then(() => staging);
-    // The device may be lost while nobody waits for this.
+    // The device may be lost while this is not waited for.
     free.catch(() => {});
     this.#free.push(free);
   }

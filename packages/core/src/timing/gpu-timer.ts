@@ -127,7 +127,7 @@ export class GpuTimer {
         timing,
       };
     } catch (error) {
-      // Destroyed or lost while the read-back was pending: nobody needs the statistics any more.
+      // Destroyed or lost while the read-back was pending: the statistics are not needed any more.
       if (this.#isDestroyed || buffer.mapState === 'unmapped') return null;
       throw error;
     } finally {

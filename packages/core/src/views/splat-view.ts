@@ -188,7 +188,7 @@ export class SplatView extends ViewCore {
     if (this.#isInParts && this.#held) return true;
     const newest = this.#held ?? request;
     this.#held = null;
-    // Where a cloud has ended meanwhile, whoever waits for the frame is told.
+    // Where a cloud has ended meanwhile, those who wait for the frame are told.
     if (newest) this.#request(newest);
     return newest !== null;
   }
@@ -252,7 +252,7 @@ export class SplatView extends ViewCore {
       this.#isUnfinished = request.clouds.some(({ cloud }) => cloud.isHeld);
       if (!this.#isUnfinished) this.startOver();
     }
-    // Where something that it needs has ended, whoever waits for the frame is told.
+    // Where something that it needs has ended, those who wait for the frame are told.
     this.retry(isDrawn ? null : request);
   }
 

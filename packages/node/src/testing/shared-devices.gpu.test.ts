@@ -5,7 +5,7 @@ import { gpuTest, sharedTestGpu, shareTestDevice } from '../gpu-test.ts';
 const USAGE = 0x8 | 0x4;
 
 describe('a shared device', () => {
-  gpuTest('is one that nobody else uses', async () => {
+  gpuTest('is one that nothing else uses', async () => {
     const [first, second] = [await shareTestDevice(), await shareTestDevice()];
     expect(first.queue).not.toBe(second.queue);
     first.destroy();
@@ -49,7 +49,7 @@ describe('a shared device', () => {
     // The buffer of before was destroyed, which the scope of before does not hide.
     next.pushErrorScope('validation');
     next.queue.writeBuffer(buffer, 0, new Uint32Array(4));
-    // Nor does whoever had the device pop a scope of the next one.
+    // Nor does its last user pop a scope of the next one.
     expect(await device.popErrorScope()).toBeNull();
     const error = await next.popErrorScope();
     expect(error?.message).toContain('destroyed');

@@ -1,14 +1,14 @@
-/** Devices that nobody uses now, by what they were asked for. */
+/** Devices that are not in use, by what they were asked for. */
 const idle = new Map<string, GPUDevice[]>();
 
 /**
- * Pipelines of all shared devices. As long as one lives, Dawn gives it to whoever asks its device for an equal one, in place of
+ * Pipelines of all shared devices. As long as one lives, Dawn gives it to callers that ask its device for an equal one, in place of
  * compiling it again, which is most of what many files of tests would do on a software adapter.
  */
 const compiled: GPUObjectBase[] = [];
 
 /**
- * Lends a device of `adapter` that tests before have used, or makes one: nobody else has it until it is destroyed, which destroys
+ * Lends a device of `adapter` that tests before have used, or makes one: no other test has it until it is destroyed, which destroys
  * what was made with it, and leaves the rest to the next. Everything but Dawn's own memory of shaders is as of a new device.
  */
 export async function lendDevice(

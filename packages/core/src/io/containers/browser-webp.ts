@@ -25,7 +25,7 @@ const probed = new WeakMap<typeof ImageDecoder, Promise<typeof decode | null>>()
  * By WebCodecs, whose frames are not premultiplied and are copied as they are. Through a canvas or a texture, colours of faint
  * pixels would be lost, or depend on the browser.
  *
- * Probes once. Never rejects: whoever calls it before there are images has no need to wait.
+ * Probes once. Never rejects: callers need not wait before there are images.
  */
 export async function browserDecoder(): Promise<typeof decode | null> {
   if (typeof ImageDecoder === 'undefined') return null;

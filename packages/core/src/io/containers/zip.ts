@@ -247,7 +247,7 @@ export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, na
   };
 }
 
-/** Checks the CRC-32 before the last piece: whoever has read enough may not ask for the end. */
+/** Checks the CRC-32 before the last piece: readers that have enough may not ask for the end. */
 function* checkedPieces(
   bytes: Uint8Array<ArrayBuffer>,
   entry: ZipEntry,

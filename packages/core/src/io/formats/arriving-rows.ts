@@ -4,7 +4,7 @@ import type { SplatInput } from './splat-format.ts';
 /** Where the next row of a file is. */
 export interface RowSource {
   bytes: Uint8Array;
-  /** Index in `bytes`; whoever decodes rows moves it on. */
+  /** Index in `bytes`; decoders of rows move it on. */
   start: number;
 }
 

@@ -16,7 +16,7 @@ import { SplatSetBuilder } from './splat-set-builder.ts';
 /** Rows between two chances of a page's thread to do something else. */
 const ROWS_AT_ONCE = 4096;
 
-/** Harmonics that the splats of a file share, for whoever takes them so. */
+/** Harmonics that the splats of a file share, for sinks that take them so. */
 export interface DecodedPalette extends RowPalette {
   /** The coefficients of all entries, as rows have them. Can be called once `arrive` has resolved. */
   values(): Float32Array;

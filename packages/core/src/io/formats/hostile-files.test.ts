@@ -198,7 +198,7 @@ function checkOutcome(outcome: Outcome, { maxSplats = Number.POSITIVE_INFINITY }
   expect(geometry.words.length).toBe(8 * count);
 }
 
-/** A size that is known refuses a file before its end has come, even for what nobody would have read. */
+/** A size that is known refuses a file before its end has come, even for what would not have been read. */
 function expectSame(a: Outcome, b: Outcome): void {
   const codes = [a, b].map((outcome) => (outcome instanceof WebSplatterError ? outcome.code : 'splats'));
   if (codes.includes('truncated') || codes.includes('too-large')) return;

@@ -59,7 +59,7 @@ export async function loadOrPass(
   let kind: keyof typeof WORKERS =
     isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
   let isDone = false;
-  // Always aborted at the end: a terminated worker does not tell a stream that nobody reads it any more.
+  // Always aborted at the end: a terminated worker does not tell a stream that it is not read any more.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
   signal?.addEventListener('abort', onAbort, { once: true });
@@ -194,7 +194,7 @@ function post(
   let transfer: Transferable[] = [];
   if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
   else if (isStream(source)) {
-    // Whoever opens it refuses it.
+    // Opening it is what refuses it.
     if (source.locked) return source;
     // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
     const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });

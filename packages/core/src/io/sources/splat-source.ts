@@ -104,7 +104,7 @@ export interface OpenedSource {
   readonly stream: ReadableStream<Uint8Array>;
   /** What the stream would give, where it is in memory: to be used instead of the stream, or not at all. */
   readonly unchecked?: UncheckedBytes;
-  /** See `RequestOptions.idleTimeoutMs`; undefined where nobody can be late. */
+  /** See `RequestOptions.idleTimeoutMs`; undefined where nothing can be late. */
   readonly idleTimeoutMs?: number;
   /** Undefined where a stream cannot be had again. */
   readonly resume?: ResumeSource;
@@ -117,7 +117,7 @@ export interface OpenedSource {
   readonly openPart?: (path: string) => Promise<OpenedSource>;
 }
 
-/** Bytes of which it is not known yet whether they are right. Whoever can wait for that works with them meanwhile. */
+/** Bytes of which it is not known yet whether they are right. A caller that can wait for that works with them meanwhile. */
 export interface UncheckedBytes {
   readonly bytes: Uint8Array<ArrayBuffer>;
   /**

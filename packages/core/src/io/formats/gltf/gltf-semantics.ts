@@ -3,7 +3,7 @@ export const SPLATTING = 'KHR_gaussian_splatting';
 
 /**
  * Key of the extension's `extras` for what it has no word for: it defines a single order, that of the distances from the camera, and
- * leaves others to further extensions, of which there are none. Whoever does not know it takes the file as the extension says.
+ * leaves others to further extensions, of which there are none. Readers that do not know it take the file as the extension says.
  */
 export const OWN_EXTRAS = 'websplatter';
 /** The `sortBy` in them. */

@@ -21,7 +21,7 @@ interface Attribute {
 
 /**
  * Writes one binary glTF 2.0 with KHR_gaussian_splatting, all attributes float32, in the axes and the order of the set: glTF has y up,
- * and whoever writes must have turned the splats. An origin other than 0 becomes the node's translation. What is lost: rotations become
+ * and the caller must have turned the splats. An origin other than 0 becomes the node's translation. What is lost: rotations become
  * unit quaternions, scales and opacities are rounded after they were activated, and nothing says whether splats were trained with
  * an antialias filter. That splats are drawn in the order of their depths stands in `extras`, which other programs need not know.
  *

@@ -14,7 +14,7 @@ export interface OpenedImages {
   readonly shDegree: ShDegree;
   /** Entries that labels can name; 0 where there are no harmonics. */
   readonly paletteSize: number;
-  /** Rejects with SplatFileError 'damaged', or with the signal's reason; nobody has to wait for it. */
+  /** Rejects with SplatFileError 'damaged', or with the signal's reason; it need not be waited for. */
   readonly decoded: Promise<SogImages>;
 }
 

@@ -68,7 +68,7 @@ describe('what is read', () => {
     });
   }
 
-  test('a set, where nobody takes rows', async () => {
+  test('a set, where there is no sink for rows', async () => {
     const { meta, images, rows } = exampleOf({ count: 5 });
     const files = droppedFiles(sogFiles({ meta, images, rows }));
     const set = await readSource(files, { shPrecision: 'f32' }, ALL_READERS);
@@ -104,7 +104,7 @@ describe('what is read', () => {
     expect([...set.opacityLogits]).toEqual([Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY]);
   });
 
-  test('other names, and fields that nobody knows', async () => {
+  test('other names, and unknown fields', async () => {
     const example = exampleOf();
     example.meta.quats = { files: ['images/turned.webp'], later: [1] };
     example.images['images/turned.webp'] = example.images['quats.webp'];

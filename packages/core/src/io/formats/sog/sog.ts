@@ -137,7 +137,7 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree): DecodedRow
   return {
     ...rows,
     fileFacts: { format: 'sog', variant: String(meta.version) },
-    // Whoever takes the rows makes room for them while images are decoded.
+    // The sink makes room for the rows while images are decoded.
     arrive: async () => {
       await whenDecoded;
     },
