@@ -539,7 +539,7 @@ export class SplatEngine {
       sourceOptions,
       fit,
       makePlanes: (...request) => this.#makePlanes(...request),
-      compileFor: (cloud, change) => this.#compileFor(cloud, (shape) => ({ ...shape, ...change })),
+      compileStretched: (cloud) => this.#compileFor(cloud, (shape) => ({ ...shape, isIsotropic: false })),
       onWritten: (bytes) => {
         this.#counting.uploadedBytes += bytes;
       },

@@ -25,7 +25,7 @@ function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
     isUploaded: true,
     version: 0,
     editing: null,
-    compileFor: () => null,
+    compileStretched: () => null,
     onWritten: () => {},
   });
   return { ...fake, writeBuffer };

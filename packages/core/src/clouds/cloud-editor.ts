@@ -326,7 +326,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
       cloud.facts = { ...cloud.facts, isIsotropic: false };
       cloud.version++;
     };
-    const compiling = cloud.compileFor({ isIsotropic: false });
+    const compiling = cloud.compileStretched();
     if (!compiling) set();
     void compiling?.then(() => {
       set();

@@ -36,8 +36,8 @@ export interface SplatCloudOptions {
   readonly checked?: Promise<void> | null;
   /** See `SplatCloud.fit`. */
   readonly fit?: CloudFit | null;
-  /** See `SplatCloud.compileFor`. Default: no view shows the cloud. */
-  readonly compileFor?: (cloud: SplatCloud, change: ShapeChange) => Promise<void> | null;
+  /** See `SplatCloud.compileStretched`. Default: no view shows the cloud. */
+  readonly compileStretched?: (cloud: SplatCloud) => Promise<void> | null;
   /** Called when bytes of the cloud's planes have been written anew. */
   readonly onWritten?: (bytes: number) => void;
   /** Called when the cloud has been destroyed. */
@@ -54,9 +54,6 @@ export interface CloudContents
   /** Precision of the planes. */
   readonly precision: CloudPrecision;
 }
-
-/** What edits change of the shaders that draw a cloud. */
-export type ShapeChange = { readonly isIsotropic: false };
 
 /** What keeps a cloud as its edits have it. */
 export interface CloudEditing {
@@ -119,9 +116,10 @@ export class SplatCloud {
   /** @internal Grows whenever edits change what frames show. */
   version = 0;
   /**
-   * @internal Compiles the shaders that draw the cloud with this change, in every view that shows it; null: no view does.
+   * @internal Compiles the shaders that draw the cloud once its splats are not round any more, in
+   *   every view that shows it; null: no view does.
    */
-  readonly compileFor: (change: ShapeChange) => Promise<void> | null;
+  readonly compileStretched: () => Promise<void> | null;
   /** @internal */
   readonly onWritten: (bytes: number) => void;
   /**
@@ -137,8 +135,8 @@ export class SplatCloud {
   /** Takes over `planes`, which hold what `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
     const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
-    const { visibleLimit = Number.POSITIVE_INFINITY, checked = null, compileFor } = options;
-    this.compileFor = (change) => compileFor?.(this, change) ?? null;
+    const { visibleLimit = Number.POSITIVE_INFINITY, checked = null, compileStretched } = options;
+    this.compileStretched = () => compileStretched?.(this) ?? null;
     this.onWritten = options.onWritten ?? (() => {});
     this.name = name;
     this.count = contents.count;

@@ -12,7 +12,7 @@ import { identity4, type Mat4 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import type { CloudInstance } from './frame-request.ts';
-import type { CloudShape, OmittableEffect } from './frame-shape.ts';
+import type { CloudShape } from './frame-shape.ts';
 
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
@@ -111,7 +111,7 @@ function ownValues(values: GpuValues<GpuFields> | null): GpuValues<GpuFields> | 
 export function cloudShape(
   { instance, effects }: CloudPlan,
   accuracy: AccuracySettings,
-  omitted: readonly OmittableEffect[],
+  mayBeIsotropic: boolean,
 ): CloudShape {
   const { cloud, shDegree = 3 } = instance;
   return {
@@ -119,7 +119,7 @@ export function cloudShape(
     planes: cloud.pagesFor(accuracy),
     effects,
     shDegree: Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
-    isIsotropic: !omitted.includes('isotropic') && isIsotropic(cloud.facts, effects),
+    isIsotropic: mayBeIsotropic && isIsotropic(cloud.facts, effects),
   };
 }
 

@@ -6,7 +6,7 @@ import { asksForDistance } from '../splats/sort-by.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type CloudPlan, cloudShape, planCloud } from './cloud-plan.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
-import { type FrameOutput, type FrameShape, isSameShape, type OmittableEffect } from './frame-shape.ts';
+import { type FrameOutput, type FrameShape, isSameShape } from './frame-shape.ts';
 import { keyBitsFor } from './key-bits.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
@@ -50,8 +50,8 @@ export interface PlanOptions {
   readonly faster: FrameRasterizer;
   /** The same object for all frames of a view. */
   readonly output: FrameOutput;
-  /** Effects to leave out even if the frame needs them. */
-  readonly omitted: readonly OmittableEffect[];
+  /** Whether round splats may have shaders of their own; not where these are measured. */
+  readonly mayBeIsotropic: boolean;
   /** Plan of the last frame: its shape is kept until the shape changes, its buffers while they are large enough. */
   readonly last: FramePlan | null;
   /**
@@ -68,7 +68,7 @@ export interface PlanOptions {
  */
 export function planFrame(request: FrameRequest, options: PlanOptions): FramePlan {
   const { accuracy, dispatchRow, workgroupBytes, hasNarrowSubgroups, ballots } = options;
-  const { depth, output, omitted, last } = options;
+  const { depth, output, mayBeIsotropic, last } = options;
   const camera = copied(request.camera);
   const layer = layerSize(request, accuracy);
   const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
@@ -83,7 +83,7 @@ export function planFrame(request: FrameRequest, options: PlanOptions): FramePla
   };
   const rasterizer = rasterizerOf(options);
   const shape: FrameShape = {
-    clouds: clouds.map((cloud) => cloudShape(cloud, accuracy, omitted)),
+    clouds: clouds.map((cloud) => cloudShape(cloud, accuracy, mayBeIsotropic)),
     isOrthographic,
     sortsByDistance,
     accuracy,

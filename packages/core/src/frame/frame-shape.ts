@@ -63,9 +63,6 @@ export interface FrameShape {
   readonly binCount: number;
 }
 
-/** Automatic features that can be left out of a frame, to measure their cost. */
-export type OmittableEffect = 'isotropic';
-
 /** Whether splats are blended in a layer smaller than the image. */
 export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
   return accuracy.resolutionScale < 1;

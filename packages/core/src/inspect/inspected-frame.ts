@@ -120,7 +120,7 @@ export class InspectedFrame {
         ballots: null,
         depth: null,
         output: { kind: 'image' },
-        omitted: [],
+        mayBeIsotropic: true,
         faster: 'quads',
         last: null,
         recent: { visibleSplats: 0, depthBits: 0 },

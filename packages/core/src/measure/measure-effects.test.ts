@@ -3,7 +3,6 @@ import { perspectiveCamera } from '../camera/camera.ts';
 import { brightness, tint } from '../effects/index.ts';
 import type { SplatEngine } from '../engine.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { OmittableEffect } from '../frame/frame-shape.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import { measureEffects } from './measure-effects.ts';
@@ -29,15 +28,12 @@ function fakeEngine(): SplatEngine {
   const createView = () => {
     const placeMs = PLACE_MS * viewsMade++;
     let on: readonly string[] = [];
-    let omitted: readonly OmittableEffect[] = [];
     const view: Partial<SplatView> = {
       onStatistics: null,
-      omitEffects: (effects) => {
-        omitted = effects;
-      },
+      mayBeIsotropic: true,
       render: (frame) => {
         const before = on;
-        on = effectsOf(frame).filter((name) => !(omitted as readonly string[]).includes(name));
+        on = effectsOf(frame).filter((name) => name !== 'isotropic' || view.mayBeIsotropic);
         const effectsMs = on.reduce((sum, name) => sum + COSTS_MS[name], 0);
         const changeMs = on.join() === before.join() ? 0 : CHANGE_MS;
         const totalMs = FRAME_MS + effectsMs + placeMs + changeMs + DRIFT_MS * framesDrawn++;

@@ -2,7 +2,6 @@ import { isAccuracyTarget } from '../accuracy/accuracy-target.ts';
 import { antialias } from '../effects/antialias.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { OmittableEffect } from '../frame/frame-shape.ts';
 import { AUTOMATIC_FEATURES } from '../ledger/automatic-features.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
@@ -86,7 +85,7 @@ export async function measureEffects(
 /** Frames that should all take the same time. */
 interface FrameKind {
   readonly request: FrameRequest;
-  readonly omitted: readonly OmittableEffect[];
+  readonly mayBeIsotropic: boolean;
 }
 
 /** The two kinds of frames that one effect is measured with. */
@@ -115,7 +114,7 @@ class FrameTimer {
 
   /** Returns the milliseconds of the next frame of this kind, whatever was drawn before. */
   async draw(kind: FrameKind): Promise<number> {
-    this.#view.omitEffects(kind.omitted);
+    this.#view.mayBeIsotropic = kind.mayBeIsotropic;
     this.#last = kind;
     const { timing } = await drawMeasured(this.#engine, this.#view, kind.request);
     return timing.totalMs;
@@ -125,10 +124,10 @@ class FrameTimer {
 /** Returns null for effects that a frame cannot do without, and for effects that are off. */
 function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | null {
   const { name, isOn } = entry;
-  const whole: FrameKind = { request, omitted: [] };
+  const whole: FrameKind = { request, mayBeIsotropic: true };
   const comparedWith = (without: FrameKind): Comparison => ({ entry, with: whole, without });
   if (!isOn) return null;
-  if (name === 'isotropic') return comparedWith({ ...whole, omitted: [name] });
+  if (name === 'isotropic') return comparedWith({ ...whole, mayBeIsotropic: false });
   if (name === 'harmonics') {
     const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
     return comparedWith({ ...whole, request: { ...request, clouds } });

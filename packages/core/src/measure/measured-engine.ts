@@ -1,6 +1,6 @@
 import type { Accuracy, AccuracySettings, FrameRasterizer, PossibleAccuracy } from '../accuracy/accuracy.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
+import type { FrameShape } from '../frame/frame-shape.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { EffectEntry } from '../ledger/ledger.ts';
 import type { FrameProfile } from '../timing/frame-profile.ts';
@@ -36,6 +36,7 @@ export interface MeasuredView extends ComparedView {
   readonly rasterizer: { readonly rasterizer: FrameRasterizer; readonly reason: string };
   render(frame: FrameRequest): boolean;
   effects(): readonly EffectEntry[];
-  omitEffects(effects: readonly OmittableEffect[]): void;
+  /** Whether round splats may have shaders of their own. */
+  mayBeIsotropic: boolean;
   destroy(): void;
 }

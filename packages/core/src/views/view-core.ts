@@ -6,7 +6,7 @@ import { FrameParts, frameStages } from '../frame/frame.ts';
 import type { Destination, QuadsSample } from '../frame/frame-part.ts';
 import { type FramePlan, planFrame, showsClouds } from '../frame/frame-plan.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
-import type { FrameOutput, FrameShape, OmittableEffect } from '../frame/frame-shape.ts';
+import type { FrameOutput, FrameShape } from '../frame/frame-shape.ts';
 import { isSameColors, isSameOrder } from '../frame/plan-difference.ts';
 import { RecentNeeds } from '../frame/recent-needs.ts';
 import type { BallotDevice } from '../gpu/device.ts';
@@ -88,6 +88,8 @@ export abstract class ViewCore {
    * has called `onReady`, for its host to prepare the frame again.
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
+  /** @internal Whether round splats may have shaders of their own; false to measure without them. */
+  mayBeIsotropic = true;
   /** Whether the device has not yet said if it had memory for the last frames. */
   protected isChecking = false;
   protected readonly context: ViewContext;
@@ -114,7 +116,6 @@ export abstract class ViewCore {
   /** The last frame for which there was memory, and the one before: to divide a frame takes memory, too. */
   #sound: FramePlan | null = null;
   #soundBefore: FramePlan | null = null;
-  #omittedEffects: readonly OmittableEffect[] = [];
   #prepared: FramePlan | null = null;
   /** Whether the frame being drawn has the visible splats of the last one, in the same order. */
   #isColorsOnly = false;
@@ -232,11 +233,6 @@ export abstract class ViewCore {
       tilesBytes: tileLists.bytes,
     };
     return effectsLedger({ plan: this.#prepared, held, rasterizer: this.rasterizer });
-  }
-
-  /** @internal Leaves these effects out of later frames, to measure their cost. */
-  omitEffects(effects: readonly OmittableEffect[]): void {
-    this.#omittedEffects = effects;
   }
 
   /** The rasteriser of this view, and the times of both as far as they are known. */
@@ -638,7 +634,7 @@ export abstract class ViewCore {
       hasNarrowSubgroups: this.context.hasNarrowSubgroups,
       ballots: this.context.ballots(),
       output: this.#output,
-      omitted: this.#omittedEffects,
+      mayBeIsotropic: this.mayBeIsotropic,
       last: this.#prepared,
       recent: this.#needs.value,
     });
