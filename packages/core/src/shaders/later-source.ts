@@ -19,5 +19,8 @@ export function foreseeTiles(): void {
 
 /** Returns a function that loads the text of a stage that most pages never run. */
 export function rareSource(stage: keyof typeof RARE_TEXTS): () => Promise<LaterTexts> {
-  return async () => ({ source: (await import('./rare-texts.ts')).RARE_TEXTS[stage] });
+  return async () => {
+    const { RARE_TEXTS, RARE_LIBRARIES: libraries } = await import('./rare-texts.ts');
+    return { source: RARE_TEXTS[stage], libraries };
+  };
 }

@@ -1,3 +1,4 @@
+import layerRounding from '../../../../shaders/lib/layer-rounding.wgsl?raw';
 import compose from '../../../../shaders/stages/compose.wgsl?raw';
 import resolveDepth from '../../../../shaders/stages/resolve-depth.wgsl?raw';
 import upscale from '../../../../shaders/stages/upscale.wgsl?raw';
@@ -8,3 +9,6 @@ export const RARE_TEXTS = {
   'resolve-depth': resolveDepth,
   upscale,
 } as const;
+
+/** Texts of what they import and the engine’s own stages do not. */
+export const RARE_LIBRARIES = { 'lib/layer-rounding': layerRounding } as const;

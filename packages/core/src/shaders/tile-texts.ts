@@ -1,3 +1,4 @@
+import layerRounding from '../../../../shaders/lib/layer-rounding.wgsl?raw';
 import splatEllipse from '../../../../shaders/lib/splat-ellipse.wgsl?raw';
 import tileGrid from '../../../../shaders/lib/tile-grid.wgsl?raw';
 import workgroupScan from '../../../../shaders/lib/workgroup-scan.wgsl?raw';
@@ -18,8 +19,9 @@ export const TILE_TEXTS = {
   'tile-rasterize': tileRasterize,
 } as const;
 
-/** Texts of what only those stages import. */
+/** Texts of what they import and the engine’s own stages do not. */
 export const TILE_LIBRARIES = {
+  'lib/layer-rounding': layerRounding,
   'lib/splat-ellipse': splatEllipse,
   'lib/tile-grid': tileGrid,
   'lib/workgroup-scan': workgroupScan,
