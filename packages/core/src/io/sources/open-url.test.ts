@@ -3,7 +3,7 @@ import { createServer, type IncomingMessage, type Server, type ServerResponse } 
 import type { AddressInfo } from 'node:net';
 import { inspect } from 'node:util';
 import { gzipSync } from 'node:zlib';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test, vi } from 'vitest';
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../../errors.ts';
 import { plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { readSplats } from '../loading/read-splats.ts';
@@ -29,22 +29,16 @@ const listen = async (listener: (request: IncomingMessage, response: ServerRespo
   return { listening, url: `http://127.0.0.1:${port}/scene.ply` };
 };
 
-beforeAll(async () => {
+// Servers of its own for each test: a connection that breaks at the end of one could be taken for the
+// first request of the next, which no server would see.
+beforeEach(async () => {
   const onRequest = (request: IncomingMessage, response: ServerResponse) => {
     requests.push(request);
-    // A connection that is kept and then breaks would fail the first request of the next test.
     response.setHeader('connection', 'close');
     answer(request, response, requests.length);
   };
   ({ listening: server, url } = await listen(onRequest));
   ({ listening: otherServer, url: otherUrl } = await listen(onRequest));
-});
-
-afterAll(() => {
-  for (const each of [server, otherServer]) {
-    each.closeAllConnections();
-    each.close();
-  }
 });
 
 /** How long requests would have waited, ms. */
@@ -60,7 +54,10 @@ beforeEach(() => {
 
 afterEach(() => {
   vi.restoreAllMocks();
-  for (const each of [server, otherServer]) each.closeAllConnections();
+  for (const each of [server, otherServer]) {
+    each.closeAllConnections();
+    each.close();
+  }
 });
 
 const failure = async (promise: Promise<unknown>): Promise<Error> =>
