@@ -285,7 +285,9 @@ describe('accuracy in the viewer', () => {
     await page.waitForURL(/accuracy=minPsnrDb:40/);
     // The images themselves say the same.
     const picked = await viewerScreenshot(page);
-    const exact = await shotAfter(page, () => press(page, 'preset-reference'));
+    // On a CPU the fastest settings may be those of reference: no frame would follow.
+    const isExact = psnrDb === Number.POSITIVE_INFINITY;
+    const exact = isExact ? picked : await shotAfter(page, () => press(page, 'preset-reference'));
     expect(psnrOf(picked, exact)).toBeGreaterThan(39);
   });
 

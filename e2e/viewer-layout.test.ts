@@ -96,7 +96,11 @@ describe('the viewer in windows of any size', () => {
       const name = `${size.width} × ${size.height}`;
       const panel = ['.dock h2', '.dock [aria-label=Close]', '[data-testid=accuracy-tab-settings]'];
       const split = ['[data-testid=split-label-left]', '[data-testid=split-label-right]', '.split-handle'];
-      expect(await hiddenAmong(page, [...toolbarAt(size), ...panel, ...split]), `${name}, split`).toEqual([]);
+      await expect
+        .poll(() => hiddenAmong(page, [...toolbarAt(size), ...panel, ...split]), {
+          message: `${name}, split`,
+        })
+        .toEqual([]);
       // The last control of the panel can be scrolled to.
       await page.getByTestId('side-right').scrollIntoViewIfNeeded();
       expect(await hiddenAmong(page, ['[data-testid=side-right]']), `${name}, scrolled`).toEqual([]);
