@@ -3,7 +3,7 @@
 // thread per pixel of the image: a render pass takes longer than the splats do (docs/accuracy.md).
 // Bilinear between the middles of pixels, constant beyond the outermost. Values are premultiplied, so
 // they can be averaged directly. Reference: reference/upscale.ts.
-import constants::COMPOSITE_TILE_PX;
+import constants::IMAGE_TILE_PX;
 import layout::UpscaleParameters;
 import package::lib::layer_rounding::rounded;
 
@@ -15,7 +15,7 @@ import package::lib::layer_rounding::rounded;
 @if(DEPTH_LAYER) @group(0) @binding(3) var depthLayer: texture_2d<f32>;
 @if(DEPTH_LAYER) @group(0) @binding(4) var depthImage: texture_storage_2d<r32float, write>;
 
-const SIDE_PX = COMPOSITE_TILE_PX;
+const SIDE_PX = IMAGE_TILE_PX;
 
 /// Interpolates `values` at `place`, which counts pixels from the middle of the first and lies between the outermost middles.
 fn bilinear(values: texture_2d<f32>, place: vec2f, last: vec2f) -> vec4f {

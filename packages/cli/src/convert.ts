@@ -24,8 +24,8 @@ export interface Conversion {
   readonly splats: number;
   readonly shDegree: ShDegree;
   readonly bytes: number;
-  /** Bytes of all scenes together; null where one is made by code. */
-  readonly inputBytes: number | null;
+  /** Bytes of all scenes together. */
+  readonly inputBytes: number;
   readonly elapsedMs: number;
   /** What may surprise, a sentence each. */
   readonly notes: readonly string[];
@@ -36,8 +36,7 @@ interface Input {
   readonly name: string;
   readonly isBuiltin: boolean;
   readonly set: SplatSet<Harmonics>;
-  /** Null where nothing tells. */
-  readonly bytes: number | null;
+  readonly bytes: number;
 }
 
 /** `websplatter convert IN… OUT`. */
@@ -73,10 +72,7 @@ export async function convert(args: readonly string[], console: Console): Promis
     splats: set.count,
     shDegree: set.harmonics.degree,
     bytes: content.length,
-    inputBytes: inputs.reduce<number | null>(
-      (sum, { bytes }) => (sum === null || bytes === null ? null : sum + bytes),
-      0,
-    ),
+    inputBytes: inputs.reduce((sum, { bytes }) => sum + bytes, 0),
     elapsedMs: performance.now() - startMs,
     notes: notesOf(inputs, set, options),
   };
@@ -85,7 +81,7 @@ export async function convert(args: readonly string[], console: Console): Promis
 }
 
 async function readInput(scene: SceneSource, onFraction: (fraction: number) => void): Promise<Input> {
-  let bytes: number | null = null;
+  let bytes = 0;
   // A palette is written as it is where nothing changes it.
   const set = await readScene(scene, 'palette', ({ loadedBytes, totalBytes }) => {
     bytes = loadedBytes;
@@ -135,7 +131,7 @@ function hasYUp(formatName: string): boolean {
 }
 
 function line({ out, splats, bytes, inputBytes, elapsedMs }: Conversion): string {
-  const ratio = inputBytes === null ? '' : ` (${((100 * bytes) / inputBytes).toFixed(1)} % of what was read)`;
+  const ratio = ` (${((100 * bytes) / inputBytes).toFixed(1)} % of what was read)`;
   const seconds = (elapsedMs / 1000).toFixed(1);
   const counted = `${splats.toLocaleString('en')} splats, ${bytes.toLocaleString('en')} bytes`;
   return `${printable(out)}: ${counted}${ratio}, ${seconds} s\n`;

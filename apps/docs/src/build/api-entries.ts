@@ -19,14 +19,12 @@ export function apiEntries(root: string): ApiEntry[] {
   return API_PACKAGES.flatMap((folder) => {
     const { exports } = JSON.parse(readFileSync(join(root, 'packages', folder, 'package.json'), 'utf8'));
     return Object.entries<string | Record<string, string>>(exports)
-      .flatMap(([subpath, conditions]) =>
+      .flatMap(([subpath, conditions]) => {
         // Files that are no code have no source.
-        typeof conditions === 'string' ? [] : [{ subpath, source: conditions['@websplatter/source'] }],
-      )
-      .map(({ subpath, source }) => ({
-        name: `${folder}${subpath.slice(1)}`,
-        source: join('packages', folder, source),
-      }))
+        if (typeof conditions === 'string') return [];
+        const source = join('packages', folder, conditions['@websplatter/source']);
+        return [{ name: `${folder}${subpath.slice(1)}`, source }];
+      })
       .filter(({ name }) => !SCRIPTS.has(name));
   });
 }

@@ -1,4 +1,4 @@
-import { type BuiltinScene, builtinScenes } from '@websplatter/scenes';
+import { builtinScenes } from '@websplatter/scenes';
 import { hardCaseNameIn } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
 import type { AddressedScene } from './addressed-scene.ts';
@@ -39,7 +39,7 @@ export function smallSource(): SceneSource {
 /** The built-in scene that `?scene=` asks for, or the default. */
 export function builtinSource(asked: string | null | undefined, isSoftwareAdapter: boolean): FirstSource {
   const name = hardCaseNameIn(asked) === null ? asked : null;
-  const found = name ? findBuiltinScene(name) : undefined;
+  const found = builtinScenes.find((scene) => scene.name === name);
   const [full, small] = builtinScenes;
   // A software rasteriser would need seconds per frame for the full scene.
   const scene = found ?? (isSoftwareAdapter ? small : full);
@@ -48,10 +48,6 @@ export function builtinSource(asked: string | null | undefined, isSoftwareAdapte
     notice: name && !found ? `There is no built-in scene “${name}”.` : null,
     failure: null,
   };
-}
-
-function findBuiltinScene(wanted: string): BuiltinScene | undefined {
-  return builtinScenes.find(({ name }) => name === wanted);
 }
 
 function noAddress(text: string): FailureReport {

@@ -11,9 +11,6 @@ import type { CameraSubject } from '../camera/view-camera.ts';
 import type { SceneAbout } from '../state/scene-summary.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 
-/** Of most scenes. */
-const PLAIN = { firstView: null, ownCameras: null, about: null, isZUp: false };
-
 /** A scene on the GPU, and how it is to be looked at. */
 export interface LoadedScene
   extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown' | 'isZUp'> {
@@ -39,10 +36,12 @@ export async function loadScene(
   if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
   const builtin = source.kind === 'builtin' ? source.scene : null;
   const sceneOf = (cloud: SplatCloud) => ({
-    ...PLAIN,
     clouds: [{ cloud }],
     firstView: builtin?.cameras[0] ?? null,
+    ownCameras: null,
+    about: null,
     isUpsideDown: !builtin && isUpsideDown(cloud),
+    isZUp: false,
   });
   /** What is there of a file while it arrives need not have the shape of all of it. */
   const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: !builtin && isZUp(cloud) });

@@ -1,5 +1,6 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { CompiledStage, Pipelines, RenderState, StageDefinition } from '../gpu/pipelines.ts';
+import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { GpuTimer } from '../timing/gpu-timer.ts';
 import type { FramePlan } from './frame-plan.ts';
@@ -163,6 +164,19 @@ export function useCompute(
 ): void {
   pass.setPipeline(pipelines.compute(stage)!);
   pass.setBindGroup(0, group);
+}
+
+/** Runs a compiled compute stage that has a thread for each pixel of `image`. */
+export function computeOverAll(
+  pass: GPUComputePassEncoder,
+  pipelines: Pipelines,
+  stage: StageDefinition,
+  group: GPUBindGroup,
+  image: GPUTexture,
+): void {
+  useCompute(pass, pipelines, stage, group);
+  const tiles = (px: number) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX);
+  pass.dispatchWorkgroups(tiles(image.width), tiles(image.height));
 }
 
 /** Draws one triangle over the whole target with a compiled render stage. */

@@ -322,8 +322,8 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Call after each wait: what was there before may have been destroyed meanwhile, and what is made now would never be freed. A load
-   * ends by its signal, or by an error of its reader.
+   * Call after each wait: what was there before may have been destroyed meanwhile, and what is made now
+   * would never be freed. A load ends by its signal, or by an error of its reader.
    *
    * @throws the signal's reason, DestroyedError.
    */

@@ -28,8 +28,8 @@ export const SHADER_CONSTANTS = {
   SCAN_WORKGROUP: 256,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
-  /** Side of the square of pixels that one workgroup composites. */
-  COMPOSITE_TILE_PX: 8,
+  /** Side of the square of pixels that one workgroup composites or enlarges. */
+  IMAGE_TILE_PX: 8,
 } as const;
 
 /** Counts that one workgroup scans. */

@@ -70,7 +70,7 @@ describe('upscale', () => {
         depthImage: depthImage.createView(),
       };
       pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
-      const tiles = to.map((px) => Math.ceil(px / SHADER_CONSTANTS.COMPOSITE_TILE_PX));
+      const tiles = to.map((px) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX));
       pass.dispatchWorkgroups(tiles[0], tiles[1]);
       pass.end();
       device.queue.submit([encoder.finish()]);

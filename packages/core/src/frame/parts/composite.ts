@@ -1,14 +1,13 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { SHADER_CONSTANTS } from '../../layout/constants.ts';
 import { CompositeParameters } from '../../layout/structs.ts';
 import { composite, compositeInCompute, compositeState } from '../../stages/composite.ts';
 import {
+  computeOverAll,
   type DrawRecording,
   drawOverAll,
   type FramePart,
   type PartChange,
   type PartContext,
-  useCompute,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
@@ -80,10 +79,7 @@ export class Composite implements FramePart<DrawRecording> {
         layer: this.#context.shared.image!.color.createView(),
         canvas: target.createView(),
       });
-      useCompute(pass, pipelines, stage.compute, group);
-      const { COMPOSITE_TILE_PX } = SHADER_CONSTANTS;
-      const tiles = (px: number) => Math.ceil(px / COMPOSITE_TILE_PX);
-      pass.dispatchWorkgroups(tiles(target.width), tiles(target.height));
+      computeOverAll(pass, pipelines, stage.compute, group, target);
       pass.end();
       return;
     }

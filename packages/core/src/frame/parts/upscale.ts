@@ -1,25 +1,24 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { SHADER_CONSTANTS } from '../../layout/constants.ts';
 import { UpscaleParameters } from '../../layout/structs.ts';
 import { upscale } from '../../stages/upscale.ts';
 import {
+  computeOverAll,
   type DrawRecording,
   type FramePart,
   type LayerTextures,
   type PartChange,
   type PartContext,
-  useCompute,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
 
 /** The stage that enlarges the layer to the image's size. */
-const stageOf = perShape(({ accuracy, depth }) => upscale(accuracy.colorTarget, hasDepthLayer({ depth })));
+const stageOf = perShape((shape) => upscale(shape.accuracy.colorTarget, hasDepthLayer(shape)));
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => (isScaled(shape) ? [stageOf(shape)] : []));
 
-function hasDepthLayer({ depth }: Pick<FrameShape, 'depth'>): boolean {
+function hasDepthLayer({ depth }: FrameShape): boolean {
   return depth?.layerFormat != null;
 }
 
@@ -46,7 +45,6 @@ export class Upscale implements FramePart<DrawRecording> {
       if (!this.#image) return null;
       return { free: () => this.#leave(), make: () => {} };
     }
-    const { STORAGE_BINDING } = GPUTextureUsage;
     if (fitsLayer(this.#image, request, colorTarget, depthFormat)) return null;
     return {
       free: () => {
@@ -54,6 +52,7 @@ export class Upscale implements FramePart<DrawRecording> {
         this.#image = null;
       },
       make: () => {
+        const { STORAGE_BINDING } = GPUTextureUsage;
         this.#image = createLayer(memory, 'splat layer', request, colorTarget, depthFormat, STORAGE_BINDING);
         shared.image = this.#image;
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
@@ -85,11 +84,8 @@ export class Upscale implements FramePart<DrawRecording> {
 
   record({ encoder, timer, shape }: DrawRecording): void {
     if (!this.#group) return;
-    const { width, height } = this.#image!.color;
     const pass = encoder.beginComputePass({ label: 'upscale', timestampWrites: timer.writes('upscale') });
-    useCompute(pass, this.#context.pipelines, stageOf(shape), this.#group);
-    const { COMPOSITE_TILE_PX } = SHADER_CONSTANTS;
-    pass.dispatchWorkgroups(Math.ceil(width / COMPOSITE_TILE_PX), Math.ceil(height / COMPOSITE_TILE_PX));
+    computeOverAll(pass, this.#context.pipelines, stageOf(shape), this.#group, this.#image!.color);
     pass.end();
   }
 
