@@ -26,7 +26,7 @@ const VIEWER_APART = [
   'apps/viewer/src/hard-cases/all-cases.ts',
   'apps/viewer/src/lone-pages.tsx',
   'packages/core/src/io/formats/readers.ts',
-  'packages/core/src/io/loading/read-and-pack.ts',
+  'packages/core/src/io/loading/serve-load.ts',
   'packages/core/src/io/loading/read-source.ts',
 ].map((path) => posix.relative('apps/viewer', path));
 

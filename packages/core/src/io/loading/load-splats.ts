@@ -105,7 +105,7 @@ async function readHere(
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
   const [{ readAndPack }, { ALL_READERS }] = await Promise.all([
-    import('./read-and-pack.ts'),
+    import('./serve-load.ts'),
     import('../formats/readers.ts'),
   ]);
   return readAndPack(source, settings, watch, ALL_READERS, rowsTo);

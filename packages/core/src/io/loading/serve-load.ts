@@ -1,14 +1,45 @@
-import { transferablesOf } from '../../packing/packed-cloud.ts';
+import { type PackedCloud, packCloud, transferablesOf } from '../../packing/packed-cloud.ts';
+import { checkPrecision } from '../../packing/precision.ts';
+import type { RowLayout } from '../../packing/row-layout.ts';
+import type { Passed, RowSink, RowsTo } from '../formats/row-sink.ts';
 import type { FormatReaders } from '../formats/splat-format.ts';
-import { type LoadReply, type LoadRequest, toPostedError } from './load-messages.ts';
+import type { LoadProgress, ReadOptions, SplatSource } from '../sources/splat-source.ts';
+import { type LoadReply, type LoadRequest, type LoadSettings, toPostedError } from './load-messages.ts';
 import { OtherFormat } from './other-format.ts';
-import { PostedRows } from './posted-rows.ts';
-import { readAndPack } from './read-and-pack.ts';
+import { readSource } from './read-source.ts';
+
+/** Pieces that are filled or on their way at once. */
+const PIECES = 4;
 
 /** The part of a worker's global scope that is used; a MessagePort has it too. */
 export interface LoadPort {
   onmessage: ((event: MessageEvent<LoadRequest>) => void) | null;
   postMessage(reply: LoadReply, transfer: Transferable[]): void;
+}
+
+/**
+ * Does a whole load in the calling thread, for the formats that `readers` has. `passed` if the rows of the file
+ * went to `rowsTo` as they are.
+ */
+export async function readAndPack(
+  source: SplatSource,
+  { geometryPrecision, ...settings }: LoadSettings,
+  { signal, onProgress }: Pick<ReadOptions, 'signal' | 'onProgress'>,
+  readers: FormatReaders,
+  rowsTo?: RowsTo,
+): Promise<PackedCloud | Passed> {
+  checkPrecision({ geometryPrecision });
+  let last: LoadProgress | undefined;
+  const watched = (progress: LoadProgress) => {
+    last = progress;
+    onProgress?.(progress);
+  };
+  const set = await readSource(source, { ...settings, signal, onProgress: watched }, readers, rowsTo);
+  if (last) onProgress?.({ ...last, phase: 'arrange' });
+  // Packing does not pause: this is the last chance to stop before it.
+  signal?.throwIfAborted();
+  if (set === 'passed') return set;
+  return packCloud(set, { geometryPrecision, shPrecision: settings.shPrecision });
 }
 
 /**
@@ -46,4 +77,46 @@ export function serveLoad(port: LoadPort, readers: FormatReaders): void {
     }
   };
   port.postMessage({ kind: 'ready' }, []);
+}
+
+/** Posts rows to the page, which gives their memory back. */
+class PostedRows implements RowSink {
+  readonly mayDetach = true;
+  readonly #port: LoadPort;
+  readonly #free: ArrayBuffer[] = [];
+  #made = 0;
+  #pieceBytes = 0;
+  #onFree: (() => void) | null = null;
+
+  constructor(port: LoadPort) {
+    this.#port = port;
+  }
+
+  async begin(layout: RowLayout): Promise<void> {
+    this.#pieceBytes = Math.min(layout.count, layout.pieceRows) * layout.strideBytes;
+    this.#port.postMessage({ kind: 'layout', layout }, []);
+  }
+
+  async memory(): Promise<Uint8Array<ArrayBuffer>> {
+    while (this.#free.length === 0 && this.#made === PIECES) {
+      await new Promise<void>((resolve) => {
+        this.#onFree = resolve;
+      });
+    }
+    if (this.#free.length === 0) {
+      this.#made++;
+      this.#free.push(new ArrayBuffer(this.#pieceBytes));
+    }
+    return new Uint8Array(this.#free.pop()!);
+  }
+
+  take(rowCount: number, { buffer: memory }: Uint8Array<ArrayBuffer>): void {
+    this.#port.postMessage({ kind: 'rows', memory, rowCount }, [memory]);
+  }
+
+  giveBack(memory: ArrayBuffer): void {
+    this.#free.push(memory);
+    this.#onFree?.();
+    this.#onFree = null;
+  }
 }
