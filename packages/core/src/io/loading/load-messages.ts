@@ -76,6 +76,8 @@ export function fromPostedError(posted: PostedError): Error {
   const error = emptyError(posted, posted.cause === undefined ? {} : { cause: posted.cause });
   // Constructors add file and place to a message; this message has them already.
   error.message = posted.message;
+  // Chromium and Node begin a stack with the message that the error was made with, and consoles print stacks.
+  error.stack = error.stack?.replace(/^\w*Error\b.*/, `${error.name}: ${error.message}`);
   return error;
 }
 

@@ -439,5 +439,6 @@ test.each([
   expect(back.constructor).toBe(error.constructor);
   expect({ ...back, cause: String(back.cause) }).toEqual({ ...error, cause: String(error.cause) });
   expect(back.message).toBe(error.message);
+  expect(back.stack).toContain(error.message);
   expect(back.name).toBe(error.name);
 });
