@@ -1,4 +1,4 @@
-import { encodePly, type SplatSet } from '@websplatter/core';
+import { encodePly } from '@websplatter/core';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
@@ -33,9 +33,10 @@ const MEASURED = { state: 'attached', timeout: LONG_PATIENCE_MS } as const;
 const ROUNDING = 1;
 const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
 
-/** The test scene without its spherical harmonics. */
-function withoutHarmonics(set: SplatSet): SplatSet {
-  return { ...set, harmonics: { degree: 0, coefficients: new Float32Array(0) } };
+/** Draws with the highest cutoff, 0.1, that the slider has. */
+async function chooseHighestCutoff(page: Page): Promise<void> {
+  const slider = page.getByTestId('setting-alphaCutoff');
+  await slider.fill((await slider.getAttribute('max')) ?? '');
 }
 
 /** Does what changes the image, and captures the new one. */
@@ -145,11 +146,12 @@ describe('accuracy in the viewer', () => {
     expect(await page.getByTestId('preset-reference').getAttribute('aria-pressed')).toBe('true');
     await shotAfter(page, () => press(page, 'preset-balanced'));
     await page.waitForURL(/accuracy=balanced$/);
-    const flat = await shotAfter(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
+    const coarse = await shotAfter(page, () => chooseHighestCutoff(page));
     const drawn = await drawnCamera(page);
-    expect(psnrAgainstReference(flat, drawn, [withoutHarmonics(testScene())])).toBeGreaterThan(MIN_PSNR_DB);
-    expect(psnrAgainstReference(flat, drawn, [testScene()])).toBeLessThan(MIN_PSNR_DB);
-    await page.waitForURL(/accuracy=balanced,shDegree:0/);
+    const settings = { alphaCutoff: 0.1 };
+    expect(psnrAgainstReference(coarse, drawn, [testScene()], { settings })).toBeGreaterThan(MIN_PSNR_DB);
+    expect(psnrAgainstReference(coarse, drawn, [testScene()])).toBeLessThan(MIN_PSNR_DB);
+    await page.waitForURL(/accuracy=balanced,alphaCutoff:0\.1$/);
     expect(await textOf(page, 'accuracy-custom')).toContain('balanced');
 
     const full = await shotAfter(page, () => press(page, 'preset-balanced'));
@@ -203,9 +205,12 @@ describe('accuracy in the viewer', () => {
   });
 
   it('opens with the accuracy of the address, and says what it does not know', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=fast,shDegree:0,rasterizer:quads', SMALL);
+    const page = await openViewer(
+      '?scene=still-life-small&accuracy=fast,sortKeyBits:32,rasterizer:quads',
+      SMALL,
+    );
     await openTab(page, 'settings');
-    expect(await page.getByTestId('setting-shDegree').inputValue()).toBe('0');
+    expect(await page.getByTestId('setting-sortKeyBits').inputValue()).toBe('32');
     expect(await page.getByTestId('setting-colorTarget').inputValue()).toBe('rgba8unorm');
     expect(await page.getByTestId('setting-rasterizer').inputValue()).toBe('quads');
     await page.getByTestId('rasterizer').getByText('quads').waitFor(ATTACHED);
@@ -215,7 +220,7 @@ describe('accuracy in the viewer', () => {
   });
 
   it('splits the image between two settings, and maps the error of a coarse one, and none of reference', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=shDegree:0', SMALL);
+    const page = await openViewer('?scene=still-life-small&accuracy=alphaCutoff:0.1', SMALL);
     const left = await shotAfter(page, () => openTab(page, 'settings'));
     const right = await shotAfter(page, () => press(page, 'preset-balanced'));
     const part = (shot: Screenshot, side: 'left' | 'right') =>
@@ -227,11 +232,11 @@ describe('accuracy in the viewer', () => {
     await shotAfter(page, () => press(page, 'compare-split'));
     await shotAfter(page, () => page.getByTestId('side-right').selectOption('balanced'));
     await press(page, 'accuracy-tab-settings');
-    await shotAfter(page, () => page.getByTestId('setting-shDegree').selectOption('0'));
+    await shotAfter(page, () => chooseHighestCutoff(page));
     const split = await viewerScreenshot(page, WITHOUT_LINE);
     expect(changedPart(part(split, 'left'), part(left, 'left'), ROUNDING)).toBe(0);
     expect(changedPart(part(split, 'right'), part(right, 'right'), ROUNDING)).toBe(0);
-    expect(await textOf(page, 'split-label-left')).toMatch(/^A balanced, .* 0$/);
+    expect(await textOf(page, 'split-label-left')).toMatch(/^A balanced, .* 0\.1$/);
     expect(await textOf(page, 'split-label-right')).toBe('B balanced');
 
     const line = page.getByTestId('split-line');
@@ -269,7 +274,7 @@ describe('accuracy in the viewer', () => {
   it('measures a scene that is opened later for the target, and shows other tabs meanwhile', async () => {
     const page = await openHeld();
     await press(page, 'accuracy-tab-settings');
-    await page.getByTestId('setting-shDegree').waitFor(ATTACHED);
+    await page.getByTestId('setting-alphaCutoff').waitFor(ATTACHED);
     await press(page, 'accuracy-tab-measure');
     await openOwn(page);
     await send(page, 'release-measurement');
@@ -320,7 +325,7 @@ describe('accuracy in the viewer', () => {
     const before = await viewerScreenshot(page);
     const points = page.getByTestId('accuracy-point');
     const rows = page.getByTestId('point-table').locator('tbody tr');
-    const coarse = page.locator('[data-testid=accuracy-point][data-name="shDegree 0"]');
+    const coarse = page.locator('[data-testid=accuracy-point][data-name="resolutionScale 0.5"]');
     await press(page, 'measure');
     await page.locator('[data-testid=accuracy-point][data-name=paper]').waitFor(MEASURED);
     const presets = await points.count();
@@ -330,14 +335,14 @@ describe('accuracy in the viewer', () => {
     expect(await rows.count(), 'rows after a measurement that was called off').toBe(presets);
     await press(page, 'measure');
     await coarse.waitFor(MEASURED);
-    expect(await coarse.getAttribute('aria-label')).toMatch(/^Harmonics degree 0: \d/);
+    expect(await coarse.getAttribute('aria-label')).toMatch(/^Resolution 0\.5: \d/);
     expect(await rows.count()).toBe(await points.count());
 
     const clicked = await shotAfter(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
     expect(await coarse.getAttribute('aria-pressed')).toBe('true');
     expect(changedPart(before, clicked, 2)).toBeGreaterThan(0.01);
     // Another page shows the same, and its picture makes room for a panel, too.
-    const linked = await openViewer('?scene=still-life-small&accuracy=shDegree:0', TINY);
+    const linked = await openViewer('?scene=still-life-small&accuracy=resolutionScale:0.5', TINY);
     await openOwn(linked);
     await waitForScene(linked, 'own.ply');
     const shown = await shotAfter(linked, () => openTab(linked, 'settings'));

@@ -607,7 +607,7 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
     });
   expect(await held()).toBe('packed u8');
 
-  await show(page, { ...quiet, accuracy: { shDegree: 0, sortKeyBits: 16 } });
+  await show(page, { ...quiet, accuracy: { alphaCutoff: 0.1, sortKeyBits: 16 } });
   await expect.poll(async () => changedPart(balanced, await image(page))).toBeGreaterThan(0.1);
   await show(page, { ...quiet, accuracy: 'high' });
   await expect.poll(held).toBe('f32 f16');

@@ -1,6 +1,11 @@
 import { cameraFromMatrices, type Harmonics, type SplatSet } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
-import { compareImages, type ReferenceFunction, renderReference } from '@websplatter/core/reference';
+import {
+  compareImages,
+  type ReferenceFrame,
+  type ReferenceFunction,
+  renderReference,
+} from '@websplatter/core/reference';
 import type { Screenshot } from './screenshot.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
@@ -16,6 +21,7 @@ export interface ReferenceEffects {
   readonly effects?: readonly EffectUse[];
   /** References of the page's own effects. */
   readonly effectReferences?: Readonly<Record<string, ReferenceFunction>>;
+  readonly settings?: ReferenceFrame['settings'];
 }
 
 /**
@@ -26,7 +32,7 @@ export function referenceImage(
   drawn: DrawnCamera,
   sets: readonly SplatSet<Harmonics>[],
   { widthPx, heightPx }: Pick<Screenshot, 'widthPx' | 'heightPx'>,
-  { effects, effectReferences }: ReferenceEffects = {},
+  { effects, effectReferences, settings }: ReferenceEffects = {},
 ): (shot: Screenshot) => number {
   const { viewMatrix, projectionMatrix, near, far, modelMatrices, opacities, background } = drawn;
   const camera = cameraFromMatrices(viewMatrix, projectionMatrix, { near, far });
@@ -36,7 +42,7 @@ export function referenceImage(
     opacity: opacities?.[i],
     effects,
   }));
-  const reference = renderReference({ clouds, camera, widthPx, heightPx, effectReferences });
+  const reference = renderReference({ clouds, camera, widthPx, heightPx, effectReferences, settings });
   return ({ data }) => {
     const actual = Float64Array.from(data, (value) => value / 255);
     return compareImages(actual, reference.data, { widthPx, heightPx, background, quantize: 'png' }).psnrDb;
@@ -48,6 +54,7 @@ export function psnrAgainstReference(
   shot: Screenshot,
   drawn: DrawnCamera,
   sets: readonly SplatSet<Harmonics>[],
+  options?: ReferenceEffects,
 ): number {
-  return referenceImage(drawn, sets, shot)(shot);
+  return referenceImage(drawn, sets, shot, options)(shot);
 }

@@ -109,7 +109,7 @@ describe('the benchmark', () => {
     expect(await textOf(page, 'bench-failure')).toContain('size is 64; write width and height in pixels');
 
     const address =
-      '?bench&scene=hard:scale-unit&size=32x24&frames=3&accuracy=fast,shDegree:0,rasterizer:quads';
+      '?bench&scene=hard:scale-unit&size=32x24&frames=3&accuracy=fast,sortKeyBits:32,rasterizer:quads';
     await page.goto(`${harness.server.url}${address}`);
     await waitForState(page, 'done');
     expect(await textOf(page, 'bench-times')).toContain('Of 3 frames');
@@ -126,7 +126,7 @@ describe('the benchmark', () => {
     expect(JSON.parse(await copied())).toMatchObject({
       scene: { title: 'scale-unit', clouds: 1 },
       sweepDegrees: 15,
-      accuracy: { shDegree: 0, rasterizer: 'quads' },
+      accuracy: { sortKeyBits: 32, rasterizer: 'quads' },
       measurement: { widthPx: 32, heightPx: 24, frames: 3, wallClockMs: { median: expect.any(Number) } },
     });
     const saved = page.waitForEvent('download');

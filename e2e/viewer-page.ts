@@ -7,7 +7,7 @@ import type { ServedFiles } from './server.ts';
  * For pages whose picture is not what is tested, in an address: few pixels to draw, by few shaders. By tiles: quads take SwiftShader
  * half as much again for a frame of some thousand splats, however few its pixels are.
  */
-export const CHEAPLY = 'accuracy=fast,shDegree:0,resolutionScale:0.25,rasterizer:tiles';
+export const CHEAPLY = 'accuracy=fast,resolutionScale:0.25,rasterizer:tiles';
 /** Address of a small scene, drawn so. */
 export const CHEAP = `?scene=still-life-small&${CHEAPLY}`;
 /** A window for pictures that are compared: SwiftShader takes its time for every pixel. */

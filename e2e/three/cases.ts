@@ -716,7 +716,7 @@ export const cases = {
     );
     const otherErrors = errorsOf(other);
     scene.add(other);
-    cloud.accuracy = { shDegree: 0 };
+    cloud.accuracy = { sortKeyBits: 16 };
     other.accuracy = 'reference';
     await shot(stage);
     const together = await becomes('f32 f32');

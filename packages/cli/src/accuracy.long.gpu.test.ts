@@ -5,7 +5,7 @@ import { runMain, TestFolder } from './testing/test-folder.ts';
 
 const run = (folder: TestFolder, ...args: string[]) => {
   const common = ['accuracy', folder.scene(), '--camera', folder.camera(), '--size', '32x24'];
-  return runMain(...common, '--frames', '2', '--settings', 'shDegree', ...args);
+  return runMain(...common, '--frames', '2', '--settings', 'sortKeyBits', ...args);
 };
 
 gpuTest('accuracy prints a table', async () => {

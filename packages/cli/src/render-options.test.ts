@@ -30,7 +30,7 @@ test('settings change a preset, and a number may be a fraction', () => {
     '--set',
     'alphaCutoff=1/512',
     '--set',
-    'shDegree=1',
+    'sortKeyBits=16',
     '--set',
     'sort=x',
   ];
@@ -40,7 +40,7 @@ test('settings change a preset, and a number may be a fraction', () => {
   expect(parseRenderArguments([...MINIMUM, ...settings.slice(0, -2)]).accuracy).toEqual({
     ...ACCURACY_PRESETS.high,
     alphaCutoff: 1 / 512,
-    shDegree: 1,
+    sortKeyBits: 16,
   });
 });
 

@@ -9,7 +9,7 @@ const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs', 'wallClockMs
 export function timingsReport(options: RenderOptions, rendered: Rendered) {
   const { timings, splatsPerScene } = rendered;
   const { accuracy } = options;
-  const { alphaCutoff, shDegree, sortKeyBits, extent, culling, resolutionScale } = accuracy;
+  const { alphaCutoff, sortKeyBits, extent, culling, resolutionScale } = accuracy;
   return {
     source: timings[0]?.source ?? null,
     /** Milliseconds; null for a stage that was not measured by itself. */
@@ -28,7 +28,7 @@ export function timingsReport(options: RenderOptions, rendered: Rendered) {
     adapter: rendered.label,
     accuracy:
       options.renderer === 'reference'
-        ? { alphaCutoff, shDegree, sortKeyBits, extent, culling, resolutionScale }
+        ? { alphaCutoff, sortKeyBits, extent, culling, resolutionScale }
         : { label: options.accuracyLabel, ...accuracy },
     notices: rendered.notices,
     commit: currentCommit(),

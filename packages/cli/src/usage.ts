@@ -45,7 +45,7 @@ websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   --svg chart.svg        writes a chart of error over time, with the front marked
   --base balanced        the preset from which settings are changed, one at a time
   --sort-by auto         as for render
-  --settings a,b         only these settings, e.g. shDegree,colorTarget; default all
+  --settings a,b         only these settings, e.g. alphaCutoff,colorTarget; default all
   --frames 15            measured frames per setting
 
 websplatter bench SCENE|--synthetic N [options]

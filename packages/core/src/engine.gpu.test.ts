@@ -651,7 +651,7 @@ describe('an engine', () => {
       const own = await draw(view, frame);
       const coarse = {
         rasterizer: 'tiles',
-        shDegree: 0,
+        sortKeyBits: 16,
         alphaCutoff: 0.05,
         colorTarget: 'rgba8unorm',
       } as const;
@@ -662,8 +662,8 @@ describe('an engine', () => {
       expect(view.render({ ...frame, accuracy: { ...coarse } })).toBe(false);
       expectSameImage(await draw(view, frame), own);
 
-      expect(() => engine.setAccuracy({ ...coarse, shDegree: 7 as never })).toThrow(InvalidArgumentError);
-      expect(engine.accuracy.shDegree).toBe(3);
+      expect(() => engine.setAccuracy({ ...coarse, sortKeyBits: 7 as never })).toThrow(InvalidArgumentError);
+      expect(engine.accuracy.sortKeyBits).toBe(32);
       expect(view.render(frame)).toBe(false);
       engine.setAccuracy(coarse);
       expect(engine.accuracy).toMatchObject(coarse);

@@ -66,7 +66,7 @@ const NAMELESS = ['options', 'accuracy'];
 const MATRICES = ['viewMatrix', 'projectionMatrix'];
 
 const CALLS: Record<string, Call> = {
-  resolveAccuracy: { good: [{ preset: 'high', shDegree: 2, alphaCutoff: 0.01 }], call: resolveAccuracy },
+  resolveAccuracy: { good: [{ preset: 'high', sortKeyBits: 24, alphaCutoff: 0.01 }], call: resolveAccuracy },
   internAccuracy: { good: [{ preset: 'fast', resolutionScale: 0.5 }], call: internAccuracy },
   internTarget: { good: [{ minPsnrDb: 40 }], call: (request) => internTarget(request)?.toString() },
   perspectiveCamera: { good: [{ ...CAMERA, fovYDegrees: 60 }], call: perspectiveCamera, others: MATRICES },

@@ -8,7 +8,7 @@ describe('accuracy in the address', () => {
     ['fast', 'fast'],
     ['balanced', null],
     [{ preset: 'high', alphaCutoff: 0.02 }, 'high,alphaCutoff:0.02'],
-    [{ shDegree: 1, shPrecision: 'u8' }, 'balanced,shDegree:1'],
+    [{ sortKeyBits: 16, shPrecision: 'u8' }, 'balanced,sortKeyBits:16'],
   ] as const)('writes %o as %s and reads it back', (accuracy, text) => {
     const settings = resolveAccuracy(accuracy);
     expect(encodeAccuracy(settings)).toBe(text);
@@ -32,10 +32,10 @@ describe('accuracy in the address', () => {
   });
 
   it('takes changes of the default without its name', () => {
-    expect(decodeAccuracy('shDegree:0')).toMatchObject({ shDegree: 0 });
+    expect(decodeAccuracy('sortKeyBits:16')).toMatchObject({ sortKeyBits: 16 });
   });
 
-  it.each(['best', 'fast,nonsense:1', 'fast,shDegree:9', 'fast,shDegree', 'fast,shDegree:', ''])(
+  it.each(['best', 'fast,nonsense:1', 'fast,sortKeyBits:9', 'fast,sortKeyBits', 'fast,sortKeyBits:', ''])(
     'refuses %j with what would do',
     (text) => expect(() => decodeAccuracy(text)).toThrow(/there are|must be|must lie/),
   );

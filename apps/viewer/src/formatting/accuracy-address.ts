@@ -10,7 +10,7 @@ import {
 import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
 
 /**
- * For the address, `fast,shDegree:1` or `minPsnrDb:45`; null for the device's default, which needs no mention.
+ * For the address, `fast,sortKeyBits:32` or `minPsnrDb:45`; null for the device's default, which needs no mention.
  *
  * @param unmentioned that default; null where other devices have to understand the address, which mentions all.
  */
@@ -32,7 +32,7 @@ export function encodeAccuracy(
 export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyTarget {
   if (text === null) return resolveAccuracy();
   const parts = text.split(',').map((part) => part.trim());
-  // A first part with a colon is a change already: `shDegree:1` alone is a change of the default.
+  // A first part with a colon is a change already: `sortKeyBits:16` alone is a change of the default.
   const preset = parts[0].includes(':') ? DEFAULT_ACCURACY : parts.shift();
   const changes = parts.map((part) => {
     const [name, value = ''] = part.split(':');

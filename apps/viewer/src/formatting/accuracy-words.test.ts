@@ -16,9 +16,9 @@ describe('accuracy in words', () => {
   });
 
   it('names what differs from the nearest preset', () => {
-    const settings = resolveAccuracy({ preset: 'high', shDegree: 1 });
-    expect(nearestPreset(settings)).toEqual({ preset: 'high', changed: ['shDegree'] });
-    expect(describeAccuracy(settings)).toMatch(/^high, .* 1$/);
+    const settings = resolveAccuracy({ preset: 'high', sortKeyBits: 16 });
+    expect(nearestPreset(settings)).toEqual({ preset: 'high', changed: ['sortKeyBits'] });
+    expect(describeAccuracy(settings)).toMatch(/^high, .* 16 bits$/);
   });
 
   it.each([
@@ -31,7 +31,7 @@ describe('accuracy in words', () => {
 
   it.each([
     ['sortKeyBits', 16, '16 bits'],
-    ['shDegree', 2, '2'],
+    ['resolutionScale', 0.5, '0.5'],
     ['alphaCutoff', 1 / 128, '1/128'],
     ['geometryPrecision', 'f32', '32-bit floats'],
     ['culling', 'frustum', 'by chunk only'],
@@ -43,14 +43,18 @@ describe('accuracy in words', () => {
   it('calls what was measured by plain names', () => {
     const fast = ACCURACY_PRESETS.fast;
     expect(describeMeasured({ name: 'fast', settings: fast, changed: ['sortKeyBits'] })).toBe('fast');
-    const changed = ['shDegree', 'sortKeyBits'] as const;
-    const settings = resolveAccuracy({ shDegree: 1, sortKeyBits: 20 });
-    expect(describeMeasured({ name: 'shDegree 1, sortKeyBits 20', settings, changed })).toBe(
-      'Harmonics degree 1, Sort keys 20 bits',
+    const changed = ['sortKeyBits', 'culling'] as const;
+    const settings = resolveAccuracy({ sortKeyBits: 16, culling: 'frustum' });
+    expect(describeMeasured({ name: 'sortKeyBits 16, culling frustum', settings, changed })).toBe(
+      'Sort keys 16 bits, Culling by chunk only',
     );
     expect(
-      inPlainWords('“shDegree 1” is the fastest.', { name: 'shDegree 1', settings, changed: ['shDegree'] }),
-    ).toBe('“Harmonics degree 1” is the fastest.');
+      inPlainWords('“sortKeyBits 16” is the fastest.', {
+        name: 'sortKeyBits 16',
+        settings,
+        changed: ['sortKeyBits'],
+      }),
+    ).toBe('“Sort keys 16 bits” is the fastest.');
     const ablation = resolveAccuracy({ preset: 'paper', culling: 'frustum' });
     expect(describeMeasured({ name: 'paper −CULL', settings: ablation, changed: ['culling'] })).toBe(
       'paper, Culling by chunk only',

@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { decodeComparison, encodeComparison } from './comparison-text.ts';
 
 const balanced = resolveAccuracy('balanced');
-const flat = resolveAccuracy({ preset: 'fast', shDegree: 0 });
+const coarse = resolveAccuracy({ preset: 'fast', resolutionScale: 0.5 });
 
 describe('a comparison in the address', () => {
   it.each([
@@ -13,8 +13,8 @@ describe('a comparison in the address', () => {
       { comparison: { kind: 'split', left: 'current', right: balanced }, splitPart: 0.25 },
     ],
     [
-      'fast,shDegree:0/current/1',
-      { comparison: { kind: 'split', left: flat, right: 'current' }, splitPart: 1 },
+      'fast,resolutionScale:0.5/current/1',
+      { comparison: { kind: 'split', left: coarse, right: 'current' }, splitPart: 1 },
     ],
   ] as const)('is %s, and comes back', (text, linked) => {
     expect(encodeComparison(linked)).toBe(text);

@@ -46,7 +46,7 @@ describe('the address of the page', () => {
   });
 
   it('names an accuracy and a comparison', () => {
-    const accuracy = resolveAccuracy({ preset: 'high', shDegree: 0 });
+    const accuracy = resolveAccuracy({ preset: 'high', sortKeyBits: 16 });
     const comparison = {
       comparison: { kind: 'split', left: 'current', right: accuracy },
       splitPart: 0.25,
@@ -57,7 +57,7 @@ describe('the address of the page', () => {
         accuracy,
         comparison,
       }),
-    ).toBe('/?scene=hard:a,b&accuracy=high,shDegree:0&compare=current/high,shDegree:0/0.25#top');
+    ).toBe('/?scene=hard:a,b&accuracy=high,sortKeyBits:16&compare=current/high,sortKeyBits:16/0.25#top');
     expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
   });
 

@@ -23,14 +23,14 @@ describe('chart of accuracy', () => {
   const points = [
     point('reference', Number.POSITIVE_INFINITY, 4, true),
     point('balanced', 50, 2, true),
-    point('shDegree 0', 30, 3),
+    point('alphaCutoff 1/64', 30, 3),
   ];
 
   it('orders points by time and knows their places in the table', () => {
     const { placed } = chartLayout(points);
     expect(placed.map(({ name, index }) => [name, index])).toEqual([
       ['balanced', 1],
-      ['shDegree 0', 2],
+      ['alphaCutoff 1/64', 2],
       ['reference', 0],
     ]);
   });
@@ -86,7 +86,7 @@ describe('chart of accuracy', () => {
   it('names presets first', () => {
     const { placed } = chartLayout(points);
     const byImportance = [...placed].sort((a, b) => b.importance - a.importance);
-    expect(byImportance.map(({ name }) => name).at(-1)).toBe('shDegree 0');
+    expect(byImportance.map(({ name }) => name).at(-1)).toBe('alphaCutoff 1/64');
   });
 
   it('writes decibels', () => {

@@ -29,7 +29,7 @@ export interface PictureFacts {
   /** sRGB, 0…1. */
   readonly background: Vec3;
   readonly subject: DepthSubject;
-  readonly accuracy: Pick<AccuracySettings, 'alphaCutoff' | 'recordPrecision' | 'shDegree'>;
+  readonly accuracy: Pick<AccuracySettings, 'alphaCutoff' | 'recordPrecision'>;
   /** Degree of the scene's harmonics. */
   readonly shDegree: number;
 }
@@ -118,10 +118,9 @@ export const VIEW_MODES: readonly ViewMode[] = [
       ...VALUE_RAMP,
       ticks: evenTicks((part) => (part < 1 ? String(part * MOST_STEPS) : `≥ ${MOST_STEPS}`)),
     }),
-    caution({ accuracy, shDegree }) {
-      const highest = Math.min(accuracy.shDegree, shDegree);
-      if (highest === 0) return 'No harmonics above degree 0 are drawn: no colour depends on the view.';
-      return `Harmonics of degree ${highest > 1 ? `1 to ${highest}` : '1'} are drawn.`;
+    caution({ shDegree }) {
+      if (shDegree === 0) return 'No harmonics above degree 0 are drawn: no colour depends on the view.';
+      return `Harmonics of degree ${shDegree > 1 ? `1 to ${shDegree}` : '1'} are drawn.`;
     },
   },
   {

@@ -4,7 +4,7 @@ import { type AccuracyRequest, checkAccuracy, internTarget, isAccuracyTarget } f
 
 test('distinguishes targets from settings', () => {
   for (const target of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }]) expect(isAccuracyTarget(target)).toBe(true);
-  for (const settings of ['fast', {}, { preset: 'high', shDegree: 1 }] as AccuracyRequest[]) {
+  for (const settings of ['fast', {}, { preset: 'high', sortKeyBits: 16 }] as AccuracyRequest[]) {
     expect(isAccuracyTarget(settings)).toBe(false);
     expect(internTarget(settings)).toBeNull();
   }
@@ -32,7 +32,7 @@ test('rejects values that are not positive, finite numbers, and settings next to
 });
 
 test('checks requests: returns settings, null for a target, and names the accuracy and what was found in it', () => {
-  expect(checkAccuracy({ preset: 'fast', shDegree: 1 })).toMatchObject({ shDegree: 1 });
+  expect(checkAccuracy({ preset: 'fast', sortKeyBits: 32 })).toMatchObject({ sortKeyBits: 32 });
   expect(checkAccuracy({ maxFrameMs: 8 })).toBeNull();
   const both = { minPsnrDb: 45, maxFrameMs: 8 };
   // @ts-expect-error: the types refuse it, too.

@@ -31,9 +31,9 @@ describe('accuracy', () => {
   });
 
   test('single settings change a preset', () => {
-    expect(resolveAccuracy({ preset: 'high', shDegree: 1 })).toEqual({
+    expect(resolveAccuracy({ preset: 'high', sortKeyBits: 16 })).toEqual({
       ...ACCURACY_PRESETS.high,
-      shDegree: 1,
+      sortKeyBits: 16,
     });
     expect(resolveAccuracy({ alphaCutoff: 0.05 })).toEqual({
       ...ACCURACY_PRESETS.balanced,
@@ -53,8 +53,8 @@ describe('accuracy', () => {
     expect(internAccuracy()).toBe(internAccuracy('balanced'));
     const reordered = Object.fromEntries(Object.entries(balanced).reverse());
     expect(internAccuracy(reordered)).toBe(internAccuracy());
-    expect(internAccuracy({ shDegree: 1 })).toBe(internAccuracy({ preset: 'balanced', shDegree: 1 }));
-    expect(internAccuracy({ shDegree: 1 })).not.toBe(internAccuracy());
+    expect(internAccuracy({ sortKeyBits: 16 })).toBe(internAccuracy({ preset: 'balanced', sortKeyBits: 16 }));
+    expect(internAccuracy({ sortKeyBits: 16 })).not.toBe(internAccuracy());
     const settings = internAccuracy({ preset: 'high', sortKeyBits: 20 });
     expect(internAccuracy(settings)).toBe(settings);
     expect(Object.isFrozen(settings)).toBe(true);
@@ -78,13 +78,12 @@ describe('accuracy', () => {
     expect(refusal('best')[1]).toMatch(/"best".*reference, high, balanced/);
     expect(refusal('toString')[0]).toBe('accuracy');
     expect(refusal({ preset: 'hasOwnProperty' })[0]).toBe('accuracy');
-    expect(refusal({ sharpness: 3 })).toEqual(['sharpness', expect.stringContaining('shDegree')]);
+    expect(refusal({ sharpness: 3 })).toEqual(['sharpness', expect.stringContaining('sortKeyBits')]);
     expect(refusal({ constructor: 1 })[0]).toBe('constructor');
     for (const wrong of [3, null, true, [], () => 'high']) expect(refusal(wrong)[0]).toBe('accuracy');
   });
 
   test('invalid values are rejected, with the valid ones', () => {
-    expect(refusal({ shDegree: 4 })).toEqual(['shDegree', expect.stringMatching(/4.*3, 2, 1, 0/)]);
     expect(refusal({ shPrecision: 'f64' })[0]).toBe('shPrecision');
     expect(refusal({ colorTarget: undefined })[0]).toBe('colorTarget');
     expect(refusal({ sortKeyBits: 18 })).toEqual(['sortKeyBits', expect.stringContaining('32, 24, 20, 16')]);

@@ -8,7 +8,6 @@ import {
   type ShPrecision,
 } from '../packing/precision.ts';
 import { shown } from '../printable.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
 
 /**
  * Precision of a record. `f32` and `f16`: axes in float32, colour and opacity in float32 or float16, 48 or 32 bytes. `paper`:
@@ -42,8 +41,6 @@ export type FrameRasterizer = 'tiles' | 'quads';
 export interface AccuracySettings {
   readonly geometryPrecision: GeometryPrecision;
   readonly shPrecision: ShPrecision;
-  /** Highest degree of spherical harmonics to evaluate. */
-  readonly shDegree: ShDegree;
   readonly sortKeyBits: SortKeyBits;
   /** Opacity below which a splat, or a fragment of one, is not drawn. */
   readonly alphaCutoff: number;
@@ -103,15 +100,6 @@ export const ACCURACY_SETTINGS: {
     stage: 'load',
     change: 'plane',
     source: 'u8: one byte per coefficient, scaled per splat by the largest one; palette: two bytes per splat',
-  },
-  shDegree: {
-    label: 'Harmonics degree',
-    about: 'Degree up to which colours depend on the view; at 0 they do not.',
-    unit: 'degree',
-    values: [3, 2, 1, 0],
-    stage: 'pre-process',
-    change: 'shader',
-    source: 'scenes are trained up to degree 3',
   },
   sortKeyBits: {
     label: 'Sort keys',
@@ -196,7 +184,6 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   reference: {
     geometryPrecision: 'f32',
     shPrecision: 'f32',
-    shDegree: 3,
     sortKeyBits: 32,
     alphaCutoff: 1 / 255,
     extent: 'opacity',
@@ -209,7 +196,6 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   high: {
     geometryPrecision: 'f32',
     shPrecision: 'f16',
-    shDegree: 3,
     sortKeyBits: 32,
     alphaCutoff: 1 / 255,
     extent: 'opacity',
@@ -222,7 +208,6 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   balanced: {
     geometryPrecision: 'packed',
     shPrecision: 'u8',
-    shDegree: 3,
     sortKeyBits: 32,
     alphaCutoff: 1 / 255,
     extent: 'opacity',
@@ -234,13 +219,11 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   },
   /**
    * The largest measured savings for the least visible error (docs/accuracy.md): half the bytes of every blended layer,
-   * smaller quads, and keys so short that most splats are drawn in storage order. Harmonics keep their degree: a lower one
-   * saves next to nothing and shows more than all of these.
+   * smaller quads, and keys so short that most splats are drawn in storage order.
    */
   fast: {
     geometryPrecision: 'packed',
     shPrecision: 'u8',
-    shDegree: 3,
     sortKeyBits: 16,
     alphaCutoff: 1 / 128,
     extent: 'opacity',
@@ -257,7 +240,6 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   paper: {
     geometryPrecision: 'f32',
     shPrecision: 'f32',
-    shDegree: 3,
     sortKeyBits: 32,
     alphaCutoff: 1 / 255,
     extent: 'opacity',

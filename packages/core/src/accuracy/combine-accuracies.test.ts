@@ -20,7 +20,8 @@ describe('the accuracy of a frame', () => {
       sortKeyBits: 32,
       alphaCutoff: 1 / 255,
     });
-    expect(combineAccuracies([{ resolutionScale: 0.5 }, { resolutionScale: 0.75, shDegree: 0 }])).toEqual({
+    const finer = { resolutionScale: 0.75, sortKeyBits: 16 } as const;
+    expect(combineAccuracies([{ resolutionScale: 0.5 }, finer])).toEqual({
       ...ACCURACY_PRESETS.balanced,
       resolutionScale: 0.75,
     });

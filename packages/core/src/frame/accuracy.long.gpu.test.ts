@@ -6,7 +6,7 @@ import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { rasterizeSplat } from '../reference/rasterize.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { visibleSplatOf } from '../testing/visible-splat.ts';
@@ -34,10 +34,18 @@ afterAll(() => {
 const NO_REST = splatsOf([]).harmonics;
 const SCENE = randomSplats({ count: 1500, seed: 40, logScales: [-4.5, -1.5] });
 
-async function drawWith(settings: Partial<AccuracySettings>, set = SCENE, camera = CAMERA) {
+type Change = Partial<AccuracySettings> & { readonly shDegree?: ShDegree };
+
+async function drawWith(
+  settings: Partial<AccuracySettings>,
+  set = SCENE,
+  camera = CAMERA,
+  shDegree?: ShDegree,
+) {
   const cloud = engine.add(set);
   try {
-    view.render({ camera, clouds: [{ cloud }], ...SIZE, accuracy: { preset: 'reference', ...settings } });
+    const accuracy = { preset: 'reference', ...settings } as const;
+    view.render({ camera, clouds: [{ cloud, shDegree }], ...SIZE, accuracy });
     return (await view.readPixels()).data;
   } finally {
     cloud.destroy();
@@ -171,13 +179,13 @@ describe('accuracy settings', () => {
     expect(engine.memory().totalBytes).toBeLessThan(before);
   });
 
-  gpuTest('settings that only change a number or a shader need no other buffers', async () => {
+  gpuTest('settings and degrees that only change a number or a shader need no other buffers', async () => {
     const cloud = engine.add(SCENE);
     const own = engine.createView();
-    const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
+    const frame = { camera: CAMERA, ...SIZE };
     // The room for pairs of tiles follows what was drawn.
     const QUADS = { rasterizer: 'quads' } as const;
-    const buffersMadeFor = async (settings: Partial<AccuracySettings>) => {
+    const buffersMadeFor = async ({ shDegree, ...settings }: Change) => {
       const { createBuffer } = device;
       const made: string[] = [];
       device.createBuffer = (descriptor) => {
@@ -185,7 +193,8 @@ describe('accuracy settings', () => {
         return createBuffer.call(device, descriptor);
       };
       try {
-        own.render({ ...frame, accuracy: { preset: 'reference', ...QUADS, ...settings } });
+        const accuracy = { preset: 'reference', ...QUADS, ...settings } as const;
+        own.render({ ...frame, clouds: [{ cloud, shDegree }], accuracy });
         await own.whenDrawn();
       } finally {
         device.createBuffer = createBuffer;
@@ -193,23 +202,20 @@ describe('accuracy settings', () => {
       return made;
     };
     expect(await buffersMadeFor({})).toContain('frame records');
-    for (const settings of [
+    for (const change of [
       { alphaCutoff: 0.02 },
       { shDegree: 0 },
       { shDegree: 2 },
       { extent: 'fixed' },
       { culling: 'frustum' },
       { colorTarget: 'rgba8unorm' },
-    ] as const) {
-      expect(await buffersMadeFor(settings), JSON.stringify(settings)).toEqual([]);
+    ] as Change[]) {
+      expect(await buffersMadeFor(change), JSON.stringify(change)).toEqual([]);
+      const { shDegree, ...settings } = change;
+      const { buffer } = await drawWith({ ...QUADS, ...settings }, SCENE, CAMERA, shDegree);
       const { data } = await own.readPixels();
       // The image equals that of a view that has never drawn anything else.
-      expect(
-        Buffer.compare(
-          Buffer.from(data.buffer),
-          Buffer.from((await drawWith({ ...QUADS, ...settings })).buffer),
-        ),
-      ).toBe(0);
+      expect(Buffer.compare(Buffer.from(data.buffer), Buffer.from(buffer))).toBe(0);
     }
     expect(await buffersMadeFor({ recordPrecision: 'paper' })).toContain('frame records');
     own.destroy();

@@ -118,7 +118,7 @@ export function cloudShape(
     cloud,
     planes: cloud.pagesFor(accuracy),
     effects,
-    shDegree: Math.min(accuracy.shDegree, shDegree, cloud.shDegree) as ShDegree,
+    shDegree: Math.min(shDegree, cloud.shDegree) as ShDegree,
     isIsotropic: mayBeIsotropic && isIsotropic(cloud.facts, effects),
   };
 }

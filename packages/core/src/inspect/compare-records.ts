@@ -4,7 +4,7 @@ import { readCoefficients } from '../packing/harmonics.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
-import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat } from '../splats/splat-set.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
 import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
@@ -171,19 +171,17 @@ function compareShape(
 function compareColor(
   frame: InspectedFrame,
   record: DecodedRecord,
-  { stored, view, effects }: InspectedCloud,
+  { stored, view, effects, shDegree }: InspectedCloud,
   index: number,
   reference: CulledSplat,
   { direction }: ProjectionErrors,
   rounding: RecordRounding,
   add: Add,
 ): void {
-  const { shDegree } = frame.accuracy;
   const rest = new Float64Array(coefficientsPerSplat(3));
   readCoefficients(stored.harmonics, index, rest);
-  const degree = Math.min(stored.harmonics.degree, shDegree) as ShDegree;
   const energy = rest
-    .subarray(0, coefficientsPerSplat(degree))
+    .subarray(0, coefficientsPerSplat(shDegree))
     .reduce((sum, value) => sum + Math.abs(value), 0);
   const dc = Math.max(...stored.colorDc.subarray(3 * index, 3 * index + 3).map(Math.abs));
   const bound = 24 * u * (0.5 + dc + 2.9 * energy) + 12 * direction * energy;

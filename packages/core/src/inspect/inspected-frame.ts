@@ -26,7 +26,7 @@ import type { EffectReference } from '../reference/effects/effect-reference.ts';
 import { referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import type { SortBy } from '../splats/sort-by.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { GpuTimer } from '../timing/gpu-timer.ts';
 
 export interface InspectOptions {
@@ -35,6 +35,8 @@ export interface InspectOptions {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
+    /** As in a frame request. */
+    readonly shDegree?: ShDegree;
     /** As in a frame request; only effects of core. */
     readonly effects?: readonly EffectUse[];
     /** Largest number of splats per page of the cloud, a multiple of CHUNK_SPLATS; default: as many as fit a binding. */
@@ -64,6 +66,8 @@ export interface InspectedCloud {
   readonly packed: PackedCloud;
   readonly view: CloudView;
   readonly effects: readonly EffectReference[];
+  /** Degree of harmonics that is evaluated. */
+  readonly shDegree: ShDegree;
   readonly planes: readonly FrustumSide[];
 }
 
@@ -102,13 +106,11 @@ export class InspectedFrame {
     const pipelines = options.pipelines ?? pipelinesOf(device);
     const sets = options.clouds.map(({ set }) => dropNonFinite(set));
     const packed = sets.map((set) => packCloud(set, accuracy));
-    const instances = options.clouds.map(({ modelMatrix, opacity, effects, splatsPerPage }, i) => ({
+    const instances = options.clouds.map(({ set: _, splatsPerPage, ...placed }, i) => ({
       cloud: SplatCloud.upload(memory, limitsFor(device, packed[i], splatsPerPage), packed[i], {
         name: `cloud ${i}`,
       }),
-      modelMatrix,
-      opacity,
-      effects,
+      ...placed,
     }));
     const asked = planFrame(
       { camera, clouds: instances, sortBy, widthPx, heightPx },
@@ -168,6 +170,7 @@ export class InspectedFrame {
           origin: stored.origin,
           viewMatrix: camera.viewMatrix,
         }),
+        shDegree: plan.shape.clouds[i].shDegree,
         planes: frustumSides(view, projection, accuracy.alphaCutoff, DILATION_PX2),
       };
     });

@@ -79,7 +79,7 @@ export function combined(base: AccuracySettings, changes: Partial<AccuracySettin
   return candidate(base, internAccuracy({ ...base, ...changes }));
 }
 
-/** Describes a setting for people: `shDegree 2`, `alphaCutoff 1/128`. */
+/** Describes a setting for people: `sortKeyBits 16`, `alphaCutoff 1/128`. */
 function describeSetting(settings: AccuracySettings, name: SettingName): string {
   const value = settings[name];
   const isFraction = name === 'alphaCutoff' && typeof value === 'number';

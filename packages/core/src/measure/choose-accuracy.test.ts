@@ -99,7 +99,7 @@ describe('candidates', () => {
     const names = candidates.map(({ name }) => name);
     expect(names.slice(0, 5)).toEqual(['balanced', 'reference', 'high', 'fast', 'paper']);
     expect(names).toEqual(
-      expect.arrayContaining(['paper −CULL', 'paper −RADIUS', 'shDegree 2', 'alphaCutoff 1/128']),
+      expect.arrayContaining(['paper −CULL', 'paper −RADIUS', 'sortKeyBits 16', 'alphaCutoff 1/128']),
     );
     expect(new Set(candidates.map(({ settings }) => settings)).size).toBe(candidates.length);
     expect(candidates[0].changed).toEqual([]);
@@ -113,14 +113,14 @@ describe('candidates', () => {
     });
     const combinations = combineChanges(named('balanced', 50, 10), [
       named('colorTarget rgba8unorm', 45, 6),
-      named('shDegree 2', 48, 9),
-      named('shDegree 1', 40, 8.5),
+      named('alphaCutoff 1/128', 48, 9),
+      named('alphaCutoff 1/64', 40, 8.5),
       named('sortKeyBits 16', 50, 9),
-      named('alphaCutoff 1/64', 30, 9.9),
+      named('recordPrecision paper', 30, 9.9),
     ]);
     expect(combinations).toEqual([
       { sortKeyBits: 16, colorTarget: 'rgba8unorm' },
-      { sortKeyBits: 16, colorTarget: 'rgba8unorm', shDegree: 2 },
+      { sortKeyBits: 16, colorTarget: 'rgba8unorm', alphaCutoff: 1 / 128 },
     ]);
   });
 });

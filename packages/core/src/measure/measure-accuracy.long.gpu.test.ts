@@ -54,7 +54,7 @@ describe('measureAccuracy', () => {
       ...common,
       frames: 1,
       combinations: false,
-      settings: ['shDegree'],
+      settings: ['alphaCutoff'],
     });
     const views = [engine.createView(), engine.createView()] as const;
     const draw = async (view: (typeof views)[number], accuracy: AccuracySettings) => {
@@ -165,7 +165,7 @@ describe('measureAccuracy', () => {
     const before = engine.memory().totalBytes;
     const progress: MeasureProgress[] = [];
     const { accuracy } = engine;
-    const options = { ...common, frames: 2, settings: ['shDegree', 'alphaCutoff'] };
+    const options = { ...common, frames: 2, settings: ['sortKeyBits', 'alphaCutoff'] };
     const table = await measureAccuracy(engine, { ...options, onProgress: (each) => progress.push(each) });
     expect(progress[0].total).toBe(countMeasureSteps(options));
     expect(engine.memory().totalBytes).toBe(before);
@@ -232,7 +232,7 @@ describe('measureAccuracy', () => {
 describe('chooseAccuracy', () => {
   gpuTest('chooses settings whose measured error meets the target, from every side', async () => {
     const cameras = sampleCameras(common.cameras[0], clouds[0].cloud.robustBounds, 2);
-    const options = { ...common, cameras, frames: 1, settings: ['shDegree'], combinations: false };
+    const options = { ...common, cameras, frames: 1, settings: ['alphaCutoff'], combinations: false };
     const choice = await chooseAccuracy(engine, { minPsnrDb: 40 }, options);
     expect(choice.isMet).toBe(true);
     expect(choice.why).toContain('reach 40 dB');

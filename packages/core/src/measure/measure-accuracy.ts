@@ -296,10 +296,6 @@ class Measurement {
     const possible = this.#engine.resolveAccuracy(settings);
     const isSingle = changed.length === 1;
     if (isSingle && possible.settings !== settings) return leaveOut(possible.notices.join(' '));
-    const degree = Math.max(0, ...this.#options.clouds.map(({ cloud }) => cloud.shDegree));
-    if (isSingle && changed[0] === 'shDegree' && settings.shDegree > degree) {
-      return leaveOut(`the clouds have spherical harmonics up to degree ${degree}.`);
-    }
     if (isSingle && ACCURACY_SETTINGS[changed[0]].change === 'plane') {
       const [note] = this.#planeNotes(settings);
       if (note !== undefined) return leaveOut(note);

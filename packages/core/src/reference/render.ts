@@ -44,10 +44,7 @@ export interface ReferenceFrame {
   readonly hostDepths?: ArrayLike<number>;
   /** Default: those of the preset `reference`. There are no precisions: everything is float64. */
   readonly settings?: Partial<
-    Pick<
-      AccuracySettings,
-      'alphaCutoff' | 'shDegree' | 'sortKeyBits' | 'extent' | 'culling' | 'resolutionScale'
-    >
+    Pick<AccuracySettings, 'alphaCutoff' | 'sortKeyBits' | 'extent' | 'culling' | 'resolutionScale'>
   > & {
     /** Default 0.3 px². */
     readonly dilationPx2?: number;
@@ -114,8 +111,7 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
   const isByDistance = !projection.isOrthographic && asksForDistance({ sortBy, clouds: files });
   const drawn: DrawnSplat[] = [];
   for (const instance of frame.clouds) {
-    const { set, modelMatrix = identity4() } = instance;
-    const shDegree = Math.min(settings.shDegree, instance.shDegree ?? 3) as ShDegree;
+    const { set, modelMatrix = identity4(), shDegree = 3 } = instance;
     const finite = dropNonFinite(set);
     const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
     const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);

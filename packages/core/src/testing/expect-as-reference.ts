@@ -26,13 +26,13 @@ export async function expectAsReference(
 }
 
 async function compare(frame: InspectedFrame, tolerance: number): Promise<number[]> {
-  const { alphaCutoff, shDegree } = frame.accuracy;
+  const { alphaCutoff } = frame.accuracy;
   const records = new Map<string, DecodedRecord>();
   for (const record of await readRecords(frame)) {
     const { cloud, index } = frame.locate(record.splat);
     records.set(`${frame.clouds.indexOf(cloud)} ${index}`, record);
   }
-  return frame.clouds.map(({ stored, view, effects }, cloudIndex) => {
+  return frame.clouds.map(({ stored, view, effects, shDegree }, cloudIndex) => {
     let count = 0;
     for (let index = 0; index < stored.count; index++) {
       const name = `splat ${index} of cloud ${cloudIndex}`;

@@ -123,7 +123,6 @@ export function randomAccuracy(chance: Chance): Accuracy {
     ...(chance.happens(0.2) && { resolutionScale: chance.of([0.5, 0.75, 1]) }),
     ...(chance.happens(0.2) && { extent: chance.of(['opacity', 'fixed'] as const) }),
     ...(chance.happens(0.2) && { alphaCutoff: chance.of([1 / 1024, 1 / 255, 0.05]) }),
-    ...(chance.happens(0.2) && { shDegree: chance.of(DEGREES) }),
   };
 }
 

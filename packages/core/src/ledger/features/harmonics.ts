@@ -28,7 +28,7 @@ function limitOf({ cloud: { instance }, shape }: DrawnCloud): string {
   const { declaredShDegree, trueShDegree } = instance.cloud.facts;
   const degree = shape.shDegree;
   if (degree < trueShDegree)
-    return `${instance.shDegree === degree ? 'it is asked for with' : 'the accuracy has'} degree ${degree} of the file’s ${declaredShDegree}`;
+    return `it ${instance.shDegree === degree ? 'is asked for' : 'was loaded'} with degree ${degree} of the file’s ${declaredShDegree}`;
   return trueShDegree < declaredShDegree
     ? `of the file’s degree ${declaredShDegree} nothing above ${trueShDegree} could be seen`
     : `the file has degree ${declaredShDegree}`;
