@@ -3,15 +3,15 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { describe, expect, it } from 'vitest';
 import { FIRST_ORDER, orderAfter, sortedPoints } from './sorted-points.ts';
 
-function point(bits: 32 | 24 | 20 | 16, psnrDb: number, median: number): AccuracyPoint {
-  const settings = resolveAccuracy({ sortKeyBits: bits });
-  const name = `sortKeyBits ${bits}`;
+function point(resolutionScale: number, psnrDb: number, median: number): AccuracyPoint {
+  const settings = resolveAccuracy({ resolutionScale });
+  const name = `resolutionScale ${resolutionScale}`;
   return {
-    ...{ name, settings, changed: ['sortKeyBits'], error: { psnrDb }, timeMs: { total: { median } } },
+    ...{ name, settings, changed: ['resolutionScale'], error: { psnrDb }, timeMs: { total: { median } } },
   } as unknown as AccuracyPoint;
 }
 
-const points = [point(32, Infinity, 5), point(24, 40, 4), point(20, Infinity, 3), point(16, 50, 1)];
+const points = [point(1, Infinity, 5), point(0.7, 40, 4), point(0.5, Infinity, 3), point(0.3, 50, 1)];
 
 describe('the table of measured settings', () => {
   it('begins with the most exact, the faster first of those that are equal', () => {

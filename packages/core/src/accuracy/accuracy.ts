@@ -20,7 +20,7 @@ export type RecordPrecision = 'f32' | 'f16' | 'paper';
 export type ColorTarget = 'rgba8unorm' | 'rgba16float' | 'rgba32float';
 
 /** Number of bits in which depth keys may differ. */
-export type SortKeyBits = 32 | 24 | 20 | 16;
+export type SortKeyBits = 32 | 24 | 16;
 
 /** Size of a splat's quad: as far as its own opacity reaches, or as far as that of an opaque splat would. */
 export type Extent = 'opacity' | 'fixed';
@@ -105,7 +105,7 @@ export const ACCURACY_SETTINGS: {
     label: 'Sort keys',
     about: 'Bits of depth that splats are sorted by; fewer bits take fewer passes.',
     unit: 'bits',
-    values: [32, 24, 20, 16],
+    values: [32, 24, 16],
     stage: 'sort',
     change: 'shader',
     source:

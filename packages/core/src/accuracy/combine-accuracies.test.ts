@@ -6,7 +6,7 @@ import { combineAccuracies, mostExact } from './combine-accuracies.ts';
 describe('the accuracy of a frame', () => {
   test('is undefined if no cloud requests any, and the request of the only cloud that does', () => {
     expect(combineAccuracies([])).toBeUndefined();
-    for (const only of ['fast', { preset: 'high', sortKeyBits: 20 }] as const)
+    for (const only of ['fast', { preset: 'high', sortKeyBits: 24 }] as const)
       expect(combineAccuracies([only])).toBe(only);
     for (const target of [{ minPsnrDb: 45 }, { maxFrameMs: 8 }])
       expect(combineAccuracies([target])).toBe(target);

@@ -89,7 +89,7 @@ describe('accuracy settings', () => {
     const set = randomSplats({ count: 1500, seed: 42, halfExtent: 30, logScales: [-2, 0] });
     const camera = CAMERAS.inside;
     const exact = await drawWith({}, set, camera);
-    for (const sortKeyBits of [24, 20, 16] as const) {
+    for (const sortKeyBits of [24, 16] as const) {
       const data = await drawWith({ sortKeyBits }, set, camera);
       // Splats change places if their float32 depths fall on the other side of a step, which the reference does not model.
       expect(psnrAgainstReference(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(

@@ -43,7 +43,7 @@ const BOTH = [false, true] as const;
 const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16', 'paper'] as const;
 const EXTENTS = ['opacity', 'fixed'] as const;
-const SHORT_KEYS = [24, 20, 16] as const;
+const SHORT_KEYS = [24, 16] as const;
 /** Every amount that devices have which makes a difference to the sort. */
 const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
 /** One for each length of digits. */

@@ -374,7 +374,7 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
 
       // Shaders that no other test has compiled.
       const view = engine.createEmbeddedView();
-      const changing = { ...frame, depth, accuracy: { ...high, sortKeyBits: 20 } } as const;
+      const changing = { ...frame, depth, accuracy: { ...high, sortKeyBits: 24 } } as const;
       await prepared(view, { ...changing, hasOccluders: false });
       expect(view.shape?.depth).toBeNull();
       expect(await imageOf(view)).toEqual(unhidden);

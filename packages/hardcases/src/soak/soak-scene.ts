@@ -118,7 +118,7 @@ export function randomAccuracy(chance: Chance): Accuracy {
   return {
     preset: chance.of(Object.keys(ACCURACY_PRESETS) as AccuracyPreset[]),
     rasterizer: chance.of([...RASTERIZERS, ...RASTERIZERS, 'auto'] as const),
-    ...(chance.happens(0.3) && { sortKeyBits: chance.of([16, 20, 24, 32] as const) }),
+    ...(chance.happens(0.3) && { sortKeyBits: chance.of([16, 24, 32] as const) }),
     ...(chance.happens(0.2) && { recordPrecision: chance.of(['f32', 'f16', 'paper'] as const) }),
     ...(chance.happens(0.2) && { resolutionScale: chance.of([0.5, 0.75, 1]) }),
     ...(chance.happens(0.2) && { extent: chance.of(['opacity', 'fixed'] as const) }),
