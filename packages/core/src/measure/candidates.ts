@@ -25,8 +25,8 @@ const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
 
 /** Values to try of settings that are ranges, or that only some clouds have. */
 const TRIED: { readonly [Name in SettingName]?: readonly AccuracySettings[Name][] } = {
-  alphaCutoff: [1 / 1024, 1 / 255, 1 / 128, 1 / 64],
-  resolutionScale: [1, 0.75, 0.5],
+  alphaCutoff: [1 / 255, 1 / 128, 1 / 64],
+  resolutionScale: [1, 0.5],
   // Few files have a palette.
   shPrecision: ['f32', 'f16', 'u8'],
 };
