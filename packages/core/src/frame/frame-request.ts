@@ -97,4 +97,9 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
       throw new InvalidArgumentError('shDegree', message);
     }
   }
+  const limitPx = device.limits.maxTextureDimension2D;
+  if (Math.max(widthPx, heightPx) > limitPx) {
+    const message = `An image of ${widthPx}×${heightPx} px is larger than this device's ${limitPx} px (maxTextureDimension2D).`;
+    throw new InvalidArgumentError('widthPx', message);
+  }
 }

@@ -1,6 +1,6 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../gpu/pipelines.ts';
-import type { GpuTimer } from '../timing/gpu-timer.ts';
+import { GpuTimer } from '../timing/gpu-timer.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
 import {
   type Destination,
@@ -60,11 +60,14 @@ export class FrameParts {
   readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
+  readonly timer: GpuTimer;
   readonly #memory: GpuMemory;
   readonly #ordering: readonly FramePart<OrderRecording>[];
   readonly #drawing: readonly FramePart<DrawRecording>[];
   readonly #parts: readonly FramePart<never>[];
   #plan: FramePlan | null = null;
+  /** Whether the buffers hold the visible splats of the plan in its order already. */
+  #isColorsOnly = false;
   #isDestroyed = false;
 
   /** @param context what the parts of a view need from it. */
@@ -72,6 +75,7 @@ export class FrameParts {
     const { shared } = this;
     const own = { ...context, memory: context.memory.part(), shared };
     this.#memory = own.memory;
+    this.timer = new GpuTimer(own.device, own.memory);
     this.#ordering = ORDERING.map((Part) => new Part(own));
     this.#drawing = DRAWING.map((Part) => new Part(own));
     this.#parts = [...this.#ordering, ...this.#drawing];
@@ -102,11 +106,10 @@ export class FrameParts {
   /**
    * Makes room for a frame, binds its stages and writes its uniforms.
    *
-   * @returns whether buffers or textures were replaced.
    * @throws GpuLimitError if something exceeds the device's limits: nothing changes then. If it exceeds the engine's budget, or a
    *   device throws because memory is lacking, what was replaced is gone, and the parts have ended.
    */
-  fit(plan: FramePlan): boolean {
+  fit(plan: FramePlan): void {
     const { shape } = plan;
     const changes: PartChange[] = [];
     for (const part of this.#parts) {
@@ -124,27 +127,21 @@ export class FrameParts {
       throw error;
     }
     this.#plan = plan;
+    this.#isColorsOnly = plan.keepsOrder && !isReplaced;
     for (const part of this.#parts) part.write?.(plan);
-    return isReplaced;
   }
 
   /** Records finding and sorting the visible splats. */
-  recordOrder(encoder: GPUCommandEncoder, timer: GpuTimer, isColorsOnly: boolean): void {
-    const plan = this.#plan!;
-    const recording = { encoder, timer, shape: plan.shape, isColorsOnly };
+  recordOrder(encoder: GPUCommandEncoder): void {
+    const { timer } = this;
+    const recording = { encoder, timer, shape: this.shape!, isColorsOnly: this.#isColorsOnly };
     for (const part of this.#ordering) part.record(recording);
   }
 
   /** Records drawing the visible splats to `destination`. @throws GpuLimitError before it records anything. */
-  recordDraw(
-    encoder: GPUCommandEncoder,
-    timer: GpuTimer,
-    destination: Destination,
-    sample: QuadsSample | null = null,
-  ): void {
-    const shape = this.shape!;
-    if (destination.kind === 'host') this.compose.fitHost(shape, destination.pass);
-    const recording = { encoder, timer, shape, destination, sample };
+  recordDraw(encoder: GPUCommandEncoder, destination: Destination, sample: QuadsSample | null = null): void {
+    const recording = { encoder, timer: this.timer, shape: this.shape!, destination, sample };
+    if (destination.kind === 'host') this.compose.fitHost(recording.shape, destination.pass);
     for (const part of this.#drawing) {
       // Before the tiles, which overwrite it.
       if (part instanceof Tiles) this.quads.recordSample(recording);
@@ -153,12 +150,20 @@ export class FrameParts {
   }
 
   /** Records drawing the last image over another background. */
-  recordBackground(encoder: GPUCommandEncoder, timer: GpuTimer, destination: Destination): void {
-    this.composite.record({ encoder, timer, shape: this.shape!, destination, sample: null });
+  recordBackground(encoder: GPUCommandEncoder, destination: Destination): void {
+    this.composite.record({ encoder, timer: this.timer, shape: this.shape!, destination, sample: null });
+  }
+
+  /** Records what measures a frame that has been drawn. */
+  recordCounts(encoder: GPUCommandEncoder): void {
+    const { slotCount, visibleCount, tilePlan } = this.shared.buffers;
+    const hasTiles = this.shape?.rasterizer === 'tiles';
+    this.timer.record(encoder, { slotCount, visibleCount, ...(hasTiles && { tilePlan }) });
   }
 
   destroy(): void {
     this.#isDestroyed = true;
+    this.timer.destroy();
     this.#memory.destroyAll();
   }
 }

@@ -3,8 +3,11 @@ import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 
+/** What tells whether plans draw the same splats in the same order. */
+type PlannedOrder = Pick<FramePlan, 'request' | 'camera' | 'clouds' | 'shape'>;
+
 /** Whether both frames show the same splats in the same places and the same order, whichever rasteriser draws them. */
-export function isSameOrder(a: FramePlan, b: FramePlan): boolean {
+export function isSameOrder(a: PlannedOrder, b: PlannedOrder): boolean {
   return isSameCamera(a.camera, b.camera) && showsSameSplats(a, b);
 }
 
@@ -19,7 +22,7 @@ function isSameCamera(a: Camera, b: Camera): boolean {
   );
 }
 
-function showsSameSplats(a: FramePlan, b: FramePlan): boolean {
+function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
   return (
     a.request.widthPx === b.request.widthPx &&
     a.request.heightPx === b.request.heightPx &&
@@ -41,9 +44,9 @@ function showsSameSplats(a: FramePlan, b: FramePlan): boolean {
 }
 
 /** Whether splats have the same colours in both frames, given that `isSameOrder`. */
-export function isSameColors(a: FramePlan, b: FramePlan): boolean {
-  return a.clouds.every((cloud, i) => {
-    const other = b.clouds[i];
+export function isSameColors(a: readonly CloudPlan[], b: readonly CloudPlan[]): boolean {
+  return a.every((cloud, i) => {
+    const other = b[i];
     return (
       (cloud.instance.shDegree ?? 3) === (other.instance.shDegree ?? 3) &&
       isSameUses(usesThat(cloud, changeColors), usesThat(other, changeColors))

@@ -9,7 +9,8 @@ import { usesOf } from '../effects/effects.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { SharedBuffers } from '../frame/frame-part.ts';
-import { type FramePlan, planFrame } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
+import { FramePlanner } from '../frame/frame-planner.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
 import { hasNarrowSubgroups } from '../gpu/device.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -27,7 +28,6 @@ import { referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
 import type { SortBy } from '../splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
-import { GpuTimer } from '../timing/gpu-timer.ts';
 
 export interface InspectOptions {
   readonly clouds: readonly {
@@ -112,31 +112,22 @@ export class InspectedFrame {
       }),
       ...placed,
     }));
-    const asked = planFrame(
-      { camera, clouds: instances, sortBy, widthPx, heightPx },
-      {
-        accuracy,
-        dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
-        workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
-        hasNarrowSubgroups: hasNarrowSubgroups(device),
-        ballots: null,
-        depth: null,
-        output: { kind: 'image' },
-        mayBeIsotropic: true,
-        faster: 'quads',
-        last: null,
-        recent: { visibleSplats: 0, depthBits: 0 },
-      },
-    );
-    const plan = {
-      ...asked,
-      shape: {
-        ...asked.shape,
-        visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
-        keyBits: options.keyBits ?? accuracy.sortKeyBits,
-        shortensKeys: accuracy.sortKeyBits < 32,
-      },
+    const facts = {
+      dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
+      workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
+      hasNarrowSubgroups: hasNarrowSubgroups(device),
+      ballots: () => null,
     };
+    const sizes = {
+      visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
+      keyBits: options.keyBits ?? accuracy.sortKeyBits,
+      shortensKeys: accuracy.sortKeyBits < 32,
+    };
+    const planner = new FramePlanner(facts, { kind: 'image' }, () => true);
+    const plan = planner.plan(
+      { camera, clouds: instances, sortBy, widthPx, heightPx },
+      { accuracy, depth: null, faster: 'quads', sizes },
+    );
     const { projection } = plan;
     await pipelines.prepare(frameStages(plan.shape));
     const parts = new FrameParts({
@@ -146,10 +137,9 @@ export class InspectedFrame {
       tileBudgetBytes: DEFAULT_TILE_BUDGET_BYTES,
     });
     parts.fit(plan);
-    const timer = new GpuTimer(device, memory);
     const encoder = device.createCommandEncoder();
-    parts.recordOrder(encoder, timer, false);
-    parts.recordDraw(encoder, timer, { kind: 'image' });
+    parts.recordOrder(encoder);
+    parts.recordDraw(encoder, { kind: 'image' });
     device.queue.submit([encoder.finish()]);
     const image = await readTexture(device, parts.shared.blended!.color);
 

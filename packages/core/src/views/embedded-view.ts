@@ -7,7 +7,7 @@ import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/rasterize.ts';
-import { type ViewContext, ViewCore } from './view-core.ts';
+import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
@@ -32,9 +32,11 @@ export interface EmbeddedFrameRequest
  * keep the GPU for long (`EngineOptions.submissionBudgetMs`). On slow devices, ask for a smaller `resolutionScale`, or for
  * `{ maxFrameMs }`.
  */
-export class EmbeddedView extends ViewCore {
+export class EmbeddedView extends View {
   /** Called when missing shaders of a frame have been compiled, or its accuracy has been chosen: prepare the frame again. */
   onReady: (() => void) | null = null;
+  /** The drawn shape whose successor with occluders has its shaders. */
+  #foreseen: FrameShape | null = null;
 
   /**
    * @internal Use `engine.createEmbeddedView`.
@@ -60,14 +62,15 @@ export class EmbeddedView extends ViewCore {
     if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
     const [depth, withOccluders] = depths;
-    const { plan, stands, isAsked } = this.next(request, depths);
+    const { plan, stands, status } = this.next(request, depths);
     if (!plan) return false;
-    if (stands) this.timer.begin();
+    if (stands) this.parts.timer.begin();
     else {
-      this.#order(plan);
+      this.redraw(plan);
       // Prepare for occluders: they are to hide these splats from their first frame on.
-      if (isAsked && request.depth && !depth) {
-        this.expect(plan.shape, (drawn) => ({ ...drawn, depth: withOccluders! }));
+      if (status === 'ready' && request.depth && !depth && this.#foreseen !== plan.shape) {
+        const isReady = this.wait.isReadyOrCompiling({ ...plan.shape, depth: withOccluders! });
+        if (isReady) this.#foreseen = plan.shape;
       }
     }
     this.shown(request);
@@ -84,7 +87,7 @@ export class EmbeddedView extends ViewCore {
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     this.#shapeOver(pass);
     // The image is made with the first draw of its size.
-    this.withMemory(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
+    this.submit(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
     // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void this.measure());
     return this.parts.compose.image!;
@@ -97,13 +100,13 @@ export class EmbeddedView extends ViewCore {
    */
   makeImage(pass: HostPass): EmbeddedImage {
     const shape = this.#shapeOver(pass);
-    this.withMemory(this.prepared!, () => this.parts.compose.fitHost(shape, pass));
+    this.submit(this.prepared!, () => this.parts.compose.fitHost(shape, pass));
     return this.parts.compose.image!;
   }
 
   /** Frees the view's GPU memory, after the host has submitted what it is recording; the clouds stay. */
   destroy(): void {
-    if (this.end()) queueMicrotask(() => this.free());
+    if (this.end()) queueMicrotask(() => this.parts.destroy());
   }
 
   protected override onChosen(choice: AccuracyChoice): void {
@@ -112,19 +115,15 @@ export class EmbeddedView extends ViewCore {
   }
 
   /** The host may have drawn fewer clouds meanwhile, those whose shaders were there: it is to try again in any case. */
-  protected override retry(): boolean {
+  protected override retry(): null {
     this.onReady?.();
-    return false;
+    return null;
   }
 
-  protected override redraw(plan: FramePlan): void {
-    this.#order(plan);
-  }
-
-  #order(plan: FramePlan): void {
-    this.withMemory(plan, () => {
+  protected override redraw(plan: FramePlan): Promise<void> {
+    return this.submit(plan, () => {
       this.makeRoom(plan);
-      this.timer.begin();
+      this.parts.timer.begin();
       const { device } = this.context;
       const encoder = device.createCommandEncoder({ label: 'websplatter pre-process and sort' });
       this.recordOrder(encoder);
@@ -149,7 +148,7 @@ export class EmbeddedView extends ViewCore {
   }
 
   /** Returns the requested depth test, then the alternatives to draw with while its shaders compile. */
-  #depthsFor(request: EmbeddedFrameRequest): readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]] {
+  #depthsFor(request: EmbeddedFrameRequest): PossibleDepths {
     const { camera, depth, hasOccluders = true, writesDepth = false } = request;
     if (!depth) return [null];
     const { mapping, compare } = depth;

@@ -8,7 +8,7 @@ import { dispatchSize } from '../stages/dispatch.ts';
 import { tileCount } from '../stages/tile-count.ts';
 import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
 import { SubmissionPacer } from './submission-pacer.ts';
-import type { ViewContext } from './view-core.ts';
+import type { ViewContext } from './view.ts';
 
 const { BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const TILES_PER_BIN = BIN_TILES * BIN_TILES;
@@ -32,13 +32,11 @@ export interface DividedFrame {
   readonly plan: FramePlan;
   /** Records finding and sorting the visible splats. */
   readonly recordOrder: (encoder: GPUCommandEncoder) => void;
-  /** Records drawing them into their layer. */
-  readonly recordLayer: (encoder: GPUCommandEncoder) => void;
-  /** Records the short rest. */
+  /** Records the short rest, after they are in their layer. */
   readonly recordEnd: (encoder: GPUCommandEncoder) => void;
   /** Whether what `recordOrder` reads is still there. */
   readonly canOrder: () => boolean;
-  /** Whether what `recordLayer` and `recordEnd` read is still there. */
+  /** Whether what drawing and `recordEnd` read is still there. */
   readonly canDraw: () => boolean;
 }
 
@@ -82,7 +80,8 @@ export class FrameDivider {
     const orderMs = await this.#submitOrder(commandsOf(frame.recordOrder, dispatchRow), frame);
     if (orderMs === null) return null;
     let elapsedMs = orderMs;
-    for (const command of commandsOf(frame.recordLayer, dispatchRow)) {
+    const recordLayer = (encoder: GPUCommandEncoder) => frame.parts.recordDraw(encoder, { kind: 'image' });
+    for (const command of commandsOf(recordLayer, dispatchRow)) {
       const tookMs = await this.#submitDivided(command, frame);
       if (tookMs === null) return null;
       elapsedMs += tookMs;

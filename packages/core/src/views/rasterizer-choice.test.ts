@@ -1,5 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { RasterizerChoice, type TimedFrame } from './rasterizer-choice.ts';
 
 /** A device and view: times of both rasterisers, and of an empty pass, ms. */
@@ -13,6 +14,8 @@ interface Device {
 }
 
 const DEVICE: Device = { tilesMs: 1, quadsMs: 40, passMs: 0.005, stepMs: 0, visibleSplats: 1e6 };
+
+const WRITTEN = { layerFormat: 'r32float' } as RasterizeDepth;
 
 function choiceOn(options: { hasTimestamps?: boolean; remembered?: FrameRasterizer } = {}) {
   const remembered: FrameRasterizer[] = [];
@@ -120,19 +123,19 @@ describe('the choice of a rasteriser', () => {
 
   test('leaves what tiles cannot draw to quads, until the load has moved', () => {
     const { choice } = choiceOn();
-    expect(choice.forDepth).toBe('tiles');
+    expect(choice.rasterizerFor(WRITTEN)).toBe('tiles');
     choice.rejectTiles('no room', { visibleSplats: 1e6, pixels: 2e6 });
-    expect(choice.forDepth).toBe('quads');
+    expect(choice.rasterizerFor(WRITTEN)).toBe('quads');
     draw(choice, DEVICE, 200);
     expect(choice.report).toMatchObject({ rasterizer: 'quads', reason: 'no room' });
     draw(choice, { ...DEVICE, visibleSplats: 1e5 }, 100);
     expect(choice.rasterizer).toBe('tiles');
-    expect(choice.forDepth).toBe('tiles');
+    expect(choice.rasterizerFor(WRITTEN)).toBe('tiles');
   });
 
   test('has tiles write depth, though quads were the faster', () => {
     const { choice } = choiceOn({ remembered: 'quads' });
-    expect([choice.rasterizer, choice.forDepth]).toEqual(['quads', 'tiles']);
+    expect([choice.rasterizer, choice.rasterizerFor(WRITTEN)]).toEqual(['quads', 'tiles']);
   });
 
   test('ignores late times of the one that no longer draws', () => {

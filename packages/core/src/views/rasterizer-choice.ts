@@ -1,4 +1,9 @@
 import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+import type { QuadsSample } from '../frame/frame-part.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FrameShape } from '../frame/frame-shape.ts';
+import type { RasterizeDepth } from '../stages/rasterize.ts';
+import type { FrameStatistics } from '../timing/frame-statistics.ts';
 
 /** The rasteriser that draws a view, and what is known about both. */
 export interface RasterizerReport {
@@ -114,9 +119,47 @@ export class RasterizerChoice {
     };
   }
 
-  /** The rasteriser for frames that write depth: tiles, whose depth is better, unless they cannot draw them. */
-  get forDepth(): FrameRasterizer {
+  /** The report of a view whose last frame has this shape; null before the first. */
+  reportOf(shape: FrameShape | null): RasterizerReport {
+    const { report } = this;
+    if (!shape) return report;
+    const { rasterizer, accuracy, depth } = shape;
+    const because = (reason: string) => ({ ...report, rasterizer, reason });
+    if (rasterizer === accuracy.rasterizer) return because(`${rasterizer} were asked for`);
+    if (!depth?.layerFormat || rasterizer === report.rasterizer) return report;
+    const isTiles = rasterizer === 'tiles';
+    return because(
+      isTiles ? 'only tiles write the median of depth' : 'tiles cannot write depth on this device',
+    );
+  }
+
+  /** The rasteriser for frames with this depth. Those that write depth get tiles, whose depth is better, unless these cannot draw. */
+  rasterizerFor(depth: RasterizeDepth | null): FrameRasterizer {
+    if (!depth?.layerFormat) return this.#rasterizer;
     return this.#hasRejectedTiles ? 'quads' : 'tiles';
+  }
+
+  /** The sample of the quads that a frame is to draw besides its image, after one with these statistics. */
+  sampleFor({ shape }: FramePlan, last: FrameStatistics | null): QuadsSample | null {
+    const share = this.sampleShare;
+    if (share === null || !last || shape.accuracy.rasterizer !== 'auto') return null;
+    return { share, visibleSplats: last.visibleSplats };
+  }
+
+  /**
+   * Learns from the statistics of a frame.
+   *
+   * @param tooMany why its pairs are too many for tiles; null if they are not.
+   */
+  learn(plan: FramePlan, statistics: FrameStatistics, tooMany: string | null): void {
+    if (plan.shape.accuracy.rasterizer !== 'auto') return;
+    const { tilePairs, rasterizer, quadsSampleMs, visibleSplats, timing } = statistics;
+    const pixels = plan.layer.widthPx * plan.layer.heightPx;
+    if (tooMany !== null) this.rejectTiles(tooMany, { visibleSplats, pixels });
+    // A frame without room for its pairs has run the stages of both.
+    if (tilePairs !== null && rasterizer === 'quads') return;
+    const elapsedMs = timing.source === 'gpu-timestamps' ? timing.rasterizeMs : timing.wallClockMs;
+    this.take({ rasterizer, elapsedMs, visibleSplats, pixels, sampleMs: quadsSampleMs });
   }
 
   /** Leaves this view to the quads because tiles cannot draw it; they are tried again when the load has moved. */

@@ -14,7 +14,7 @@ import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { FrameDivider } from './frame-divider.ts';
 import type { SplatPick } from './pick-splat.ts';
 import { SubmissionForecast } from './submission-forecast.ts';
-import { type ViewContext, ViewCore } from './view-core.ts';
+import { DONE, View, type ViewContext } from './view.ts';
 
 const BLACK: Vec3 = [0, 0, 0];
 
@@ -28,7 +28,7 @@ const LIKELY_CAMERA = perspectiveCamera({
 });
 
 /** Draws clouds whenever something has changed: on a canvas, or into a texture that can be read back. */
-export class SplatView extends ViewCore {
+export class SplatView extends View {
   /** @internal Splits frames into their passes and times those; such frames have no statistics. Null for whole frames. */
   profile: FrameProfile | null = null;
   readonly #canvas: GPUCanvasContext | null;
@@ -37,14 +37,10 @@ export class SplatView extends ViewCore {
   #forecast: SubmissionForecast;
   /** Made for the first frame that is submitted in parts. */
   #divider: FrameDivider | null = null;
-  /** Resolves when the last frame that was submitted in parts is complete, and the request that waited for that is under way. */
-  #inParts: Promise<void> = Promise.resolve();
-  /** Whether a frame is being submitted in parts: its buffers must stay as they are. */
-  #isInParts = false;
+  /** Those of the frame that is being submitted in parts: its buffers must stay as they are. */
+  #inParts: FrameParts | null = null;
   /** Whether the last frame was left in the middle, so that nothing of it can be used but its image. */
   #isUnfinished = false;
-  /** The newest request since that frame began. */
-  #held: FrameRequest | null = null;
 
   /**
    * @internal Use `engine.createView`.
@@ -91,21 +87,27 @@ export class SplatView extends ViewCore {
   #request(request: FrameRequest): boolean {
     this.checkUsable();
     if (!this.check(request)) return false;
-    if (this.#isInParts) {
-      this.#held = request;
+    if (this.#inParts === this.parts) {
+      this.waiting = this.wait.begin(request, 'parts', () => this.settled.catch(() => {}));
       return true;
     }
-    this.#inParts = Promise.resolve();
-    const { plan, stands, isAsked } = this.next(request, [null]);
-    if (!isAsked) {
-      if (plan && !stands) this.#draw(plan);
-      return !this.isLackingRoom;
+    const { plan, stands, status } = this.next(request, [null]);
+    if (status !== 'ready') {
+      if (plan && !stands) this.redraw(plan);
+      return status === 'waiting';
     }
     const isChanged = !stands || !this.#showsBackground(request);
-    if (!stands) this.#draw(plan!);
+    if (!stands) this.redraw(plan!);
     else if (isChanged) this.#drawBackground(request);
     if (stands) this.shown(request);
     return isChanged;
+  }
+
+  /** Draws a request that had to wait. Settles when that is done. */
+  #drawWaiting(request: FrameRequest): Promise<void> {
+    this.waiting = null;
+    this.#request(request);
+    return this.drawn;
   }
 
   /** @internal Compiles the shaders that the first frame of such a cloud alone is likely to need. */
@@ -119,11 +121,8 @@ export class SplatView extends ViewCore {
    * ends before.
    */
   async whenDrawn(): Promise<void> {
-    // A frame in parts; where that finds no memory, the one before it; then the request that waited for both.
-    for (let frame = 0; frame < 3; frame++) {
-      await this.drawn;
-      await this.#inParts;
-    }
+    await this.drawn;
+    if (this.recovery.error) throw this.recovery.error;
   }
 
   /**
@@ -169,53 +168,47 @@ export class SplatView extends ViewCore {
   destroy(): void {
     if (!this.end()) return;
     this.#canvas?.unconfigure();
-    this.free();
+    this.parts.destroy();
   }
 
   protected override onChosen(choice: AccuracyChoice, request: FrameRequest): void {
     try {
       // A request that waits is drawn with the choice anyway.
-      if (!this.isWaiting && !this.#held && this.canStillDraw(request))
-        this.#request({ ...request, force: false });
+      if (!this.wait.reason && this.canStillDraw(request)) this.#request({ ...request, force: false });
     } catch (error) {
       console.warn(`The chosen settings could not be drawn; the image stays. ${(error as Error).message}`);
     }
     this.onAccuracyChosen?.(choice);
   }
 
-  protected override retry(request: FrameRequest | null): boolean {
-    // A request that waits for a frame in parts is newer, and follows it.
-    if (this.#isInParts && this.#held) return true;
-    const newest = this.#held ?? request;
-    this.#held = null;
+  protected override retry(request: FrameRequest | null): Promise<void> | null {
+    // A newer one has its turn after the frame in parts.
+    if (this.wait.reason === 'parts') return DONE;
     // Where a cloud has ended meanwhile, those who wait for the frame are told.
-    if (newest) this.#request(newest);
-    return newest !== null;
+    return request && this.#drawWaiting(request);
   }
 
-  protected override redraw(plan: FramePlan): void {
-    this.#draw(plan);
-  }
-
-  #draw(plan: FramePlan): void {
-    const { device } = this.context;
+  protected override redraw(plan: FramePlan): Promise<void> {
     const { request } = plan;
     if (this.#isUnfinished) this.startOver();
     this.#isUnfinished = false;
+    const { parts } = this;
     if (!this.profile && this.#forecast.mayExceed(plan)) {
-      const checked = this.withMemory(plan, () => {
+      const checked = this.submit(plan, () => {
         this.makeRoom(plan);
-        this.timer.begin();
+        parts.timer.begin();
       });
-      this.#inParts = this.#drawInParts(plan, checked);
+      this.#inParts = parts;
+      this.settled = this.#drawInParts(plan, checked);
       // As where shaders do not compile: only callers that await the frame get the error.
-      this.#inParts.catch(() => {});
-      return;
+      this.settled.catch(() => {});
+      return this.settled;
     }
-    this.withMemory(plan, () => {
+    const settled = this.submit(plan, () => {
       this.makeRoom(plan);
       this.#fitCanvas(request);
-      if (!this.profile) this.timer.begin();
+      if (!this.profile) parts.timer.begin();
+      const { device } = this.context;
       const whole = device.createCommandEncoder({ label: 'websplatter frame' });
       const encoder = this.profile?.split(whole) ?? whole;
       this.recordOrder(encoder);
@@ -223,43 +216,38 @@ export class SplatView extends ViewCore {
       device.queue.submit([encoder.finish()]);
     });
     this.shown(request);
-    void this.#learn(plan);
+    void this.measure().then((measured) => measured && this.#forecast.take(plan, measured.timing));
+    return settled;
   }
 
-  async #learn(plan: FramePlan): Promise<void> {
-    const statistics = await this.measure();
-    if (statistics) this.#forecast.take(plan, statistics.timing);
-  }
-
-  /** @param checked whether there was memory for the frame's buffers; null if it has had them before. */
-  async #drawInParts(plan: FramePlan, checked: Promise<void> | null): Promise<void> {
+  /** @param checked settles when the device has told whether it had memory for the frame's buffers. */
+  async #drawInParts(plan: FramePlan, checked: Promise<void>): Promise<void> {
     const { request } = plan;
     const { parts } = this;
-    this.#isInParts = true;
     // Nothing collects the errors of parts, so none is submitted before its buffers are known to exist.
-    const hasRoom =
-      (await checked?.then(
-        () => true,
-        () => false,
-      )) ?? true;
-    const isDrawn = hasRoom && (await this.#submitInParts(plan).catch((error: Error) => error));
-    this.#isInParts = false;
-    // `drawn` tells, and the newest request follows.
-    if (!hasRoom) return;
-    if (isDrawn instanceof Error) return this.giveUp(isDrawn, plan, parts);
-    if (!isDrawn && !this.isDestroyed && parts === this.parts) {
+    await checked;
+    // Another frame has taken its place.
+    if (parts !== this.parts) return;
+    const isDrawn = await this.#submitInParts(plan).catch((error: Error) => error);
+    this.#inParts = null;
+    if (isDrawn instanceof Error) return this.recovery.giveUp(plan, parts, isDrawn);
+    if (isDrawn) return;
+    if (!this.isDestroyed && parts === this.parts) {
       // A preview that is held is not drawn again: its image stays until another cloud takes its place.
       this.#isUnfinished = request.clouds.some(({ cloud }) => cloud.isHeld);
       if (!this.#isUnfinished) this.startOver();
     }
+    if (this.wait.reason === 'parts') return;
+    // What waits for this frame must not wait for itself.
+    this.settled = DONE;
     // Where something that it needs has ended, those who wait for the frame are told.
-    this.retry(isDrawn ? null : request);
+    return this.#drawWaiting(request);
   }
 
   /** Returns whether the frame was drawn to its end. */
   async #submitInParts(plan: FramePlan): Promise<boolean> {
     const { request, shape } = plan;
-    const { parts, timer, context } = this;
+    const { parts, context } = this;
     if (!this.#divider) {
       // Small scenes never need it.
       const module = await import('./frame-divider.ts').catch(() => null);
@@ -277,11 +265,10 @@ export class SplatView extends ViewCore {
       parts,
       plan,
       recordOrder: (encoder) => this.recordOrder(encoder),
-      recordLayer: (encoder) => parts.recordDraw(encoder, timer, { kind: 'image' }),
       recordEnd: (encoder) => {
         // A canvas that is given a size is cleared.
         this.#fitCanvas(request);
-        parts.recordBackground(encoder, timer, this.#destination(request));
+        parts.recordBackground(encoder, this.#destination(request));
         this.recordEnd(encoder);
       },
       canOrder: () =>
@@ -302,7 +289,7 @@ export class SplatView extends ViewCore {
   #drawBackground(request: FrameRequest): void {
     const { device } = this.context;
     const encoder = device.createCommandEncoder({ label: 'websplatter background' });
-    this.parts.recordBackground(encoder, this.timer, this.#destination(request));
+    this.parts.recordBackground(encoder, this.#destination(request));
     device.queue.submit([encoder.finish()]);
   }
 

@@ -1,0 +1,185 @@
+import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../camera/camera.ts';
+import type { BallotDevice } from '../gpu/device.ts';
+import { binGrid } from '../layout/bin-grid.ts';
+import { asksForDistance } from '../splats/sort-by.ts';
+import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
+import { cloudShape, planCloud } from './cloud-plan.ts';
+import { type FramePlan, showsClouds } from './frame-plan.ts';
+import type { FrameRequest } from './frame-request.ts';
+import { type FrameOutput, type FrameShape, isSameShape } from './frame-shape.ts';
+import { keyBitsFor } from './key-bits.ts';
+import { isSameColors, isSameOrder } from './plan-difference.ts';
+import { RecentNeeds } from './recent-needs.ts';
+import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
+
+/** What plans of a view depend on that stays the same. */
+export interface PlannerContext
+  extends Pick<FrameShape, 'dispatchRow' | 'workgroupBytes' | 'hasNarrowSubgroups'> {
+  /** The device, once ranking keys by ballots has been found faster there; else null. */
+  readonly ballots: () => BallotDevice | null;
+}
+
+/** What is decided for a frame besides its request. */
+export interface FrameSettings {
+  /** Equal settings are the same object. */
+  readonly accuracy: AccuracySettings;
+  readonly depth: RasterizeDepth | null;
+  /** The rasteriser for the setting `auto`. */
+  readonly faster: FrameRasterizer;
+  /** Sizes to take instead of those that follow from the request: to inspect single stages. */
+  readonly sizes?: Pick<FrameShape, 'visibleCapacity' | 'keyBits' | 'shortensKeys'>;
+}
+
+/** Plans the frames of one view, each once: by its request, its settings and the frames before it. */
+export class FramePlanner {
+  /** Whether round splats may have shaders of their own; false to measure without them. */
+  mayBeIsotropic = true;
+  readonly #context: PlannerContext;
+  readonly #output: FrameOutput;
+  readonly #isReady: (shape: FrameShape) => boolean;
+  #last: FramePlan | null = null;
+  #needs = new RecentNeeds();
+
+  /**
+   * @param isReady whether a shape has its shaders: while the rasteriser for `auto` lacks some, that of the last frame goes on.
+   */
+  constructor(context: PlannerContext, output: FrameOutput, isReady: (shape: FrameShape) => boolean) {
+    this.#context = context;
+    this.#output = output;
+    this.#isReady = isReady;
+  }
+
+  /** Plan of the last frame; null before the first. */
+  get last(): FramePlan | null {
+    return this.#last;
+  }
+
+  /**
+   * Plans a frame. Its shape is that of the last frame until it changes, and buffers stay as they are while they are large enough
+   * or were needed a moment ago.
+   *
+   * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
+   */
+  plan(request: FrameRequest, { accuracy, depth, faster, sizes }: FrameSettings): FramePlan {
+    const { dispatchRow, workgroupBytes, hasNarrowSubgroups, ballots } = this.#context;
+    const last = this.#last;
+    const camera = copied(request.camera);
+    const layer = layerSize(request, accuracy);
+    const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
+    const { isOrthographic } = projection;
+    const sortsByDistance = !isOrthographic && asksForDistance(request);
+    const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy));
+    const needs = {
+      visibleSplats: mostVisibleSplats(clouds),
+      depthBits: keyBitsFor(camera, clouds, sortsByDistance),
+    };
+    const isSameScene = last !== null && showsClouds(last, request.clouds);
+    const recent = isSameScene ? this.#needs.value : { visibleSplats: 0, depthBits: 0 };
+    const capacity = visibleCapacity(
+      needs.visibleSplats,
+      mostDrawnSplats(clouds),
+      isSameScene ? last.shape.visibleCapacity : 0,
+      recent.visibleSplats,
+    );
+    const shapes = clouds.map((cloud) => cloudShape(cloud, accuracy, this.mayBeIsotropic));
+    // More bits than the depths need take a pass more and sort the same; other buffers and shaders take longer than that.
+    const keyBits = Math.min(Math.max(needs.depthBits, recent.depthBits), accuracy.sortKeyBits);
+    const shapeBy = (asked: FrameRasterizer): FrameShape => {
+      // Compute shaders cannot write r16float, the only depth that devices without float32-blendable blend.
+      const rasterizer = depth?.layerFormat === 'r16float' ? 'quads' : asked;
+      const shape = {
+        clouds: shapes,
+        isOrthographic,
+        sortsByDistance,
+        accuracy,
+        dispatchRow,
+        workgroupBytes,
+        hasNarrowSubgroups,
+        ballots: ballots(),
+        visibleCapacity: sizes?.visibleCapacity ?? capacity,
+        keyBits: sizes?.keyBits ?? keyBits,
+        shortensKeys: sizes?.shortensKeys ?? accuracy.sortKeyBits < needs.depthBits,
+        depth,
+        output: this.#output,
+        rasterizer,
+        binCount: rasterizer === 'tiles' ? binCountOf(layer) : 0,
+      };
+      return last && isSameShape(last.shape, shape) ? last.shape : shape;
+    };
+    const asked = shapeBy(accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer);
+    const isSame =
+      last !== null && !request.force && isSameOrder(last, { request, camera, clouds, shape: asked });
+    const stands = isSame && isSameDepth(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
+    const mayStay = last !== null && accuracy.rasterizer === 'auto' && !stands;
+    const isOther = mayStay && last.shape.rasterizer !== asked.rasterizer;
+    const shape = isOther && !this.#isReady(asked) ? shapeBy(last.shape.rasterizer) : asked;
+    return {
+      request: { ...request, clouds: clouds.map(({ instance }) => instance) },
+      camera,
+      layer,
+      projection,
+      clouds,
+      needs,
+      shape,
+      stands,
+      // The other rasteriser has not filled its buffers.
+      keepsOrder: isSame && last.shape.rasterizer === shape.rasterizer,
+    };
+  }
+
+  /**
+   * Plans the same frame with the settings and effects of the last one, so that the view keeps moving while shaders compile.
+   * Null if there is no last frame, or if it had other clouds. The last frame itself if it had previews.
+   *
+   * @param depths those that the last frame may have had.
+   */
+  planStopgap({ request, shape }: FramePlan, depths: readonly (RasterizeDepth | null)[]): FramePlan | null {
+    const last = this.#last;
+    if (!last || last.clouds.length !== request.clouds.length) return null;
+    const { accuracy, depth, rasterizer } = last.shape;
+    if (!depths.some((possible) => isSameDepth(possible, depth))) return null;
+    // Nothing new can be drawn of a preview that has been replaced, but its image is there.
+    if (!showsClouds(last, request.clouds))
+      return last.shape.clouds.some(({ cloud }) => cloud.isPreview) ? last : null;
+    const clouds = request.clouds.map((instance, i) => {
+      const { opacity, effects, shDegree } = last.clouds[i].instance;
+      const drawn = last.shape.clouds[i].effects;
+      if (shape.clouds[i].effects === drawn) return { ...instance, shDegree };
+      // A new selection may have turned an effect on since the last frame.
+      const before = effects?.filter(
+        ({ effect, reason }) => reason === null || drawn.effects.includes(effect),
+      );
+      return { ...instance, shDegree, opacity, effects: before };
+    });
+    const { sortBy } = last.request;
+    return this.plan({ ...request, clouds, sortBy, force: false }, { accuracy, depth, faster: rasterizer });
+  }
+
+  /** Takes a frame for which there is room, and which is about to be drawn, at `nowMs`. */
+  take(plan: FramePlan, nowMs: number): void {
+    if (this.#last && !showsClouds(this.#last, plan.request.clouds)) this.#needs = new RecentNeeds();
+    this.#needs.take(plan.needs, nowMs);
+    this.#last = plan;
+  }
+
+  /** Forgets the frames before, whose buffers are gone. */
+  forget(): void {
+    this.#last = null;
+    this.#needs = new RecentNeeds();
+  }
+}
+
+function binCountOf({ widthPx, heightPx }: SizePx): number {
+  const { binColumns, binRows } = binGrid(widthPx, heightPx);
+  return binColumns * binRows;
+}
+
+function copied(camera: Camera): Camera {
+  return {
+    ...camera,
+    viewMatrix: new Float64Array(camera.viewMatrix),
+    projectionMatrix: new Float64Array(camera.projectionMatrix),
+    wholeProjectionMatrix: camera.wholeProjectionMatrix && new Float64Array(camera.wholeProjectionMatrix),
+  };
+}

@@ -1,0 +1,457 @@
+import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import { checkAccuracy } from '../accuracy/accuracy-target.ts';
+import { DestroyedError } from '../errors.ts';
+import { effectsOf } from '../frame/cloud-plan.ts';
+import { FrameParts } from '../frame/frame.ts';
+import type { Destination } from '../frame/frame-part.ts';
+import type { FramePlan } from '../frame/frame-plan.ts';
+import { FramePlanner, type PlannerContext } from '../frame/frame-planner.ts';
+import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
+import type { FrameOutput, FrameShape } from '../frame/frame-shape.ts';
+import type { Counting } from '../gpu/engine-counters.ts';
+import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
+import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
+import { type EffectEntry, effectsLedger } from '../ledger/ledger.ts';
+import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
+import type { RasterizeDepth } from '../stages/rasterize.ts';
+import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
+import type { PointCoverage, PointToCover } from './find-coverage.ts';
+import { FrameWait } from './frame-wait.ts';
+import { MemoryRecovery } from './memory-recovery.ts';
+import type { SplatPick } from './pick-splat.ts';
+import {
+  RasterizerChoice,
+  type RasterizerChoiceOptions,
+  type RasterizerReport,
+} from './rasterizer-choice.ts';
+import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
+
+/** The parts of an engine that a view needs. */
+export interface ViewContext extends AccuracyContext, PlannerContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  /** Counts what the view holds, by itself and in the engine's. */
+  readonly memory: GpuMemory;
+  readonly counting: Counting;
+  /** Called when a frame has been measured. */
+  readonly onMeasured: () => void;
+  readonly tileBudgetBytes: number;
+  readonly submissionBudgetMs: number;
+  /** The rasteriser that was faster on this adapter before, and where to keep that. */
+  readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
+  /** Returns why nothing can be drawn any more, or null. */
+  readonly destroyedBecause: () => string | null;
+}
+
+/** The requested depth test, then the alternatives to draw with while its shaders compile. */
+export type PossibleDepths = readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]];
+
+/** The frame that a view draws in response to a request. */
+export interface NextFrame {
+  /**
+   * The plan to draw: the requested one or, while its shaders compile, the same clouds with the settings and effects of the
+   * last frame. Null if there is nothing to draw until then.
+   */
+  readonly plan: FramePlan | null;
+  /** Whether that frame is shown already, so that there is nothing to draw. */
+  readonly stands: boolean;
+  /**
+   * Whether `plan` is the requested one. If not, it follows: shaders are compiling, clouds are being uploaded, or a preview is
+   * held, which another will replace. Or it lacks memory, which is sought now and then.
+   */
+  readonly status: 'ready' | 'waiting' | 'lacking';
+}
+
+/** Bits in which the depths of most scenes differ that a camera stands in. */
+const LIKELY_KEY_BITS = 27;
+
+/** What has nothing to wait for. */
+export const DONE = Promise.resolve();
+
+let picking: typeof import('./pick-splat.ts') | null = null;
+
+/**
+ * What all views have, whatever they draw into: the next frame for a request, statistics and picks of the last one. Subclasses
+ * decide when a frame is drawn and where its image goes.
+ */
+export abstract class View {
+  /** Called with the statistics of each measured frame, some frames later. */
+  onStatistics: ((statistics: FrameStatistics) => void) | null = null;
+  /**
+   * Called when settings have been chosen for a target (`accuracy: { minPsnrDb: 45 }`). Measuring takes seconds and begins half
+   * a second after the first frame, and after the last change of its size. A scene is measured again when its clouds change,
+   * but not when the camera moves. A `SplatView` has already drawn its last frame again with the choice; an `EmbeddedView`
+   * has called `onReady`, for its host to prepare the frame again.
+   */
+  onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
+  protected readonly context: ViewContext;
+  /** The buffers and textures of its frames. */
+  protected parts: FrameParts;
+  protected readonly recovery: MemoryRecovery;
+  protected readonly wait: FrameWait;
+  /** Settles when the newest request has been drawn, where that had to wait; null if it is the last frame. */
+  protected waiting: Promise<void> | null = null;
+  /** Settles when the last frame is complete as far as the device had memory for it. */
+  protected settled = DONE;
+  readonly #planner: FramePlanner;
+  readonly #accuracy: ViewAccuracy;
+  /** The faster rasteriser, for the setting `auto`. */
+  readonly #choice: RasterizerChoice;
+  readonly #onDestroyed: () => void;
+  /** The plan of the newest request; null if that is not drawn yet. */
+  #asked: FramePlan | null = null;
+  #frameNumber = 0;
+  #drawnAs = 0;
+  #statistics: FrameStatistics | null = null;
+  #isDestroyed = false;
+
+  protected constructor(context: ViewContext, output: FrameOutput, onDestroyed: () => void) {
+    this.context = context;
+    this.#onDestroyed = onDestroyed;
+    this.parts = new FrameParts(context);
+    this.wait = new FrameWait(context.pipelines, (request) => this.#resume(request));
+    this.#planner = new FramePlanner(context, output, (shape) => this.wait.isReadyOrCompiling(shape));
+    this.#choice = new RasterizerChoice({
+      hasTimestamps: context.device.features.has('timestamp-query'),
+      ...context.fasterRasterizer,
+    });
+    this.recovery = new MemoryRecovery(context.memory, {
+      parts: () => this.parts,
+      startOver: () => this.startOver(),
+      rejectTiles: (reason, load) => this.#choice.rejectTiles(reason, load),
+      restore: (sound) => this.#restore(sound),
+      follow: (again) => this.#follow(again),
+    });
+    this.#accuracy = new ViewAccuracy(context, (choice, request) => this.onChosen(choice, request));
+  }
+
+  /** @internal Whether round splats may have shaders of their own; false to measure without them. */
+  set mayBeIsotropic(mayBeIsotropic: boolean) {
+    this.#planner.mayBeIsotropic = mayBeIsotropic;
+  }
+
+  /** The newest statistics, or null before the first. */
+  get statistics(): FrameStatistics | null {
+    return this.#statistics;
+  }
+
+  /** The last choice for the target; null before the first choice, and if settings were requested. */
+  get accuracyChoice(): AccuracyChoice | null {
+    return this.#accuracy.choice;
+  }
+
+  /**
+   * Measures the last frame now, and chooses the settings that meet its target again: for all views with the same target and the
+   * same clouds, at the size of the largest.
+   *
+   * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a target; DestroyedError; an AbortError if
+   *   the view is destroyed or a later call takes over; the signal's reason. On failure the settings stay.
+   */
+  async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
+    this.checkUsable();
+    return this.#accuracy.choose(options);
+  }
+
+  /**
+   * Returns the splat that contributes most to a pixel of the last image, whatever another renderer draws in front of it;
+   * null if there is none, outside the image, and before the first frame.
+   *
+   * @param xPx, yPx from the top left of the image; a fractional position belongs to the pixel that contains it.
+   * @throws DestroyedError if the view or its engine ends before the result is read.
+   */
+  async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
+    this.checkUsable();
+    // Most pages never pick. Once the code is there, the frame that stands now is the one that is searched.
+    picking ??= await import('./pick-splat.ts');
+    const { pickStage, pickInImage } = picking;
+    return this.#search(pickStage, (plan) => pickInImage(this.context, this.parts, plan, xPx, yPx));
+  }
+
+  /**
+   * Returns what is in front of each of at most 1,024 points of the world in the last frame: splats, and opaque objects of the
+   * renderer that the view is embedded in. One small read-back for all of them. Null before the first frame.
+   *
+   * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError if memory is lacking;
+   *   DestroyedError if the view or its engine ends before the result is read.
+   */
+  async coverage(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
+    this.checkUsable();
+    const { checkPoints, coverStage, findCoverage } = await import('./find-coverage.ts');
+    checkPoints(points);
+    return this.#search(
+      (plan) => coverStage(this.parts, plan),
+      (plan, stage) => findCoverage(this.context, this.parts, plan, stage, points),
+    );
+  }
+
+  /** Runs `find` over the last frame, as soon as the stage that it needs is compiled; null without a frame. */
+  async #search<Found>(
+    stageOf: (plan: FramePlan) => StageDefinition,
+    find: (plan: FramePlan, stage: StageDefinition) => Promise<Found>,
+  ): Promise<Found | null> {
+    const { pipelines } = this.context;
+    while (this.prepared && !this.#isDestroyed) {
+      const stage = stageOf(this.prepared);
+      if (pipelines.areReady([stage])) return find(this.prepared, stage);
+      // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
+      await pipelines.prepare([stage]);
+    }
+    return null;
+  }
+
+  /**
+   * Lists all effects of the last frame, on and off, with the reason; empty before the first frame. While shaders for other
+   * effects compile, the last frame has the old effects.
+   */
+  effects(): readonly EffectEntry[] {
+    const plan = this.prepared;
+    if (!plan) return [];
+    const { memory } = this.context;
+    const { shared, preprocess, resolveDepth, compose, tileLists } = this.parts;
+    const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
+      [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
+    const held = {
+      selectionBytes: (cloudIndex: number) => preprocess.selectionBytes(cloudIndex),
+      testedDepthBytes: bytesOf([shared.hostDepth]) + resolveDepth.bytes,
+      writtenDepthBytes: bytesOf([
+        shared.image?.depthLayer,
+        shared.blended?.depthLayer,
+        compose.image?.depth,
+      ]),
+      tilesBytes: tileLists.bytes,
+    };
+    return effectsLedger({ plan, held, rasterizer: this.rasterizer });
+  }
+
+  /** The rasteriser of this view, and the times of both as far as they are known. */
+  get rasterizer(): RasterizerReport {
+    return this.#choice.reportOf(this.shape);
+  }
+
+  /** @internal Number of the last frame among all frames of the engine; 0 before the first. */
+  get drawnAs(): number {
+    return this.#drawnAs;
+  }
+
+  /** @internal GPU memory of the view. */
+  get memory(): GpuMemoryReport {
+    return this.context.memory.report();
+  }
+
+  /** @internal Shape of the last frame; null before the first. */
+  get shape(): FrameShape | null {
+    return this.parts.shape;
+  }
+
+  /** Plan of the last frame; null before the first. */
+  protected get prepared(): FramePlan | null {
+    return this.#planner.last;
+  }
+
+  protected get isDestroyed(): boolean {
+    return this.#isDestroyed;
+  }
+
+  /** See `SplatView.whenDrawn`. */
+  protected get drawn(): Promise<void> {
+    return this.waiting ?? this.settled;
+  }
+
+  protected canStillDraw({ clouds }: FrameRequest): boolean {
+    const isUsable = !this.#isDestroyed && this.context.destroyedBecause() === null;
+    return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
+  }
+
+  /** Draws a frame again whose memory has been freed. Settles when it is complete, as far as the device had memory for it. */
+  protected abstract redraw(plan: FramePlan): Promise<void>;
+
+  /** Called when settings have been chosen for a target; `request` is that of the last frame. */
+  protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
+
+  /**
+   * Called when a request need not wait any more.
+   *
+   * @param request the newest one: draw it, or let it wait again. Null if another was drawn meanwhile.
+   * @returns what settles when that has been drawn; null if no frame follows.
+   */
+  protected abstract retry(request: FrameRequest | null): Promise<void> | null;
+
+  /**
+   * Checks a request.
+   *
+   * @returns whether it has pixels.
+   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud,
+   *   GpuLimitError for a cloud that found no memory.
+   */
+  protected check(request: FrameRequest): boolean {
+    checkRequest(request, this.context.device);
+    if (request.widthPx > 0 && request.heightPx > 0) return true;
+    // Without pixels there is no plan, which would check these.
+    for (const instance of request.clouds) effectsOf(instance);
+    const { accuracy } = request;
+    if (accuracy) checkAccuracy(accuracy);
+    return false;
+  }
+
+  /** @throws GpuLimitError, once, if the last frame found no memory. */
+  protected tellLack(): void {
+    const { error } = this.recovery;
+    this.recovery.error = null;
+    if (!error) return;
+    this.settled = DONE;
+    throw error;
+  }
+
+  /**
+   * Plans a frame and, where it cannot be drawn yet, lets its request wait.
+   *
+   * @param depths the requested depth test, then the alternatives to draw with while its shaders compile.
+   */
+  protected next(request: FrameRequest, depths: PossibleDepths): NextFrame {
+    for (const { cloud } of request.clouds) cloud.editing?.flush();
+    const last = this.prepared;
+    const stands = last !== null;
+    if (request.clouds.some(({ cloud }) => cloud.isHeld)) return { plan: last, stands, status: 'waiting' };
+    const plan = this.#plan(request, this.#accuracy.settingsFor(request), depths[0]);
+    if (!plan.stands) this.#asked = null;
+    if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
+      // A smaller request does not wait for memory that may not be found.
+      const until = () => Promise.all([this.recovery.findRoom(), this.wait.whenReady(plan)]);
+      if (this.recovery.isProbeDue) this.waiting = this.wait.begin(request, 'memory', until);
+      return { plan: last, stands, status: 'lacking' };
+    }
+    if (plan.stands || (this.wait.isReady(plan.shape) && areUploaded(request))) {
+      this.wait.end();
+      this.waiting = null;
+      // The last frame is another one now.
+      this.recovery.error = null;
+      if (!plan.stands) this.#asked = plan;
+      return { plan, stands: plan.stands, status: 'ready' };
+    }
+    this.waiting = this.wait.begin(request, 'shaders', () => this.wait.whenReady(plan));
+    const stopgap = this.#planner.planStopgap(plan, depths);
+    if (!stopgap || !this.wait.isReady(stopgap.shape))
+      return { plan: null, stands: false, status: 'waiting' };
+    return { plan: stopgap, stands: stopgap === last || stopgap.stands, status: 'waiting' };
+  }
+
+  #plan(request: FrameRequest, accuracy: AccuracySettings, depth: RasterizeDepth | null): FramePlan {
+    return this.#planner.plan(request, { accuracy, depth, faster: this.#choice.rasterizerFor(depth) });
+  }
+
+  /** Compiles the shaders of frames like `request`, for depths near and far, without drawing any. */
+  protected foresee(request: FrameRequest): void {
+    const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
+    const keyBits = Math.min(LIKELY_KEY_BITS, shape.accuracy.sortKeyBits);
+    for (const likely of [shape, { ...shape, keyBits }]) this.wait.isReadyOrCompiling(likely);
+  }
+
+  /** Draws a frame by `work`, as `MemoryRecovery.draw` says. @returns `settled`. */
+  protected submit(plan: FramePlan, work: () => void): Promise<void> {
+    this.settled = this.recovery.draw(plan, work) ?? DONE;
+    return this.settled;
+  }
+
+  /** Makes room for a frame and writes its uniforms. Call within `submit`, before recording. @throws GpuLimitError */
+  protected makeRoom(plan: FramePlan): void {
+    this.parts.fit(plan);
+    this.#planner.take(plan, performance.now());
+  }
+
+  /** Frees the memory of the last frame and forgets it. */
+  protected startOver(): void {
+    this.parts.destroy();
+    this.parts = new FrameParts(this.context);
+    this.recovery.forget();
+    this.#planner.forget();
+  }
+
+  /** Draws a sound frame again. */
+  async #restore({ request, shape }: FramePlan): Promise<void> {
+    // Another frame may have been drawn since.
+    if (this.prepared || !this.canStillDraw(request)) return;
+    const { accuracy, depth, rasterizer } = shape;
+    try {
+      const again = this.#planner.plan(request, { accuracy, depth, faster: rasterizer });
+      if (this.wait.isReady(again.shape)) await this.redraw(again);
+    } catch {
+      // Then there is no memory for that either, and the view holds nothing.
+    }
+  }
+
+  #follow(again: FramePlan | null): Promise<void> | null {
+    // What gives up a frame must not wait for itself.
+    if (!this.prepared) this.settled = DONE;
+    // A caller may have asked for another one meanwhile.
+    return this.retry(again && this.#asked === again ? again.request : null);
+  }
+
+  #resume(request: FrameRequest | null): Promise<void> | null {
+    if (request) this.checkUsable();
+    return this.#isDestroyed ? null : this.retry(request);
+  }
+
+  protected recordOrder(encoder: GPUCommandEncoder): void {
+    this.parts.recordOrder(encoder);
+    this.context.counting.framesPrepared++;
+  }
+
+  protected recordDraw(encoder: GPUCommandEncoder, destination: Destination): void {
+    this.parts.recordDraw(encoder, destination, this.#choice.sampleFor(this.prepared!, this.#statistics));
+    this.recordEnd(encoder);
+  }
+
+  /** Records what belongs to the end of a frame that has been drawn. */
+  protected recordEnd(encoder: GPUCommandEncoder): void {
+    this.#drawnAs = ++this.context.counting.framesDrawn;
+    this.parts.recordCounts(encoder);
+  }
+
+  /** Call when the frame of `request` has been drawn, or was shown already. */
+  protected shown(request: FrameRequest): void {
+    this.#accuracy.show(request);
+  }
+
+  /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
+  protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
+    const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
+    const read = () => this.parts.timer.read(++this.#frameNumber, totalSplats, submittedMs);
+    const { memory, onMeasured } = this.context;
+    // What is read may turn out not to exist.
+    const statistics = await memory.guard('A frame', '', read, this.recovery.isChecking).result;
+    if (!statistics || this.#isDestroyed || !this.prepared) return null;
+    const { tilePairs } = statistics;
+    const { tileLists } = this.parts;
+    if (tilePairs !== null) tileLists.expect(tilePairs, performance.now());
+    this.#choice.learn(
+      this.prepared,
+      statistics,
+      tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
+    );
+    onMeasured();
+    this.#statistics = statistics;
+    this.onStatistics?.(statistics);
+    return statistics;
+  }
+
+  /** Ends the view, unless it has ended already. Destroy `parts` when nothing uses them any more. */
+  protected end(): boolean {
+    if (this.#isDestroyed) return false;
+    this.#isDestroyed = true;
+    this.#accuracy.leave();
+    this.#onDestroyed();
+    return true;
+  }
+
+  /** @throws DestroyedError */
+  protected checkUsable(): void {
+    const reason = this.#isDestroyed ? 'it was destroyed' : this.context.destroyedBecause();
+    if (reason !== null) throw new DestroyedError('This view', reason);
+  }
+}
+
+/** Whether all clouds of `request` are known to be on the GPU. */
+function areUploaded({ clouds }: FrameRequest): boolean {
+  return clouds.every(({ cloud }) => cloud.isUploaded);
+}
