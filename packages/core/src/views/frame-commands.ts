@@ -35,75 +35,52 @@ export function commandsOf(
 ): readonly FrameCommand[] {
   const commands: FrameCommand[] = [];
   record({
-    beginComputePass: (descriptor: GPUComputePassDescriptor) =>
-      computePass(commands, descriptor, dispatchRow),
-    beginRenderPass: (descriptor: GPURenderPassDescriptor) => renderPass(commands, descriptor),
+    beginComputePass: ({ label, timestampWrites }: GPUComputePassDescriptor) =>
+      recordedPass(commands, dispatchRow, (encoder, begins, ends) =>
+        encoder.beginComputePass({ label, timestampWrites: stampsOf(timestampWrites, begins, ends) }),
+      ),
+    beginRenderPass: (descriptor: GPURenderPassDescriptor) =>
+      recordedPass(commands, dispatchRow, (encoder, begins, ends) => {
+        const attachments = [...descriptor.colorAttachments];
+        return encoder.beginRenderPass({
+          ...descriptor,
+          colorAttachments: begins ? attachments : attachments.map((each) => each && kept(each)),
+          timestampWrites: stampsOf(descriptor.timestampWrites, begins, ends),
+        });
+      }),
   } as unknown as GPUCommandEncoder);
   return commands;
 }
 
-function computePass(
+/** A pass of either kind, as far as parts of a frame call it. Render passes draw once. */
+type Pass = Pick<GPUComputePassEncoder, 'dispatchWorkgroups' | 'dispatchWorkgroupsIndirect'> &
+  Pick<GPURenderPassEncoder, 'setPipeline' | 'setBindGroup' | 'draw' | 'drawIndirect' | 'end'>;
+
+/**
+ * Returns a pass whose dispatches or draws become commands when it ends.
+ *
+ * @param begin begins the pass of one command; told whether it begins and ends the whole.
+ */
+function recordedPass(
   commands: FrameCommand[],
-  { label, timestampWrites }: GPUComputePassDescriptor,
   dispatchRow: number,
-): GPUComputePassEncoder {
-  let pipeline: GPUComputePipeline;
+  begin: (encoder: GPUCommandEncoder, begins: boolean, ends: boolean) => unknown,
+): Pass {
+  let pipeline: GPURenderPipeline;
   let group: GPUBindGroup | null | undefined;
-  const dispatches: FrameCommand[] = [];
-  const add = (workgroups: number, dispatch: (pass: GPUComputePassEncoder, part?: CommandPart) => void) => {
-    const [used, bound, index] = [pipeline, group, dispatches.length];
-    dispatches.push({
+  const own: FrameCommand[] = [];
+  const add = (workgroups: number, run: (pass: Pass, part?: CommandPart) => void) => {
+    const [used, bound, index] = [pipeline, group, own.length];
+    own.push({
       stage: stageNameOf(used),
       slowestMs: SLOWEST_WORKGROUP_MS * workgroups,
       encode: (encoder, part) => {
         const begins = index === 0 && (part?.first ?? 0) === 0;
-        const ends = index === dispatches.length - 1 && (part?.isLast ?? true);
-        const stamps = stampsOf(timestampWrites, begins, ends);
-        const pass = encoder.beginComputePass({ label, timestampWrites: stamps });
+        const ends = index === own.length - 1 && (part?.isLast ?? true);
+        const pass = begin(encoder, begins, ends) as Pass;
         pass.setPipeline(used);
         pass.setBindGroup(0, bound);
-        dispatch(pass, part);
-        pass.end();
-      },
-    });
-  };
-  return {
-    setPipeline: (next: GPUComputePipeline) => {
-      pipeline = next;
-    },
-    setBindGroup: (_: number, next: GPUBindGroup | null | undefined) => {
-      group = next;
-    },
-    dispatchWorkgroups: (x: number, y = 1, z = 1) =>
-      add(x * y * z, (target, part) =>
-        target.dispatchWorkgroups(...(part ? dispatchSize(part.count, dispatchRow) : ([x, y, z] as const))),
-      ),
-    dispatchWorkgroupsIndirect: (...where: [GPUBuffer, number]) =>
-      add(INDIRECT_WORKGROUPS, (target) => target.dispatchWorkgroupsIndirect(...where)),
-    end: () => commands.push(...dispatches),
-  } as unknown as GPUComputePassEncoder;
-}
-
-/** Render passes draw once. */
-function renderPass(commands: FrameCommand[], descriptor: GPURenderPassDescriptor): GPURenderPassEncoder {
-  let pipeline: GPURenderPipeline;
-  let group: GPUBindGroup | null | undefined;
-  const add = (draw: (pass: GPURenderPassEncoder, part?: CommandPart) => void) => {
-    const [used, bound] = [pipeline, group];
-    commands.push({
-      stage: stageNameOf(used),
-      slowestMs: 0,
-      encode: (encoder, part) => {
-        const isFirst = (part?.first ?? 0) === 0;
-        const attachments = [...descriptor.colorAttachments];
-        const pass = encoder.beginRenderPass({
-          ...descriptor,
-          colorAttachments: isFirst ? attachments : attachments.map((each) => each && kept(each)),
-          timestampWrites: stampsOf(descriptor.timestampWrites, isFirst, part?.isLast ?? true),
-        });
-        pass.setPipeline(used);
-        pass.setBindGroup(0, bound);
-        draw(pass, part);
+        run(pass, part);
         pass.end();
       },
     });
@@ -115,15 +92,21 @@ function renderPass(commands: FrameCommand[], descriptor: GPURenderPassDescripto
     setBindGroup: (_: number, next: GPUBindGroup | null | undefined) => {
       group = next;
     },
-    draw: (vertices: number) => add((target) => target.draw(vertices)),
+    dispatchWorkgroups: (x: number, y = 1, z = 1) =>
+      add(x * y * z, (pass, part) =>
+        pass.dispatchWorkgroups(...(part ? dispatchSize(part.count, dispatchRow) : ([x, y, z] as const))),
+      ),
+    dispatchWorkgroupsIndirect: (...where: [GPUBuffer, number]) =>
+      add(INDIRECT_WORKGROUPS, (pass) => pass.dispatchWorkgroupsIndirect(...where)),
+    draw: (vertices: number) => add(0, (pass) => pass.draw(vertices)),
     drawIndirect: (...where: [GPUBuffer, number]) =>
-      add((target, part) => {
-        if (!part) target.drawIndirect(...where);
+      add(0, (pass, part) => {
+        if (!part) pass.drawIndirect(...where);
         // Dawn warns of draws of nothing; the pass alone may clear its target.
-        else if (part.count > 0) target.draw(4, part.count, 0, part.first);
+        else if (part.count > 0) pass.draw(4, part.count, 0, part.first);
       }),
-    end: () => {},
-  } as unknown as GPURenderPassEncoder;
+    end: () => commands.push(...own),
+  } as unknown as Pass;
 }
 
 function kept(attachment: GPURenderPassColorAttachment): GPURenderPassColorAttachment {
