@@ -4,7 +4,6 @@ import { roundUp } from '../layout/gpu-struct.ts';
 import { pagesOf, UNIFORM_ALIGNMENT } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
-import { writeEffectUniforms } from './frame-uniforms.ts';
 import { SelectionBits } from './selection-bits.ts';
 
 /** Parameters and selections of the effects of a frame's clouds; holds nothing if no effect takes any. */
@@ -48,7 +47,8 @@ export class EffectBuffers {
     if (this.#parameters) {
       const { size } = this.#parameters;
       if (this.#contents.length !== size) this.#contents = new Uint8Array(size);
-      writeEffectUniforms(plan, this.#strideBytes, this.#contents);
+      for (const [i, { parameters }] of plan.clouds.entries())
+        this.#contents.set(parameters, i * this.#strideBytes);
       this.#queue.writeBuffer(this.#parameters, 0, this.#contents);
     }
     this.#selections.write(plan.clouds);

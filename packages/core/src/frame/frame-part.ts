@@ -7,7 +7,7 @@ import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
 /** Buffers that one part holds and stages of other parts bind, by their names in those stages. */
-export interface SharedBuffers extends CullingBuffers {
+export interface SharedBuffers {
   readonly view: GPUBuffer;
   readonly pageUniforms: GPUBuffer;
   readonly records: GPUBuffer;
@@ -26,10 +26,7 @@ export interface SharedBuffers extends CullingBuffers {
   readonly tileMasks: GPUBuffer;
   /** Records of the pairs, by bin and front to back. */
   readonly sortedRecords: GPUBuffer;
-}
-
-/** Those that finding the visible splats takes, which views that take their order find there. */
-interface CullingBuffers {
+  /** Those that finding the visible splats takes. */
   readonly cullParameters: GPUBuffer;
   readonly chunkCount: GPUBuffer;
   readonly chunkOffsets: GPUBuffer;
@@ -152,7 +149,7 @@ export interface FramePart<R extends Recording = Recording> {
 export interface PartClass<R extends Recording = Recording> {
   new (context: PartContext): FramePart<R>;
   /** Stages that frames of this shape run in this part; none if they do not use it. */
-  stages(shape: FrameShape): readonly CompiledStage[];
+  readonly stages: (shape: FrameShape) => readonly CompiledStage[];
 }
 
 /** Sets pipeline and bind group of a compiled compute stage. */

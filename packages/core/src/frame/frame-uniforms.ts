@@ -8,7 +8,7 @@ import type { FramePlan } from './frame-plan.ts';
 /** Returns the contents of a frame's `view` buffer. */
 export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
   const { widthPx, heightPx, focalPx, centerPx, clampX, clampY, near, far } = projection;
-  const contents = View.pack({
+  return View.pack({
     sizePx: [widthPx, heightPx],
     focalPx,
     centerPx,
@@ -21,28 +21,11 @@ export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
     dilationPx2: DILATION_PX2,
     dispatchRow: shape.dispatchRow,
   });
-  return contents;
-}
-
-/**
- * Writes the contents of a frame's `effects` buffer: the parameters of each cloud's effects, `strideBytes` apart.
- *
- * @param contents `strideBytes` per cloud; see `writePageUniforms`.
- */
-export function writeEffectUniforms(
-  { clouds }: FramePlan,
-  strideBytes: number,
-  contents: Uint8Array<ArrayBuffer>,
-): void {
-  for (const [index, { parameters }] of clouds.entries()) {
-    contents.set(parameters, index * strideBytes);
-  }
 }
 
 /** Returns the contents of a frame's `hostDepth` buffer. */
 export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention['mapping']): ArrayBuffer {
-  const contents = HostDepth.pack(depthMapping(camera, mapping));
-  return contents;
+  return HostDepth.pack(depthMapping(camera, mapping));
 }
 
 /**

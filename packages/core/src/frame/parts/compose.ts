@@ -49,9 +49,7 @@ export class Compose implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   /** The last image; null before the first. */
   get image(): EmbeddedImage | null {

@@ -34,9 +34,7 @@ export class Composite implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   fit({ shape }: FramePlan): PartChange | null {
     if (shape.output.kind !== 'canvas' || this.#parameters) return null;

@@ -132,9 +132,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#effects = new EffectBuffers(context.memory, context.device.queue);
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   /** Bytes of one cloud's selection bits. */
   selectionBytes(cloudIndex: number): number {

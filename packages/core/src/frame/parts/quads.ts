@@ -30,9 +30,7 @@ export class Quads implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   fit({ layer, shape }: FramePlan): PartChange | null {
     const { memory } = this.#context;

@@ -2,7 +2,7 @@ import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { TESTED_DEPTH_FORMAT } from '../../stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from '../../stages/resolve-depth.ts';
 import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
-import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
+import { isScaled, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';
 import { depthView, isMultisampled } from '../host-views.ts';
 
@@ -27,9 +27,7 @@ export class ResolveDepth implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   /** Bytes of the copy. */
   get bytes(): number {

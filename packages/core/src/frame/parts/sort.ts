@@ -1,5 +1,4 @@
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
@@ -28,9 +27,7 @@ export class Sort implements FramePart<OrderRecording> {
     this.#memory = context.memory.part();
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   get sort(): RadixSort {
     return this.#held!.sort;

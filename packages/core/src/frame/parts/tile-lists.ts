@@ -104,9 +104,7 @@ export class TileLists implements FramePart<OrderRecording> {
     this.#memory = context.memory.part();
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   /** Bytes of the part's buffers. */
   get bytes(): number {

@@ -35,9 +35,7 @@ export class Tiles implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   bind(): void {
     this.#group.clear();

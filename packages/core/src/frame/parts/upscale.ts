@@ -33,9 +33,7 @@ export class Upscale implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return stagesOf(shape);
-  }
+  static readonly stages = stagesOf;
 
   fit({ request, shape }: FramePlan): PartChange | null {
     const { memory, shared } = this.#context;
