@@ -37,7 +37,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
         a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
         cloud.version === other.version &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
-        isSameUses(usesThat(cloud, changeOrder), usesThat(other, changeOrder))
+        isSameUses(cloud, other, changesOrder)
       );
     })
   );
@@ -49,29 +49,24 @@ export function isSameColors(a: readonly CloudPlan[], b: readonly CloudPlan[]): 
     const other = b[i];
     return (
       (cloud.instance.shDegree ?? 3) === (other.instance.shDegree ?? 3) &&
-      isSameUses(usesThat(cloud, changeColors), usesThat(other, changeColors))
+      isSameUses(cloud, other, (planned) => !changesOrder(planned))
     );
   });
 }
 
-function changeOrder({ use }: PlannedUse): boolean {
+function changesOrder({ use }: PlannedUse): boolean {
   const { splat, opacity } = use.effect.hooks;
   return splat !== undefined || opacity !== undefined;
 }
 
-function changeColors(planned: PlannedUse): boolean {
-  return !changeOrder(planned);
-}
-
-function usesThat({ uses }: CloudPlan, change: (planned: PlannedUse) => boolean): readonly PlannedUse[] {
-  return uses.length === 0 ? uses : uses.filter(change);
-}
-
-function isSameUses(a: readonly PlannedUse[], b: readonly PlannedUse[]): boolean {
+/** Whether those effects of both clouds are the same that `counts` picks. */
+function isSameUses(a: CloudPlan, b: CloudPlan, counts: (planned: PlannedUse) => boolean): boolean {
+  if (a.uses.length + b.uses.length === 0) return true;
+  const [own, others] = [a.uses.filter(counts), b.uses.filter(counts)];
   return (
-    a.length === b.length &&
-    a.every(({ use, values, selectionVersion }, i) => {
-      const other = b[i];
+    own.length === others.length &&
+    own.every(({ use, values, selectionVersion }, i) => {
+      const other = others[i];
       return (
         use.effect === other.use.effect &&
         selectionVersion === other.selectionVersion &&
