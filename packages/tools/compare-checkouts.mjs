@@ -1,123 +1,133 @@
-// `npm run compare-checkouts -- A B`: whether two checkouts of this repository draw the same images, bit by bit. The cases are
-// those of the checkout that this runs from; only the built packages of A and B are used.
-import { spawn } from 'node:child_process';
-import { mkdtempSync, rmSync } from 'node:fs';
+// `npm run compare-checkouts -- A B`: whether two checkouts of this repository draw the same images, bit by bit, and what their
+// frames take. Both run in turns on this machine, so that what else it does meets them alike.
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, realpathSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
-import { describeCheckout, findCheckout } from './checkouts/checkout.mjs';
-import { compareDrawn } from './checkouts/compare-drawn.mjs';
-import { readDrawnFolder } from './checkouts/drawn-folder.mjs';
+import { compareImages, timeRatios } from './compare-results.mjs';
 
-const USAGE = `npm run compare-checkouts -- A B [OPTION…]
-  A, B            folders with built packages (npm run build); node_modules and .git are not needed with --dawn
-  --cases NAMES   only these, separated by commas: groups (effects) or cases (effects/fog)
-  --size WxH      size of the images, px; default 96x64
-  --playbot FILE  a captured scene to draw, too
-  --dawn FILE     the dawn.node of npm's webgpu, for folders without node_modules
-  --keep DIR      keep the images there, raw float32, in a and b
-Ends with 0 where all is identical, 1 where anything differs, fails or is missing, 2 where it could not be compared.`;
+const USAGE = `npm run compare-checkouts -- A B [--keep DIR] [render SCENE … --camera CAM.json --size WxH [OPTION…]]
+npm run compare-checkouts -- A B [--rounds N] bench SCENE|--synthetic N [OPTION…]
+  A, B          folders of this repository with their packages (npm ci)
+  render, bench commands of websplatter with their options, run in both; without a command, every effect, preset and
+                setting and sheared clouds are drawn
+  --keep DIR    keeps the images there, raw float32, in a and b
+  --rounds N    how often each is measured; default 6
+Ends with 0 where all images are identical, 1 where any differs, 2 where nothing could be compared.`;
 
-const DRAW_CASES = fileURLToPath(new URL('checkouts/draw-cases.mjs', import.meta.url));
+const DRAW_CASES = fileURLToPath(new URL('draw-cases.mjs', import.meta.url));
 
-const options = readOptions();
-const into = options.keep ?? mkdtempSync(join(tmpdir(), 'websplatter-compare-'));
-if (!options.keep) process.on('exit', () => rmSync(into, { recursive: true, force: true }));
-
-const drawn = [];
-for (const [i, { path, folder }] of options.checkouts.entries()) {
-  const letter = 'AB'[i];
-  console.log(`${letter}: ${path}, ${describeCheckout({ folder })}`);
-  const target = join(into, letter.toLowerCase());
-  const startMs = performance.now();
-  // One after the other: two at a time would share one GPU, or the cores that stand in for it.
-  await draw({ ...options.drawing, folder, into: target }).catch((error) =>
-    stop(`${path}: ${error.message}`),
-  );
-  drawn.push(readDrawnFolder(target));
-  const seconds = ((performance.now() - startMs) / 1000).toFixed(0);
-  console.log(`   drawn in ${seconds} s on ${drawn[i].adapter}, Node ${drawn[i].node}`);
+try {
+  process.exitCode = main(process.argv.slice(2));
+} catch (error) {
+  console.error(error.message);
+  process.exitCode = 2;
 }
-const [a, b] = drawn;
-if (a.adapter !== b.adapter) stop(`The adapters differ: ${a.adapter} and ${b.adapter}.`);
-const rows = compareDrawn(a.outputs, b.outputs);
-if (rows.length === 0) stop(`There are no cases named ${options.drawing.names.join(', ')}.`);
-printTable(rows);
-printNotes(a.notes, b.notes);
-const wrong = rows.filter(({ isSame }) => !isSame).length;
-const skipped = rows.filter(({ finding }) => finding.startsWith('skipped')).length;
-const of = `${rows.length} outputs${skipped > 0 ? `, ${skipped} of them skipped` : ''}`;
-console.log(wrong === 0 ? `\nIdentical: ${of}.` : `\nNOT identical: ${wrong} of ${of}.`);
-process.exit(wrong === 0 ? 0 : 1);
 
-function readOptions() {
+function main(args) {
+  const at = args.findIndex((arg) => arg === 'render' || arg === 'bench');
+  const [own, command] = at < 0 ? [args, []] : [args.slice(0, at), args.slice(at)];
+  const { checkouts, keep, rounds } = readOptions(own);
+  for (const [i, folder] of checkouts.entries()) console.log(`${'AB'[i]}: ${folder}, ${commitOf(folder)}`);
+  return command[0] === 'bench'
+    ? compareTimes(checkouts, command, rounds)
+    : comparePictures(checkouts, command, keep);
+}
+
+function readOptions(args) {
   try {
     const string = { type: 'string' };
-    const { values, positionals } = parseArgs({
-      allowPositionals: true,
-      options: {
-        cases: { type: 'string', multiple: true, default: [] },
-        size: { type: 'string', default: '96x64' },
-        playbot: string,
-        dawn: string,
-        keep: string,
-      },
-    });
-    if (positionals.length !== 2)
-      throw new Error(`Two folders are to be compared; there are ${positionals.length}.`);
-    const [, width, height] = /^(\d+)x(\d+)$/.exec(values.size) ?? [];
-    // Some cases draw a few pixels less than this.
-    if (!(width >= 32 && height >= 32)) throw new Error(`--size is ${values.size}; give WxH, from 32x32 on.`);
-    const checkouts = positionals.map(findCheckout);
-    return {
-      checkouts,
-      keep: values.keep && resolve(values.keep),
-      drawing: {
-        names: values.cases.flatMap((names) => names.split(',')).filter(Boolean),
-        size: { widthPx: Number(width), heightPx: Number(height) },
-        dawn: values.dawn ? resolve(values.dawn) : null,
-        // One file for both.
-        playbot: values.playbot ? resolve(values.playbot) : null,
-      },
-    };
+    const options = { keep: string, rounds: { ...string, default: '6' } };
+    const { values, positionals } = parseArgs({ args, options, allowPositionals: true });
+    if (positionals.length !== 2) throw new Error(`Give two folders; there are ${positionals.length}.`);
+    const rounds = Number(values.rounds);
+    if (!(Number.isInteger(rounds) && rounds >= 1))
+      throw new Error(`--rounds is ${values.rounds}; give a whole number from 1 on.`);
+    return { checkouts: positionals.map(findCheckout), keep: values.keep && resolve(values.keep), rounds };
   } catch (error) {
-    return stop(`${error.message}\n${USAGE}`);
+    throw new Error(`${error.message}\n${USAGE}`);
   }
 }
 
-function draw(drawing) {
-  const child = spawn(process.execPath, [DRAW_CASES, JSON.stringify(drawing)], {
-    stdio: ['ignore', 'inherit', 'inherit'],
+/** The real path of a checkout, whose packages are built. */
+function findCheckout(path) {
+  const folder = existsSync(path) ? realpathSync(path) : resolve(path);
+  const linked = join(folder, 'node_modules/@websplatter/core');
+  // Borrowed node_modules would run the packages of the checkout that they belong to.
+  if (!existsSync(linked) || realpathSync(linked) !== join(folder, 'packages/core'))
+    throw new Error(`${linked} does not lead to packages/core of that checkout: run npm ci there first.`);
+  // Copies of what is built have no tools.
+  const build = join(folder, 'packages/tools/build.mjs');
+  if (existsSync(build)) execFileSync(process.execPath, [build, '--packages'], { stdio: 'inherit' });
+  return folder;
+}
+
+function commitOf(cwd) {
+  const git = (...args) => execFileSync('git', args, { cwd, encoding: 'utf8', stdio: 'pipe' }).trim();
+  try {
+    const isChanged = git('status', '--porcelain', '--untracked-files=no') !== '';
+    return `${git('rev-parse', '--short=12', 'HEAD')}${isChanged ? '+changes' : ''}`;
+  } catch {
+    return 'no commit';
+  }
+}
+
+function websplatter(folder, args) {
+  const bin = join(folder, 'packages/cli/bin/websplatter.js');
+  return execFileSync(process.execPath, [bin, ...args], {
+    encoding: 'utf8',
+    maxBuffer: 2 ** 28,
+    // What it says of its progress is part of an error alone.
+    stdio: 'pipe',
   });
-  return new Promise((resolve, reject) => {
-    child.once('error', reject);
-    child.once('exit', (status, signal) => {
-      if (status === 0) resolve();
-      else reject(new Error(`drawing ended with ${signal ?? `status ${status}`}.`));
+}
+
+function comparePictures(checkouts, command, keep) {
+  const into = keep ?? mkdtempSync(join(tmpdir(), 'websplatter-compare-'));
+  try {
+    const drawn = checkouts.map((checkout, i) => {
+      const folder = join(into, 'ab'[i]);
+      mkdirSync(folder, { recursive: true });
+      if (command.length > 0) websplatter(checkout, [...command, '--raw', join(folder, 'image.f32')]);
+      else execFileSync(process.execPath, [DRAW_CASES, checkout, folder], { stdio: 'inherit' });
+      return folder;
     });
-  });
-}
-
-function printTable(rows) {
-  const nameWidth = Math.max(...rows.map(({ name }) => name.length));
-  for (const { name, size, finding, largest, psnrDb } of rows) {
-    const amount =
-      largest === undefined ? '' : `, by at most ${largest.toPrecision(3)}, PSNR ${psnrDb.toFixed(1)} dB`;
-    console.log(`${name.padEnd(nameWidth)}  ${size.padStart(7)}  ${finding}${amount}`);
+    const names = [...new Set(drawn.flatMap((folder) => readdirSync(folder)))].sort();
+    const rows = names.map((name) => ({
+      name,
+      ...compareImages(...drawn.map((folder) => readImage(folder, name))),
+    }));
+    for (const { name, finding } of rows) console.log(`${name}  ${finding}`);
+    const wrong = rows.filter(({ isSame }) => !isSame).length;
+    console.log(
+      wrong === 0
+        ? `\nIdentical: ${rows.length} images.`
+        : `\nNOT identical: ${wrong} of ${rows.length} images.`,
+    );
+    return wrong === 0 ? 0 : 1;
+  } finally {
+    if (!keep) rmSync(into, { recursive: true, force: true });
   }
 }
 
-/** Those that differ: they may. */
-function printNotes(notesA, notesB) {
-  const inB = new Map(notesB.map(({ name, value }) => [name, JSON.stringify(value)]));
-  for (const { name, value } of notesA) {
-    const [textA, textB] = [JSON.stringify(value), inB.get(name)];
-    if (textA !== textB) console.log(`note: ${name}: ${textA} → ${textB}`);
-  }
+/** Null where it was not drawn. */
+function readImage(folder, name) {
+  const file = join(folder, name);
+  return existsSync(file) ? new Float32Array(Uint8Array.from(readFileSync(file)).buffer) : null;
 }
 
-function stop(message) {
-  console.error(message);
-  process.exit(2);
+function compareTimes(checkouts, command, rounds) {
+  const measured = checkouts.map(() => []);
+  for (let round = 0; round < rounds; round++) {
+    // Forwards and back: a machine that slows down meets both alike.
+    for (const i of round % 2 === 0 ? [0, 1] : [1, 0])
+      measured[i].push(JSON.parse(websplatter(checkouts[i], [...command, '--json'])).measurement);
+  }
+  console.log(
+    `${measured[0][0].adapter}; ${rounds} rounds in turns; ms, medians of the rounds, and B beside A\n`,
+  );
+  for (const line of timeRatios(...measured)) console.log(line);
+  return 0;
 }

@@ -1,0 +1,72 @@
+/**
+ * Compares two images, bit by bit: −0 is not 0, and a NaN is another NaN only where its bits are others.
+ *
+ * @param a, b Float32Array, or null where there is none.
+ * @returns whether all is well, and in words what was found.
+ */
+export function compareImages(a, b) {
+  const differs = (finding) => ({ isSame: false, finding });
+  if (!a || !b) return differs(`missing in ${a ? 'B' : 'A'}`);
+  if (a.length !== b.length) return differs(`${a.length} and ${b.length} values`);
+  // Two images without anything in them prove nothing.
+  if ([a, b].every((values) => values.every((value) => value === values[0])))
+    return differs('blank in A and B');
+  const [bitsA, bitsB] = [a, b].map(({ buffer }) => new Uint32Array(buffer));
+  let differing = 0;
+  let largest = 0;
+  let squares = 0;
+  for (let i = 0; i < bitsA.length; i++) {
+    if (bitsA[i] === bitsB[i]) continue;
+    differing++;
+    const difference = Math.abs(a[i] - b[i]);
+    // NaN, or infinite: as far apart as can be.
+    largest = Math.max(largest, Number.isNaN(difference) ? Number.POSITIVE_INFINITY : difference);
+    squares += difference * difference;
+  }
+  if (differing === 0) return { isSame: true, finding: 'identical' };
+  const psnrDb = -10 * Math.log10(squares / bitsA.length);
+  const amount = `by at most ${largest.toPrecision(3)}, PSNR ${psnrDb.toFixed(1)} dB`;
+  return differs(`${differing} of ${bitsA.length} values differ, ${amount}`);
+}
+
+/**
+ * Compares the times of two checkouts: a line for each stage, each pass and whole frames.
+ *
+ * @param a, b `FrameMeasurement`s, one per round; each of A was made next to that of B in the same round.
+ */
+export function timeRatios(a, b) {
+  const [first, second] = [a, b].map((rounds) => rounds.map(spreadsOf));
+  const names = Object.keys(first[0]).filter((name) => second[0][name]);
+  const width = Math.max(...names.map((name) => name.length));
+  return names.map((name) => {
+    const cells = ['median', 'p99'].map((figure) => {
+      const [timesA, timesB] = [first, second].map((rounds) =>
+        rounds.map((spreads) => spreads[name][figure]),
+      );
+      const ratios = timesA.map((time, round) => timesB[round] / time).sort((x, y) => x - y);
+      const times = `${middleOf(timesA).toFixed(3)} → ${middleOf(timesB).toFixed(3)}`;
+      const [middle, least, most] = [middleOf(ratios), ratios[0], ratios.at(-1)].map((ratio) =>
+        ratio.toFixed(3),
+      );
+      return `${figure} ${times} ×${middle} (${least}–${most})`;
+    });
+    return `${name.padEnd(width)}  ${cells.join('  ')}`;
+  });
+}
+
+/** Spreads of times by name; of a pass that is there twice, the last. */
+function spreadsOf({ stageMs, gpuMs, wallClockMs, passes }) {
+  const named = (passes ?? []).map(({ part, stage, timeMs }) => [`${part}: ${stage}`, timeMs]);
+  return {
+    ...stageMs,
+    ...(gpuMs && { 'frame, GPU': gpuMs }),
+    'frame, wall clock': wallClockMs,
+    ...Object.fromEntries(named),
+  };
+}
+
+function middleOf(values) {
+  const sorted = values.toSorted((x, y) => x - y);
+  const middle = (sorted.length - 1) / 2;
+  return (sorted[Math.floor(middle)] + sorted[Math.ceil(middle)]) / 2;
+}
