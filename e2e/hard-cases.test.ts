@@ -1,9 +1,8 @@
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
-import { afterAll, describe, expect, it } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart } from './screenshot.ts';
-import { type AppServer, startAppServer } from './server.ts';
 import {
   drawnCamera,
   redraw,
@@ -12,7 +11,6 @@ import {
   viewerHarness,
   viewerScreenshot,
   waitForScene,
-  waitForState,
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
@@ -120,54 +118,5 @@ describe('hard cases', () => {
     const page = await harness.open(`?scene=hard:${refused.name}`, SMALL);
     await waitForScene(page, refused.name, 'error');
     expect(await textOf(page, 'error-message')).toContain(refused.name);
-  });
-});
-
-describe('the page that runs hard cases in any browser', () => {
-  let server: AppServer | undefined;
-  afterAll(() => server?.close());
-
-  it('runs those of its address, gives a report to copy, stops, and refuses names that no case has', async () => {
-    server = await startAppServer('apps/conformance');
-    const page = await harness.newPage();
-    await page.goto(`${server.url}?cases=scale-unti,sort-0-keys`);
-    await waitForState(page, 'failed');
-    const outcome = page.locator('#outcome');
-    expect(await outcome.textContent()).toBe('There is no hard case “scale-unti”.');
-    expect(await page.locator('#run').getAttribute('aria-disabled')).toBe('true');
-
-    await page.goto(`${server.url}?cases=sort-0-keys,input-truncated`);
-    await page.click('#run');
-    await waitForState(page, 'done');
-    const headline = `2 of 2 chosen hard cases (${HARD_CASES.length} in all) pass`;
-    expect(await outcome.textContent()).toBe(`${headline}.`);
-    const report = (await page.locator('#report-text').textContent()) ?? '';
-    expect(report).toContain(`WebSplatter: ${headline}\n`);
-    await expect.poll(() => page.evaluate(() => document.activeElement?.id)).toBe('result-heading');
-
-    const copied = page.locator('#copied');
-    await page.evaluate(() => {
-      let allows = true;
-      navigator.clipboard.writeText = async () => {
-        if (!allows) throw new DOMException('Write permission denied.', 'NotAllowedError');
-        allows = false;
-      };
-    });
-    await page.click('#copy-text');
-    await expect.poll(() => copied.textContent()).toBe('Copied');
-    await page.click('#copy-json');
-    await expect.poll(() => copied.textContent()).toContain('copy the selected text');
-    expect(JSON.parse(await page.evaluate(() => String(getSelection())))).toMatchObject({ casesChosen: 2 });
-
-    const atStart = await page.evaluate(() => {
-      document.getElementById('run')!.click();
-      document.getElementById('stop')!.click();
-      return [document.getElementById('result')!.hidden, 'report' in window];
-    });
-    expect(atStart).toEqual([true, false]);
-    await waitForState(page, 'done');
-    expect(await outcome.textContent()).toBe(
-      `0 of 0 chosen hard cases (${HARD_CASES.length} in all, stopped before 2 more) pass.`,
-    );
   });
 });

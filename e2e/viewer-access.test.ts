@@ -1,14 +1,11 @@
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { encodePly } from '@websplatter/core';
-import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { AXE, expectAccessible } from './accessible.ts';
 import { testScene } from './test-scene.ts';
 import { CHEAP, dropFiles, textOf, viewerHarness, waitForScene, waitForState } from './viewer-page.ts';
 
 const harness = viewerHarness();
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 const WIDE = { viewport: { width: 900, height: 600 } };
 const PHONE = { viewport: { width: 360, height: 640 } };
@@ -19,23 +16,6 @@ const MODES = [
   ['pixel-cost', 'map-notes'],
   ['contribution', 'map-notes'],
 ] as const;
-
-/** What axe-core finds wrong with the page as it is, in words. */
-async function violations(page: Page): Promise<string[]> {
-  const { violations: found } = await page.evaluate(() => {
-    const { axe } = window as unknown as { axe: { run: (options: object) => Promise<AxeResults> } };
-    return axe.run({ resultTypes: ['violations'] });
-  });
-  return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
-}
-
-/** Expects no violation in the light and in the dark theme. */
-async function expectAccessible(page: Page, state: string): Promise<void> {
-  for (const colorScheme of ['light', 'dark'] as const) {
-    await page.emulateMedia({ colorScheme });
-    expect(await violations(page), `${state}, ${colorScheme}`).toEqual([]);
-  }
-}
 
 async function openPanel(page: Page, key: string, testId: string): Promise<void> {
   await page.keyboard.press(key);
@@ -162,8 +142,6 @@ describe('the pages beside the viewer', () => {
   it.each([
     ['a hard case', '?scene=hard&case=scale-zero-all', 'case-legend'],
     ['the gallery of hard cases', '?scene=hard&q=truncated', 'gallery'],
-    ['the hard cases on a device', '?conformance&cases=scale-unti', 'conformance-failure'],
-    ['the benchmark', '?bench&size=9', 'bench-failure'],
   ])('have nothing that axe-core finds wrong: %s', async (name, address, testId) => {
     const page = await harness.openShared(address);
     await page.getByTestId(testId).waitFor();

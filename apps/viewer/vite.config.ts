@@ -1,24 +1,25 @@
 import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
-import { defaultClientConditions, defineConfig, normalizePath, type Plugin, type Rolldown } from 'vite';
+import {
+  createServer,
+  defaultClientConditions,
+  defineConfig,
+  normalizePath,
+  type Plugin,
+  type Rolldown,
+} from 'vite';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
-import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
 /** Apart from the page's own scripts, so that those can be counted. */
 const WORKERS = 'assets/workers';
 
-/** What chooses a page, the page of the viewer, and those in its place. */
+/** What chooses a page, the page of the viewer, and the gallery in its place. */
 const CHOICE = 'src/main.ts';
 const VIEWER = 'src/viewer-page.tsx';
-const LONE_PAGES = [
-  'src/lone-pages.tsx',
-  'src/bench/bench-page.tsx',
-  'src/conformance/conformance-page.tsx',
-  'src/hard-cases/hard-case-pages.tsx',
-];
-/** The script of what the viewer and another page begin with. */
+const GALLERY = ['src/gallery-page.tsx', 'src/hard-cases/hard-case-pages.tsx'];
+/** The script of what the viewer and the gallery begin with. */
 const SHARED = 'shared';
 const CORE = '../../packages/core';
 /** The script of the engine, which is needed as soon as there is a GPU: its name, and its first module. */
@@ -34,10 +35,9 @@ export default defineConfig({
   // Works below any path of a web server.
   base: './',
   // The development server shows shaders as they were written.
-  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin, preloadScripts()],
+  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin, preloadScripts(), serveLab()],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
-  define: { ...definedBuildFacts() },
   worker: {
     format: 'es',
     rolldownOptions: {
@@ -89,7 +89,7 @@ function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null
   if (begins(CHOICE).has(id)) return null;
   const isEarly = begins(VIEWER).has(id) && !isOnlyPacking(id, begins);
   if (!isEarly) return begins(ENGINE_ITSELF).has(id) ? ENGINE : null;
-  return LONE_PAGES.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
+  return GALLERY.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
 }
 
 function isOnlyPacking(id: string, begins: (file: string) => ReadonlySet<string>): boolean {
@@ -110,6 +110,28 @@ function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<
     for (const imported of graph.getModuleInfo(each)?.importedIds ?? []) all.add(imported);
   needed.set(id, all);
   return all;
+}
+
+/** Serves the lab beside the viewer while both are edited, as the build lays it there. */
+function serveLab(): Plugin {
+  return {
+    name: 'viewer:serve-lab',
+    apply: 'serve',
+    async configureServer({ middlewares, httpServer }) {
+      const base = '/lab/';
+      const configFile = fileURLToPath(new URL('../lab/vite.config.ts', import.meta.url));
+      const lab = await createServer({
+        configFile,
+        base,
+        cacheDir: `${repositoryRoot}/node_modules/.vite-lab`,
+        server: { middlewareMode: true, hmr: false },
+      });
+      httpServer?.once('close', () => lab.close());
+      middlewares.use((request, response, next) =>
+        request.url?.startsWith(base) ? lab.middlewares(request, response, next) : next(),
+      );
+    },
+  };
 }
 
 /** Has the browser fetch what every page needs at once, while the first script still chooses a page. */

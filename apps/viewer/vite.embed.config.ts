@@ -9,6 +9,7 @@ import viewer from './vite.config.ts';
 const SMALL_SCENE = createRequire(import.meta.url).resolve('@websplatter/scenes/files/still-life-small.spz');
 
 export default mergeConfig(viewer, {
+  define: { 'import.meta.env.WEBSPLATTER_ALONE': 'true' },
   plugins: [inlineFiles(), onePage()],
   worker: {
     // A classic script needs no address of its own.

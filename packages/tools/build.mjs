@@ -73,8 +73,13 @@ const PACKAGES = [
   },
 ];
 
-/** The viewer is bundled from the sources of these folders. */
-const VIEWER_INPUTS = ['apps/viewer', ...PACKAGES.map(({ name }) => `packages/${name}/src`), 'shaders'];
+/** The viewer and the lab are bundled from the sources of these folders. */
+const VIEWER_INPUTS = [
+  'apps/viewer',
+  'apps/lab',
+  ...PACKAGES.map(({ name }) => `packages/${name}/src`),
+  'shaders',
+];
 
 const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build');
 
@@ -109,14 +114,26 @@ export async function build() {
   }
 }
 
-/** Builds the viewer if it has changed: files for any web server, under any path, and the viewer as one file. */
+/** Builds the viewer if it has changed: files for any web server, under any path, with the lab beside them, and the viewer as one file. */
 async function buildViewer() {
   const hash = hashOf([...TOOLS, ...VIEWER_INPUTS, 'package-lock.json']);
-  if (isBuilt('viewer', hash, ['apps/viewer/dist/index.html', 'apps/viewer/dist/embed.html'])) return;
+  if (
+    isBuilt(
+      'viewer',
+      hash,
+      ['index.html', 'embed.html', 'lab/index.html'].map((file) => `apps/viewer/dist/${file}`),
+    )
+  )
+    return;
   const { build: buildApp } = await import('vite');
   await timeBuild('viewer', hash, async () => {
     for (const config of ['vite.config.ts', 'vite.embed.config.ts'])
       await buildApp({ configFile: join(repositoryRoot, 'apps/viewer', config), logLevel: 'error' });
+    await buildApp({
+      configFile: join(repositoryRoot, 'apps/lab/vite.config.ts'),
+      logLevel: 'error',
+      build: { outDir: join(repositoryRoot, 'apps/viewer/dist/lab'), emptyOutDir: true },
+    });
   });
 }
 

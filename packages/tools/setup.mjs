@@ -22,7 +22,7 @@ function checkNodeVersion() {
  * of which there may be one copy only, such as React and three, are links to the root's.
  */
 export const PROJECTS = {
-  'apps/bench/peers': 'the renderers that the bench compares with',
+  'apps/lab/peers': 'the renderers that the lab compares with',
   'apps/docs': 'what builds the documentation site',
   'apps/examples': 'drei and a physics engine for the examples',
   'e2e/three/oldest': 'the oldest three that is supported',

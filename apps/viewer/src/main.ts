@@ -1,13 +1,16 @@
 // Fetches the code of the page that the address asks for, and of no other.
+import { movedAddress } from './links/lab-address.ts';
 import { asksForGallery } from './scene/addressed-scene.ts';
 import './styles.css';
 
 const query = new URLSearchParams(location.search);
 
 async function showPage(): Promise<void> {
-  if (query.has('bench') || query.has('conformance') || asksForGallery(query)) {
-    const { showLonePage } = await import('./lone-pages.tsx');
-    await showLonePage(query);
+  const moved = movedAddress(query);
+  if (moved) location.replace(moved);
+  else if (asksForGallery(query)) {
+    const { showGallery } = await import('./gallery-page.tsx');
+    await showGallery();
   } else {
     const { showViewer } = await import('./viewer-page.tsx');
     showViewer(query);

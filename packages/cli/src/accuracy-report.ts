@@ -1,5 +1,5 @@
+import { alignedColumns } from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable, TimeSpread } from '@websplatter/core/measure';
-import { alignedColumns } from './text-table.ts';
 
 type Column = readonly [heading: string, cell: (point: AccuracyPoint, table: AccuracyTable) => string];
 

@@ -1,7 +1,7 @@
+import { timeSpread } from '@websplatter/core/measure';
 import { currentCommit, describeMachine } from './machine.ts';
 import type { RenderOptions } from './render-options.ts';
 import type { Rendered } from './rendered.ts';
-import { spreadOf } from './statistics.ts';
 
 const STAGES = ['preprocessMs', 'sortMs', 'rasterizeMs', 'totalMs', 'wallClockMs'] as const;
 
@@ -34,4 +34,11 @@ export function timingsReport(options: RenderOptions, rendered: Rendered) {
     commit: currentCommit(),
     machine: describeMachine(),
   };
+}
+
+function spreadOf(timesMs: readonly number[]) {
+  const measuredMs = timesMs.filter((timeMs) => !Number.isNaN(timeMs));
+  if (measuredMs.length === 0) return null;
+  const { median, p99 } = timeSpread(measuredMs);
+  return { median, p99 };
 }

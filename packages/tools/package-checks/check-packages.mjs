@@ -24,7 +24,7 @@ const VIEWER_LIMITS = { start: 125_000, initial: 180_000, all: 320_000 };
  */
 const VIEWER_APART = [
   'apps/viewer/src/hard-cases/all-cases.ts',
-  'apps/viewer/src/lone-pages.tsx',
+  'apps/viewer/src/gallery-page.tsx',
   'packages/core/src/io/formats/readers.ts',
   'packages/core/src/io/loading/serve-load.ts',
   'packages/core/src/io/loading/read-source.ts',

@@ -58,7 +58,7 @@ test.each(['.', ...Object.keys(PROJECTS)])('the lock of %s has no addresses of a
 test('React, three and Vite are there once: projects apart from the workspaces link to the root’s, in its versions', () => {
   const single = ['react', 'react-dom', 'three', '@types/three', '@react-three/fiber', 'vite'];
   // Their pages are built with a three of their own.
-  const { 'apps/bench/peers': _, 'e2e/three/oldest': __, ...projects } = PROJECTS;
+  const { 'apps/lab/peers': _, 'e2e/three/oldest': __, ...projects } = PROJECTS;
   for (const project of Object.keys(projects)) {
     for (const [path, { link, version }] of Object.entries(lockOf(project).packages)) {
       const name = path.replace(/^(?:\.\.\/)*node_modules\//, '');

@@ -105,34 +105,31 @@ export const PACKAGES: Arrows = {
   three: 'core',
   /** Splats in react-three-fiber. */
   react: 'three core',
-  /** Layout of charts, for the terminal's and the viewer's. */
-  charts: '',
+  /** Charts and tables of what was measured, for the terminal and for pages. */
+  charts: 'core',
   /** The command line. */
   cli: 'charts hardcases node scenes core',
   /** The viewer; nothing imports an app. */
   viewer: 'charts hardcases scenes core',
-  /** The hard cases in any browser, with a report to paste. */
-  conformance: 'hardcases',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** The documentation site, with examples that readers edit. */
   docs: 'react three scenes core',
-  /** This project beside other renderers. */
-  bench: 'three scenes node core tools',
+  /** Hard cases and benchmark in any browser, and this project beside other renderers. */
+  lab: 'charts hardcases three scenes node core tools',
   /** Apps and packages in a browser. */
   e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests) node(tests)',
 };
 
 /** Files that reach into another package by path, and why. All others import what a package exports. */
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
-  'apps/conformance/vite.config.ts': 'asks which version it builds, which no browser runs',
+  'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
   'packages/cli/bin/websplatter.js': 'builds itself where a clone has no build yet',
   'packages/cli/src/machine.ts':
     'names version and commit as the builds of apps do, and is bundled: no package that ships imports tools',
-  'apps/viewer/vite.config.ts':
-    "strips shaders as the packages' build does, and asks which version it builds, both of which no browser runs",
+  'apps/viewer/vite.config.ts': "strips shaders as the packages' build does, which no browser runs",
   'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
   'apps/docs/src/build/kit.ts': "builds the examples' scenes beside what they import; apps export nothing",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core does not export",

@@ -12,11 +12,6 @@ export function caseAddress(name: string): string {
   return `${GALLERY_ADDRESS}&case=${encodeURIComponent(name)}`;
 }
 
-/** The page that runs this case, or all of them, on this device. */
-export function conformanceAddress(name?: string): string {
-  return name === undefined ? '?conformance' : `?conformance&cases=${encodeURIComponent(name)}`;
-}
-
 /** What `?scene=` says to ask for a case. */
 export function hardCaseScene(name: string): string {
   return `${GALLERY_SCENE}:${name}`;

@@ -1,10 +1,11 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type MouseEvent, useEffect, useRef } from 'react';
+import { conformanceAddress } from '../links/lab-address.ts';
 import { Icon } from '../ui/icon.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
 import './case-page.css';
-import { addressOf, caseAddress, conformanceAddress, GALLERY_ADDRESS } from './case-addresses.ts';
+import { addressOf, caseAddress, GALLERY_ADDRESS } from './case-addresses.ts';
 import { groupTitle, hasImage, isOpenable, noteOn } from './catalogue.ts';
 import { RefusedFile } from './refused-file.tsx';
 
@@ -24,6 +25,7 @@ export function CasePage({
   onGo: (name: string | null) => void;
 }) {
   const { name, group, breaks } = hardCase;
+  const conformance = conformanceAddress(name);
   const heading = useRef<HTMLHeadingElement>(null);
   // biome-ignore lint/correctness/useExhaustiveDependencies: another case is another page, which is read from its top.
   useEffect(() => heading.current?.focus(), [name]);
@@ -67,9 +69,11 @@ export function CasePage({
             Open it in the viewer
           </a>
         )}
-        <a className="text-button outlined" href={conformanceAddress(name)}>
-          Run its tests on this device
-        </a>
+        {conformance && (
+          <a className="text-button outlined" href={conformance}>
+            Run its tests on this device
+          </a>
+        )}
       </div>
     </main>
   );

@@ -1,7 +1,7 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
 import { reportFailure } from '../messages/failure-report.ts';
-import { addressOf, caseAddress, conformanceAddress, hardCaseNameIn } from './case-addresses.ts';
+import { addressOf, caseAddress, hardCaseNameIn } from './case-addresses.ts';
 import {
   closestNames,
   filteredCases,
@@ -127,8 +127,6 @@ describe('hard catalogue', () => {
 
   it('makes addresses and reads them', () => {
     expect(caseAddress('a b')).toBe('?scene=hard&case=a%20b');
-    expect(conformanceAddress()).toBe('?conformance');
-    expect(conformanceAddress('a b')).toBe('?conformance&cases=a%20b');
     expect(addressOf('a b')).toBe('?scene=hard:a%20b');
     expect(hardCaseNameIn(new URLSearchParams(addressOf('a b')).get('scene'))).toBe('a b');
     expect(hardCaseNameIn('still-life')).toBeNull();

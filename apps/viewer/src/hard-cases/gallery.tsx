@@ -1,7 +1,8 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
 import { formatCount } from '../formatting/format.ts';
-import { caseAddress, conformanceAddress } from './case-addresses.ts';
+import { conformanceAddress } from '../links/lab-address.ts';
+import { caseAddress } from './case-addresses.ts';
 import type { CaseImages } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
@@ -33,6 +34,7 @@ export function Gallery({
 }) {
   // Read out when typing pauses, not with every letter.
   const count = useDeferredValue(found.length);
+  const conformance = conformanceAddress();
   const page = useRef<HTMLElement>(null);
   const search = useRef<HTMLInputElement>(null);
 
@@ -61,7 +63,7 @@ export function Gallery({
         <h1>Hard cases</h1>
         <p>
           Small scenes that break splat renderers, each with the fault that it provokes. Tests compare every
-          image with float64. <a href={conformanceAddress()}>Run all of them on this device</a>
+          image with float64. {conformance && <a href={conformance}>Run all of them on this device</a>}
         </p>
       </header>
       <search className="gallery-search">

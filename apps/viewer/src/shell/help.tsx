@@ -1,8 +1,8 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import { benchAddress } from '../bench/bench-address.ts';
 import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
 import { GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
+import { benchmarkAddress } from '../links/lab-address.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
 import { COMMANDS } from './commands.ts';
@@ -33,6 +33,7 @@ export function Help({ store }: { store: ViewerStore }) {
     if (isVisible) dialog.current?.showModal();
     else dialog.current?.close();
   }, [isVisible]);
+  const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
   return (
     <dialog
@@ -95,9 +96,13 @@ export function Help({ store }: { store: ViewerStore }) {
           pointing down: U turns them.
         </p>
         <p>
-          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>. How fast this
-          device draws, to be compared with others:{' '}
-          <a href={benchAddress(new URLSearchParams(location.search))}>benchmark</a>.
+          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.
+          {benchmark && (
+            <>
+              {' '}
+              How fast this device draws, to be compared with others: <a href={benchmark}>benchmark</a>.
+            </>
+          )}
         </p>
       </div>
     </dialog>

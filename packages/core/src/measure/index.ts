@@ -25,4 +25,4 @@ export {
 export type { ComparedView, MeasuredEngine, MeasuredView } from './measured-engine.ts';
 export { orbitCameras } from './orbit-cameras.ts';
 export { sampleCameras } from './sample-cameras.ts';
-export type { TimeSpread } from './time-spread.ts';
+export { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';

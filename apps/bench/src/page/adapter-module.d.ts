@@ -1,6 +1,0 @@
-/** The adapter that this page is built for; src/runner/build-pages.ts says which file it is. */
-declare module 'virtual:bench-adapter' {
-  const loadPeer: import('../adapter.ts').LoadPeer;
-  export default loadPeer;
-  export const formats: import('../adapter.ts').PeerFormats | undefined;
-}

@@ -1,0 +1,228 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import {
+  chooseCases,
+  HARD_CASES,
+  type HardCase,
+  type HardCaseReport,
+  type HardCaseResult,
+  jsonReport,
+  runHardCases,
+  textReport,
+} from '@websplatter/hardcases';
+import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react';
+import { BUILD } from '../build.ts';
+import { CellTable, LabPage, Progress, TakeReports, VIEWER } from '../page.tsx';
+import { progressText, referenceDecibels, reportByCase } from './run-words.ts';
+
+declare global {
+  interface Window {
+    /** The newest, for tests and other observers of the page. */
+    report?: HardCaseReport;
+  }
+}
+
+/** The viewer's gallery of hard cases. */
+const GALLERY = `${VIEWER}?scene=hard`;
+
+type RunState =
+  | { readonly kind: 'idle' | 'running' }
+  | { readonly kind: 'done'; readonly report: HardCaseReport }
+  | { readonly kind: 'failed'; readonly message: string };
+
+/**
+ * Runs the hard cases on this device (`?conformance`, or `?conformance&cases=scale-unit,sort-0-keys` for some), and gives a report.
+ * `data-state` of the document tells how far it is.
+ */
+export default function ConformancePage({ query }: { query: URLSearchParams }) {
+  const { cases, problem } = useMemo(() => chosenCases(query.get('cases')), [query]);
+  const [state, setState] = useState<RunState>({ kind: 'idle' });
+  const [results, setResults] = useState<readonly HardCaseResult[]>([]);
+  const running = useRef<AbortController | null>(null);
+  const message = problem ?? (state.kind === 'failed' ? state.message : null);
+  const isRunning = state.kind === 'running';
+
+  const run = async () => {
+    const controller = new AbortController();
+    running.current = controller;
+    delete window.report;
+    setState({ kind: 'running' });
+    setResults([]);
+    try {
+      const report = await runHardCases({
+        gpu: navigator.gpu,
+        cases,
+        place: { program: navigator.userAgent, ...BUILD },
+        onResult: (result) => setResults((before) => [...before, result]),
+        signal: controller.signal,
+      });
+      window.report = report;
+      setState({ kind: 'done', report });
+    } catch (error) {
+      setState({ kind: 'failed', message: error instanceof Error ? error.message : String(error) });
+    }
+    running.current = null;
+  };
+
+  useEffect(() => {
+    document.documentElement.dataset.state = problem ? 'failed' : state.kind;
+  }, [problem, state.kind]);
+  useEffect(() => () => running.current?.abort(), []);
+
+  return (
+    <LabPage
+      name="conformance"
+      title="How this device does"
+      about={
+        <>
+          Runs {countOf(cases)} on your GPU, in this browser: every stage of a frame, for every splat, and
+          every image, drawn by quads and by tiles, against float64. It takes a minute or two; the report says
+          nothing of you but what is on this page. <a href={GALLERY}>All hard cases</a> shows them.
+          {cases.length < HARD_CASES.length && (
+            <>
+              {' '}
+              <a href="?conformance">Choose all {HARD_CASES.length}</a>
+            </>
+          )}
+        </>
+      }
+    >
+      {message !== null && (
+        <p className="failure" role="alert" data-testid="failure">
+          {message}
+        </p>
+      )}
+      {isRunning ? (
+        <Progress label={progressText(results, cases)} done={results.length / cases.length}>
+          <StopButton onStop={() => running.current?.abort()} />
+        </Progress>
+      ) : (
+        problem === null && (
+          <div className="buttons">
+            <button type="button" className="primary" data-testid="run" onClick={() => void run()}>
+              {state.kind === 'idle' ? `Run ${countOf(cases)}` : 'Run again'}
+            </button>
+          </div>
+        )
+      )}
+      {state.kind === 'done' && <Report report={state.report} />}
+      {results.length > 0 && <ResultTable results={results} />}
+    </LabPage>
+  );
+}
+
+function countOf(cases: readonly HardCase[]): string {
+  if (cases.length === HARD_CASES.length) return `all ${cases.length} hard cases`;
+  if (cases.length === 0) return 'hard cases';
+  return cases.length === 1 ? 'one hard case' : `${cases.length} hard cases`;
+}
+
+/** A case that has begun is finished first, which may take a while. */
+function StopButton({ onStop }: { onStop: () => void }) {
+  const [isAsked, setAsked] = useState(false);
+  return (
+    <button
+      type="button"
+      aria-disabled={isAsked}
+      data-testid="stop"
+      onClick={() => {
+        setAsked(true);
+        onStop();
+      }}
+    >
+      {isAsked ? 'Stopping after this case …' : 'Cancel'}
+    </button>
+  );
+}
+
+function Report({ report }: { report: HardCaseReport }) {
+  const heading = useRef<HTMLHeadingElement>(null);
+  useEffect(() => heading.current?.focus(), []);
+  const [headline, ...lines] = textReport(report).replace('WebSplatter: ', '').trimEnd().split('\n');
+  const isGood = report.results.every(({ verdict }) => verdict === 'pass');
+  return (
+    <section aria-labelledby="headline">
+      <h2 ref={heading} id="headline" tabIndex={-1} className={isGood ? '' : 'bad'} data-testid="headline">
+        {headline}
+      </h2>
+      <pre data-testid="report-text">{lines.join('\n')}</pre>
+      <TakeReports
+        reports={[
+          { format: 'text', text: () => reportByCase(report) },
+          {
+            format: 'JSON',
+            text: () => jsonReport(report),
+            fileName: ['websplatter-hard-cases', report.adapter, report.date],
+          },
+        ]}
+      />
+    </section>
+  );
+}
+
+function ResultTable({ results }: { results: readonly HardCaseResult[] }) {
+  const [isFailedOnly, setFailedOnly] = useState(false);
+  const shown = isFailedOnly ? results.filter(({ verdict }) => verdict === 'fail') : results;
+  return (
+    <section aria-labelledby="case-by-case">
+      <div className="heading">
+        <h2 id="case-by-case">Case by case</h2>
+        <label>
+          <input
+            type="checkbox"
+            checked={isFailedOnly}
+            onChange={(event) => setFailedOnly(event.target.checked)}
+          />{' '}
+          Only what fails
+        </label>
+      </div>
+      <CellTable
+        label="Results"
+        testId="results"
+        rows={[['Case', 'Group', 'Quads, dB', 'Tiles, dB', 'Time, ms', 'Verdict'], ...shown.map(cellsOf)]}
+        wordColumns={2}
+      />
+      {shown.length === 0 && <p className="note">Nothing has failed.</p>}
+    </section>
+  );
+}
+
+function cellsOf(result: HardCaseResult): ReactNode[] {
+  const { name, group, verdict, failures, elapsedMs } = result;
+  const isFailed = verdict === 'fail';
+  return [
+    <>
+      <a href={`${GALLERY}&case=${encodeURIComponent(name)}`}>{name}</a>
+      {failures.map((failure) => (
+        <p key={failure} className="bad">
+          {failure}
+        </p>
+      ))}
+    </>,
+    group,
+    ...referenceDecibels(result),
+    elapsedMs.toFixed(elapsedMs < 99.95 ? 1 : 0),
+    isFailed ? (
+      <span key="verdict" className="bad">
+        ✕ fails
+      </span>
+    ) : (
+      '✓ passes'
+    ),
+  ];
+}
+
+/** @param names of cases, separated by commas; null for all. */
+function chosenCases(names: string | null): {
+  readonly cases: readonly HardCase[];
+  readonly problem: string | null;
+} {
+  if (!navigator.gpu) {
+    return { cases: HARD_CASES, problem: 'This browser has no WebGPU, or not for this page.' };
+  }
+  try {
+    return { cases: names ? chooseCases(names.split(',')) : HARD_CASES, problem: null };
+  } catch (error) {
+    if (!(error instanceof InvalidArgumentError)) throw error;
+    return { cases: [], problem: error.message };
+  }
+}

@@ -1,0 +1,22 @@
+import { LabPage, PAGES } from './page.tsx';
+
+export default function OverviewPage() {
+  return (
+    <LabPage
+      name={null}
+      title="What this device does"
+      about="Measured here, in this browser; nothing leaves the page."
+    >
+      <ul className="overview">
+        {PAGES.map(({ name, title, about }) => (
+          <li key={name}>
+            <h2>
+              <a href={`?${name}`}>{title}</a>
+            </h2>
+            <p>{about}</p>
+          </li>
+        ))}
+      </ul>
+    </LabPage>
+  );
+}

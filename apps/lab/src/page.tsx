@@ -1,0 +1,179 @@
+import { type ReactNode, useRef, useState } from 'react';
+
+/** The viewer, which the lab lies beside. */
+export const VIEWER = '../';
+
+export type PageName = 'conformance' | 'bench' | 'peers';
+
+/** In the address, by `name`. */
+export const PAGES: readonly { readonly name: PageName; readonly title: string; readonly about: string }[] = [
+  {
+    name: 'conformance',
+    title: 'Conformance',
+    about: 'Scenes that break splat renderers, each drawn on this GPU and compared with float64.',
+  },
+  {
+    name: 'bench',
+    title: 'Benchmark',
+    about:
+      'Frames of a scene along the same path, in the same size and with the same settings on every device.',
+  },
+  {
+    name: 'peers',
+    title: 'Other renderers',
+    about: 'This project beside other splat renderers: the same scene, cameras and size, in one browser.',
+  },
+];
+
+/** A page of the lab. */
+export function LabPage(props: {
+  readonly name: PageName | null;
+  readonly title: string;
+  readonly about: ReactNode;
+  readonly children: ReactNode;
+}) {
+  return (
+    <>
+      <nav aria-label="Lab">
+        <a href="./" aria-current={props.name === null ? 'page' : undefined}>
+          WebSplatter lab
+        </a>
+        {PAGES.map(({ name, title }) => (
+          <a key={name} href={`?${name}`} aria-current={name === props.name ? 'page' : undefined}>
+            {title}
+          </a>
+        ))}
+        <a href={VIEWER}>Viewer</a>
+      </nav>
+      <main data-testid={props.name}>
+        <header>
+          <h1>{props.title}</h1>
+          <p>{props.about}</p>
+        </header>
+        {props.children}
+      </main>
+    </>
+  );
+}
+
+/** A table of cells, the heading first, that scrolls by itself; in its first `wordColumns` are words, in the others figures. */
+export function CellTable(props: {
+  readonly label: string;
+  readonly rows: readonly (readonly ReactNode[])[];
+  readonly wordColumns?: number;
+  readonly testId?: string;
+}) {
+  const { label, rows, wordColumns = 1, testId } = props;
+  const [heading, ...body] = rows;
+  const classOf = (column: number) => (column < wordColumns ? 'word' : undefined);
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls by itself must be reachable by keys.
+    <section className="table" tabIndex={0} aria-label={label}>
+      <table data-testid={testId}>
+        <thead>
+          <tr>
+            {heading.map((cell, column) => (
+              // biome-ignore lint/suspicious/noArrayIndexKey: columns do not move.
+              <th key={column} scope="col" className={classOf(column)}>
+                {cell}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {body.map((cells, row) => (
+            // biome-ignore lint/suspicious/noArrayIndexKey: rows do not move.
+            <tr key={row}>
+              {cells.map((cell, column) => {
+                const Cell = column === 0 ? 'th' : 'td';
+                return (
+                  // biome-ignore lint/suspicious/noArrayIndexKey: columns do not move.
+                  <Cell key={column} scope={column === 0 ? 'row' : undefined} className={classOf(column)}>
+                    {cell}
+                  </Cell>
+                );
+              })}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+/** How far something is. */
+export function Progress(props: {
+  readonly label: string;
+  readonly done: number | undefined;
+  readonly children: ReactNode;
+}) {
+  return (
+    <section className="progress" aria-label="Progress">
+      <progress aria-label={props.label} value={props.done} max={1} />
+      <p data-testid="progress">{props.label}</p>
+      {props.children}
+    </section>
+  );
+}
+
+/** A report that a person can take along. */
+export interface TakenReport {
+  /** What it is copied as: `text`, `JSON`. */
+  readonly format: string;
+  readonly text: () => string;
+  /** Where it can be saved too: what the file's name is made of. */
+  readonly fileName?: readonly string[];
+}
+
+/** Buttons that copy reports and save them; where the browser does not let the page copy, shows the text to be copied by hand. */
+export function TakeReports({ reports }: { readonly reports: readonly TakenReport[] }) {
+  const [said, setSaid] = useState('');
+  /** What the browser does not let the page copy. */
+  const [uncopied, setUncopied] = useState('');
+  const area = useRef<HTMLTextAreaElement>(null);
+  const copy = async ({ format, text }: TakenReport) => {
+    const report = text();
+    setUncopied('');
+    try {
+      await navigator.clipboard.writeText(report);
+      setSaid(`Copied as ${format}`);
+    } catch {
+      setSaid('The browser does not let the page copy: copy the selected text');
+      setUncopied(report);
+      requestAnimationFrame(() => area.current?.select());
+    }
+  };
+  return (
+    <div className="buttons">
+      {reports.map((report) => (
+        <button key={report.format} type="button" onClick={() => void copy(report)}>
+          Copy as {report.format}
+        </button>
+      ))}
+      {reports.map(
+        ({ format, text, fileName }) =>
+          fileName && (
+            <button key={format} type="button" onClick={() => save(text(), fileNameOf(fileName))}>
+              Save {format}
+            </button>
+          ),
+      )}
+      <p role="status" data-testid="copied">
+        {said}
+      </p>
+      {uncopied && <textarea ref={area} readOnly rows={8} aria-label="Report" value={uncopied} />}
+    </div>
+  );
+}
+
+/** The name of a JSON file, without what file systems refuse. */
+export function fileNameOf(words: readonly string[]): string {
+  return `${words.join(' ').replaceAll(/[^\p{L}\p{N}]+/gu, '-')}.json`;
+}
+
+function save(text: string, fileName: string): void {
+  const href = URL.createObjectURL(new Blob([text], { type: 'application/json' }));
+  Object.assign(document.createElement('a'), { href, download: fileName }).click();
+  // The browser reads the file in its own time.
+  setTimeout(() => URL.revokeObjectURL(href), 60_000);
+}

@@ -1,0 +1,115 @@
+// A page with one peer. Everything is wrapped before the adapter and the peer's own code run.
+import { ByteLedger } from './byte-ledger.ts';
+import { canvasPicture } from './canvas-picture.ts';
+import { completionOf, type Drawer } from './completion.ts';
+import { DrawnPeer } from './drawn-peer.ts';
+import { watchLongTasks } from './longest-task.ts';
+import { measure } from './measure.ts';
+import type { BenchPage, LoadRequest } from './protocol.ts';
+import { watchWebGl } from './watch-webgl.ts';
+import { watchWebGpu } from './watch-webgpu.ts';
+
+const MAX_PROBLEMS = 12;
+
+const problems: string[] = [];
+const complain = (problem: string) => {
+  if (problems.length < MAX_PROBLEMS) problems.push(problem.slice(0, 400));
+};
+addEventListener('error', ({ message }) => complain(message));
+addEventListener('unhandledrejection', ({ reason }) => complain(String(reason?.stack ?? reason)));
+
+const ledger = new ByteLedger();
+const webgpu = watchWebGpu(ledger, complain);
+watchWebGl(ledger);
+const { default: loadPeer, formats = ['ply'] } = await import('virtual:peer-adapter');
+
+let drawn: DrawnPeer | undefined;
+
+const page: BenchPage = {
+  formats: () => formats,
+  async load(request) {
+    const canvas = canvasOf(request);
+    const file = request.url === null ? droppedFile() : null;
+    const url = file ? URL.createObjectURL(file) : request.url!;
+    let firstSplats: Promise<number> | undefined;
+    const longestTask = watchLongTasks();
+    const startedMs = performance.now();
+    const sinceStartMs = () => performance.now() - startedMs;
+    const peer = await loadPeer({
+      canvas,
+      url,
+      fileName: request.fileName,
+      file,
+      camera: request.camera,
+      options: new URLSearchParams(location.search),
+      shown: () => {
+        // Waits in the way that takes nothing from the thread, which has a scene to load.
+        firstSplats ??= Promise.resolve(completionOf(drawerOf(canvas), 'done')()).then(sinceStartMs);
+      },
+    });
+    peer.setCamera(request.camera);
+    await peer.order?.();
+    // Some set up the canvas with their first frame, which is when it shows by what they draw.
+    await peer.draw();
+    const drawer = drawerOf(canvas);
+    drawn = new DrawnPeer(peer, canvas, drawer, completionOf(drawer, request.wait));
+    await drawn.completion();
+    const loadMs = sinceStartMs();
+    const longestTaskMs = longestTask();
+    const firstSplatsMs = (await firstSplats) ?? loadMs;
+    return { loadMs, firstSplatsMs, longestTaskMs, api: drawer.api, note: peer.note };
+  },
+  async measure(request) {
+    return measure(loaded(), request);
+  },
+  async pictures(cameras) {
+    const pictures = [];
+    for (const camera of cameras) {
+      await loaded().correctFrame(camera);
+      pictures.push(await canvasPicture(loaded(), webgpu, camera.name));
+    }
+    return pictures;
+  },
+  state: () => ({
+    gpuBytes: ledger.bytes,
+    gpuPeakBytes: ledger.peakBytes,
+    adapter: drawn?.drawer.api === 'webgl2' ? rendererOf(drawn.drawer.gl) : webgpu.adapter(),
+    figures: drawn?.peer.figures?.() ?? {},
+    problems,
+  }),
+};
+Object.assign(window, { bench: page });
+
+function canvasOf({ widthPx, heightPx }: LoadRequest): HTMLCanvasElement {
+  const canvas = document.createElement('canvas');
+  canvas.width = widthPx;
+  canvas.height = heightPx;
+  canvas.style.width = `${widthPx}px`;
+  canvas.style.height = `${heightPx}px`;
+  document.body.append(canvas);
+  return canvas;
+}
+
+function droppedFile(): File {
+  const file = document.querySelector('input')?.files?.[0];
+  if (!file) throw new Error('The page has not been given a file.');
+  return file;
+}
+
+function drawerOf(canvas: HTMLCanvasElement): Drawer {
+  const device = webgpu.deviceOf(canvas);
+  if (device) return { api: 'webgpu', device };
+  const gl = canvas.getContext('webgl2');
+  if (gl) return { api: 'webgl2', gl };
+  throw new Error('The adapter draws neither by WebGPU nor by WebGL 2 to the canvas that it was given.');
+}
+
+function rendererOf(gl: WebGL2RenderingContext): string {
+  const names = gl.getExtension('WEBGL_debug_renderer_info');
+  return gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER);
+}
+
+function loaded(): DrawnPeer {
+  if (!drawn) throw new Error('The page has not loaded a scene.');
+  return drawn;
+}

@@ -1,0 +1,27 @@
+import type { FileDropDecision } from './file-drop/file-drop.ts';
+import { loadHardCases } from './hard-cases/catalogue.ts';
+import { PageFailedPage } from './messages/page-failed-page.tsx';
+import { show } from './shell/show.tsx';
+
+/** Shows the gallery of hard cases in place of the viewer. */
+export async function showGallery(): Promise<void> {
+  document.title = 'Hard cases · WebSplatter';
+  try {
+    const [{ HardCasePages }, cases] = await Promise.all([
+      import('./hard-cases/hard-case-pages.tsx'),
+      loadHardCases(),
+    ]);
+    show(<HardCasePages cases={cases} onOpen={(dropped) => void showDropped(dropped)} />);
+  } catch (error) {
+    console.error(error);
+    show(<PageFailedPage />);
+  }
+}
+
+/** In place of the gallery, which is one step back in the browser's history. */
+async function showDropped(dropped: FileDropDecision): Promise<void> {
+  const { showViewer } = await import('./viewer-page.tsx');
+  history.pushState(null, '', location.pathname);
+  addEventListener('popstate', () => location.reload(), { once: true });
+  showViewer(new URLSearchParams(), dropped);
+}

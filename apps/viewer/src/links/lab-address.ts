@@ -1,0 +1,23 @@
+import { ADDRESS_NAMES } from '../scene/addressed-scene.ts';
+
+/** The lab beside the viewer; null for the viewer as one file, beside which there may be nothing. */
+const LAB: string | null = import.meta.env.WEBSPLATTER_ALONE ? null : 'lab/';
+
+/** What the viewer and the benchmark both read of an address. */
+const SHARED_NAMES: readonly string[] = [...ADDRESS_NAMES, 'scene', 'accuracy'];
+
+/** The benchmark of the scene, and with the accuracy, that the viewer's address asks for; null where there is no lab. */
+export function benchmarkAddress(query: URLSearchParams): string | null {
+  const shared = [...query].filter(([name]) => SHARED_NAMES.includes(name));
+  return LAB && [`${LAB}?bench`, ...(shared.length > 0 ? [new URLSearchParams(shared)] : [])].join('&');
+}
+
+/** The page that runs this case, or all of them, on this device; null where there is no lab. */
+export function conformanceAddress(name?: string): string | null {
+  return LAB && [`${LAB}?conformance`, ...(name ? [`cases=${encodeURIComponent(name)}`] : [])].join('&');
+}
+
+/** Where the lab has a page that the viewer had before, at this query; null for others. */
+export function movedAddress(query: URLSearchParams): string | null {
+  return LAB && (query.has('bench') || query.has('conformance')) ? `${LAB}?${query}` : null;
+}
