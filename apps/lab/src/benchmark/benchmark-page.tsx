@@ -111,7 +111,15 @@ function labelOf({ label, part }: BenchmarkProgress): string {
 function Result({ report }: { report: BenchmarkReport }) {
   const { measurement, scene } = report;
   const { gpuMs, wallClockMs, passes, adapter, copyBytesPerSecond, frames } = measurement;
+  const stages = timeRows(measurement);
   const [[, ...headings], ...times] = timeTable(measurement);
+  const named = times.map(([name, ...cells], row) => [
+    <>
+      {stages[row].stage && <i className={`swatch ${stages[row].stage}`} aria-hidden="true" />}
+      {name}
+    </>,
+    ...cells,
+  ]);
   return (
     <section aria-labelledby="result">
       <h2 id="result">{scene}</h2>
@@ -121,12 +129,12 @@ function Result({ report }: { report: BenchmarkReport }) {
       </p>
       {/* The medians of the stages side by side; the table below has the figures. */}
       <div className="bar" aria-hidden="true">
-        {timeRows(measurement).map(
+        {stages.map(
           ({ stage, spread }) =>
             stage && <i key={stage} className={stage} style={{ flexGrow: spread.median }} />,
         )}
       </div>
-      <CellTable label="Times" testId="times" rows={[[`Of ${frames} frames`, ...headings], ...times]} />
+      <CellTable label="Times" testId="times" rows={[[`Of ${frames} frames`, ...headings], ...named]} />
       <p className="muted">{timeNotes(measurement).join(' ')}</p>
       {passes && (
         <details>

@@ -71,7 +71,7 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
   return (
     <LabPage
       name="conformance"
-      title="How this device does"
+      title="Conformance"
       about={
         <>
           Runs {countOf(cases)} on your GPU, in this browser: every stage of a frame, for every splat, and
@@ -144,7 +144,10 @@ function Report({ report }: { report: HardCaseReport }) {
       <h2 ref={heading} id="headline" tabIndex={-1} className={isGood ? '' : 'bad'} data-testid="headline">
         {headline}
       </h2>
-      <pre data-testid="report-text">{lines.join('\n')}</pre>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls by itself must be reachable by keys. */}
+      <pre tabIndex={0} data-testid="report-text">
+        {lines.join('\n')}
+      </pre>
       <TakeReports
         reports={[
           { format: 'text', text: () => reportByCase(report) },

@@ -61,6 +61,14 @@ export function cameraAxes({ position, target, up }: SceneCamera): {
   return { right, down: cross(forward, right), forward };
 }
 
+/** The matrix from the world to these axes, column-major. */
+export function colmapView(camera: SceneCamera): number[] {
+  const { right, down, forward } = cameraAxes(camera);
+  const axes = [right, down, forward];
+  const shift = axes.map((axis) => -axis.reduce((sum, value, i) => sum + value * camera.position[i], 0));
+  return [...[0, 1, 2].flatMap((i) => [...axes.map((axis) => axis[i]), 0]), ...shift, 1];
+}
+
 /** Resolves in the next task, so that messages of workers are handled in between; unlike timers, without a delay. */
 export function nextTask(): Promise<void> {
   return new Promise((resolve) => {

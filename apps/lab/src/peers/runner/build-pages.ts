@@ -2,10 +2,11 @@ import { existsSync } from 'node:fs';
 import { mkdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { commitOf } from '@websplatter/tools/commit';
 import { build } from 'vite';
 import { BenchError } from './bench-error.ts';
 import { BLANK_PAGE, type BuiltPages, type BuiltPeer } from './built-pages.ts';
-import { type ChosenPeer, choosePeers } from './peer-list.ts';
+import { type ChosenPeer, choosePeers, type PeerSource } from './peer-list.ts';
 
 const labFolder = fileURLToPath(new URL('../../..', import.meta.url));
 const PAGE = 'peer.html';
@@ -25,15 +26,18 @@ export async function buildPages(
   await writeFile(join(folder, BLANK_PAGE), '');
   const subfolders = new Map<string, string>();
   const built = async (peer: ChosenPeer): Promise<BuiltPeer> => {
-    const { name, isFloor, adapterPath, options, packageFile } = peer;
+    const { name, isFloor, adapterPath, options, packageFile, source } = peer;
     if (!existsSync(adapterPath)) throw new BenchError(`--peers: ${adapterPath} does not exist.`);
     if (!subfolders.has(adapterPath)) {
       const subfolder = `page-${subfolders.size}`;
       subfolders.set(adapterPath, subfolder);
       say(`Building the page of ${name} …`);
-      await buildPage(adapterPath, join(folder, subfolder));
+      await buildPage(adapterPath, source, join(folder, subfolder));
     }
-    const version = packageFile && JSON.parse(await readFile(packageFile, 'utf8')).version;
+    // What was unpacked within this working copy has this one's commit.
+    const isClone = source && existsSync(join(source.folder, '.git'));
+    const commitOfClone = (isClone && commitOf(source.folder)?.slice(0, 12)) || null;
+    const version = packageFile ? JSON.parse(await readFile(packageFile, 'utf8')).version : commitOfClone;
     return { name, isFloor, version, page: `${subfolders.get(adapterPath)}/${PAGE}?${options}` };
   };
   const [floor] = choosePeers('floor-webgpu', folder);
@@ -43,13 +47,15 @@ export async function buildPages(
 }
 
 /** Builds the page of one adapter into `outDir`, as it would be shipped. Pages share nothing, so that none carries another's code. */
-async function buildPage(adapterPath: string, outDir: string): Promise<void> {
+async function buildPage(adapterPath: string, source: PeerSource | null, outDir: string): Promise<void> {
+  // Adapters import clones by the first name; some of these import themselves by the second.
+  const aliases = source && { 'peer-source': source.folder, '@': join(source.folder, 'src') };
   await build({
     configFile: false,
     root: labFolder,
     base: './',
     logLevel: 'error',
-    resolve: { alias: { 'virtual:peer-adapter': adapterPath } },
+    resolve: { alias: { 'virtual:peer-adapter': adapterPath, ...aliases } },
     worker: { format: 'es' },
     build: {
       target: 'es2022',

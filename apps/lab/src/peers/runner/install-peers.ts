@@ -9,7 +9,7 @@ export interface PeersInstallation {
 }
 
 /**
- * Installs the packages of those `peers` that have some, unless they are there.
+ * Installs the packages of those `peers` that have some, unless they are there. Clones are made by who compares.
  *
  * @returns the peers that can be measured.
  */
@@ -19,9 +19,11 @@ export function withPackages(
   installs: boolean,
   say: (line: string) => void,
 ): ChosenPeer[] {
-  const onDemand = peers.filter((peer) => peer.isOnDemand);
-  if (onDemand.length === 0 || isInstalled() || (installs && install())) return [...peers];
+  for (const { name, source } of peers) if (source?.lack) say(`${name} is left out: ${source.lack}`);
+  const there = peers.filter(({ source }) => !source?.lack);
+  const onDemand = there.filter((peer) => peer.isOnDemand);
+  if (onDemand.length === 0 || isInstalled() || (installs && install())) return there;
   const names = onDemand.map(({ name }) => name).join(', ');
   say(`Left out, because their packages are not installed: ${names}.`);
-  return peers.filter((peer) => !peer.isOnDemand);
+  return there.filter((peer) => !peer.isOnDemand);
 }

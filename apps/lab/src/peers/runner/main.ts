@@ -1,6 +1,6 @@
 // `npm run bench:peers`, started by packages/tools/bench-peers.mjs.
-import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
+import { commitOf } from '@websplatter/tools/commit';
 import { measurePeers } from './bench.ts';
 import { buildPages } from './build-pages.ts';
 import { type PeersInstallation, withPackages } from './install-peers.ts';
@@ -26,7 +26,7 @@ export function benchPeers(
   const commandLine = { name: 'npm run bench:peers --', args };
   return runCommand(commandLine, async ({ workFolder, say }) => {
     const options = readOptions(args, folder);
-    const chosen = choosePeers(options.peers, folder);
+    const chosen = choosePeers(options.peers, folder, options.sourcesFolder);
     const peers = withPackages(chosen, peersInstallation, options.installs, say);
     const commit = commitOf(repositoryRoot);
     if (options.packFolder) {
@@ -38,16 +38,4 @@ export function benchPeers(
     const setup = { executablePath, commandLine, pages, pagesFolder, workFolder, say };
     return { options, report: await measurePeers(options, pages.peers, setup) };
   });
-}
-
-/** Null outside of git. */
-function commitOf(folder: string): string | null {
-  const git = (...args: string[]) =>
-    execFileSync('git', args, { cwd: folder, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();
-  try {
-    const isChanged = git('status', '--porcelain', '--untracked-files=no') !== '';
-    return `${git('rev-parse', '--short=12', 'HEAD')}${isChanged ? '+changes' : ''}`;
-  } catch {
-    return null;
-  }
 }

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { BenchError } from './bench-error.ts';
 import { readOptions, USAGE } from './options.ts';
-import { PEER_NAMES } from './peer-list.ts';
+import { PEER_NAMES, sourcesFolder } from './peer-list.ts';
 
 describe('the options of the peer bench', () => {
   test('have defaults', () => {
@@ -27,6 +27,7 @@ describe('the options of the peer bench', () => {
       jsonFile: null,
       installs: true,
       packFolder: null,
+      sourcesFolder,
     });
   });
 

@@ -1,7 +1,7 @@
 import { resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 import { BenchError } from './bench-error.ts';
-import { PEER_NAMES } from './peer-list.ts';
+import { PEER_NAMES, sourcesFolder } from './peer-list.ts';
 
 /** Behind the command's name. */
 export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
@@ -29,6 +29,7 @@ export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --json FILE         writes everything that was measured
   --no-install        leaves out peers whose packages are not installed, instead of installing them
   --pack FOLDER       measures nothing, but writes a bench of the peers there that needs only Node and a Chromium
+  --sources FOLDER    has clones of peers that are no packages, by their names; default apps/lab/peers/sources
   --help              prints this`;
 
 export interface SizePx {
@@ -62,6 +63,8 @@ export interface BenchOptions {
   readonly jsonFile: string | null;
   readonly installs: boolean;
   readonly packFolder: string | null;
+  /** Of the clones of peers that are no packages. */
+  readonly sourcesFolder: string;
 }
 
 /**
@@ -98,6 +101,7 @@ export function readOptions(args: readonly string[], folder: string): BenchOptio
     jsonFile: path(values.json),
     installs: !values['no-install'],
     packFolder,
+    sourcesFolder: path(values.sources) ?? sourcesFolder,
   };
 }
 
@@ -126,6 +130,7 @@ function parse(args: readonly string[]) {
         json: { type: 'string' },
         'no-install': { type: 'boolean', default: false },
         pack: { type: 'string' },
+        sources: { type: 'string' },
       },
     }).values;
   } catch (error) {

@@ -4,6 +4,7 @@ import { join } from 'node:path';
 import { SPLAT_FORMATS } from '@websplatter/core/formats';
 import { describe, expect, test } from 'vitest';
 import { BenchError } from './bench-error.ts';
+import { withPackages } from './install-peers.ts';
 import { choosePeers, PEER_NAMES, peersFolder } from './peer-list.ts';
 
 const all = choosePeers('all', '/here');
@@ -57,11 +58,33 @@ describe('peers on the command line', () => {
       options: 'x',
       packageFile: null,
       isOnDemand: false,
+      source: null,
     });
   });
 
+  test('are refused where they are named and their clone is not there, with what to put where', () => {
+    const choose = () => choosePeers('antimatter15', '/here', '/clones');
+    expect(choose).toThrow(BenchError);
+    expect(choose).toThrow(
+      /\/clones\/antimatter15 has no main\.js: clone https:\S+ \(its adapter knows commit \w+\) there, or name the folder above by --sources/,
+    );
+    expect(() => choosePeers('gaussian-splatting-webgpu', '/here', '/clones')).toThrow(
+      'run npm install in it',
+    );
+  });
+
+  test('are left out of all where their clone is not there', () => {
+    const said: string[] = [];
+    const chosen = choosePeers('all', '/here', '/clones');
+    const installation = { isInstalled: () => true, install: () => false };
+    const there = withPackages(chosen, installation, true, (line) => said.push(line));
+    expect(chosen.length - there.length).toBe(3);
+    expect(there.map(({ name }) => name)).not.toContain('antimatter15');
+    expect(said[0]).toMatch(/^antimatter15 is left out: \/clones\/antimatter15 has no main\.js/);
+  });
+
   test.each([
-    ['websplater', /has "websplater"; known are floor-webgpu, .*gsplat, and NAME=ADAPTER/],
+    ['websplater', /has "websplater"; known are floor-webgpu, .*gsplat, .*, and NAME=ADAPTER/],
     ['', /has ""/],
     ['three=mine.js', /new name/],
     ['three,spark,three', /three twice/],

@@ -1,3 +1,4 @@
+import { existsSync } from 'node:fs';
 import { isAbsolute, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { BenchError } from './bench-error.ts';
@@ -11,8 +12,20 @@ interface KnownPeer {
   readonly options?: string;
   /** Folder of the peer's package: below apps/lab/peers, which is installed on demand, or the repository's root. */
   readonly package?: { readonly at: 'peers' | 'root'; readonly folder: string };
+  /** A peer that is no package. */
+  readonly source?: KnownSource;
   /** Draws nothing: shows what the measuring itself takes. */
   readonly isFloor?: true;
+}
+
+/** A repository to be cloned by who compares. */
+interface KnownSource {
+  readonly repository: string;
+  /** That the adapter was written for. */
+  readonly commit: string;
+  /** What must be there, and how it comes there, where cloning is not enough. */
+  readonly files: readonly string[];
+  readonly preparation?: string;
 }
 
 /** In the order in which they are measured. All are measured by default. */
@@ -39,12 +52,43 @@ const KNOWN_PEERS: readonly KnownPeer[] = [
     package: { at: 'peers', folder: '@mkkellogg/gaussian-splats-3d' },
   },
   { name: 'gsplat', adapter: 'peers/gsplat.js', package: { at: 'peers', folder: 'gsplat' } },
+  {
+    name: 'antimatter15',
+    adapter: 'peers/antimatter15.js',
+    source: {
+      repository: 'https://github.com/antimatter15/splat',
+      commit: 'ba182b51b7c2',
+      files: ['main.js'],
+    },
+  },
+  {
+    name: 'gaussian-splatting-webgpu',
+    adapter: 'peers/gaussian-splatting-webgpu.js',
+    source: {
+      repository: 'https://github.com/MarcusAndreasSvensson/gaussian-splatting-webgpu',
+      commit: 'f22ae041e246',
+      preparation: 'run npm install in it',
+      files: ['src/splatting-web/renderer.ts', 'node_modules/wgpu-matrix', 'node_modules/webgpu-radix-sort'],
+    },
+  },
+  {
+    name: 'web-splat',
+    adapter: 'peers/web-splat.js',
+    source: {
+      repository: 'https://github.com/KeKsBoTer/web-splat',
+      commit: '959a3ecc2b64',
+      preparation: 'compile it by apps/lab/peers/web-splat/build.sh',
+      files: ['lab/web_splat_peer.js'],
+    },
+  },
 ];
 
 export const PEER_NAMES: readonly string[] = KNOWN_PEERS.map(({ name }) => name);
 
 const labFolder = fileURLToPath(new URL('../../..', import.meta.url));
 export const peersFolder = resolve(labFolder, 'peers');
+/** Where clones are looked for, each in a folder of its peer's name. */
+export const sourcesFolder = resolve(peersFolder, 'sources');
 const packageFolders = { peers: peersFolder, root: resolve(labFolder, '../..') };
 
 /** A peer to measure. */
@@ -59,24 +103,36 @@ export interface ChosenPeer {
   readonly packageFile: string | null;
   /** Whether its package is one of those that are installed on demand. */
   readonly isOnDemand: boolean;
+  /** Its clone, where somebody has to make one. */
+  readonly source: PeerSource | null;
+}
+
+/** A clone of a peer's repository. */
+export interface PeerSource {
+  readonly folder: string;
+  /** What to put there; null where all is there. */
+  readonly lack: string | null;
 }
 
 /**
  * Reads names of peers: `NAME` of {@link PEER_NAMES}, `NAME=ADAPTER` with a path from `folder` for a peer of one's own, each
  * with `?OPTIONS` for its adapter at the end, or `all`.
  *
- * @throws BenchError for names that are unknown or double.
+ * @param sources folder of the clones of peers that are no packages.
+ * @throws BenchError for names that are unknown or double, and for peers named whose clones are not there.
  */
-export function choosePeers(text: string, folder: string): ChosenPeer[] {
+export function choosePeers(text: string, folder: string, sources = sourcesFolder): ChosenPeer[] {
   const words = text.split(',').flatMap((word) => (word === 'all' ? PEER_NAMES : [word]));
-  const chosen = words.map((word) => choosePeer(word, folder));
-  for (const { name } of chosen)
+  const chosen = words.map((word) => choosePeer(word, folder, sources));
+  for (const { name, source } of chosen) {
     if (chosen.filter((each) => each.name === name).length > 1)
       throw new BenchError(`--peers has ${name} twice.`);
+    if (source?.lack && text.split(',').includes(name)) throw new BenchError(`--peers: ${source.lack}`);
+  }
   return chosen;
 }
 
-function choosePeer(word: string, folder: string): ChosenPeer {
+function choosePeer(word: string, folder: string, sources: string): ChosenPeer {
   const [, name, adapter, options = ''] = /^([^=?]+)(?:=([^?]+))?(?:\?(.*))?$/.exec(word) ?? [];
   const known = KNOWN_PEERS.find((each) => each.name === name);
   if (!name || (known && adapter))
@@ -91,6 +147,7 @@ function choosePeer(word: string, folder: string): ChosenPeer {
       isFloor: false,
       packageFile: null,
       isOnDemand: false,
+      source: null,
     };
   }
   if (!known)
@@ -105,5 +162,14 @@ function choosePeer(word: string, folder: string): ChosenPeer {
     isFloor: known.isFloor ?? false,
     packageFile: own ? resolve(packageFolders[own.at], 'node_modules', own.folder, 'package.json') : null,
     isOnDemand: own?.at === 'peers',
+    source: known.source ? sourceOf(known.source, resolve(sources, name)) : null,
   };
+}
+
+function sourceOf({ repository, commit, files, preparation }: KnownSource, folder: string): PeerSource {
+  const missing = files.filter((file) => !existsSync(resolve(folder, file)));
+  if (missing.length === 0) return { folder, lack: null };
+  const steps = `clone ${repository} (its adapter knows commit ${commit}) there${preparation ? `, ${preparation}` : ''}`;
+  const lack = `${folder} has no ${missing.join(' and no ')}: ${steps}, or name the folder above by --sources.`;
+  return { folder, lack };
 }
