@@ -15,5 +15,10 @@ export default defineConfig({
   define: { ...definedBuildFacts() },
   worker: { format: 'es' },
   server: { fs: { allow: [repositoryRoot] } },
+  // The runner builds the page of a peer by itself. Dependencies that turn up late would make the server reload the page.
+  optimizeDeps: {
+    entries: 'index.html',
+    include: ['react', 'react-dom/client', 'react/jsx-dev-runtime'],
+  },
   build: { target: 'es2022' },
 });
