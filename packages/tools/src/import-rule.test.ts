@@ -77,7 +77,19 @@ describe('planted in this repository, the import rule finds', () => {
 
   test('an upward glob', () => {
     expect(newViolations({ [math]: "import.meta.glob('../frame/*.ts');" })).toEqual([
-      `${math} → packages/core/src/frame/: math may not import frame`,
+      `${math} → packages/core/src/frame/*.ts: math may not import frame`,
+    ]);
+  });
+
+  test('a reference beside the code that it is the reference of', () => {
+    const [effect, reference] = ['ts', 'reference.ts'].map(
+      (end) => `packages/core/src/effects/fog/fog.${end}`,
+    );
+    expect(newViolations({ [effect]: "import type { reference } from './fog.reference.ts';" })).toContain(
+      `${effect} → ${reference}: effects may not import reference`,
+    );
+    expect(newViolations({ [effect]: "import.meta.glob('./*.reference.ts');" })).toEqual([
+      `${effect} → packages/core/src/effects/fog/*.reference.ts: effects may not import reference`,
     ]);
   });
 

@@ -17,7 +17,7 @@ export type RepositoryFiles = ReadonlyMap<string, readonly ModuleReference[]>;
 
 interface Dependency {
   readonly from: string;
-  /** A file's path, the start of a glob, or a package's name. */
+  /** A file's path, a glob, or a package's name. */
   readonly to: string;
   readonly isType: boolean;
 }
@@ -44,7 +44,7 @@ export function importViolations(files: RepositoryFiles, rule: ImportRule): stri
   const rooms: Table = {
     kind: 'room',
     arrows: rule.rooms,
-    nameOf: (path) => (path.startsWith(CORE) ? path.slice(CORE.length).split('/')[0] : undefined),
+    nameOf: (path) => (path.startsWith(CORE) ? roomOf(path.slice(CORE.length), rule.rooms) : undefined),
   };
   const outsideExceptions = dependencies.filter(
     ({ from, to }) => to.startsWith('@') || !Object.hasOwn(rule.pathExceptions, from),
@@ -65,7 +65,7 @@ function dependenciesOf(files: RepositoryFiles): Dependency[] {
   return [...files].flatMap(([from, references]) =>
     references.flatMap(({ specifier, isType }) => {
       if (specifier.startsWith('@')) return { from, to: specifier, isType };
-      const [path] = specifier.replace(/^!/, '').split(/[?*]/);
+      const [path] = specifier.replace(/^!/, '').split('?');
       const to = posix.join(posix.dirname(from), path);
       // Other paths are of files and folders that are read as data.
       return files.has(to) || specifier.includes('*') ? { from, to, isType } : [];
@@ -76,6 +76,12 @@ function dependenciesOf(files: RepositoryFiles): Dependency[] {
 /** Folder name of the package that a path lies in, or that an import names. */
 function packageOf(path: string): string | undefined {
   return /^(?:@websplatter|packages|apps)\/([^/]+)/.exec(path)?.[1] ?? /^(?:e2e|shaders)\b/.exec(path)?.[0];
+}
+
+/** A file `NAME.ROOM.ts` belongs to that room, wherever it lies; any other to its folder. */
+function roomOf(path: string, rooms: Arrows): string {
+  const [, ending] = /\.(\w+)\.ts$/.exec(path) ?? [];
+  return Object.hasOwn(rooms, ending ?? '') ? ending : path.split('/')[0];
 }
 
 /** Whether only tests use a file. */

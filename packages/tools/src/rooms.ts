@@ -44,7 +44,7 @@ export const ROOMS: Arrows = {
   shaders: 'accuracy layout',
   /** Device, memory and pipelines. */
   gpu: 'shaders layout',
-  /** Effects that callers ask for, a file each. */
+  /** Effects that callers ask for, a folder each; references and options in it belong to the rooms of their names. */
   effects: 'gpu shaders camera packing splats layout math',
   /** What frames take: GPU timestamps and their statistics. */
   timing: 'gpu accuracy(types) layout',

@@ -39,14 +39,14 @@ export interface EffectPlace {
 
 /** An effect without the options of a particular use. */
 export interface SplatEffect {
-  /** Lower case with hyphens, like the file of its shader. */
+  /** Lower case with hyphens, like its folder and its shader. */
   readonly name: string;
   /** Human-readable name. */
   readonly label: string;
   /** One sentence that says what the effect does. */
   readonly about: string;
   readonly hooks: EffectHooks;
-  /** Text of the module `package::effects::NAME`, written like the files in shaders/effects. */
+  /** Text of the module `package::effects::NAME`, written like those of this package's effects. */
   readonly wgsl: string;
   /** Struct that the functions take as their last argument; null without parameters. */
   readonly parameters: GpuStruct<GpuFields> | null;

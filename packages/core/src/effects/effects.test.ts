@@ -1,7 +1,8 @@
 import { describe, expect, test } from 'vitest';
+import documentation from '../../../../docs/effects.md?raw';
 import { InvalidArgumentError } from '../errors.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { EFFECT_REFERENCES } from '../reference/effects/references.ts';
+import { referencesOf } from '../reference/effects/references.ts';
 import { linkInput } from '../shaders/link-shader.ts';
 import { linkModules } from '../shaders/shader-linker.ts';
 import type { CullSplatsVariant } from '../stages/cull-splats.ts';
@@ -12,9 +13,9 @@ import { allStageVariants, spreadByStage } from '../testing/stage-variants.ts';
 import { reflectWgsl } from '../testing/wgsl-reflect.ts';
 import { defineEffect, type SplatEffect } from './effect.ts';
 import { type EffectSet, effectSetOf } from './effect-set.ts';
-import { CLOUD_EFFECTS, reachOf, usesOf } from './effects.ts';
-import { opacity } from './opacity.ts';
-import { tint } from './tint.ts';
+import { CLOUD_EFFECTS, reachOf, usesOf } from './effect-uses.ts';
+import { opacity } from './opacity/opacity.ts';
+import { tint } from './tint/tint.ts';
 
 const CULL: CullSplatsVariant = {
   isOrthographic: false,
@@ -73,10 +74,21 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
 });
 
 describe('effects', () => {
-  test('have unique names and a reference each', () => {
+  test('have a folder and a reference each', () => {
     const names = CLOUD_EFFECTS.map(({ name }) => name);
-    expect(new Set(names).size).toBe(names.length);
-    expect(Object.keys(EFFECT_REFERENCES).toSorted()).toEqual(names.toSorted());
+    const shaders = Object.keys(import.meta.glob('./*/*.wgsl'));
+    expect(shaders).toEqual(names.map((name) => `./${name}/${name}.wgsl`).toSorted());
+    const place = { modelMatrix: [], origin: [0, 0, 0], viewMatrix: [] } as const;
+    expect(referencesOf(EFFECT_EXAMPLES, place)).toHaveLength(names.length);
+  });
+
+  test('have a row each in docs/effects.md, in their order, which names their options', () => {
+    const [, table] = documentation.split('## Use the built-in effects');
+    const rows = [...table.split('## ')[0].matchAll(/^\| `(.*?)` \| (.*?) \| .*\w.* \|$/gm)];
+    expect(rows.map(([, name]) => name)).toEqual(CLOUD_EFFECTS.map(({ name }) => name));
+    for (const [i, { options }] of EFFECT_EXAMPLES.entries())
+      if (typeof options === 'object' && !Array.isArray(options))
+        for (const option of Object.keys(options!)) expect(rows[i][2]).toContain(option);
   });
 
   for (const use of EFFECT_EXAMPLES) {

@@ -4,7 +4,7 @@ import { type CloudView, cloudView } from '../camera/cloud-view.ts';
 import { type FrustumSide, frustumSides, type SplatReach } from '../camera/frustum.ts';
 import type { EffectPlace, EffectUse } from '../effects/effect.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../effects/effect-set.ts';
-import { CLOUD_EFFECTS, reachOf, usesOf } from '../effects/effects.ts';
+import { CLOUD_EFFECTS, reachOf, usesOf } from '../effects/effect-uses.ts';
 import { isFiniteF32 } from '../effects/option-checks.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';

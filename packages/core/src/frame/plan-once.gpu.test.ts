@@ -18,8 +18,8 @@ function counted<Module extends object>(module: Module, name: keyof Module & str
   return { ...module, [name]: wrapped };
 }
 
-vi.mock('../effects/effects.ts', async (original) =>
-  counted(await original<typeof import('../effects/effects.ts')>(), 'usesOf'),
+vi.mock('../effects/effect-uses.ts', async (original) =>
+  counted(await original<typeof import('../effects/effect-uses.ts')>(), 'usesOf'),
 );
 vi.mock('../camera/cloud-view.ts', async (original) =>
   counted(await original<typeof import('../camera/cloud-view.ts')>(), 'cloudView'),

@@ -4,7 +4,7 @@ import type { Accuracy } from '../accuracy/accuracy.ts';
 import { perspectiveCamera } from '../camera/camera.ts';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { clip } from '../effects/clip.ts';
+import { clip } from '../effects/clip/clip.ts';
 import { DestroyedError, GpuLimitError } from '../errors.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { packSet } from '../packing/pack-set.ts';

@@ -5,7 +5,7 @@ import { type FrustumSide, frustumSides } from '../camera/frustum.ts';
 import { largestPlaneBytes } from '../clouds/cloud-planes.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { EffectUse } from '../effects/effect.ts';
-import { usesOf } from '../effects/effects.ts';
+import { usesOf } from '../effects/effect-uses.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { SharedBuffers } from '../frame/frame-part.ts';

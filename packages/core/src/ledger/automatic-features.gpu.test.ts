@@ -2,7 +2,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { defineEffect } from '../effects/effect.ts';
-import { reveal } from '../effects/reveal.ts';
+import { reveal } from '../effects/reveal/reveal.ts';
 import { Preprocess } from '../frame/parts/preprocess.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { compareCulling } from '../inspect/compare-culling.ts';

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { CLOUD_EFFECTS } from '../effects/effects.ts';
+import { CLOUD_EFFECTS } from '../effects/effect-uses.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { linkInput } from '../shaders/link-shader.ts';
 import { linkModules } from '../shaders/shader-linker.ts';

@@ -1,6 +1,6 @@
 import type { SplatEffect } from '../effects/effect.ts';
 import { STRUCT_ALIGNMENT } from '../effects/effect-set.ts';
-import { CLOUD_EFFECTS } from '../effects/effects.ts';
+import { CLOUD_EFFECTS } from '../effects/effect-uses.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import type { AutomaticFeature, DrawnFrame } from './automatic-feature.ts';

@@ -1,5 +1,5 @@
 import { isAccuracyTarget } from '../accuracy/accuracy-target.ts';
-import { antialias } from '../effects/antialias.ts';
+import { antialias } from '../effects/antialias/antialias.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { AUTOMATIC_FEATURES } from '../ledger/automatic-features.ts';

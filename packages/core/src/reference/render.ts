@@ -8,7 +8,7 @@ import {
 import { type Camera, projectionOf } from '../camera/camera.ts';
 import { cloudView } from '../camera/cloud-view.ts';
 import type { EffectUse } from '../effects/effect.ts';
-import { usesOf } from '../effects/effects.ts';
+import { usesOf } from '../effects/effect-uses.ts';
 import { orderedBits, shortDepthKey, sortDistance } from '../layout/depth-key.ts';
 import { identity4, type Vec3 } from '../math/mat4.ts';
 import { dropNonFinite } from '../packing/drop-non-finite.ts';

@@ -1,7 +1,7 @@
-import wgsl from '../../../../shaders/effects/fog.wgsl?raw';
-import type { Vec3 } from '../math/mat4.ts';
-import { defineEffect } from './effect.ts';
-import { checkOptions, checkVector, invalidOption, isFiniteF32 } from './option-checks.ts';
+import type { Vec3 } from '../../math/mat4.ts';
+import { defineEffect } from '../effect.ts';
+import { checkOptions, checkVector, invalidOption, isFiniteF32 } from '../option-checks.ts';
+import wgsl from './fog.wgsl?raw';
 
 interface FogColor {
   /** sRGB-encoded red, green and blue, 0 or more. */

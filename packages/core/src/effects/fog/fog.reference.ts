@@ -1,9 +1,11 @@
-import type { FogOptions } from '../../effects/fog.ts';
-import { decodeSrgb, encodeSrgb } from '../srgb.ts';
-import { edgeFade } from './edge-fade.ts';
-import type { EffectReference } from './effect-reference.ts';
+import { edgeFade } from '../../reference/effects/edge-fade.ts';
+import type { EffectReference } from '../../reference/effects/effect-reference.ts';
+import { decodeSrgb, encodeSrgb } from '../../reference/srgb.ts';
+import type { FogOptions } from './fog.ts';
 
-export function fogReference(options: FogOptions): EffectReference {
+export const example: FogOptions = { color: [0.5, 0.6, 0.8], near: 0.5, far: 3 };
+
+export function reference(options: FogOptions): EffectReference {
   return {
     changeColor([r, g, b], _splat, _index, centerView) {
       const hidden = hiddenAt(options, -centerView[2]);

@@ -1,7 +1,7 @@
-import wgsl from '../../../../shaders/effects/reveal.wgsl?raw';
-import { linearPart, multiply4, translated4, type Vec3 } from '../math/mat4.ts';
-import { defineEffect } from './effect.ts';
-import { checkLength, checkOptions, checkVector, invalidOption } from './option-checks.ts';
+import { linearPart, multiply4, translated4, type Vec3 } from '../../math/mat4.ts';
+import { defineEffect } from '../effect.ts';
+import { checkLength, checkOptions, checkVector, invalidOption } from '../option-checks.ts';
+import wgsl from './reveal.wgsl?raw';
 
 export interface RevealOptions {
   /** Where the cloud appears from: a point in world space, or the camera's position. */

@@ -1,11 +1,13 @@
-import type { EffectPlace } from '../../effects/effect.ts';
-import type { RevealOptions } from '../../effects/reveal.ts';
 import { linearPart, transform3 } from '../../math/mat4.ts';
-import { edgeFade } from './edge-fade.ts';
-import type { EffectReference } from './effect-reference.ts';
-import { worldPosition } from './world-position.ts';
+import { edgeFade } from '../../reference/effects/edge-fade.ts';
+import type { EffectReference } from '../../reference/effects/effect-reference.ts';
+import { worldPosition } from '../../reference/effects/world-position.ts';
+import type { EffectPlace } from '../effect.ts';
+import type { RevealOptions } from './reveal.ts';
 
-export function revealReference(options: RevealOptions, place: EffectPlace): EffectReference {
+export const example: RevealOptions = { from: [0.3, 0.1, 0.2], radius: 1, softEdge: 0.4 };
+
+export function reference(options: RevealOptions, place: EffectPlace): EffectReference {
   const { from, radius, softEdge = 0, grow = true } = options;
   const { viewMatrix } = place;
   return {

@@ -1,15 +1,15 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { SplatEngine } from '../create-engine.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
-import { findNonFinite } from '../inspect/find-non-finite.ts';
-import { InspectedFrame } from '../inspect/inspected-frame.ts';
-import { readRecords } from '../inspect/read-records.ts';
-import { cullSplat } from '../reference/cull-splats.ts';
-import { compareImages, renderReference } from '../reference/index.ts';
-import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
-import { testCameras } from '../testing/test-cameras.ts';
+import { DILATION_PX2 } from '../../accuracy/accuracy.ts';
+import { SplatEngine } from '../../create-engine.ts';
+import type { CloudInstance } from '../../frame/frame-request.ts';
+import { findNonFinite } from '../../inspect/find-non-finite.ts';
+import { InspectedFrame } from '../../inspect/inspected-frame.ts';
+import { readRecords } from '../../inspect/read-records.ts';
+import { cullSplat } from '../../reference/cull-splats.ts';
+import { compareImages, renderReference } from '../../reference/index.ts';
+import { type SplatValues, splatsOf } from '../../testing/random-splats.ts';
+import { testCameras } from '../../testing/test-cameras.ts';
 import { antialias } from './antialias.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };

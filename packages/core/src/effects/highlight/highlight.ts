@@ -1,8 +1,8 @@
-import wgsl from '../../../../shaders/effects/highlight.wgsl?raw';
-import type { Vec3 } from '../math/mat4.ts';
-import type { SplatSelection } from '../splats/splat-selection.ts';
-import { defineEffect } from './effect.ts';
-import { checkOptions, checkRange, checkVector, invalidOption } from './option-checks.ts';
+import type { Vec3 } from '../../math/mat4.ts';
+import type { SplatSelection } from '../../splats/splat-selection.ts';
+import { defineEffect } from '../effect.ts';
+import { checkOptions, checkRange, checkVector, invalidOption } from '../option-checks.ts';
+import wgsl from './highlight.wgsl?raw';
 
 export interface HighlightOptions {
   /** The selection to show; kept by reference, changes show in the next frame. */

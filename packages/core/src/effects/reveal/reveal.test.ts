@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
-import { InvalidArgumentError } from '../errors.ts';
-import { identity4 } from '../math/mat4.ts';
-import { revealReference } from '../reference/effects/reveal.ts';
+import { perspectiveCamera } from '../../camera/camera.ts';
+import { InvalidArgumentError } from '../../errors.ts';
+import { identity4 } from '../../math/mat4.ts';
+import { reference } from './reveal.reference.ts';
 import { type RevealOptions, reveal } from './reveal.ts';
 
 const { viewMatrix } = perspectiveCamera({
@@ -20,7 +20,7 @@ const SPLAT = {
   rotation: [1, 0, 0, 0],
   logScales: [-1, -2, -3],
 } as const;
-const revealed = (options: RevealOptions) => revealReference(options, PLACE).changeSplat!(SPLAT, 0);
+const revealed = (options: RevealOptions) => reference(options, PLACE).changeSplat!(SPLAT, 0);
 
 describe('reveal', () => {
   test('shows splats nearer than the radius to a point or to the camera', () => {

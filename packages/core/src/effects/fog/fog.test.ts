@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { InvalidArgumentError } from '../errors.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import { fogReference } from '../reference/effects/fog.ts';
+import { InvalidArgumentError } from '../../errors.ts';
+import type { Vec3 } from '../../math/mat4.ts';
+import { reference } from './fog.reference.ts';
 import { type FogOptions, fog } from './fog.ts';
 
 const SPLAT = {
@@ -14,7 +14,7 @@ const SPLAT = {
 const WHITE: Vec3 = [1, 1, 1];
 const BLACK: Vec3 = [0, 0, 0];
 const colorAt = (depthView: number, options: FogOptions, color: Vec3 = BLACK) =>
-  fogReference(options).changeColor!(color, SPLAT, 0, [7, -7, -depthView]);
+  reference(options).changeColor!(color, SPLAT, 0, [7, -7, -depthView]);
 
 describe('fog', () => {
   test('begins at near and is complete at far', () => {

@@ -1,12 +1,21 @@
-import type { ClipBox, ClipOptions, ClipVolume } from '../../effects/clip.ts';
-import type { EffectPlace } from '../../effects/effect.ts';
 import { transform3, type Vec3 } from '../../math/mat4.ts';
-import { rotationMatrix } from '../covariance.ts';
-import { edgeFade } from './edge-fade.ts';
-import type { EffectReference } from './effect-reference.ts';
-import { worldPosition } from './world-position.ts';
+import { rotationMatrix } from '../../reference/covariance.ts';
+import { edgeFade } from '../../reference/effects/edge-fade.ts';
+import type { EffectReference } from '../../reference/effects/effect-reference.ts';
+import { worldPosition } from '../../reference/effects/world-position.ts';
+import type { EffectPlace } from '../effect.ts';
+import type { ClipBox, ClipOptions, ClipVolume } from './clip.ts';
 
-export function clipReference({ volumes, softEdge = 0 }: ClipOptions, place: EffectPlace): EffectReference {
+export const example: ClipOptions = {
+  volumes: [
+    { shape: 'box', center: [0.1, 0, 0.1], size: [2, 1.5, 2], rotation: [0.1, 0.4, -0.2, 0.9] },
+    { shape: 'sphere', center: [0.4, 0.2, 0.5], radius: 0.3, keep: 'outside' },
+    { shape: 'plane', point: [-0.5, 0, 0], normal: [2, 0.4, 0] },
+  ],
+  softEdge: 0.1,
+};
+
+export function reference({ volumes, softEdge = 0 }: ClipOptions, place: EffectPlace): EffectReference {
   return {
     changeSplat(splat) {
       const position = worldPosition(splat.position, place);

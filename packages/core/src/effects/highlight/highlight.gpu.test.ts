@@ -1,13 +1,13 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
-import type { ReferenceFunction } from '../reference/effects/references.ts';
-import { compareImages, renderReference } from '../reference/index.ts';
-import { SplatSelection } from '../splats/splat-selection.ts';
-import { expectAsReference } from '../testing/expect-as-reference.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { testCameras } from '../testing/test-cameras.ts';
-import { defineEffect } from './effect.ts';
+import { SplatEngine } from '../../create-engine.ts';
+import type { ReferenceFunction } from '../../reference/effects/references.ts';
+import { compareImages, renderReference } from '../../reference/index.ts';
+import { SplatSelection } from '../../splats/splat-selection.ts';
+import { expectAsReference } from '../../testing/expect-as-reference.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { testCameras } from '../../testing/test-cameras.ts';
+import { defineEffect } from '../effect.ts';
 import { highlight } from './highlight.ts';
 
 const SIZE = { widthPx: 32, heightPx: 32 };

@@ -1,9 +1,9 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { orthographicCamera } from '../camera/camera.ts';
-import { expectAsReference } from '../testing/expect-as-reference.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { testCameras } from '../testing/test-cameras.ts';
+import { orthographicCamera } from '../../camera/camera.ts';
+import { expectAsReference } from '../../testing/expect-as-reference.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { testCameras } from '../../testing/test-cameras.ts';
 import { type FogOptions, fog } from './fog.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { InvalidArgumentError } from '../errors.ts';
-import { brightnessReference } from '../reference/effects/brightness.ts';
-import type { SplatValues } from '../reference/effects/effect-reference.ts';
+import { InvalidArgumentError } from '../../errors.ts';
+import type { SplatValues } from '../../reference/effects/effect-reference.ts';
+import { reference } from './brightness.reference.ts';
 import { brightness } from './brightness.ts';
 
 const SPLAT: SplatValues = {
@@ -12,7 +12,7 @@ const SPLAT: SplatValues = {
   logScales: [0, 0, 0],
 };
 const exposed = (factor: number, grey: number) =>
-  brightnessReference(factor).changeColor!([grey, grey, grey], SPLAT, 0, [0, 0, -1])[0];
+  reference(factor).changeColor!([grey, grey, grey], SPLAT, 0, [0, 0, -1])[0];
 
 describe('brightness', () => {
   test('multiplies linear light: encoded 0.7354 is half as bright as white', () => {

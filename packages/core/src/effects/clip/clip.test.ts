@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { InvalidArgumentError } from '../errors.ts';
-import { identity4, type Vec3 } from '../math/mat4.ts';
-import { clipReference } from '../reference/effects/clip.ts';
+import { InvalidArgumentError } from '../../errors.ts';
+import { identity4, type Vec3 } from '../../math/mat4.ts';
+import { reference } from './clip.reference.ts';
 import { type ClipOptions, type ClipVolume, clip } from './clip.ts';
 
 const PLACE = { modelMatrix: identity4(), origin: [0, 0, 0], viewMatrix: identity4() } as const;
@@ -11,7 +11,7 @@ const PLANE: ClipVolume = { shape: 'plane', point: [0, 1, 0], normal: [0, 5, 0] 
 
 function opacityAt(position: Vec3, options: ClipOptions): number {
   const splat = { position, opacity: 1, row: 0, rotation: [1, 0, 0, 0], logScales: [0, 0, 0] } as const;
-  return clipReference(options, PLACE).changeSplat!(splat, 0).opacity;
+  return reference(options, PLACE).changeSplat!(splat, 0).opacity;
 }
 
 describe('clip', () => {

@@ -1,6 +1,6 @@
-import wgsl from '../../../../shaders/effects/antialias.wgsl?raw';
-import { defineEffect } from './effect.ts';
-import { invalidOption } from './option-checks.ts';
+import { defineEffect } from '../effect.ts';
+import { invalidOption } from '../option-checks.ts';
+import wgsl from './antialias.wgsl?raw';
 
 /**
  * Multiplies every splat's opacity by √(det Σ / det Σ′), where Σ is its covariance on the screen and Σ′ is Σ with the

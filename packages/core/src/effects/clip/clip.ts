@@ -1,8 +1,8 @@
-import wgsl from '../../../../shaders/effects/clip.wgsl?raw';
-import { InvalidArgumentError } from '../errors.ts';
-import { type Mat4, translated4, type Vec3 } from '../math/mat4.ts';
-import { defineEffect } from './effect.ts';
-import { checkLength, checkOptions, checkVector, invalidOption } from './option-checks.ts';
+import { InvalidArgumentError } from '../../errors.ts';
+import { type Mat4, translated4, type Vec3 } from '../../math/mat4.ts';
+import { defineEffect } from '../effect.ts';
+import { checkLength, checkOptions, checkVector, invalidOption } from '../option-checks.ts';
+import wgsl from './clip.wgsl?raw';
 
 /** x, y, z, w; any length except 0. */
 export type Quaternion = readonly [x: number, y: number, z: number, w: number];
@@ -47,7 +47,7 @@ export interface ClipOptions {
 }
 
 const MOST_VOLUMES = 8;
-/** Volumes one by one, not as an array: see shaders/effects/clip.wgsl. */
+/** Volumes one by one, not as an array: see clip.wgsl. */
 const FIELDS = {
   volume0: 'mat4x4f',
   volume1: 'mat4x4f',
@@ -60,7 +60,7 @@ const FIELDS = {
   volumeCount: 'u32',
   softEdge: 'f32',
 } as const;
-/** Codes in shaders/effects/clip.wgsl; negated if the outside is kept. A plane is turned around instead. */
+/** Codes in clip.wgsl; negated if the outside is kept. A plane is turned around instead. */
 const KINDS = { plane: 0, sphere: 1, box: 2 } as const;
 const NO_AXIS = [0, 0, 0, 0];
 const NO_VOLUME = /* @__PURE__ */ Array<number>(16).fill(0);

@@ -1,6 +1,6 @@
-import wgsl from '../../../../shaders/effects/opacity.wgsl?raw';
-import { defineEffect } from './effect.ts';
-import { checkRange } from './option-checks.ts';
+import { defineEffect } from '../effect.ts';
+import { checkRange } from '../option-checks.ts';
+import wgsl from './opacity.wgsl?raw';
 
 /** Multiplies every splat's opacity by a factor, 0…1. */
 export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({

@@ -1,10 +1,10 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { cameraFromMatrices } from '../camera/camera.ts';
-import { translated4, type Vec3 } from '../math/mat4.ts';
-import { expectAsReference } from '../testing/expect-as-reference.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
+import { cameraFromMatrices } from '../../camera/camera.ts';
+import { translated4, type Vec3 } from '../../math/mat4.ts';
+import { expectAsReference } from '../../testing/expect-as-reference.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import { type ClipVolume, clip } from './clip.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };

@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { InvalidArgumentError } from '../errors.ts';
-import { SplatSelection } from '../splats/splat-selection.ts';
-import { defineEffect } from './effect.ts';
-import { usesOf } from './effects.ts';
+import { InvalidArgumentError } from '../../errors.ts';
+import { SplatSelection } from '../../splats/splat-selection.ts';
+import { defineEffect } from '../effect.ts';
+import { usesOf } from '../effect-uses.ts';
 import { highlight } from './highlight.ts';
 
 const selection = new SplatSelection();

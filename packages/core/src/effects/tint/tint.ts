@@ -1,7 +1,7 @@
-import wgsl from '../../../../shaders/effects/tint.wgsl?raw';
-import type { Vec3 } from '../math/mat4.ts';
-import { defineEffect } from './effect.ts';
-import { checkVector } from './option-checks.ts';
+import type { Vec3 } from '../../math/mat4.ts';
+import { defineEffect } from '../effect.ts';
+import { checkVector } from '../option-checks.ts';
+import wgsl from './tint.wgsl?raw';
 
 /** Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; [1, 1, 1] changes nothing. */
 export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({

@@ -1,6 +1,6 @@
-import wgsl from '../../../../shaders/effects/brightness.wgsl?raw';
-import { defineEffect } from './effect.ts';
-import { checkRange } from './option-checks.ts';
+import { defineEffect } from '../effect.ts';
+import { checkRange } from '../option-checks.ts';
+import wgsl from './brightness.wgsl?raw';
 
 /** Twenty stops: its product with any colour stays in float32's range. */
 const LARGEST_FACTOR = 2 ** 20;
