@@ -28,6 +28,7 @@ const PACKAGES = [
     entries: {
       index: 'src/index.ts',
       effects: 'src/effects/index.ts',
+      'effect-options': 'src/options/index.ts',
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',

@@ -46,6 +46,8 @@ export const ROOMS: Arrows = {
   gpu: 'shaders layout',
   /** Effects that callers ask for, a folder each; references and options in it belong to the rooms of their names. */
   effects: 'gpu shaders camera packing splats layout math',
+  /** What people choose of effects: the interface of `@websplatter/core/effect-options`. */
+  options: 'effects math',
   /** What frames take: GPU timestamps and their statistics. */
   timing: 'gpu accuracy(types) layout',
   /** Host sides of the shaders in shaders/stages, under the same basenames. */

@@ -1,7 +1,8 @@
+import type { ClipValues, OptionValues } from '@websplatter/core/effect-options';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { Vec3 } from '../camera/vec3.ts';
-import type { ClipChoice } from '../state/effect-choices.ts';
+import type { RequestedEffects } from '../state/requested-effects.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -11,7 +12,7 @@ import { movedClip, stepOfKey } from './move-clip.ts';
 import { type PictureSpace, pathInPicture, pictureOf } from './picture-space.ts';
 import { scenePlaceOf } from './scene-place.ts';
 
-const HOW: Readonly<Record<ClipChoice['shape'], string>> = {
+const HOW: Readonly<Record<ClipValues['shape'], string>> = {
   plane: 'arrow keys move it to and fro',
   box: 'arrow keys move it in the picture, Page Up and Page Down in depth',
   sphere: 'arrow keys move it in the picture, Page Up and Page Down in depth',
@@ -22,11 +23,11 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
   const root = useRef<HTMLDivElement>(null);
   const handle = useRef<HTMLButtonElement>(null);
   const drag = useRef<{ readonly center: Vec3; readonly x: number; readonly y: number } | null>(null);
-  const shape = useStore(store, ({ requested }) => requested.choices.clip?.choice.shape ?? 'plane');
+  const shape = useStore(store, ({ requested }) => clipIn(requested)?.shape ?? 'plane');
 
   useEffect(() => {
     const write = () => {
-      const clip = store.getState().requested.choices.clip?.choice;
+      const clip = clipIn(store.getState().requested);
       const space = root.current && pictureSpace(root.current, viewer);
       if (!clip || !space || !handle.current) return;
       const path = pathInPicture(space, clipOutline(clip, scenePlaceOf(viewer).radius));
@@ -46,12 +47,13 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
   const moveFrom = (center: Vec3 | null, ...byPx: Vec3) => {
     const space = root.current && pictureSpace(root.current, viewer);
     if (!space) return;
-    changeEffect({ store, viewer }, 'clip', (choice) =>
-      movedClip(space, { ...choice, center: center ?? choice.center }, byPx, scenePlaceOf(viewer).radius),
-    );
+    changeEffect({ store, viewer }, 'clip', (values) => {
+      const from = center ? { ...values, center } : values;
+      return movedClip(space, from as ClipValues & OptionValues, byPx, scenePlaceOf(viewer).radius);
+    });
   };
   const onPointerDown = (event: PointerEvent) => {
-    const clip = store.getState().requested.choices.clip?.choice;
+    const clip = clipIn(store.getState().requested);
     if (!clip || !handle.current) return;
     drag.current = { center: clip.center, x: event.clientX, y: event.clientY };
     event.currentTarget.setPointerCapture(event.pointerId);
@@ -89,6 +91,10 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
       />
     </div>
   );
+}
+
+function clipIn({ choices }: RequestedEffects): ClipValues | undefined {
+  return choices.clip?.values as ClipValues | undefined;
 }
 
 /** The picture on the screen; null before there is one. */

@@ -1,11 +1,14 @@
+import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
 import { dot, subtract, type Vec3 } from '../camera/vec3.ts';
 import { clipOutline } from './clip-outline.ts';
-import { planeNormal } from './effect-uses.ts';
-import { firstChoice } from './first-choice.ts';
+import { firstValues } from './effect-values.ts';
 
 const center: Vec3 = [1, 2, 3];
-const first = { ...firstChoice('clip', { center, radius: 2, viewDepth: 5 }), center };
+const first = {
+  ...firstValues('clip', { center, radius: 2, viewDepth: 5 }),
+  center,
+} as ClipValues;
 
 describe('the outline of a clip', () => {
   it('has the twelve edges of a box', () => {

@@ -1,6 +1,5 @@
+import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
 import { add, cross, normalize, scale, type Vec3 } from '../camera/vec3.ts';
-import type { ClipChoice } from '../state/effect-choices.ts';
-import { planeNormal } from './effect-uses.ts';
 
 /** Lines of the world, each a row of points. */
 export type Outline = readonly (readonly Vec3[])[];
@@ -12,11 +11,11 @@ const CIRCLE_POINTS = 48;
  *
  * @param planeRadius half the length of that square.
  */
-export function clipOutline(choice: ClipChoice, planeRadius: number): Outline {
-  const { shape, center } = choice;
-  if (shape === 'box') return boxOutline(center, choice.size);
-  if (shape === 'sphere') return AXIS_PAIRS.map(([u, v]) => circle(center, u, v, choice.radius));
-  return planeOutline(center, planeNormal(choice), planeRadius, choice.keep === 'inside' ? 1 : -1);
+export function clipOutline(values: ClipValues, planeRadius: number): Outline {
+  const { shape, center } = values;
+  if (shape === 'box') return boxOutline(center, values.size);
+  if (shape === 'sphere') return AXIS_PAIRS.map(([u, v]) => circle(center, u, v, values.radius));
+  return planeOutline(center, planeNormal(values), planeRadius, values.keep === 'inside' ? 1 : -1);
 }
 
 const [X, Y, Z]: readonly Vec3[] = [

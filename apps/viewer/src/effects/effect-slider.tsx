@@ -1,24 +1,23 @@
 import { useEffect, useId, useRef } from 'react';
-import type { ChosenEffect, EffectChoice } from '../state/effect-choices.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect } from './choose-effects.ts';
 import { type EffectSlider, formatSlider } from './effect-sliders.ts';
 
 /** A number of an effect. It follows the store by itself: React does not render while it is dragged or played. */
-export function EffectSliderRow<Name extends ChosenEffect>({
+export function EffectSliderRow({
   store,
   viewer,
   name,
   slider,
-}: PanelProps & { readonly name: Name; readonly slider: EffectSlider<EffectChoice<Name>> }) {
+}: PanelProps & { readonly name: string; readonly slider: EffectSlider }) {
   const id = useId();
   const input = useRef<HTMLInputElement>(null);
   const output = useRef<HTMLOutputElement>(null);
   useEffect(() => {
     const write = () => {
-      const choice = store.getState().requested.choices[name]?.choice;
-      if (!choice || !input.current || !output.current) return;
-      const value = slider.read(choice as EffectChoice<Name>);
+      const values = store.getState().requested.choices[name]?.values;
+      if (!values || !input.current || !output.current) return;
+      const value = slider.read(values);
       const text = formatSlider(slider, value);
       input.current.value = String(Math.min(value, slider.max));
       input.current.setAttribute('aria-valuetext', withUnit(slider, text));
@@ -42,7 +41,7 @@ export function EffectSliderRow<Name extends ChosenEffect>({
           step={slider.step}
           data-testid={`${name}-${slider.name}`}
           onChange={({ target }) =>
-            changeEffect({ store, viewer }, name, (choice) => slider.write(choice, target.valueAsNumber))
+            changeEffect({ store, viewer }, name, (values) => slider.write(values, target.valueAsNumber))
           }
         />
         <output ref={output} htmlFor={id} />
@@ -51,6 +50,6 @@ export function EffectSliderRow<Name extends ChosenEffect>({
   );
 }
 
-function withUnit({ unit }: Pick<EffectSlider<unknown>, 'unit'>, text: string): string {
-  return unit === 'units' || unit === 'per unit' || unit === 'stops' ? `${text} ${unit}` : text;
+function withUnit({ unit }: Pick<EffectSlider, 'unit'>, text: string): string {
+  return unit === 'degrees' ? text : `${text} ${unit}`;
 }

@@ -1,65 +1,83 @@
+import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
-import type { ChosenEffect, EffectChoice } from '../state/effect-choices.ts';
+import type { Vec3 } from '../camera/vec3.ts';
 import { type EffectSlider, formatSlider, slidersOf } from './effect-sliders.ts';
-import { firstChoice } from './first-choice.ts';
+import { firstValues } from './effect-values.ts';
 
 const place = { center: [10, -2, 0.5], radius: 3, viewDepth: 7 } as const;
 
-function sliders<Name extends ChosenEffect>(name: Name, changes: Partial<EffectChoice<Name>> = {}) {
-  const choice = { ...firstChoice(name, place), ...changes };
-  const all = slidersOf(name, choice, place);
-  const find = (wanted: string) =>
-    all.find((each) => each.name === wanted) as EffectSlider<EffectChoice<Name>>;
-  return { choice, all, find };
+function sliders(name: string, changes: OptionValues = {}) {
+  const values = { ...firstValues(name, place), ...changes };
+  const all = slidersOf(name, values, place);
+  const find = (wanted: string) => all.find((each) => each.name === wanted) as EffectSlider;
+  return { values, all, find };
 }
 
+/** Every effect with each of the words that can be chosen for it. */
+const WORDED = Object.entries(EFFECT_OPTIONS).flatMap(([name, { options }]) =>
+  Object.entries(options).flatMap(([key, option]) => {
+    if (option.kind !== 'choice') return [[name, {}]] as const;
+    return Object.keys(option.choices(firstValues(name, place))).map(
+      (word) => [name, { [key]: word }] as const,
+    );
+  }),
+);
+
 describe('the sliders of effects', () => {
-  it.each([
-    ['clip', { shape: 'plane' }, ['point', 'turn', 'tilt', 'softEdge']],
-    ['clip', { shape: 'sphere' }, ['radius', 'center.x', 'center.y', 'center.z', 'softEdge']],
-    [
-      'clip',
-      { shape: 'box' },
-      ['size.x', 'size.y', 'size.z', 'center.x', 'center.y', 'center.z', 'softEdge'],
-    ],
-    ['reveal', {}, ['radius', 'softEdge']],
-    ['brightness', {}, ['factor']],
-    ['fog', {}, ['near', 'far']],
-    ['fog', { kind: 'density' }, ['density']],
-    ['tint', {}, []],
-    ['antialias', {}, []],
-  ] as const)('of %s with %o read what they write, between their ends', (name, changes, names) => {
-    const { choice, all } = sliders(name, changes);
-    expect(all.map((each) => each.name)).toEqual(names);
+  it.each(WORDED)('of %s with %o read what they write, between their ends', (name, changes) => {
+    const { values, all } = sliders(name, changes);
     for (const { min, max, step, read, write } of all) {
-      expect(read(choice)).toBeGreaterThanOrEqual(min - step);
-      expect(read(choice)).toBeLessThanOrEqual(max + step);
+      expect(read(values)).toBeGreaterThanOrEqual(min - step);
+      expect(read(values)).toBeLessThanOrEqual(max + step);
       const middle = min + Math.round((max - min) / 2 / step) * step;
-      expect(read(write(choice, middle))).toBeCloseTo(middle, 9);
+      expect(read(write(values, middle))).toBeCloseTo(middle, 9);
     }
   });
 
+  it('read what was chosen by other words, too', () => {
+    const { values } = sliders('clip', { shape: 'sphere' });
+    for (const shape of ['plane', 'box', 'sphere'])
+      for (const { read } of sliders('clip', { shape }).all) expect(read(values)).not.toBeNaN();
+  });
+
+  it.each([
+    ['clip', { shape: 'plane' }, ['center', 'turnDegrees', 'tiltDegrees', 'softEdge']],
+    ['clip', { shape: 'sphere' }, ['center.x', 'center.y', 'center.z', 'radius', 'softEdge']],
+    [
+      'clip',
+      { shape: 'box' },
+      ['center.x', 'center.y', 'center.z', 'size.x', 'size.y', 'size.z', 'softEdge'],
+    ],
+    ['fog', { kind: 'depths' }, ['near', 'far']],
+    ['fog', { kind: 'density' }, ['density']],
+    ['tint', {}, []],
+  ])('of %s with %o are those that have a meaning', (name, changes, names) => {
+    expect(sliders(name, changes).all.map((each) => each.name)).toEqual(names);
+  });
+
   it('move a plane along its normal only', () => {
-    const { choice, find } = sliders('clip', { turnDegrees: 90, tiltDegrees: 0 });
-    const moved = find('point').write(choice, 1);
-    expect(moved.center[0]).toBeCloseTo(11, 9);
-    expect(moved.center.slice(1)).toEqual(choice.center.slice(1).map((value) => expect.closeTo(value, 9)));
+    const { values, find } = sliders('clip', { turnDegrees: 90, tiltDegrees: 0 });
+    const moved = find('center').write(values, 1);
+    expect((moved.center as Vec3)[0]).toBeCloseTo(11, 9);
+    expect((moved.center as Vec3).slice(1)).toEqual(
+      (values.center as Vec3).slice(1).map((value) => expect.closeTo(value, 9)),
+    );
   });
 
   it('keep the end of fog beyond its beginning', () => {
-    const { choice, find } = sliders('fog');
-    const late = find('near').write(choice, 15);
+    const { values, find } = sliders('fog');
+    const late = find('near').write(values, 15);
     expect(late.far).toBeGreaterThan(15);
-    const early = find('far').write(choice, 1);
+    const early = find('far').write(values, 1);
     expect(early.near).toBeLessThan(1);
   });
 
   it('show everything at the right end of a reveal', () => {
-    const { choice, find } = sliders('reveal', { from: 'camera' });
+    const { values, find } = sliders('reveal', { from: 'camera' });
     const radius = find('radius');
     expect(radius.max).toBe(18);
-    expect(radius.write(choice, radius.max).radius).toBe(Infinity);
-    expect(radius.write(choice, 17).radius).toBe(17);
+    expect(radius.write(values, radius.max).radius).toBe(Infinity);
+    expect(radius.write(values, 17).radius).toBe(17);
   });
 
   it.each([

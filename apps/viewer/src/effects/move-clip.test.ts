@@ -1,6 +1,7 @@
 import { perspectiveCamera } from '@websplatter/core';
+import type { ClipValues } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
-import { firstChoice } from './first-choice.ts';
+import { firstValues } from './effect-values.ts';
 import { movedClip, stepOfKey } from './move-clip.ts';
 
 const camera = perspectiveCamera({
@@ -8,21 +9,22 @@ const camera = perspectiveCamera({
   ...{ fovYDegrees: 90, aspect: 1, near: 0.1, far: 100 },
 });
 const space = { camera, width: 200, height: 200 };
-const choice = firstChoice('clip', { center: [0, 0, 0], radius: 1, viewDepth: 5 });
+const place = { center: [0, 0, 0], radius: 1, viewDepth: 5 } as const;
+const values = firstValues('clip', place) as unknown as ClipValues;
 
 describe('a clip that is moved', () => {
   it('goes with the pointer, and away', () => {
-    const sphere = { ...choice, shape: 'sphere' } as const;
+    const sphere = { ...values, shape: 'sphere' } as const;
     expect(movedClip(space, sphere, [20, -10, 0], 1).center).toEqual([1, 0.5, 0]);
     expect(movedClip(space, sphere, [0, 0, 20], 1).center).toEqual([0, 0, -1]);
   });
 
   it('goes along the normal if it is a plane', () => {
-    expect(movedClip(space, choice, [20, -10, 0], 1).center).toEqual([0, 0.5, 0]);
+    expect(movedClip(space, values, [20, -10, 0], 1).center).toEqual([0, 0.5, 0]);
   });
 
   it('has a place that is short to write', () => {
-    const sphere = { ...choice, shape: 'sphere' } as const;
+    const sphere = { ...values, shape: 'sphere' } as const;
     expect(movedClip(space, sphere, [1.2345, 0, 0], 1).center).toEqual([0.0615, 0, 0]);
   });
 

@@ -1,6 +1,5 @@
+import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
 import type { Vec3 } from '../camera/vec3.ts';
-import type { ClipChoice } from '../state/effect-choices.ts';
-import { planeNormal } from './effect-uses.ts';
 import { roundedTo, stepFor } from './nice-steps.ts';
 import { movedAlong, movedAway, movedInPicture, type PictureSpace } from './picture-space.ts';
 
@@ -27,20 +26,20 @@ export function stepOfKey(key: string, isLarge: boolean): Vec3 | null {
 }
 
 /** A clip that is moved in the picture by CSS pixels to the right, down and away. Planes only move along their normal. */
-export function movedClip(
+export function movedClip<Values extends ClipValues>(
   space: PictureSpace,
-  choice: ClipChoice,
+  values: Values,
   [rightPx, downPx, awayPx]: Vec3,
   sceneRadius: number,
-): ClipChoice {
-  const { shape, center } = choice;
+): Values {
+  const { shape, center } = values;
   const moved =
     shape === 'plane'
-      ? movedAlong(space, center, planeNormal(choice), rightPx, downPx)
+      ? movedAlong(space, center, planeNormal(values), rightPx, downPx)
       : movedAway(space, movedInPicture(space, center, rightPx, downPx), awayPx);
   const step = EXACTNESS * stepFor(sceneRadius);
   return {
-    ...choice,
+    ...values,
     center: [roundedTo(moved[0], step), roundedTo(moved[1], step), roundedTo(moved[2], step)],
   };
 }

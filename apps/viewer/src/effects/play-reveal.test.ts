@@ -6,7 +6,7 @@ import { playReveal } from './play-reveal.ts';
 
 let panel: PanelProps;
 let steps: ((nowMs: number) => void)[];
-const chosen = () => panel.store.getState().requested.choices.reveal?.choice;
+const chosen = () => panel.store.getState().requested.choices.reveal?.values;
 const isPlaying = () => panel.store.getState().isRevealPlaying;
 const stepAt = (nowMs: number) => steps.shift()?.(nowMs);
 
@@ -36,7 +36,7 @@ it('lets the scene appear from nothing until all of it is there', () => {
 
 it('ends where a person takes the slider', () => {
   stepAt(0);
-  changeEffect(panel, 'reveal', (choice) => ({ ...choice, radius: 0.25 }));
+  changeEffect(panel, 'reveal', (values) => ({ ...values, radius: 0.25 }));
   stepAt(100);
   expect(chosen()?.radius).toBe(0.25);
   expect(isPlaying()).toBe(false);

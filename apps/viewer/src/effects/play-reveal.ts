@@ -1,6 +1,6 @@
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect } from './choose-effects.ts';
-import { revealReach } from './effect-sliders.ts';
+import { slidersOf } from './effect-sliders.ts';
 import { scenePlaceOf } from './scene-place.ts';
 
 /** From nothing to the whole scene. */
@@ -26,10 +26,11 @@ export function playReveal(panel: PanelProps, requestFrame: RequestFrame = reque
     }
     beganMs ??= nowMs;
     const part = (nowMs - beganMs) / REVEAL_MS;
-    changeEffect(panel, 'reveal', (choice) => ({
-      ...choice,
-      radius: part < 1 ? part * revealReach(choice.from, place) : Infinity,
-    }));
+    changeEffect(panel, 'reveal', (values) => {
+      const radius = slidersOf('reveal', values, place).find(({ name }) => name === 'radius');
+      // All is there at its end.
+      return radius?.write(values, Math.min(part, 1) * radius.max) ?? values;
+    });
     last = chosen();
     if (part < 1) requestFrame(step);
     else store.setState({ isRevealPlaying: false });

@@ -1,14 +1,20 @@
 import type { EffectEntry } from '@websplatter/core';
+import {
+  EFFECT_OPTIONS,
+  type EffectOption,
+  type OptionValue,
+  type OptionValues,
+} from '@websplatter/core/effect-options';
 import type { EffectCost } from '@websplatter/core/measure';
-import { type ReactNode, useId, useMemo } from 'react';
+import { type ComponentType, useId, useMemo } from 'react';
 import { useStore } from 'zustand';
-import { CHOSEN_EFFECTS, type ChosenEffect, NO_CHOICES } from '../state/effect-choices.ts';
+import { NO_CHOICES } from '../state/requested-effects.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
 import { formatCost } from './effect-costs.ts';
 import { EffectSliderRow } from './effect-slider.tsx';
 import { slidersOf } from './effect-sliders.ts';
-import { EFFECTS } from './effect-uses.ts';
+import { optionsBeside } from './effect-values.ts';
 import { playReveal } from './play-reveal.ts';
 import { scenePlaceOf } from './scene-place.ts';
 import { useReducedMotion } from './use-reduced-motion.ts';
@@ -39,7 +45,7 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
         </button>
       </div>
       <fieldset className="requests" disabled={!hasScene} aria-label="Effects to ask for">
-        {CHOSEN_EFFECTS.map((name) => (
+        {Object.keys(EFFECT_OPTIONS).map((name) => (
           <Request key={name} store={store} viewer={viewer} name={name} {...costs} />
         ))}
         <HighlightRow entry={highlight} />
@@ -49,27 +55,20 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
 }
 
 /** The switch of one effect and, while it is on, what can be chosen for it. */
-function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { name: ChosenEffect }) {
+function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { name: string }) {
   const id = useId();
   const isOn = useStore(store, ({ requested }) => requested.choices[name]?.isOn ?? false);
-  const { label, about } = EFFECTS[name].effect;
+  const { label, about } = EFFECT_OPTIONS[name].effect;
   const panel = { store, viewer };
   return (
     <div className="request" data-testid={`request-${name}`}>
       <div className="request-head">
-        <label className="switch">
-          <input
-            type="checkbox"
-            role="switch"
-            checked={isOn}
-            aria-checked={isOn}
-            aria-describedby={`${id}-about`}
-            data-testid={`switch-${name}`}
-            onChange={({ target }) => switchEffect(panel, name, target.checked)}
-          />
-          <span>{label}</span>
-          <code>{name}</code>
-        </label>
+        <Switch
+          effect={EFFECT_OPTIONS[name].effect}
+          isOn={isOn}
+          aboutId={`${id}-about`}
+          onSwitch={(isWanted) => switchEffect(panel, name, isWanted)}
+        />
         {isOn && <Cost name={name} {...costs} />}
       </div>
       <p id={`${id}-about`} className="request-about">
@@ -77,7 +76,7 @@ function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { 
       </p>
       {isOn && (
         <div className="request-body">
-          <Choices {...panel} name={name} />
+          <Options {...panel} name={name} />
           <button
             type="button"
             className="text-button outlined request-reset"
@@ -93,8 +92,38 @@ function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { 
   );
 }
 
+/** Disabled without `onSwitch`. */
+function Switch({
+  effect: { name, label },
+  isOn,
+  aboutId,
+  onSwitch,
+}: {
+  effect: { readonly name: string; readonly label: string };
+  isOn: boolean;
+  aboutId: string;
+  onSwitch?: (isOn: boolean) => void;
+}) {
+  return (
+    <label className="switch">
+      <input
+        type="checkbox"
+        role="switch"
+        disabled={!onSwitch}
+        checked={isOn}
+        aria-checked={isOn}
+        aria-describedby={aboutId}
+        data-testid={`switch-${name}`}
+        onChange={({ target }) => onSwitch?.(target.checked)}
+      />
+      <span>{label}</span>
+      <code>{name}</code>
+    </label>
+  );
+}
+
 /** What an effect was measured to cost, if it was. */
-function Cost({ name, costs, isStale }: CostsProps & { name: ChosenEffect }) {
+function Cost({ name, costs, isStale }: CostsProps & { name: string }) {
   const cost = costs.find((each) => each.name === name);
   return (
     <span
@@ -110,100 +139,111 @@ function Cost({ name, costs, isStale }: CostsProps & { name: ChosenEffect }) {
 }
 
 /** Everything of an effect that can be chosen. */
-function Choices({ store, viewer, name }: PanelProps & { name: ChosenEffect }) {
+function Options({ store, viewer, name }: PanelProps & { name: string }) {
   const panel = { store, viewer };
-  return (
-    <>
-      {name === 'clip' && <ClipChoices {...panel} />}
-      {name === 'reveal' && <RevealChoices {...panel} />}
-      {name === 'antialias' && <AntialiasChoices {...panel} />}
-      {name === 'fog' && <FogChoices {...panel} />}
-      {(name === 'fog' || name === 'tint') && <ColorChoice {...panel} name={name} />}
-      <Sliders {...panel} name={name} />
-    </>
-  );
-}
-
-/** What tells which sliders an effect has. */
-function useKind({ store }: PanelProps, name: ChosenEffect): string {
-  return useStore(store, ({ requested: { choices } }) => {
-    if (name === 'clip') return choices.clip?.choice.shape ?? '';
-    if (name === 'fog') return choices.fog?.choice.kind ?? '';
-    return name === 'reveal' ? String(choices.reveal?.choice.from === 'camera') : '';
-  });
-}
-
-function Sliders({ store, viewer, name }: PanelProps & { name: ChosenEffect }) {
-  const kind = useKind({ store, viewer }, name);
+  // Numbers are left to their sliders.
+  const words = useStore(store, ({ requested }) => wordsAmong(requested.choices[name]?.values));
   const scene = useStore(store, (state) => state.scene);
   const isFlipped = useStore(store, (state) => state.isFlipped);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: what the choice and the scene's place follow from.
-  const sliders = useMemo(() => {
-    const choice = store.getState().requested.choices[name]?.choice;
-    return choice ? slidersOf(name, choice, scenePlaceOf(viewer)) : [];
-  }, [store, viewer, name, kind, scene, isFlipped]);
-  return sliders.map((slider) => (
-    <EffectSliderRow key={slider.name} store={store} viewer={viewer} name={name} slider={slider} />
-  ));
-}
-
-const SHAPES = [
-  ['plane', 'Plane'],
-  ['box', 'Box'],
-  ['sphere', 'Sphere'],
-] as const;
-
-function ClipChoices(panel: PanelProps) {
-  const shape = useStore(panel.store, ({ requested }) => requested.choices.clip?.choice.shape);
-  const keep = useStore(panel.store, ({ requested }) => requested.choices.clip?.choice.keep);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: what the values and the scene's place follow from.
+  const [values, sliders] = useMemo(() => {
+    const chosen = store.getState().requested.choices[name]?.values ?? {};
+    return [chosen, slidersOf(name, chosen, scenePlaceOf(viewer))] as const;
+  }, [store, viewer, name, words, scene, isFlipped]);
+  const options = optionsBeside(name, values);
+  const Extra = EXTRAS[name];
   return (
     <>
-      <Segments
-        label="Shape of the clip"
-        testId="clip-shape"
-        choices={SHAPES}
-        chosen={shape}
-        onChoose={(each) => changeEffect(panel, 'clip', (choice) => ({ ...choice, shape: each }))}
-      />
-      <Segments
-        label="Side that stays"
-        testId="clip-keep"
-        choices={[
-          ['inside', shape === 'plane' ? 'Keep one side' : 'Keep inside'],
-          ['outside', shape === 'plane' ? 'Keep the other' : 'Keep outside'],
-        ]}
-        chosen={keep}
-        onChoose={(each) => changeEffect(panel, 'clip', (choice) => ({ ...choice, keep: each }))}
-      />
-      <p>The handle over the picture moves it, by pointer or by arrow keys.</p>
+      {options.map(([key, option]) => (
+        <OptionRow
+          key={key}
+          testId={`${name}-${key}`}
+          option={option}
+          values={values}
+          value={values[key]}
+          onChoose={(value) => changeEffect(panel, name, (before) => ({ ...before, [key]: value }))}
+          viewer={viewer}
+        />
+      ))}
+      {Extra && <Extra {...panel} />}
+      {sliders.map((slider) => (
+        <EffectSliderRow key={slider.name} store={store} viewer={viewer} name={name} slider={slider} />
+      ))}
     </>
   );
 }
 
-const REVEAL_FROM = [
-  ['middle', 'From the middle'],
-  ['camera', 'From the camera'],
-] as const;
+/** Which words and colours there are among values; another text where one of them is another. */
+function wordsAmong(values: OptionValues = {}): string {
+  return Object.values(values)
+    .filter((value) => typeof value === 'string')
+    .join(' ');
+}
 
-function RevealChoices(panel: PanelProps) {
-  const { store, viewer } = panel;
-  const isFromCamera = useStore(store, ({ requested }) => requested.choices.reveal?.choice.from === 'camera');
+interface OptionRowProps extends Pick<PanelProps, 'viewer'> {
+  readonly testId: string;
+  readonly option: EffectOption;
+  readonly values: OptionValues;
+  readonly value: OptionValue;
+  readonly onChoose: (value: OptionValue) => void;
+}
+
+/** An option that is no number at a slider. */
+function OptionRow({ testId, option, values, value, onChoose, viewer }: OptionRowProps) {
+  const id = useId();
+  const { kind, label, note } = option;
+  if (kind === 'color')
+    return (
+      <div className="request-row">
+        <label htmlFor={id}>{label}</label>
+        <input
+          id={id}
+          type="color"
+          value={String(value)}
+          data-testid={testId}
+          onChange={({ target }) => onChoose(target.value)}
+        />
+      </div>
+    );
+  if (kind !== 'choice' && kind !== 'origin') return null;
+  const choices = kind === 'origin' ? ORIGINS : option.choices(values);
+  const chosen = typeof value === 'string' ? value : 'middle';
+  return (
+    <>
+      <fieldset className="segments" aria-label={label}>
+        {Object.entries(choices).map(([word, text]) => (
+          <button
+            key={word}
+            type="button"
+            aria-pressed={word === chosen}
+            data-testid={`${testId}-${word}`}
+            onClick={() =>
+              onChoose(kind === 'origin' && word === 'middle' ? scenePlaceOf(viewer).center : word)
+            }
+          >
+            {text}
+          </button>
+        ))}
+      </fieldset>
+      {note && <p>{note}</p>}
+    </>
+  );
+}
+
+const ORIGINS = { middle: 'From the middle', camera: 'From the camera' };
+
+/** What the viewer can do with an effect besides. */
+const EXTRAS: Readonly<Record<string, ComponentType<PanelProps> | undefined>> = {
+  clip: () => <p>The handle over the picture moves it, by pointer or by arrow keys.</p>,
+  reveal: RevealPlayer,
+};
+
+function RevealPlayer(panel: PanelProps) {
+  const { store } = panel;
   const isPlaying = useStore(store, (state) => state.isRevealPlaying);
   const isMotionReduced = useReducedMotion();
   return (
     <>
-      <Segments
-        label="Where it appears from"
-        testId="reveal-from"
-        choices={REVEAL_FROM}
-        chosen={isFromCamera ? 'camera' : 'middle'}
-        onChoose={(each) =>
-          changeEffect(panel, 'reveal', (choice) => ({
-            ...choice,
-            from: each === 'camera' ? 'camera' : scenePlaceOf(viewer).center,
-          }))
-        }
-      />
       <button
         type="button"
         className="text-button outlined"
@@ -218,120 +258,18 @@ function RevealChoices(panel: PanelProps) {
   );
 }
 
-function AntialiasChoices(panel: PanelProps) {
-  const isAntialiased = useStore(
-    panel.store,
-    ({ requested }) => requested.choices.antialias?.choice.isAntialiased,
-  );
-  return (
-    <>
-      <Segments
-        label="Antialiasing, whatever the file says"
-        testId="antialias"
-        choices={[
-          ['on', 'On'],
-          ['off', 'Off'],
-        ]}
-        chosen={isAntialiased ? 'on' : 'off'}
-        onChoose={(each) => changeEffect(panel, 'antialias', () => ({ isAntialiased: each === 'on' }))}
-      />
-      <p>Overrules what the file says of how it was trained.</p>
-    </>
-  );
-}
-
-const FOG_KINDS = [
-  ['depths', 'Between depths'],
-  ['density', 'By density'],
-] as const;
-
-function FogChoices(panel: PanelProps) {
-  const kind = useStore(panel.store, ({ requested }) => requested.choices.fog?.choice.kind);
-  return (
-    <Segments
-      label="Kind of fog"
-      testId="fog-kind"
-      choices={FOG_KINDS}
-      chosen={kind}
-      onChoose={(each) => changeEffect(panel, 'fog', (choice) => ({ ...choice, kind: each }))}
-    />
-  );
-}
-
-function ColorChoice({ store, viewer, name }: PanelProps & { name: 'fog' | 'tint' }) {
-  const id = useId();
-  const color = useStore(store, ({ requested }) => requested.choices[name]?.choice.color);
-  return (
-    <div className="request-row">
-      <label htmlFor={id}>Colour</label>
-      <input
-        id={id}
-        type="color"
-        value={color ?? '#ffffff'}
-        data-testid={`${name}-color`}
-        onChange={({ target }) =>
-          changeEffect({ store, viewer }, name, (choice) => ({
-            ...choice,
-            color: target.value as `#${string}`,
-          }))
-        }
-      />
-    </div>
-  );
-}
-
 /** Selections are made elsewhere: here is said whether there is one. */
 function HighlightRow({ entry }: { entry: EffectEntry | undefined }) {
+  const id = useId();
   if (!entry) return null;
   return (
     <div className="request" data-testid="request-highlight">
       <div className="request-head">
-        <label className="switch">
-          <input
-            type="checkbox"
-            role="switch"
-            disabled
-            checked={entry.isOn}
-            aria-checked={entry.isOn}
-            readOnly
-          />
-          <span>{entry.label}</span>
-          <code>{entry.name}</code>
-        </label>
+        <Switch effect={entry} isOn={entry.isOn} aboutId={id} />
       </div>
-      <p className="request-about">
+      <p id={id} className="request-about">
         {entry.isOn ? `${entry.about} It is on: ${entry.reason}.` : 'Not available: no splats are selected.'}
       </p>
     </div>
-  );
-}
-
-function Segments<Value extends string>({
-  label,
-  testId,
-  choices,
-  chosen,
-  onChoose,
-}: {
-  label: string;
-  testId: string;
-  choices: readonly (readonly [Value, ReactNode])[];
-  chosen: Value | undefined;
-  onChoose: (value: Value) => void;
-}) {
-  return (
-    <fieldset className="segments" aria-label={label}>
-      {choices.map(([value, text]) => (
-        <button
-          key={value}
-          type="button"
-          aria-pressed={value === chosen}
-          data-testid={`${testId}-${value}`}
-          onClick={() => onChoose(value)}
-        >
-          {text}
-        </button>
-      ))}
-    </fieldset>
   );
 }

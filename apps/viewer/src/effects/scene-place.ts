@@ -1,13 +1,6 @@
+import type { ScenePlace } from '@websplatter/core/effect-options';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-
-/** Where and how large what is looked at is, as it is drawn: what effects are scaled to. World units. */
-export interface ScenePlace {
-  readonly center: Vec3;
-  readonly radius: number;
-  /** Of the middle, in the view that is shown. */
-  readonly viewDepth: number;
-}
 
 /** How far away cameras usually are, in radii of what they look at. */
 const USUAL_DEPTH = 2;

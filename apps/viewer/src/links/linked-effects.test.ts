@@ -48,7 +48,7 @@ describe('the effects of a link', () => {
     await open('effects=clip:sphere:1:2:3:0.5:inside:0,fog:density:0.1:ff0000', builtin);
     expect(names()).toEqual(['clip', 'fog']);
     const { clip } = store.getState().requested.choices;
-    expect(clip?.choice).toMatchObject({ shape: 'sphere', center: [1, 2, 3], radius: 0.5, size: [1, 1, 1] });
+    expect(clip?.values).toMatchObject({ shape: 'sphere', center: [1, 2, 3], radius: 0.5, size: [1, 1, 1] });
     expect(store.getState().notice).toBeNull();
   });
 

@@ -1,13 +1,13 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import { chooseEffects } from '../effects/choose-effects.ts';
-import { firstChoice } from '../effects/first-choice.ts';
+import { firstValues } from '../effects/effect-values.ts';
 import { scenePlaceOf } from '../effects/scene-place.ts';
 import { drawCrop } from '../inspecting/draw-crop.ts';
-import { CHOSEN_EFFECTS, type EffectChoices } from '../state/effect-choices.ts';
 import type { Crop } from '../state/inspecting.ts';
+import type { EffectChoices } from '../state/requested-effects.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { decodeCrop } from './crop-text.ts';
-import { decodeEffects, type LinkedEffects } from './effects-text.ts';
+import { decodeEffects } from './effects-text.ts';
 import { canLink, isFallback } from './page-address.ts';
 
 /**
@@ -41,11 +41,13 @@ function cropTo(panel: PanelProps, crop: Crop): void {
 }
 
 /** What the address does not tell is as an effect begins with. */
-function completed(linked: LinkedEffects, { viewer }: PanelProps): EffectChoices {
+function completed(linked: ReturnType<typeof decodeEffects>, { viewer }: PanelProps): EffectChoices {
   const place = scenePlaceOf(viewer);
-  const names = CHOSEN_EFFECTS.filter((name) => linked[name] !== undefined);
   return Object.fromEntries(
-    names.map((name) => [name, { isOn: true, choice: { ...firstChoice(name, place), ...linked[name] } }]),
+    Object.entries(linked).map(([name, values]) => [
+      name,
+      { isOn: true, values: { ...firstValues(name, place), ...values } },
+    ]),
   );
 }
 

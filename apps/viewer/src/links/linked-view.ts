@@ -14,7 +14,7 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
     camera: viewer.camera.snapshot(),
     accuracy: target ?? accuracy,
     comparison: comparison && { comparison, splitPart },
-    effects: requested.choices,
+    effects: requested.text,
     crop: inspecting.crop,
     viewMode,
   };

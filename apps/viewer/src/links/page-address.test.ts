@@ -24,13 +24,13 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     camera: first,
     accuracy: resolveAccuracy(),
     comparison: null,
-    effects: {},
+    effects: null,
     crop: null,
     viewMode: 'colours',
     ...changes,
   };
 }
-const tinted = { tint: { isOn: true, choice: { color: '#ff0000' } } } as const;
+const tinted = 'tint:ff0000';
 const written = (before: string, changes: Partial<LinkedView>) =>
   pageAddress(page(before), view(changes), unmentioned);
 

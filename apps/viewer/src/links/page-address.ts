@@ -4,13 +4,11 @@ import { encodeAccuracy } from '../formatting/accuracy-address.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/addressed-scene.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
-import type { EffectChoices } from '../state/effect-choices.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
 import { encodeCrop } from './crop-text.ts';
-import { encodeEffects } from './effects-text.ts';
 import { LOOK_NAME } from './linked-start.ts';
 import { encodeViewMode } from './view-mode-text.ts';
 
@@ -23,7 +21,8 @@ export interface LinkedView {
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyTarget;
   readonly comparison: LinkedComparison | null;
-  readonly effects: EffectChoices;
+  /** As `encodeEffects` writes them; null without any. */
+  readonly effects: string | null;
   readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
 }
@@ -48,7 +47,7 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
     // No other device has a file of this one: its camera, effects and crop would be those of another scene.
     const isShared = canLink(view.sources);
     const isMentioned = isShared && !isFirstView;
-    const effects = isShared ? encodeEffects(view.effects) : null;
+    const effects = isShared ? view.effects : null;
     write(query, 'camera', isMentioned ? camera : null);
     const crop = isShared && view.crop ? encodeCrop(view.crop) : null;
     write(query, 'effects', effects);
@@ -70,7 +69,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   const query = new URLSearchParams(page.search);
   writeSources(query, view, page, true);
   write(query, 'camera', encodeCamera(view.camera));
-  write(query, 'effects', encodeEffects(view.effects));
+  write(query, 'effects', view.effects);
   write(query, 'crop', view.crop && encodeCrop(view.crop));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));

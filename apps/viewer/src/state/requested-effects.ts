@@ -1,5 +1,5 @@
+import type { OptionValues } from '@websplatter/core/effect-options';
 import type { EffectUse } from '@websplatter/core/effects';
-import { type EffectChoices, NO_CHOICES } from './effect-choices.ts';
 
 /** Parts of the viewer that ask for effects of every cloud, each for its own. */
 export const EFFECT_OWNERS = ['effects', 'view-mode', 'crop'] as const;
@@ -9,12 +9,21 @@ export const CLOUD_EFFECT_OWNERS = ['marked', 'removed'] as const;
 /** By `cloudKeys`; none of other clouds. */
 export type CloudEffects = ReadonlyMap<string, readonly EffectUse[]>;
 
+/** What was chosen for each effect, by its name; one that is switched off keeps it. None: nothing was chosen yet. */
+export type EffectChoices = Readonly<
+  Partial<Record<string, { readonly isOn: boolean; readonly values: OptionValues }>>
+>;
+
+export const NO_CHOICES: EffectChoices = {};
+
 /** Effects that the scene is drawn with, by who asks for them, in the order of both lists. */
 export interface RequestedEffects
   extends Readonly<Record<(typeof EFFECT_OWNERS)[number], readonly EffectUse[]>>,
     Readonly<Record<(typeof CLOUD_EFFECT_OWNERS)[number], CloudEffects>> {
   /** What the Effects panel was set to: `effects` follows from it. */
   readonly choices: EffectChoices;
+  /** The choices as addresses tell them; null without any. */
+  readonly text: string | null;
 }
 
 export const NO_EFFECTS: RequestedEffects = {
@@ -24,6 +33,7 @@ export const NO_EFFECTS: RequestedEffects = {
   marked: new Map(),
   removed: new Map(),
   choices: NO_CHOICES,
+  text: null,
 };
 
-export type EffectOwner = Exclude<keyof RequestedEffects, 'choices'>;
+export type EffectOwner = Exclude<keyof RequestedEffects, 'choices' | 'text'>;

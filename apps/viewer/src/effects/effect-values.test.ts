@@ -1,21 +1,20 @@
 import { describe, expect, it } from 'vitest';
-import { NO_CHOICES } from '../state/effect-choices.ts';
-import { chosenUses, clipVolume } from './effect-uses.ts';
-import { firstChoice } from './first-choice.ts';
+import { NO_CHOICES } from '../state/requested-effects.ts';
+import { chosenUses, firstValues } from './effect-values.ts';
 
 const place = { center: [0, 0, 0], radius: 1, viewDepth: 2 } as const;
-const clip = firstChoice('clip', place);
-const fog = firstChoice('fog', place);
+const clip = firstValues('clip', place);
+const fog = firstValues('fog', place);
 
 describe('what the engine is asked for', () => {
   it('is nothing at first', () => expect(chosenUses(NO_CHOICES)).toEqual([]));
 
   it('is what is switched on, with the options of the engine', () => {
     const uses = chosenUses({
-      fog: { isOn: true, choice: { ...fog, color: '#ff8000' } },
-      tint: { isOn: false, choice: { color: '#00ff00' } },
-      brightness: { isOn: true, choice: { stops: -1 } },
-      antialias: { isOn: true, choice: { isAntialiased: false } },
+      fog: { isOn: true, values: { ...fog, color: '#ff8000' } },
+      tint: { isOn: false, values: { color: '#00ff00' } },
+      brightness: { isOn: true, values: { stops: -1 } },
+      antialias: { isOn: true, values: { state: 'off' } },
     });
     expect(uses.map(({ effect, options }) => [effect.name, options])).toEqual([
       ['antialias', false],
@@ -25,7 +24,7 @@ describe('what the engine is asked for', () => {
   });
 
   it('is fog by density instead of depths', () => {
-    const [use] = chosenUses({ fog: { isOn: true, choice: { ...fog, kind: 'density' } } });
+    const [use] = chosenUses({ fog: { isOn: true, values: { ...fog, kind: 'density' } } });
     expect(use.options).toMatchObject({ density: 0.3 });
   });
 
@@ -40,6 +39,7 @@ describe('what the engine is asked for', () => {
       { shape: 'plane', normal: [1, 0, expect.closeTo(0, 12)] },
     ],
   ] as const)('is a volume: %o', (changes, volume) => {
-    expect(clipVolume({ ...clip, ...changes })).toMatchObject(volume);
+    const [{ options }] = chosenUses({ clip: { isOn: true, values: { ...clip, ...changes } } });
+    expect(options).toMatchObject({ volumes: [volume] });
   });
 });

@@ -1,0 +1,33 @@
+import { EFFECTS } from '../effects/effects.ts';
+import type { EffectOptions } from './effect-options.ts';
+
+export { type ClipValues, planeNormal } from '../effects/clip/clip.options.ts';
+export type {
+  ChoiceOption,
+  ColorOption,
+  EffectOption,
+  EffectOptions,
+  HexColor,
+  NumberOption,
+  OptionValue,
+  OptionValues,
+  OriginOption,
+  ScenePlace,
+  VectorOption,
+} from './effect-options.ts';
+
+const OPTIONS = import.meta.glob<EffectOptions>('../effects/*/*.options.ts', {
+  eager: true,
+  import: 'options',
+});
+
+/**
+ * What people can choose for effects, by the effect's name, in the order in which effects act. Left out are those whose options
+ * nobody sets by hand: `opacity`, which clouds have themselves, and `highlight`, which needs a selection.
+ */
+export const EFFECT_OPTIONS: Readonly<Record<string, EffectOptions>> = Object.fromEntries(
+  Object.values(EFFECTS).flatMap(({ effect: { name } }) => {
+    const options = OPTIONS[`../effects/${name}/${name}.options.ts`];
+    return options ? [[name, options]] : [];
+  }),
+);
