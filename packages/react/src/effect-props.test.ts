@@ -1,8 +1,15 @@
 import { InvalidArgumentError } from '@websplatter/core';
-import { SplatSelection, tint } from '@websplatter/core/effects';
+import { EFFECTS, SplatSelection, tint } from '@websplatter/core/effects';
 import { Box3, Plane, Sphere, Vector3 } from 'three';
 import { expect, it } from 'vitest';
-import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfProps } from './effect-props.ts';
+import {
+  type EffectProps,
+  isSameUses,
+  isSameValue,
+  revealAnimationOf,
+  takeEffectProps,
+  usesOfProps,
+} from './effect-props.ts';
 
 const optionsOf = (props: EffectProps) =>
   Object.fromEntries(usesOfProps(props).map(({ effect, options }) => [effect.name, options]));
@@ -49,6 +56,23 @@ it('turns each prop, in three’s terms, into its effect', () => {
     highlight: { selection, color: [0, 0, 0], strength: 0.5 },
   });
   expect(() => usesOfProps({ clip: { volumes: [] } })).toThrow(InvalidArgumentError);
+});
+
+it('takes a prop of every effect but those that are the object’s own, and leaves other props', () => {
+  const others = { opacity: 0.5, fog: false, position: [0, 0, 1] };
+  const props: Record<string, unknown> = Object.fromEntries(Object.keys(EFFECTS).map((name) => [name, name]));
+  Object.assign(props, { effects: [] }, others);
+  const names = Object.keys(EFFECTS).filter((name) => !(name in others));
+  expect(takeEffectProps(props)).toEqual({
+    ...Object.fromEntries(names.map((name) => [name, name])),
+    effects: [],
+  });
+  expect(props).toEqual(others);
+});
+
+it('asks for nothing where a prop is missing, null or false, but for `antialias={false}`', () => {
+  const nothing = { tint: null, clip: false, reveal: undefined, highlight: null, brightness: false };
+  expect(usesOfProps(nothing as unknown as EffectProps)).toEqual([]);
 });
 
 it('leaves a reveal over a time to the object', () => {

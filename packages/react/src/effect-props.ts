@@ -1,22 +1,32 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import {
-  antialias,
-  brightness,
   type ClipOptions,
   type ClipVolume,
-  clip,
+  EFFECTS,
   type EffectUse,
-  type HighlightOptions,
-  highlight,
   type RevealOptions,
-  reveal,
-  tint,
 } from '@websplatter/core/effects';
 import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
 import type { Box3, ColorRepresentation, Plane, Sphere } from 'three';
 
+/** Effects with props of their names. Clouds have an `opacity` of their own, and follow the scene's `fog`. */
+const { opacity, fog, ...PROP_EFFECTS } = EFFECTS;
+
+type PropEffects = typeof PROP_EFFECTS;
+
+/** Any of three's colours for an option named `color`. */
+type InThree<Options> = Options extends { readonly color: unknown }
+  ? Omit<Options, 'color'> & { readonly color: ColorRepresentation }
+  : Options;
+
+type OptionProps = {
+  [Name in Exclude<keyof PropEffects, 'tint' | 'clip' | 'reveal'>]?: InThree<
+    Parameters<PropEffects[Name]>[0]
+  >;
+};
+
 /** One prop per effect. Shaders contain only the effects in use; the others cost nothing. */
-export interface EffectProps {
+export interface EffectProps extends OptionProps {
   /** Multiplies every colour, as a filter in front of the splats does. White changes nothing. */
   tint?: ColorRepresentation;
   /** Multiplies all light, as an exposure does: 2 is one stop brighter. */
@@ -33,9 +43,19 @@ export interface EffectProps {
     | (RevealOptions & { readonly durationMs?: never })
     | (RevealAnimation & { readonly radius?: never });
   /** Mixes another colour into selected splats. After changing the selection, request a frame with `invalidate()`. */
-  highlight?: Omit<HighlightOptions, 'color'> & { readonly color: ColorRepresentation };
+  highlight?: OptionProps['highlight'];
   /** More effects, from `@websplatter/core/effects` or your own. */
   effects?: readonly EffectUse[];
+}
+
+/** Moves the props of effects from `props` to an object of their own. */
+export function takeEffectProps(props: Record<string, unknown>): EffectProps {
+  const taken: Record<string, unknown> = {};
+  for (const name of [...Object.keys(PROP_EFFECTS), 'effects']) {
+    taken[name] = props[name];
+    delete props[name];
+  }
+  return taken;
 }
 
 /**
@@ -44,17 +64,12 @@ export interface EffectProps {
  * @throws InvalidArgumentError for invalid options.
  */
 export function usesOfProps(props: EffectProps): EffectUse[] {
-  const uses: EffectUse[] = [];
-  if (props.clip) {
-    const { volumes } = props.clip;
-    uses.push(clip({ ...props.clip, volumes: Array.isArray(volumes) ? volumes.map(toVolume) : [] }));
-  }
-  if (props.reveal && !isAnimation(props.reveal)) uses.push(reveal(props.reveal));
-  if (props.antialias !== undefined) uses.push(antialias(props.antialias));
-  if (props.brightness !== undefined) uses.push(brightness(props.brightness));
-  if (props.tint !== undefined) uses.push(tint(encodedColor(props.tint)));
-  if (props.highlight)
-    uses.push(highlight({ ...props.highlight, color: encodedColor(props.highlight.color) }));
+  const uses = Object.entries(PROP_EFFECTS).flatMap(([name, use]) => {
+    const options = props[name as keyof PropEffects];
+    // `false` is one of the options of `antialias` alone.
+    const isOff = options == null || (options === false && name !== 'antialias');
+    return isOff || isAnimation(options) ? [] : use(inEngine(name, options) as never);
+  });
   const effects = props.effects ?? [];
   if (!Array.isArray(effects) || [...effects].some((use) => !use?.effect))
     throw new InvalidArgumentError(
@@ -96,8 +111,17 @@ function isPlain(value: unknown): value is Record<string, unknown> {
   return Array.isArray(value) || Object.getPrototypeOf(value) === Object.prototype;
 }
 
-function isAnimation(options: RevealOptions | RevealAnimation): options is RevealAnimation {
+function isAnimation(options: unknown): options is RevealAnimation {
   return (options as RevealAnimation).durationMs !== undefined;
+}
+
+/** Options of the effect `name` with the engine's colours and shapes in place of three's. */
+function inEngine(name: string, options: unknown): unknown {
+  if (name === 'tint') return encodedColor(options as ColorRepresentation);
+  const { volumes, color } = options as { volumes?: readonly ClipVolume[]; color?: ColorRepresentation };
+  if (name === 'clip')
+    return { ...(options as object), volumes: Array.isArray(volumes) ? volumes.map(toVolume) : [] };
+  return color === undefined ? options : { ...(options as object), color: encodedColor(color) };
 }
 
 function toVolume(volume: ClipVolume | Box3 | Sphere | Plane): ClipVolume {

@@ -23,7 +23,14 @@ import {
 } from 'react';
 import type { Object3D } from 'three';
 import { canvasStates } from './canvas-states.ts';
-import { type EffectProps, isSameUses, isSameValue, revealAnimationOf, usesOfProps } from './effect-props.ts';
+import {
+  type EffectProps,
+  isSameUses,
+  isSameValue,
+  revealAnimationOf,
+  takeEffectProps,
+  usesOfProps,
+} from './effect-props.ts';
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -135,13 +142,6 @@ function Cloud({
   onAccuracyChosen,
   onError,
   onDeviceLost,
-  tint,
-  brightness,
-  antialias,
-  clip,
-  reveal,
-  highlight,
-  effects,
   ...objectProps
 }: Omit<SplatsProps, 'fallback'> & { renderer: object }): ReactNode {
   if (accuracy) checkAccuracy(accuracy);
@@ -150,7 +150,7 @@ function Cloud({
   const invalidate = useThree((state) => state.invalidate);
   const latest = useLatest({ onLoad, onFirstFrame, onAccuracyChosen, onError, onDeviceLost });
 
-  const effectProps = { tint, brightness, antialias, clip, reveal, highlight, effects };
+  const effectProps = takeEffectProps(objectProps);
   const uses = useSame(usesOfProps(effectProps), isSameUses);
   const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
