@@ -65,7 +65,7 @@ function dependenciesOf(files: RepositoryFiles): Dependency[] {
   return [...files].flatMap(([from, references]) =>
     references.flatMap(({ specifier, isType }) => {
       if (specifier.startsWith('@')) return { from, to: specifier, isType };
-      const [path] = specifier.replace(/^!/, '').split('?');
+      const [path] = specifier.split('?');
       const to = posix.join(posix.dirname(from), path);
       // Other paths are of files and folders that are read as data.
       return files.has(to) || specifier.includes('*') ? { from, to, isType } : [];

@@ -8,8 +8,11 @@ export interface ModuleReference {
   readonly isType: boolean;
 }
 
-/** Relative paths, globs included, and this repository's packages; `@websplatter/source` is an export condition. */
-const NAMES_A_MODULE = /^!?\.\.?\/|^@websplatter\/(?!source$)[a-z]/;
+/**
+ * Relative paths, globs included but for what they leave out, and this repository's packages; `@websplatter/source` is an export
+ * condition.
+ */
+const NAMES_A_MODULE = /^\.\.?\/|^@websplatter\/(?!source$)[a-z]/;
 
 /**
  * Finds every string in a module that is a relative path or names a package of this repository. Imports are not the only

@@ -13,7 +13,7 @@ import { droppedFiles, type SogFixture, sogExample, sogFiles } from '../../testi
 import { zipBytes } from '../../testing/zip-fixture.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import type { SplatSource } from '../sources/splat-source.ts';
-import { writeCompressedPly } from './compressed-ply/write-compressed-ply.ts';
+import { write as writeCompressedPly } from './compressed-ply/write-compressed-ply.ts';
 import { SPLAT_FORMATS } from './formats.ts';
 import { encodePly } from './ply/write-ply.ts';
 import { distinctSplat, spzBytes } from './spz/spz-fixture.ts';

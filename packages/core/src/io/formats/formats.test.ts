@@ -1,9 +1,37 @@
 import { expect, test } from 'vitest';
+import documentation from '../../../../../docs/formats.md?raw';
 import { detectFormat } from './detect.ts';
-import { FORMAT_TITLES } from './formats.ts';
+import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
+import { ALL_READERS } from './readers.ts';
+import { WRITABLE_FORMATS } from './writable-formats.ts';
 
 test('people are told of common formats first, and of archives last', () => {
   expect(FORMAT_TITLES).toEqual(['PLY', 'SPZ', 'SOG', 'glTF', '.splat', '.ksplat', 'zip', 'gzip']);
+});
+
+/** Rows of a table of docs/formats.md, without its head. */
+const rowsBelow = (head: string) => documentation.split(head)[1].split('\n\n')[0].split('\n').slice(2);
+
+test('every format that is read has code, and a row with its files in docs/formats.md', () => {
+  const code = Object.keys(import.meta.glob('./*/*.ts'));
+  const rows = rowsBelow('| format | files | what is read | what is not |');
+  expect(rows).toHaveLength(SPLAT_FORMATS.length);
+  for (const { name, extensions } of SPLAT_FORMATS) {
+    expect(code.some((path) => [`./${name}/read-${name}.ts`, `./${name}/${name}.ts`].includes(path))).toBe(
+      true,
+    );
+    expect(
+      rows.some((row) => row.split('|')[2].includes(`${extensions[0]}\``)),
+      name,
+    ).toBe(true);
+  }
+});
+
+test('every format that is written has a row in docs/formats.md, in the order of pickers', () => {
+  const rows = rowsBelow('| format | order | what is lost: half of a step |');
+  expect(rows).toHaveLength(WRITABLE_FORMATS.length);
+  for (const [i, { title }] of WRITABLE_FORMATS.entries())
+    expect(rows[i].toLowerCase()).toMatch(new RegExp(`^\\| ${title.toLowerCase()}\\b`));
 });
 
 test.each([
@@ -15,5 +43,7 @@ test.each([
   ['gltf', 'glTF\x02\0\0\0'],
   ['splat', '\xff'.repeat(32)],
 ])('what is %s by its first bytes is so under the name of a .splat', (name, text) => {
-  expect(detectFormat(Buffer.from(text, 'latin1'), 'a', 'a.splat').name).toBe(name);
+  const firstBytes = Buffer.from(text, 'latin1');
+  expect(detectFormat(firstBytes, 'a', 'a.splat').name).toBe(name);
+  expect(ALL_READERS.pick(firstBytes, 'a', 'a.splat')).toBeTypeOf('function');
 });

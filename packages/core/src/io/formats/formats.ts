@@ -12,7 +12,7 @@ import { zipFormat } from './zip/zip-format.ts';
 
 /**
  * Every format that can be read, in the order in which files are tried and people are told of them: common ones first, archives
- * last. To add one, write its folder, list it here, and its code in `packed-readers.ts`, or in `readers.ts` if it has several files.
+ * last. To add one, write its folder, and list it here; if it has several files, list its code in `readers.ts`.
  */
 export const SPLAT_FORMATS: readonly SplatFormat[] = [
   compressedPlyFormat,

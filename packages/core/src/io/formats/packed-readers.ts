@@ -1,34 +1,22 @@
-import { readCompressedPly } from './compressed-ply/compressed-ply.ts';
-import { compressedPlyFormat } from './compressed-ply/compressed-ply-format.ts';
-import { readGltf } from './gltf/gltf.ts';
-import { gltfFormat } from './gltf/gltf-format.ts';
-import { readKsplat } from './ksplat/ksplat.ts';
-import { ksplatFormat } from './ksplat/ksplat-format.ts';
-import { readPly } from './ply/ply.ts';
-import { plyFormat } from './ply/ply-format.ts';
-import { readPlyPoints } from './ply-points/ply-points.ts';
-import { plyPointsFormat } from './ply-points/ply-points-format.ts';
-import { readSplat } from './splat/splat.ts';
-import { splatFormat } from './splat/splat-format.ts';
+import { SPLAT_FORMATS } from './formats.ts';
 import type { ReadFormat, SplatFormat } from './splat-format.ts';
-import { readSpz } from './spz/spz.ts';
-import { spzFormat } from './spz/spz-format.ts';
 
 export interface FormatReader {
   readonly format: SplatFormat;
   readonly read: ReadFormat;
 }
 
+/** The code of formats of a single file, by path. */
+const READERS: Readonly<Record<string, ReadFormat | undefined>> = import.meta.glob<ReadFormat>(
+  './*/read-*.ts',
+  { eager: true, import: 'read' },
+);
+
 /** Formats of a single file, which people pack by gzip and zip, in the order in which they are tried. */
-export const PACKED_READERS: readonly FormatReader[] = [
-  { format: compressedPlyFormat, read: readCompressedPly },
-  { format: plyFormat, read: readPly },
-  { format: plyPointsFormat, read: readPlyPoints },
-  { format: spzFormat, read: readSpz },
-  { format: gltfFormat, read: readGltf },
-  { format: splatFormat, read: readSplat },
-  { format: ksplatFormat, read: readKsplat },
-];
+export const PACKED_READERS: readonly FormatReader[] = SPLAT_FORMATS.flatMap((format) => {
+  const read = READERS[`./${format.name}/read-${format.name}.ts`];
+  return read ? { format, read } : [];
+});
 
 /** What people call them, each once. */
 export const PACKED_TITLES: readonly string[] = [

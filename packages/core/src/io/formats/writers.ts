@@ -2,16 +2,11 @@ import { InvalidArgumentError } from '../../errors.ts';
 import type { Harmonics } from '../../packing/harmonics.ts';
 import { shown } from '../../printable.ts';
 import type { SplatSet } from '../../splats/splat-set.ts';
+import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { WriteFormat, WriteOptions } from './write-format.ts';
 
-/** Fetches the code of each of `WRITABLE_FORMATS`, by name. */
-const WRITERS: Readonly<Record<string, () => Promise<WriteFormat>>> = {
-  ply: async () => (await import('./ply/write-ply.ts')).writePly,
-  'compressed-ply': async () => (await import('./compressed-ply/write-compressed-ply.ts')).writeCompressedPly,
-  spz: async () => (await import('./spz/write-spz.ts')).writeSpz,
-  sog: async () => (await import('./sog/write-sog.ts')).writeSog,
-  gltf: async () => (await import('./gltf/write-gltf.ts')).writeGltf,
-};
+/** Fetch the code of each of `WRITABLE_FORMATS`, by path. */
+const WRITERS = import.meta.glob<WriteFormat>(['./*/write-*.ts', '!./*/*.test.ts'], { import: 'write' });
 
 /**
  * Writes splats as a file in the format of this name, one of `WRITABLE_FORMATS`, whose code is fetched first. Works in the calling
@@ -25,12 +20,12 @@ export async function writeSplats(
   formatName: string,
   options: WriteOptions = {},
 ): Promise<Uint8Array<ArrayBuffer>> {
-  if (!Object.hasOwn(WRITERS, formatName)) {
-    const names = Object.keys(WRITERS).join(', ');
-    const message = `${shown(formatName)} cannot be written; the format must be one of ${names}.`;
+  const names = WRITABLE_FORMATS.map(({ name }) => name);
+  if (!names.includes(formatName)) {
+    const message = `${shown(formatName)} cannot be written; the format must be one of ${names.join(', ')}.`;
     throw new InvalidArgumentError('formatName', message);
   }
   if (set.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
-  const write = await WRITERS[formatName]();
+  const write = await WRITERS[`./${formatName}/write-${formatName}.ts`]();
   return write(set, options);
 }

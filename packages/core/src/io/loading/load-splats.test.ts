@@ -5,8 +5,8 @@ import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterErro
 import type { RowLayout } from '../../packing/row-layout.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
-import { readPly } from '../formats/ply/ply.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
+import { read as readPly } from '../formats/ply/read-ply.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
 import { ALL_READERS } from '../formats/readers.ts';
 import type { RowSink } from '../formats/row-sink.ts';

@@ -128,10 +128,10 @@ describe('sources', () => {
 
   test('a size that may be that of compressed bytes refuses nothing', async () => {
     const opened = await openSource(ply);
-    const { readPly } = await import('../formats/ply/ply.ts');
+    const { read } = await import('../formats/ply/read-ply.ts');
     const reports: LoadProgress[] = [];
     const size = { totalBytes: 2000, totalBytesCertain: false };
-    const set = await readPly(
+    const set = await read(
       { ...opened, ...size, reader: new ByteReader(opened) },
       {
         maxBytes: Number.POSITIVE_INFINITY,

@@ -4,10 +4,10 @@ import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { chunkOrder, writeCompressedPly } from './write-compressed-ply.ts';
+import { chunkOrder, write } from './write-compressed-ply.ts';
 
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene', shPrecision: 'f32' });
-const again = async (set: SplatSet) => read(await writeCompressedPly(set, {}));
+const again = async (set: SplatSet) => read(await write(set, {}));
 const inOrder = async (set: SplatSet) => permuteSplats(set, await chunkOrder(set, {}));
 
 /** Rows of a chunk of 256. */

@@ -32,7 +32,7 @@ const ORDER_PROGRESS = { bounds: 0.1, unit: 0.2 } as const;
  * and log scales keep 10 or 11 bits between the least and the greatest value of their chunk, base colours 8, opacities 8 between 0
  * and 1, components of rotations 10, harmonics 8 between −4 and 4; bounds are float32, so that coordinates far from 0 are coarser.
  */
-export const writeCompressedPly: WriteFormat = async (set, options) => {
+export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;
   const header = new TextEncoder().encode(headerText(set));
   const shValues = coefficientsPerSplat(harmonics.degree);

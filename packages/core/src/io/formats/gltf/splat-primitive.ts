@@ -1,6 +1,6 @@
 import { shown } from '../../../printable.ts';
 import type { DecodedRows } from '../decoded-rows.ts';
-import { readSpzContents } from '../spz/spz.ts';
+import { readSpzContents } from '../spz/read-spz.ts';
 import { spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import { type GltfJson, type JsonObject, objectOf, SPZ_COMPRESSIONS } from './gltf-json.ts';

@@ -4,15 +4,15 @@ import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { unpackGlb } from '../../containers/glb.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { writeGltf } from './write-gltf.ts';
+import { write } from './write-gltf.ts';
 
 const EPSILON = 2 ** -24;
 
 const again = async (set: SplatSet) =>
-  readSplats(await writeGltf(set, {}), { name: 'scene.glb', shPrecision: 'f32' });
+  readSplats(await write(set, {}), { name: 'scene.glb', shPrecision: 'f32' });
 
 async function jsonOf(set: SplatSet) {
-  const { json, binary } = unpackGlb(await writeGltf(set, {}), 'scene.glb');
+  const { json, binary } = unpackGlb(await write(set, {}), 'scene.glb');
   return { json: JSON.parse(new TextDecoder().decode(json)), binary: binary! };
 }
 
@@ -72,7 +72,7 @@ test('positions have their bounds, as glTF requires', async () => {
 });
 
 test('a scale beyond float32 is refused, with the splat', async () => {
-  const writing = writeGltf(splatsOf([{}, { logScales: [0, 89, 0] }]), {});
+  const writing = write(splatsOf([{}, { logScales: [0, 89, 0] }]), {});
   await expect(writing).rejects.toMatchObject({ argument: 'set' });
   await expect(writing).rejects.toThrow(/^Splat 1 has a scale of e\^89/);
 });

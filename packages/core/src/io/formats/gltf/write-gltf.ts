@@ -27,7 +27,7 @@ interface Attribute {
  *
  * Rejects with InvalidArgumentError 'set' if a scale is too large for float32, or if the file would have more than 4 GiB.
  */
-export const writeGltf: WriteFormat = async (set, options) => {
+export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;
   const attributes: Attribute[] = [
     { semantic: 'POSITION', size: 3 },

@@ -1,6 +1,6 @@
 import { type LoadPort, serveLoad } from '../../loading/serve-load.ts';
 import { onlyOf } from '../splat-format.ts';
-import { readPly } from './ply.ts';
 import { plyFormat } from './ply-format.ts';
+import { read } from './read-ply.ts';
 
-serveLoad(self as unknown as LoadPort, onlyOf(plyFormat, readPly));
+serveLoad(self as unknown as LoadPort, onlyOf(plyFormat, read));

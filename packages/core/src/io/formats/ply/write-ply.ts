@@ -18,7 +18,7 @@ export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
 }
 
 /** As `encodePly`, in turns with other work of the thread. */
-export const writePly: WriteFormat = async (set, options) => {
+export const write: WriteFormat = async (set, options) => {
   const { bytes, putRows } = plyOf(set, fileMemory);
   await writeInTurns(set.count, options, putRows);
   return bytes;

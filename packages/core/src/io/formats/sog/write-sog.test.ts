@@ -7,10 +7,10 @@ import { paletteSplats } from '../../../testing/palette-splats.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { writeSog } from './write-sog.ts';
+import { write } from './write-sog.ts';
 
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene.sog', shPrecision: 'f32' });
-const again = async (set: SplatSet) => read(await writeSog(set, {}));
+const again = async (set: SplatSet) => read(await write(set, {}));
 /** In the order of the file. */
 const ordered = <Kind extends Harmonics>(set: SplatSet<Kind>) =>
   permuteSplats(set, mortonOrder(set.positions, set.count));
@@ -54,7 +54,7 @@ test('harmonics that splats share keep their values, where these are few', async
 
 test('what comes from a SOG is written as it was', async () => {
   const once = await again(randomSplats({ count: 300, shDegree: 3, opacityLogits: [-9, 9] }));
-  const twice = await read(await writeSog(once, {}));
+  const twice = await read(await write(once, {}));
   const errors = splatErrors(twice, ordered(once));
   expect(errors).toMatchObject({ logScale: 0, opacity: 0, colorDc: 0, firstHarmonics: 0, otherHarmonics: 0 });
   // The range is found in float32.
@@ -69,7 +69,7 @@ test('a palette is written as it is', async () => {
   set.harmonics.entries.forEach((_, i, entries) => {
     entries[i] = ((i * 7) % 256) / 256;
   });
-  const found = await readSplats(await writeSog(set, {}), { shPrecision: 'palette' });
+  const found = await readSplats(await write(set, {}), { shPrecision: 'palette' });
   const { indices } = permuteSplats(set, mortonOrder(set.positions, set.count)).harmonics;
   expect(found.harmonics).toEqual({ ...set.harmonics, indices });
 });
@@ -108,7 +108,7 @@ test.each([true, false, undefined])('antialiased: %s', async (isAntialiased) => 
 
 test('the same bytes each time', async () => {
   const set = randomSplats({ count: 400, shDegree: 1 });
-  expect(Buffer.compare(await writeSog(set, {}), await writeSog(set, {}))).toBe(0);
+  expect(Buffer.compare(await write(set, {}), await write(set, {}))).toBe(0);
 });
 
 test.each<[string, (set: SplatSet) => unknown]>([
@@ -119,6 +119,6 @@ test.each<[string, (set: SplatSet) => unknown]>([
 ])('a %s that is not finite is refused, with the splat', async (what, spoil) => {
   const set = randomSplats({ count: 3 });
   spoil(set);
-  await expect(writeSog(set, {})).rejects.toThrow(new RegExp(`^Splat 1 has a ${what} that is not finite`));
-  await expect(writeSog(set, {})).rejects.toThrow(InvalidArgumentError);
+  await expect(write(set, {})).rejects.toThrow(new RegExp(`^Splat 1 has a ${what} that is not finite`));
+  await expect(write(set, {})).rejects.toThrow(InvalidArgumentError);
 });

@@ -28,7 +28,7 @@ const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
  *
  * Rejects with InvalidArgumentError 'set' if there is no splat, if one is not finite, or if there are more than 2²⁸.
  */
-export const writeSog: WriteFormat = async (set, { signal, onProgress }) => {
+export const write: WriteFormat = async (set, { signal, onProgress }) => {
   const turns = new Turns(signal);
   const { count } = set;
   const { width, height } = sizeOf(count);

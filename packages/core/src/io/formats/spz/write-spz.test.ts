@@ -5,10 +5,10 @@ import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { writeSpz } from './write-spz.ts';
+import { write } from './write-spz.ts';
 
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene.spz', shPrecision: 'f32' });
-const again = async (set: SplatSet) => read(await writeSpz(set, {}));
+const again = async (set: SplatSet) => read(await write(set, {}));
 
 test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of the format', async (shDegree) => {
   const set = randomSplats({
@@ -38,7 +38,7 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of the 
 
 test('what comes from an SPZ is written as it was', async () => {
   const once = await again(randomSplats({ count: 300, shDegree: 3, opacityLogits: [-9, 9] }));
-  const twice = await read(await writeSpz(once, {}));
+  const twice = await read(await write(once, {}));
   expect(twice.opacityLogits).toEqual(once.opacityLogits);
   expect(splatErrors(twice, once)).toEqual({
     ...{ position: 0, logScale: 0, opacity: 0, colorDc: 0, firstHarmonics: 0, otherHarmonics: 0 },
@@ -56,7 +56,7 @@ test('what is out of range is as near as it can be', async () => {
   expect(colorDc.slice(0, 3)).toEqual(colorDc.slice(3));
   expect(opacityLogits).toEqual(Float32Array.of(Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY));
   const harmonics = { degree: 1 as const, coefficients: Float32Array.of(5, -5, 0, 0, 0, 0, 0, 0, 0) };
-  const bytes = gunzipSync(await writeSpz({ ...splatsOf([{}]), harmonics }, {}));
+  const bytes = gunzipSync(await write({ ...splatsOf([{}]), harmonics }, {}));
   expect([...bytes.subarray(-9, -6)]).toEqual([255, 0, 128]);
 });
 
@@ -67,7 +67,7 @@ test.each([true, false, undefined])('antialiased: %s', async (isAntialiased) => 
 
 test('coordinates beyond 24 bits are refused, with the splat and what to do', async () => {
   const set = splatsOf([{ position: [2047.99, -2047.99, 0] }, { position: [0, -2048.1, 0] }]);
-  const writing = writeSpz(set, {});
+  const writing = write(set, {});
   await expect(writing).rejects.toThrow(InvalidArgumentError);
   await expect(writing).rejects.toThrow(/^Splat 1 has y = -2048\.1.*from -2048 to 2048\. Move or scale/);
 });

@@ -32,7 +32,7 @@ const ENCODED = 0.5;
  *
  * Rejects with InvalidArgumentError 'set' if a coordinate is not between −2048 and 2048.
  */
-export const writeSpz: WriteFormat = async (set, { signal, onProgress }) => {
+export const write: WriteFormat = async (set, { signal, onProgress }) => {
   const { count, harmonics } = set;
   const shValues = coefficientsPerSplat(harmonics.degree);
   const bytes = fileMemory(HEADER_BYTES + count * (SPLAT_BYTES + shValues));

@@ -1,8 +1,8 @@
 import { colorDcOf, logitOf } from '../../../splats/color-values.ts';
 import { ROW_SLOT } from '../../../splats/splat-row.ts';
 import type { SplatColumns } from '../../../splats/splat-set.ts';
-import { type PlyVariant, readPlyWith } from '../ply/ply.ts';
 import type { PlyElement, PlyHeader, PlyType } from '../ply/ply-header.ts';
+import { type PlyVariant, readPlyWith } from '../ply/read-ply.ts';
 import type { ReadFormat } from '../splat-format.ts';
 
 const CHANNELS = ['red', 'green', 'blue'];
@@ -16,10 +16,9 @@ const MAX_OF_TYPE: Partial<Record<PlyType, number>> = { uint8: 255, uint16: 6553
  * Reads a PLY with `red`, `green` and `blue` instead of f_dc: splats (nerfstudio's export with colours), or points, which have neither
  * scales nor rotations. Points become round splats of one size, and opaque but for their `alpha`, if they have that.
  *
- * All else is as with `readPly`. Meshes are refused.
+ * All else is as with PLY. Meshes are refused.
  */
-export const readPlyPoints: ReadFormat = (input, options) =>
-  readPlyWith(input, options, undefined, variantOf);
+export const read: ReadFormat = (input, options) => readPlyWith(input, options, undefined, variantOf);
 
 /** What stands for the missing properties; undefined if nothing does. */
 function variantOf(

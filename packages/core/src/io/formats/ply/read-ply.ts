@@ -75,9 +75,9 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
  * signal's reason.
  */
-export const readPly: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
+export const read: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
 
-/** As `readPly`, for files that lack more than that. */
+/** As `read`, for files that lack more than that. */
 export async function readPlyWith(
   input: SplatInput,
   options: SplatFormatOptions,

@@ -31,7 +31,7 @@ const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 
  *
  * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'too-large', 'empty'.
  */
-export const readSplat: ReadFormat = async (input, options, rowsTo) => {
+export const read: ReadFormat = async (input, options, rowsTo) => {
   const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;
   const countOf = (byteCount: number) => {
     checkCount(Math.ceil(byteCount / ROW_BYTES), file, options.maxSplats);

@@ -38,7 +38,7 @@ interface GltfSplats {
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
-export const readGltf: ReadFormat = async (input, options, rowsTo) => {
+export const read: ReadFormat = async (input, options, rowsTo) => {
   const { reader, name, isHeld, totalBytes } = input;
   const progress = new ReadProgress(input, options.onProgress);
   const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0);

@@ -37,7 +37,7 @@ const TABLE_ENTRY_BYTES = 16;
  * stay as they are: the library says that such files have y up and z to the back, but its own converter, splat-transform and Spark
  * write the axes of the PLY file that they were given, so that the two land alike.
  */
-export const readSpz: ReadFormat = async (input, options, rowsTo) => {
+export const read: ReadFormat = async (input, options, rowsTo) => {
   const { header, attributes, coordinateSystem } = await readSpzContents(input, options);
   return deliverRows(spzRows(header, attributes, coordinateSystem), input, options, rowsTo);
 };

@@ -67,7 +67,7 @@ interface Layout {
  * Rejects with `SplatFileError`: 'damaged' if the numbers of rows contradict each other; 'bad-header', 'bad-property', 'truncated',
  * 'too-large', 'empty'.
  */
-export const readCompressedPly: ReadFormat = async (input, options, rowsTo) => {
+export const read: ReadFormat = async (input, options, rowsTo) => {
   const { reader, name: file } = input;
   const header = await readPlyHeader(reader, file);
   const layout = layoutOf(header, file);

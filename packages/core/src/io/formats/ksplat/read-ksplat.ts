@@ -73,7 +73,7 @@ interface Layout {
  * Rejects with `SplatFileError`: 'damaged' if numbers of splats or buckets contradict each other; 'bad-header', 'truncated', 'too-large',
  * 'empty'.
  */
-export const readKsplat: ReadFormat = async (input, options, rowsTo) => {
+export const read: ReadFormat = async (input, options, rowsTo) => {
   const { name: file } = input;
   const header = viewOf(await readExactly(input, HEADER_BYTES, 'the header'));
   const version = [header.getUint8(0), header.getUint8(1)];
