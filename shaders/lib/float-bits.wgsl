@@ -17,6 +17,17 @@ fn orderedBits(bits: u32) -> u32 {
   return select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u);
 }
 
+/// The bits of which `orderedBits` is this.
+fn fromOrderedBits(ordered: u32) -> u32 {
+  return select(~ordered, ordered & MAGNITUDE_BITS, (ordered >> 31u) == 1u);
+}
+
+/// The bits of a coordinate less its origin; its own, subnormal ones too, for an origin of 0.
+fn aboutOrigin(bits: u32, origin: f32) -> u32 {
+  if (origin == 0.0) { return bits; }
+  return bitcast<u32>(bitcast<f32>(bits) - origin);
+}
+
 /// Whether both floats are equal: the same bits, or both of them 0.
 fn isEqualBits(a: u32, b: u32) -> bool {
   return a == b || ((a | b) & MAGNITUDE_BITS) == 0u;

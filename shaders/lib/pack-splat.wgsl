@@ -5,20 +5,29 @@ import package::lib::packing::Splat;
 const PACKED_VECTORS = 2u;
 
 /// Packs `splat` into 32 bytes, as layout/geometry.ts does. Steps may differ by one from the host's, which rounds in float64.
-/// The step of `logScales` (its y) is 0 if all scales are the same.
+/// `logScales` is the range of the splat's chunk.
 fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   let dc = vec3u(halfBits(splat.colorDc.x), halfBits(splat.colorDc.y), halfBits(splat.colorDc.z));
   let opacity = u32(floor(splat.opacity * 65535.0 + 0.5));
-  var scale = vec3u(0u);
-  if (logScales.y > 0.0) {
-    let steps = floor((log(splat.scale) - logScales.x) / logScales.y + 0.5);
-    scale = vec3u(clamp(steps, vec3f(0.0), vec3f(65535.0)));
-  }
+  let scale = logScaleSteps(log(splat.scale), logScales, 1.0);
   let rotation = packRotation(splat.rotation);
   return array<vec4u, PACKED_VECTORS>(
     vec4u(bitcast<vec3u>(splat.position), dc.x | (dc.y << 16u)),
     vec4u(dc.z | (opacity << 16u), scale.x | (scale.y << 16u), scale.z | (rotation.x << 16u), rotation.y),
   );
+}
+
+/// The smallest of a chunk's log scales and the step of their unorm16, 0 if all are the same; reference in packing/log-scale.ts.
+fn logScaleRange(smallest: f32, largest: f32) -> vec2f {
+  let extent = largest - smallest;
+  return vec2f(smallest, select(0.0, extent * (1.0 / 65535.0), extent > 8.271806125530277e-25));
+}
+
+/// Log scales in parts of a step of `range`: `parts` parts to each of the 65535 steps.
+fn logScaleSteps(logScale: vec3f, range: vec2f, parts: f32) -> vec3u {
+  if (range.y == 0.0) { return vec3u(0u); }
+  let steps = floor((logScale - range.x) / range.y * parts + 0.5);
+  return vec3u(clamp(steps, vec3f(0.0), vec3f(65535.0 * parts)));
 }
 
 /// Packs a rotation for `unpackRotation`: low, high.

@@ -18,9 +18,8 @@ struct Splat {
 @if(GEOMETRY_F32) const GEOMETRY_VECTORS = 4u;
 @if(!GEOMETRY_F32) const GEOMETRY_VECTORS = 2u;
 
-/// `logScales`: the cloud's smallest log scale, and the step of its unorm16 log scales; float32 splats do not use it.
 @if(GEOMETRY_F32)
-fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
+fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>) -> Splat {
   return Splat(
     bitcast<vec3f>(v[0].xyz),
     bitcast<f32>(v[0].w),
@@ -30,6 +29,7 @@ fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   );
 }
 
+/// `logScales`: the smallest of the splat's chunk, and the step of its unorm16 log scales.
 @if(!GEOMETRY_F32)
 fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   let redGreen = unpack2x16float(v[0].w);

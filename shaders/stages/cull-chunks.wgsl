@@ -26,10 +26,12 @@ fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 fn isInFrustum(chunk: Chunk) -> bool {
   let center = 0.5 * (chunk.minPosition + chunk.maxPosition);
   let halfExtent = 0.5 * (chunk.maxPosition - chunk.minPosition);
+  // With room for what is rounded.
+  let maxScale = 1.001 * exp(chunk.minLogScale + 65535.0 * chunk.logScaleStep);
   for (var i = 0u; i < 6u; i++) {
     let plane = page.frustum[i];
     // How far a splat at the box's best corner still reaches past this side of the frustum.
-    let reach = dot(abs(plane.xyz), halfExtent) + page.frustumReach[i].x * chunk.maxScale;
+    let reach = dot(abs(plane.xyz), halfExtent) + page.frustumReach[i].x * maxScale;
     let slack = ROUNDING_SLACK * (dot(abs(plane.xyz), abs(center)) + reach + abs(plane.w));
     if (dot(plane.xyz, center) + plane.w + reach + slack < 0.0) { return false; }
   }

@@ -1,11 +1,12 @@
 // Decides which splats of the visible chunks are drawn.
-// Reads the page's plan, its visible chunks and its geometry; writes a bit per splat, a count per chunk and the range of
-// depths. One workgroup per visible chunk, one thread per splat, dispatched per page.
+// Reads the page's plan, its visible chunks, and its geometry with the ranges of packed log scales; writes a bit per splat, a count
+// per chunk and the range of depths. One workgroup per visible chunk, one thread per splat, dispatched per page.
 // Skips the covariance if opacity or depth alone decides.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
 @if(OPACITY_EFFECTS && !FRUSTUM_CULLING) import effects::changeOpacity;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
+@if(!GEOMETRY_F32) import layout::Chunk;
 import layout::View;
 import layout::Page;
 import layout::PagePlan;
@@ -30,6 +31,7 @@ import package::lib::visible_ellipse::isInDepthRange;
 /// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`): both grow from 0. Atomic, but with integers, so the
 /// result does not depend on the order.
 @group(0) @binding(7) var<storage, read_write> depthRange: array<atomic<u32>, 2>;
+@if(!GEOMETRY_F32) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
 var<workgroup> mask: array<atomic<u32>, MASK_WORDS>;
 var<workgroup> farthest: atomic<u32>;
@@ -45,8 +47,12 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
 
   if (splatIndex < page.splatCount) {
-    @if(!SPLAT_EFFECTS) let splat = unpackSplat(geometry[splatIndex], page.logScales);
-    @if(SPLAT_EFFECTS) let splat = changeSplat(unpackSplat(geometry[splatIndex], page.logScales), splatIndex);
+    @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];
+    @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
+    @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
+    @if(GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex]);
+    @if(!SPLAT_EFFECTS) let splat = stored;
+    @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
     let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);

@@ -1,5 +1,5 @@
-// Takes one word of the splats of a page that a list names, in the order of the list.
-// Reads a plane and the list of splats; writes a word for each. One thread per entry of the list.
+// Takes successive words of the splats of a page that a list names, in the order of the list.
+// Reads a plane and the list of splats; writes these words for each. One thread per entry of the list.
 import constants::CHUNK_SPLATS;
 import layout::PermuteParameters;
 import package::lib::dispatch::linearWorkgroup;
@@ -16,5 +16,8 @@ fn ingestGather(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
   let splat = list[place];
   if (splat < parameters.pageStart || splat >= parameters.pageEnd) { return; }
   let at = (splat - parameters.pageStart) * parameters.wordsPerSplat + parameters.word;
-  words[place] = plane[at] & parameters.mask;
+  for (var i = 0u; i < parameters.words; i++) {
+    let isLast = i + 1u == parameters.words;
+    words[place * parameters.words + i] = plane[at + i] & select(0xffffffffu, parameters.mask, isLast);
+  }
 }

@@ -1,9 +1,10 @@
-// Makes the sort keys that put splats into storage order: 48-bit Morton codes in two rounds of a stable sort.
+// Makes the sort keys that put splats into storage order: 48-bit Morton codes, eight bits in each of six rounds of a stable sort.
 // Reads the positions of a page; writes keys and payloads (slots) of its splats. One thread per place in the order so far.
 import constants::CHUNK_SPLATS;
 import constants::GEOMETRY_WORDS;
 import layout::MortonParameters;
 import package::lib::dispatch::linearWorkgroup;
+import package::lib::float_bits::aboutOrigin;
 import package::lib::float_bits::MAGNITUDE_BITS;
 
 @group(0) @binding(0) var<uniform> parameters: MortonParameters;
@@ -18,22 +19,22 @@ fn ingestKeys(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   let place = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_SPLATS + lane;
   if (place >= parameters.slotCount) { return; }
   var slot = place;
-  if (parameters.round == 1u) { slot = order[place]; }
+  if (parameters.round > 0u) { slot = order[place]; }
   if (slot < parameters.pageStart || slot >= parameters.pageEnd) { return; }
   let record = slot - parameters.pageStart;
-  let bits = vec3u(geometry[record][0], geometry[record][1], geometry[record][2]);
-  let cells = vec3u(cell(bits, 0u), cell(bits, 1u), cell(bits, 2u)) >> vec3u(8u * parameters.round);
-  var key = spread(cells.x) | (spread(cells.y) << 1u) | (spread(cells.z) << 2u);
+  let cells = vec3u(cell(record, 0u), cell(record, 1u), cell(record, 2u)) >> vec3u(8u * (parameters.round / 3u));
+  let code = spread(cells.x) | (spread(cells.y) << 1u) | (spread(cells.z) << 2u);
+  var key = (code >> (8u * (parameters.round % 3u))) & 0xffu;
   // Dropped rows go behind all others.
   let isDropped = (dropMask[slot / 32u] >> (slot % 32u)) & 1u;
-  if (parameters.round == 1u) { key |= isDropped << 24u; }
+  if (parameters.round == 5u) { key |= isDropped << 8u; }
   keys[place] = key;
   payloads[place] = slot;
 }
 
 /// As mortonCell of packing/morton-order.ts, with the same roundings.
-fn cell(position: vec3u, axis: u32) -> u32 {
-  let bits = position[axis];
+fn cell(record: u32, axis: u32) -> u32 {
+  let bits = aboutOrigin(geometry[record][axis], parameters.origin[axis]);
   let coordinate = select(bitcast<f32>(bits), 0.0, (bits & MAGNITUDE_BITS) < 0x800000u);
   let scaled = coordinate * parameters.scale[axis];
   return u32(clamp((scaled - parameters.scaledMin[axis]) * parameters.cellsPerUnit, 0.0, 65535.0));

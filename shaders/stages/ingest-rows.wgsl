@@ -1,14 +1,13 @@
 // Takes rows of a file as they arrive: drops those that are not finite, packs the others, and gathers facts about them.
-// Reads the rows' bytes, and the palette that some rows take their harmonics from; writes planes in the order of the file, a slot per row, and the facts. One thread per row.
-// Rows that are dropped leave their slot as it is, zero. Log scales are packed over all that a splat may have, since the
-// cloud's range is known only at the end: `ingest-settle` then rounds them anew, from these steps and their rests.
+// Reads the rows' bytes, and the palette that some rows take their harmonics from; writes planes in the order of the file, a slot
+// per row, a `Chunk` for each 256 slots, and the facts. One thread per row, one workgroup per chunk.
+// Rows that are dropped leave their slot as it is, zero, and so does a chunk without any others. Log scales are packed over the
+// range of their chunk in the file, with a rest beside: ingest-chunks rounds them anew once splats are in storage order.
 import constants::CHUNK_SPLATS;
 import constants::ENTRY_VALUES;
 import constants::FACTS;
 import constants::FACT_DROPPED;
-import constants::FACT_MAX_LOG_SCALE;
 import constants::FACT_MAX_POSITION;
-import constants::FACT_MIN_LOG_SCALE;
 import constants::FACT_MIN_POSITION;
 import constants::FACT_REACH;
 import constants::FACT_STRETCHED;
@@ -26,6 +25,7 @@ import constants::SH_WORDS;
 import layout::IngestParameters;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::exact_exp::exactExp;
+import package::lib::float_bits::fromOrderedBits;
 import package::lib::float_bits::isEqualBits;
 import package::lib::float_bits::isFiniteBits;
 import package::lib::float_bits::isNanBits;
@@ -35,6 +35,8 @@ import package::lib::harmonics_packing::byteOf;
 import package::lib::harmonics_packing::scaleBitsOf;
 import package::lib::harmonics_packing::scaleOf;
 import package::lib::pack_splat::halfBits;
+import package::lib::pack_splat::logScaleRange;
+@if(!GEOMETRY_F32) import package::lib::pack_splat::logScaleSteps;
 import package::lib::pack_splat::packRotation;
 
 @group(0) @binding(0) var<uniform> parameters: IngestParameters;
@@ -45,17 +47,39 @@ import package::lib::pack_splat::packRotation;
 @group(0) @binding(5) var<storage, read_write> dropMask: array<u32>;
 @group(0) @binding(6) var<storage, read_write> facts: array<atomic<u32>, FACTS>;
 @if(ROW_PALETTE) @group(0) @binding(7) var<storage, read> palette: array<u32>;
+/// As words, since the bounds' bits are kept.
+@group(0) @binding(8) var<storage, read_write> chunks: array<array<u32, 8>>;
 
 var<workgroup> ownFacts: array<atomic<u32>, FACTS>;
+/// Largest complement of `orderedBits` of log scales, and the largest `orderedBits`, which is 0 if no row was kept.
+var<workgroup> ownLogScales: array<atomic<u32>, 2>;
 var<workgroup> ownMask: array<atomic<u32>, MASK_WORDS>;
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn ingestRows(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let first = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_SPLATS;
   let index = first + lane;
-  if (index < parameters.rowCount) { takeRow(parameters.firstRow + index, parameters.pageSlot + index, lane); }
+  let row = parameters.firstRow + index;
+  let slot = parameters.pageSlot + index;
+  let isKept = index < parameters.rowCount && isKeptRow(row, lane);
+  if (isKept) {
+    boundRow(row);
+    @if(SH_1) { takeHarmonics(row, slot); }
+  }
   workgroupBarrier();
   if (first >= parameters.rowCount) { return; }
+  let smallest = bitcast<f32>(fromOrderedBits(~atomicLoad(&ownLogScales[0])));
+  let range = logScaleRange(smallest, bitcast<f32>(fromOrderedBits(atomicLoad(&ownLogScales[1]))));
+  if (isKept) { takeGeometry(row, slot, range); }
+  if (lane == 0u && atomicLoad(&ownLogScales[1]) > 0u) {
+    let chunk = &chunks[(parameters.maskRow + first) / CHUNK_SPLATS];
+    for (var axis = 0u; axis < 3u; axis++) {
+      (*chunk)[axis] = fromOrderedBits(~atomicLoad(&ownFacts[FACT_MIN_POSITION + axis]));
+      (*chunk)[4u + axis] = fromOrderedBits(atomicLoad(&ownFacts[FACT_MAX_POSITION + axis]));
+    }
+    (*chunk)[3] = bitcast<u32>(range.x);
+    (*chunk)[7] = bitcast<u32>(range.y);
+  }
   if (lane < FACTS) {
     let fact = atomicLoad(&ownFacts[lane]);
     if (isCount(lane)) {
@@ -73,15 +97,13 @@ fn isCount(fact: u32) -> bool {
   return fact >= FACT_DROPPED && fact < FACT_DROPPED + 5u;
 }
 
-fn takeRow(row: u32, slot: u32, lane: u32) {
+/// Counts the row if it is to be dropped.
+fn isKeptRow(row: u32, lane: u32) -> bool {
   let reason = reasonToDrop(row);
-  if (reason < 5u) {
-    atomicAdd(&ownFacts[FACT_DROPPED + reason], 1u);
-    atomicOr(&ownMask[lane / 32u], 1u << (lane % 32u));
-    return;
-  }
-  takeGeometry(row, slot);
-  @if(SH_1) { takeHarmonics(row, slot); }
+  if (reason == 5u) { return true; }
+  atomicAdd(&ownFacts[FACT_DROPPED + reason], 1u);
+  atomicOr(&ownMask[lane / 32u], 1u << (lane % 32u));
+  return false;
 }
 
 /// Index of the reason in DROP_REASONS; 5 if the splat can be drawn. Infinite logits are opacities of 0 and 1.
@@ -100,31 +122,40 @@ fn isFinite(row: u32, slot: u32, count: u32) -> bool {
   return isFiniteSoFar;
 }
 
-fn takeGeometry(row: u32, slot: u32) {
+/// Bits of the log scales, clamped to ±40.
+fn logScaleBits(row: u32) -> vec3u {
+  let bits = valueBits3(row, ROW_LOG_SCALE);
+  return (bits & vec3u(~MAGNITUDE_BITS)) | min(bits & vec3u(MAGNITUDE_BITS), vec3u(0x42200000u));
+}
+
+fn boundRow(row: u32) {
   let position = valueBits3(row, ROW_POSITION);
-  let logScaleBits = valueBits3(row, ROW_LOG_SCALE);
-  // Clamped to ±40.
-  let clampedBits = (logScaleBits & vec3u(~MAGNITUDE_BITS)) | min(logScaleBits & vec3u(MAGNITUDE_BITS), vec3u(0x42200000u));
-  let logScale = bitcast<vec3f>(clampedBits);
-  let logit = valueBits(row, ROW_OPACITY);
+  let clampedBits = logScaleBits(row);
   for (var axis = 0u; axis < 3u; axis++) {
     let ordered = orderedBits(position[axis]);
     atomicMax(&ownFacts[FACT_MIN_POSITION + axis], ~ordered);
     atomicMax(&ownFacts[FACT_MAX_POSITION + axis], ordered);
     let orderedScale = orderedBits(clampedBits[axis]);
-    atomicMax(&ownFacts[FACT_MIN_LOG_SCALE], ~orderedScale);
-    atomicMax(&ownFacts[FACT_MAX_LOG_SCALE], orderedScale);
+    atomicMax(&ownLogScales[0], ~orderedScale);
+    atomicMax(&ownLogScales[1], orderedScale);
   }
-  let isRound = isEqualBits(logScaleBits.x, logScaleBits.y) && isEqualBits(logScaleBits.x, logScaleBits.z);
+  let scaleBits = valueBits3(row, ROW_LOG_SCALE);
+  let isRound = isEqualBits(scaleBits.x, scaleBits.y) && isEqualBits(scaleBits.x, scaleBits.z);
   if (!isRound) { atomicMax(&ownFacts[FACT_STRETCHED], 1u); }
+}
 
+/// `range`: of the log scales of the row's chunk.
+fn takeGeometry(row: u32, slot: u32, range: vec2f) {
+  let position = valueBits3(row, ROW_POSITION);
+  let logScale = bitcast<vec3f>(logScaleBits(row));
   let rotation = normalizedRotation(row);
-  writeGeometry(slot, position, logScale, rotation, opacityOf(logit), bitcast<vec3f>(valueBits3(row, ROW_COLOR)));
+  let opacity = opacityOf(valueBits(row, ROW_OPACITY));
+  writeGeometry(slot, position, logScale, range, rotation, opacity, bitcast<vec3f>(valueBits3(row, ROW_COLOR)));
 }
 
 /// 64 bytes, as packing/geometry.ts lays them out.
 @if(GEOMETRY_F32)
-fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
+fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
   let color = clamp(colorDc, vec3f(-1e35), vec3f(1e35));
   let scale = vec3f(exactExp(logScale.x), exactExp(logScale.y), exactExp(logScale.z));
   let record = &geometry[slot];
@@ -137,23 +168,22 @@ fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, rotation: vec4f, o
   for (var k = 0u; k < 4u; k++) { (*record)[4u + k] = bitcast<u32>(rotation[k]); }
 }
 
-/// 32 bytes, as packing/geometry.ts lays them out, but for the log scales: the upper 16 bits of their 26.
+/// 32 bytes, as packing/geometry.ts lays them out. What log scales are beside the nearest step, −512…511 parts of 1024, is kept as
+/// 512 more than that.
 @if(!GEOMETRY_F32)
-fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
+fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
   let dc = vec3u(halfBits(colorDc.x), halfBits(colorDc.y), halfBits(colorDc.z));
-  let whole = floor(logScale);
-  // Steps of 2⁻¹⁹ above −40. The whole part and the rest are taken apart because their sum would lose bits.
-  let steps = (vec3u(whole + 40.0) << vec3u(19u)) + vec3u(floor((logScale - whole) * 524288.0 + 0.5));
-  let upper = steps >> vec3u(10u);
+  let parts = logScaleSteps(logScale, range, 1024.0) + vec3u(512u);
+  let steps = parts >> vec3u(10u);
   let turned = packRotation(rotation);
   let record = &geometry[slot];
   for (var axis = 0u; axis < 3u; axis++) { (*record)[axis] = position[axis]; }
   (*record)[3] = dc.x | (dc.y << 16u);
   (*record)[4] = dc.z | (u32(floor(opacity * 65535.0 + 0.5)) << 16u);
-  (*record)[5] = upper.x | (upper.y << 16u);
-  (*record)[6] = upper.z | (turned.x << 16u);
+  (*record)[5] = steps.x | (steps.y << 16u);
+  (*record)[6] = steps.z | (turned.x << 16u);
   (*record)[7] = turned.y;
-  let rests = steps & vec3u(0x3ffu);
+  let rests = parts & vec3u(0x3ffu);
   logScaleRests[parameters.maskRow + slot - parameters.pageSlot] = rests.x | (rests.y << 10u) | (rests.z << 20u);
 }
 

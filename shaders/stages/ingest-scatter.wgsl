@@ -1,4 +1,4 @@
-// Writes one word of all splats of a page. Reads a word for each splat of the cloud. One thread per splat of the page.
+// Writes successive words of all splats of a page. Reads these words for each splat of the cloud. One thread per splat of the page.
 import constants::CHUNK_SPLATS;
 import layout::PermuteParameters;
 import package::lib::dispatch::linearWorkgroup;
@@ -11,5 +11,7 @@ import package::lib::dispatch::linearWorkgroup;
 fn ingestScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let splat = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_SPLATS + lane;
   if (splat >= parameters.pageEnd - parameters.pageStart) { return; }
-  plane[splat * parameters.wordsPerSplat + parameters.word] = words[parameters.pageStart + splat];
+  let at = splat * parameters.wordsPerSplat + parameters.word;
+  let first = (parameters.pageStart + splat) * parameters.words;
+  for (var i = 0u; i < parameters.words; i++) { plane[at + i] = words[first + i]; }
 }

@@ -1,6 +1,6 @@
 // Projects every visible splat: computes its record (centre, axes, depth, colour) and its sort key.
-// Reads the page's plan, the visible splats, the range of depths, the geometry and the spherical harmonics; writes records
-// and keys in the order of visibleSplats. One thread per visible splat, dispatched per page.
+// Reads the page's plan, the visible splats, the range of depths, the geometry with the ranges of packed log scales, and the
+// spherical harmonics; writes records and keys in the order of visibleSplats. One thread per visible splat, dispatched per page.
 // All splats of a page have the same degree of spherical harmonics, so it is a condition of linking instead of a branch.
 import constants::CHUNK_SPLATS;
 import constants::MAX_COLOR;
@@ -9,6 +9,7 @@ import constants::SH_WORDS;
 @if(COLOR_EFFECTS) import effects::changeColor;
 @if(OPACITY_EFFECTS) import effects::changeOpacity;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
+@if(!GEOMETRY_F32) import layout::Chunk;
 import layout::Page;
 import layout::PagePlan;
 import layout::SplatRecord;
@@ -38,6 +39,7 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(6) var<storage, read_write> records: array<SplatRecord>;
 @group(0) @binding(7) var<storage, read_write> keys: array<u32>;
 @if(SH_1) @group(0) @binding(8) var<storage, read> shRest: array<u32>;
+@if(!GEOMETRY_F32) @group(0) @binding(9) var<storage, read> chunks: array<Chunk>;
 
 @compute @workgroup_size(PROJECT_WORKGROUP)
 fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -47,8 +49,12 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   let index = plan.visibleStart + indexInPage;
   let splatIndex = visibleSplats[index] - page.chunkStart * CHUNK_SPLATS;
 
-  @if(!SPLAT_EFFECTS) let splat = unpackSplat(geometry[splatIndex], page.logScales);
-  @if(SPLAT_EFFECTS) let splat = changeSplat(unpackSplat(geometry[splatIndex], page.logScales), splatIndex);
+  @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];
+  @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
+  @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
+  @if(GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex]);
+  @if(!SPLAT_EFFECTS) let splat = stored;
+  @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
   let centerView = page.linear * splat.position + page.translation;
   let onScreen = screenSplat(view, page.linear, splat, centerView);
   let axes = screenAxes(onScreen.covariance, view.dilationPx2);

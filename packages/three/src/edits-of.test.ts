@@ -14,7 +14,6 @@ function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
   const writeBuffer = vi.fn();
   Object.assign(fake.cloud, {
     ...packed,
-    logScaleRange: packed.geometry.logScaleRange,
     device: readableDevice(packed.geometry.words, writeBuffer),
     planes: {
       ranges: [{ start: 0, end: packed.count }],

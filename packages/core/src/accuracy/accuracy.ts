@@ -89,7 +89,7 @@ export const ACCURACY_SETTINGS: {
     values: GEOMETRY_PRECISIONS,
     stage: 'load',
     change: 'plane',
-    source: 'packed: smallest-three rotation of 3×15 bits, unorm16 log scales over the range of the cloud',
+    source: 'packed: smallest-three rotation of 3×15 bits, unorm16 log scales over the range of each chunk',
   },
   shPrecision: {
     label: 'Harmonics',

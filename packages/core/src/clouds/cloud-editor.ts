@@ -3,22 +3,17 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { emptyBounds } from '../packing/center-bounds.ts';
+import { chunkCountOf, logScalesOf, setLogScales } from '../packing/chunks.ts';
 import {
   type EditedGeometry,
   editedGeometry,
-  editedLogScale,
+  editedLogScales,
   editedPosition,
+  isSameRange,
   packEdited,
-  withLogScaleRange,
 } from '../packing/edited-geometry.ts';
-import {
-  GEOMETRY_WORDS,
-  type LogScaleRange,
-  logScaleRange,
-  type PackedGeometry,
-} from '../packing/geometry.ts';
-import { clampLogScale } from '../packing/log-scale.ts';
-import { chunkCountOf, type PackedCloud, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { type PackedCloud, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
 import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../splats/splat-edits.ts';
 import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
@@ -30,8 +25,6 @@ const MOST_GAP_SPLATS = 32;
 const PIECE_SPLATS = 1 << 16;
 /** Splats that robust bounds are taken from after an edit, few enough for every frame. */
 const BOUNDS_SAMPLES = 4096;
-/** Room that the range of log scales gets beyond the splats that leave it, so that those that grow seldom leave it again. */
-const LOG_SCALE_ROOM = 0.5;
 
 /**
  * Draws a cloud with `edits`, with those that there are and with those to come, from its next frame on. What has changed is
@@ -40,8 +33,8 @@ const LOG_SCALE_ROOM = 0.5;
  * made later are edited, too.
  *
  * Positions that were edited stay where they are in the order of storage: splats that move far apart make bounds of chunks
- * large, so that frames cull less. Sizes outside of the cloud's range, which `packed` geometry shares in 65,536 steps, upload the
- * whole geometry with a wider range once.
+ * large, so that frames cull less. Sizes outside of the range that a chunk of 256 splats shares, in 65,536 steps of `packed`
+ * geometry, upload that chunk with a wider range.
  *
  * @param splats the splats as they were uploaded, if they are at hand: nothing is read back then, and the cloud follows before
  *   this returns.
@@ -76,12 +69,12 @@ function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
 /** Reads the finest geometry of a cloud back; null if other planes have taken its place meanwhile. */
 async function geometryOf(cloud: SplatCloud): Promise<PackedGeometry | null> {
   await cloud.uploaded;
-  const { planes, logScaleRange } = cloud;
+  const { planes } = cloud;
   const { held } = planes;
   const [precision] = held.geometry;
   const isThere = () => planes.held === held && !cloud.isDestroyed;
   const words = await readPlane(cloud, planes.geometryPlane(precision)!, precision, isThere);
-  return words && { precision, words, logScaleRange };
+  return words && { precision, words, chunks: new Float32Array(cloud.chunks) };
 }
 
 /** Reads a plane back, piece by piece; null if it is not there any more. */
@@ -106,7 +99,7 @@ async function readPlane(
 /** Keeps the planes of one cloud as its edits have them. */
 class CloudEditor implements CloudEditing, EditsFollower {
   readonly edits: SplatEdits;
-  readonly unedited: Pick<SplatCloud, 'chunks' | 'logScaleRange'>;
+  readonly unedited: Pick<SplatCloud, 'chunks'>;
   readonly #cloud: SplatCloud;
   readonly #unfollow: () => void;
   /** Splat of each row; beyond the cloud's count for rows that it lacks. */
@@ -121,9 +114,9 @@ class CloudEditor implements CloudEditing, EditsFollower {
   #splats: EditedGeometry;
 
   constructor(cloud: SplatCloud, edits: SplatEdits, geometry: PackedGeometry) {
-    const { chunks, logScaleRange, origin, fileIndices, count } = cloud;
+    const { chunks, origin, fileIndices, count } = cloud;
     this.edits = edits;
-    this.unedited = { chunks, logScaleRange };
+    this.unedited = { chunks };
     this.#cloud = cloud;
     this.#splats = editedGeometry(geometry, origin, fileIndices, edits);
     let rows = 0;
@@ -152,10 +145,9 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#changed = null;
     const { edits } = this;
     if (edits.hasUnevenScales && cloud.facts.isIsotropic) this.#stretch();
-    if (changed & EDITED.scales) this.#widenRange();
+    if (changed & (EDITED.positions | EDITED.scales)) this.#bound(changed);
     for (const [page, { start, end }] of cloud.planes.ranges.entries())
       for (const [from, to] of this.#runs(start, end)) this.#write(page, start, from, to);
-    if (changed & (EDITED.positions | EDITED.scales)) this.#bound(changed);
     this.#dirty.fill(0);
     cloud.version++;
   }
@@ -166,7 +158,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     const words = await readPlane(this.#cloud, plane, precision, isThere);
     return () => {
       if (!words) return;
-      const geometry = { precision, words, logScaleRange: this.#cloud.logScaleRange };
+      const geometry = { precision, words, chunks: new Float32Array(this.unedited.chunks) };
       this.#splats = editedGeometry(geometry, origin, fileIndices, this.edits);
       this.#markEdited();
     };
@@ -213,9 +205,9 @@ class CloudEditor implements CloudEditing, EditsFollower {
   }
 
   #write(page: number, pageStart: number, from: number, to: number): void {
-    const { planes, logScaleRange } = this.#cloud;
+    const { planes, chunks } = this.#cloud;
     for (const precision of planes.held.geometry) {
-      const words = packEdited(this.#splats, from, to, precision, logScaleRange);
+      const words = packEdited(this.#splats, from, to, precision, new Float32Array(chunks));
       const at = 4 * GEOMETRY_WORDS[precision] * (from - pageStart);
       this.#upload(planes.geometryPlane(precision)![page], at, words);
     }
@@ -227,11 +219,11 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#cloud.onWritten(words.byteLength);
   }
 
-  /** Bounds the chunks of splats that have moved or changed their size anew. */
+  /** Bounds the chunks of splats that have moved or changed their size anew, and marks those whose packed log scales change. */
   #bound(changed: number): void {
     const cloud = this.#cloud;
     const { planes, count, origin } = cloud;
-    const { minPosition, maxScale, maxPosition, count: stride } = CHUNK_WORDS;
+    const { minPosition, maxPosition, count: stride } = CHUNK_WORDS;
     // A copy: what is known of chunks is known by their buffer.
     const chunks = new Float32Array(cloud.chunks.slice(0));
     const position = new Float32Array(3);
@@ -252,7 +244,6 @@ class CloudEditor implements CloudEditing, EditsFollower {
           continue;
         }
         const { min, max } = emptyBounds();
-        let logScale = Number.NEGATIVE_INFINITY;
         const endOfChunk = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
         for (let i = chunk * CHUNK_SPLATS; i < endOfChunk; i++) {
           editedPosition(this.#splats, i, position);
@@ -260,13 +251,15 @@ class CloudEditor implements CloudEditing, EditsFollower {
             if (position[axis] < min[axis]) min[axis] = position[axis];
             if (position[axis] > max[axis]) max[axis] = position[axis];
           }
-          if (changed & EDITED.scales) logScale = Math.max(logScale, editedLogScale(this.#splats, i));
         }
         const at = chunk * stride;
         chunks.set(min, at + minPosition);
         chunks.set(max, at + maxPosition);
-        // As packing does, with room for what is rounded.
-        if (changed & EDITED.scales) chunks[at + maxScale] = 1.001 * Math.exp(clampLogScale(logScale));
+        const range = changed & EDITED.scales ? editedLogScales(this.#splats, chunk) : null;
+        if (range && !isSameRange(range, logScalesOf(chunks, chunk))) {
+          setLogScales(chunks, chunk, range);
+          if (planes.geometryPlane('packed')) words.fill(0xffffffff);
+        }
         run ??= [chunk, chunk];
         run[1] = chunk + 1;
       }
@@ -288,32 +281,6 @@ class CloudEditor implements CloudEditing, EditsFollower {
       for (let axis = 0; axis < 3; axis++) axes[axis][i] = position[axis];
     }
     return robustBounds(axes, origin);
-  }
-
-  /** Widens the cloud's range of log scales, if edited splats have left it, and marks all splats. */
-  #widenRange(): void {
-    const cloud = this.#cloud;
-    const { min, step } = cloud.logScaleRange;
-    const max = min + 65535 * step;
-    let [low, high] = [min, max];
-    for (let i = 0; i < cloud.count; i++) {
-      const row = cloud.fileIndices[i];
-      if (!this.#isDirty(i) || !(this.edits.maskOf(row) & EDITED.scales)) continue;
-      for (const each of this.edits.valuesOf(row, 'scales')) {
-        low = Math.min(low, clampLogScale(each));
-        high = Math.max(high, clampLogScale(each));
-      }
-    }
-    // Half a step beyond is rounded back.
-    if (low >= min - step / 2 && high <= max + step / 2) return;
-    const wider: LogScaleRange = logScaleRange(
-      low < min ? clampLogScale(low - LOG_SCALE_ROOM) : min,
-      high > max ? clampLogScale(high + LOG_SCALE_ROOM) : max,
-    );
-    const { geometry, origin, fileIndices } = this.#splats;
-    this.#splats = editedGeometry(withLogScaleRange(geometry, wider), origin, fileIndices, this.edits);
-    cloud.logScaleRange = wider;
-    if (cloud.planes.geometryPlane('packed')) this.#dirty.fill(0xffffffff);
   }
 
   /** Splats are no balls any more, once the shaders for that are there: views would have nothing to draw meanwhile. */

@@ -2,9 +2,10 @@ import { GpuLimitError } from '../errors.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { chunkCountOf } from '../packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
-import { chunkCountOf, type PackedCloud } from '../packing/packed-cloud.ts';
+import type { PackedCloud } from '../packing/packed-cloud.ts';
 import {
   type CloudPrecision,
   GEOMETRY_PRECISIONS,

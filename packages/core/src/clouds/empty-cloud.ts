@@ -27,7 +27,6 @@ export function emptyCloud(memory: GpuMemory, shDegree: ShDegree, precision: Clo
       fileFacts: null,
     },
     chunks: new ArrayBuffer(0),
-    logScaleRange: { min: 0, step: 0 },
     precision,
   } as const;
   return new SplatCloud(memory.device, planes, contents, { name });

@@ -1,5 +1,7 @@
 import { DestroyedError, SplatSourceError } from '../errors.ts';
 import { readWords } from '../gpu/read-buffer.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -19,10 +21,18 @@ export async function* geometryPieces(splats: SplatCloud | PackedCloud): AsyncGe
   else yield* piecesOnGpu(splats);
 }
 
-function* piecesInMemory({ precision, words, logScaleRange }: PackedGeometry): Generator<PackedGeometry> {
-  const size = GEOMETRY_WORDS[precision] * PIECE_SPLATS;
-  for (let at = 0; at < words.length; at += size)
-    yield { precision, words: words.subarray(at, at + size), logScaleRange };
+function* piecesInMemory({ precision, words, chunks }: PackedGeometry): Generator<PackedGeometry> {
+  const stride = GEOMETRY_WORDS[precision];
+  for (let at = 0; stride * at < words.length; at += PIECE_SPLATS) {
+    const piece = words.subarray(stride * at, stride * (at + PIECE_SPLATS));
+    yield { precision, words: piece, chunks: chunksFrom(chunks, at) };
+  }
+}
+
+/** The chunks of a piece that begins at splat `first`. A copy: what is sent of a buffer is all of it. */
+function chunksFrom(chunks: Float32Array, first: number): Float32Array<ArrayBuffer> {
+  const [from, end] = [first, first + PIECE_SPLATS].map((at) => (CHUNK_WORDS.count * at) / CHUNK_SPLATS);
+  return chunks.slice(from, end);
 }
 
 async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
@@ -37,13 +47,13 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
     return cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
   };
-  for (const [page, { splatCount }] of planes().pages.entries()) {
-    for (let at = 0; at < splatCount; at += PIECE_SPLATS) {
+  for (const [page, { start, end }] of cloud.planes.ranges.entries()) {
+    for (let at = start; at < end; at += PIECE_SPLATS) {
       const { pages, geometryPrecision: precision } = planes();
       const stride = GEOMETRY_WORDS[precision];
-      const wordCount = stride * Math.min(PIECE_SPLATS, splatCount - at);
-      const words = await readWords(device, pages[page].geometry, wordCount, stride * at);
-      yield { precision, words, logScaleRange: cloud.logScaleRange };
+      const wordCount = stride * Math.min(PIECE_SPLATS, end - at);
+      const words = await readWords(device, pages[page].geometry, wordCount, stride * (at - start));
+      yield { precision, words, chunks: chunksFrom(new Float32Array(cloud.chunks), at) };
     }
   }
 }

@@ -177,7 +177,7 @@ export class PlaneMaker {
     this.#context.counting.uploadedBytes += freshBytes(cloud, work);
   }
 
-  #repack({ planes, logScaleRange }: SplatCloud, stage: RepackStage, finer: Plane, coarser: Plane): void {
+  #repack({ planes }: SplatCloud, stage: RepackStage, finer: Plane, coarser: Plane): void {
     const { device, memory, pipelines, dispatchRow } = this.#context;
     const made: GPUBuffer[] = [];
     try {
@@ -186,13 +186,13 @@ export class PlaneMaker {
       pass.setPipeline(pipelines.compute(stage)!);
       for (const [page, { start, end }] of planes.ranges.entries()) {
         const splatCount = end - start;
-        const logScales = [logScaleRange.min, logScaleRange.step];
-        const contents = RepackParameters.pack({ logScales, splatCount, dispatchRow });
+        const contents = RepackParameters.pack({ splatCount, dispatchRow });
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
         const parameters = memory.createBuffer('repack parameters', RepackParameters.bytes, usage);
         made.push(parameters);
         device.queue.writeBuffer(parameters, 0, contents);
-        const bindings = { parameters, finer: finer[page], coarser: coarser[page] };
+        const chunks = planes.chunksPlane[page];
+        const bindings = { parameters, finer: finer[page], coarser: coarser[page], chunks };
         pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
         const workgroups = Math.ceil(splatCount / CHUNK_SPLATS);
         pass.dispatchWorkgroups(...dispatchSize(workgroups, dispatchRow));

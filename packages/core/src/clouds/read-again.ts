@@ -1,7 +1,7 @@
 import { GpuLimitError, SplatSourceError } from '../errors.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
-import { Chunk } from '../layout/structs.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
@@ -52,10 +52,7 @@ export interface FreshPlanes extends CloudPrecision {
 }
 
 /** What shows that splats are the same ones. */
-type Identity = Pick<
-  SplatCloud,
-  'count' | 'shDegree' | 'origin' | 'logScaleRange' | 'fileIndices' | 'chunks'
->;
+type Identity = Pick<SplatCloud, 'count' | 'shDegree' | 'origin' | 'fileIndices' | 'chunks'>;
 
 interface ReadSplats {
   readonly fresh: FreshPlanes;
@@ -153,8 +150,7 @@ function fromPacked(packed: PackedCloud, place: PlanePlace): ReadSplats {
     takeHarmonics: () => uploadHarmonics(place, harmonics),
     destroy: () => {},
   };
-  const { logScaleRange } = geometry;
-  return { fresh, identity: { ...packed, logScaleRange, shDegree: harmonics.degree } };
+  return { fresh, identity: { ...packed, shDegree: harmonics.degree } };
 }
 
 function fromRows(contents: CloudContents, planes: CloudPlanes): ReadSplats {
@@ -202,13 +198,11 @@ function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecisio
  * @throws SplatSourceError if `read` are not the splats of `cloud`.
  */
 function checkSame(cloud: SplatCloud, read: Identity): void {
-  const { logScaleRange, chunks } = cloud.editing?.unedited ?? cloud;
+  const { chunks } = cloud.editing?.unedited ?? cloud;
   const isSame =
     cloud.count === read.count &&
     cloud.shDegree === read.shDegree &&
     cloud.origin.every((value, axis) => value === read.origin[axis]) &&
-    logScaleRange.min === read.logScaleRange.min &&
-    logScaleRange.step === read.logScaleRange.step &&
     isSameWords(cloud.fileIndices, read.fileIndices) &&
     isSameChunks(new Float32Array(chunks), new Float32Array(read.chunks));
   if (isSame) return;
@@ -216,11 +210,11 @@ function checkSame(cloud: SplatCloud, read: Identity): void {
   throw new SplatSourceError(cloud.name, message);
 }
 
-/** Scales may differ by what they are rounded by where the GPU takes them from packed splats. */
+/** Log scales may differ by what they are rounded by where the GPU takes them. */
 function isSameChunks(a: Float32Array, b: Float32Array): boolean {
-  const scaleAt = Chunk.offsets.maxScale / 4;
-  const isSameAt = (i: number) =>
-    i % (Chunk.bytes / 4) === scaleAt ? Math.abs(a[i] - b[i]) <= 1e-3 * b[i] : a[i] === b[i];
+  const { minLogScale, logScaleStep, count } = CHUNK_WORDS;
+  const roundings: Record<number, number> = { [minLogScale]: 1e-4, [logScaleStep]: 1e-4 / 65535 };
+  const isSameAt = (i: number) => Math.abs(a[i] - b[i]) <= (roundings[i % count] ?? 0);
   return a.length === b.length && a.every((_, i) => isSameAt(i));
 }
 

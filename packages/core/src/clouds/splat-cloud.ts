@@ -3,7 +3,6 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from '../packing/cloud-facts.ts';
-import type { LogScaleRange } from '../packing/geometry.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import type { Bounds, PackedCloud } from '../packing/packed-cloud.ts';
 import type { CloudPrecision, GeometryPrecision } from '../packing/precision.ts';
@@ -50,7 +49,6 @@ export interface CloudContents
     PackedCloud,
     'count' | 'origin' | 'bounds' | 'robustBounds' | 'dropped' | 'fileIndices' | 'facts' | 'chunks'
   > {
-  readonly logScaleRange: LogScaleRange;
   /** Precision of the planes. */
   readonly precision: CloudPrecision;
 }
@@ -59,7 +57,7 @@ export interface CloudContents
 export interface CloudEditing {
   readonly edits: SplatEdits;
   /** What the cloud was uploaded with. */
-  readonly unedited: Pick<SplatCloud, 'chunks' | 'logScaleRange'>;
+  readonly unedited: Pick<SplatCloud, 'chunks'>;
   /** Uploads what has changed since the last call. Call before a frame is planned, and before planes are read. */
   readonly flush: () => void;
   /** Reads unedited geometry in `plane`, which is not part of the cloud yet; call the result when it is, for it to be edited. */
@@ -93,8 +91,6 @@ export class SplatCloud {
   readonly sources: readonly CloudSource[];
   /** @internal */
   readonly sourceOptions: SourceOptions;
-  /** @internal Range of log scales that all packed geometry of the cloud uses. */
-  logScaleRange: LogScaleRange;
   /** @internal One `Chunk` struct per chunk; never changes, but another may take its place. */
   chunks: ArrayBuffer;
   /** @internal */
@@ -149,7 +145,6 @@ export class SplatCloud {
     this.fileIndices = contents.fileIndices;
     this.sources = [source ?? []].flat();
     this.sourceOptions = options.sourceOptions ?? {};
-    this.logScaleRange = contents.logScaleRange;
     this.chunks = contents.chunks;
     this.isPreview = isPreview;
     this.visibleLimit = visibleLimit;
@@ -213,12 +208,12 @@ export class SplatCloud {
     packed: PackedCloud,
     options: SplatCloudOptions,
   ): SplatCloud {
-    const { logScaleRange, precision: geometryPrecision } = packed.geometry;
-    const precision = { geometryPrecision, shPrecision: packed.harmonics.precision };
+    const { geometry, harmonics } = packed;
+    const precision = { geometryPrecision: geometry.precision, shPrecision: harmonics.precision };
     const { result: planes, checked } = memory.guard(options.name, MEMORY_ADVICE, () =>
       CloudPlanes.upload(memory, limits, packed, options.name),
     );
-    const contents = { ...packed, logScaleRange, precision };
+    const contents = { ...packed, precision };
     return new SplatCloud(memory.device, planes, contents, { ...options, checked });
   }
 

@@ -1,3 +1,5 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { logScalesOf } from '../packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../packing/geometry.ts';
 
 /** Opacity below which splats are left out. */
@@ -28,7 +30,7 @@ export function areaOf(values: Float64Array, covariance: number): number {
 
 /** Writes splat `index` of `geometry`, whose words are `floats` too, to `target`; returns whether it can be seen at all. */
 export function unpackShape(
-  { precision, words, logScaleRange: { min, step } }: PackedGeometry,
+  { precision, words, chunks }: PackedGeometry,
   floats: Float32Array,
   index: number,
   target: Float64Array,
@@ -48,6 +50,7 @@ export function unpackShape(
     sy = floats[from + 9];
     sz = floats[from + 10];
   } else {
+    const { min, step } = logScalesOf(chunks, Math.floor(index / CHUNK_SPLATS));
     sx = Math.exp(min + step * (words[from + 5] & 0xffff));
     sy = Math.exp(min + step * (words[from + 5] >>> 16));
     sz = Math.exp(min + step * (words[from + 6] & 0xffff));

@@ -1,14 +1,15 @@
 import type { FrustumSide } from '../camera/frustum.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
+import { maxScaleOf } from '../packing/chunks.ts';
 
 /** Chunks per group. Chunks lie in Morton order, so that the chunks of a group are neighbours. */
 const GROUP_CHUNKS = 16;
 /** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep every chunk that the GPU keeps. */
 const SLACK = 1e-4;
 
-const { minPosition: MIN, maxPosition: MAX, maxScale: SCALE, count: WORDS } = CHUNK_WORDS;
+const { minPosition: MIN, minLogScale: SCALE, maxPosition: MAX, count: WORDS } = CHUNK_WORDS;
 
-/** Bounds of the groups of chunks, as `Chunk` structs too, by the chunks' buffer. */
+/** Bounds of the groups of chunks, as `Chunk` structs but with their largest scales at SCALE, by the chunks' buffer. */
 const known = new WeakMap<ArrayBuffer, Float32Array>();
 
 /**
@@ -28,10 +29,11 @@ export function countChunksInFrustum(buffer: ArrayBuffer, sides: readonly Frustu
   for (let group = 0; group < groups.length; group += WORDS) {
     const start = group * GROUP_CHUNKS;
     const end = Math.min(chunks.length, start + WORDS * GROUP_CHUNKS);
-    const areInside = isInside(sides, groups, group);
+    const areInside = isInside(sides, groups, group, groups[group + SCALE]);
     if (areInside) count += (end - start) / WORDS;
     if (areInside !== null) continue;
-    for (let at = start; at < end; at += WORDS) if (isInside(sides, chunks, at) !== false) count++;
+    for (let at = start; at < end; at += WORDS)
+      if (isInside(sides, chunks, at, maxScaleOf(chunks, at / WORDS)) !== false) count++;
   }
   return count;
 }
@@ -44,7 +46,8 @@ function boundGroups(chunks: Float32Array): Float32Array {
     const to = WORDS * Math.floor(chunk / GROUP_CHUNKS) + word;
     const isLow = word >= MIN && word < MIN + 3;
     const isFirst = chunk % GROUP_CHUNKS === 0;
-    groups[to] = isFirst ? chunks[from] : (isLow ? Math.min : Math.max)(groups[to], chunks[from]);
+    const value = word === SCALE ? maxScaleOf(chunks, chunk) : chunks[from];
+    groups[to] = isFirst ? value : (isLow ? Math.min : Math.max)(groups[to], value);
   }
   return groups;
 }
@@ -53,10 +56,15 @@ function boundGroups(chunks: Float32Array): Float32Array {
  * Tests bounds against all sides; null if they are inside in part. What is inside or outside is so with all that it contains: the
  * nearest corner of a part is no nearer to a side than that of the whole, and its slack is no larger.
  */
-function isInside(sides: readonly FrustumSide[], bounds: Float32Array, at: number): boolean | null {
+function isInside(
+  sides: readonly FrustumSide[],
+  bounds: Float32Array,
+  at: number,
+  maxScale: number,
+): boolean | null {
   let isWhole = true;
   for (const { normal, offset, reach } of sides) {
-    const extent = reach * bounds[at + SCALE];
+    const extent = reach * maxScale;
     let nearest = offset + extent;
     let farthest = offset;
     let magnitude = Math.abs(offset) + extent;

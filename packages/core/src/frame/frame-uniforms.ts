@@ -48,8 +48,7 @@ export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayB
   }));
   for (let index = 0; index < pages.length; index++) {
     const { cloudIndex, chunkStart, chunkCount, splatCount } = pages[index];
-    const { view, instance } = clouds[cloudIndex];
-    const { logScaleRange } = instance.cloud;
+    const { view } = clouds[cloudIndex];
     const { frustum, frustumReach } = sides[cloudIndex];
     const values = {
       linear: view.linear,
@@ -57,7 +56,6 @@ export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayB
       camera: view.camera ?? ORIGIN,
       cameraWeight: view.camera ? 1 : 0,
       direction: view.direction,
-      logScales: [logScaleRange.min, logScaleRange.step],
       frustum,
       frustumReach,
       index,

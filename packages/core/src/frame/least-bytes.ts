@@ -44,6 +44,8 @@ interface Counts {
   /** Mean bytes of a splat's planes; visible splats of several clouds are taken to be spread over them as all splats are. */
   readonly geometryBytes: number;
   readonly harmonicsBytes: number;
+  /** Mean bytes of the range of a chunk's log scales. */
+  readonly rangeBytes: number;
   /** Bytes of the entries of palettes that visible splats may have. */
   readonly entryBytes: number;
   readonly recordBytes: number;
@@ -108,8 +110,8 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
     },
     'compact-chunks': ({ chunks, visibleChunks }) => [WORD_BYTES * chunks, WORD_BYTES * visibleChunks],
     'plan-cull': () => [0, 0],
-    'cull-splats': ({ candidates, visibleChunks, geometryBytes }) => [
-      geometryBytes * candidates + WORD_BYTES * visibleChunks,
+    'cull-splats': ({ candidates, visibleChunks, geometryBytes, rangeBytes }) => [
+      geometryBytes * candidates + (WORD_BYTES + rangeBytes) * visibleChunks,
       (CHUNK_MASK_BYTES + WORD_BYTES) * visibleChunks,
     ],
     'plan-project': () => [0, 0],
@@ -117,8 +119,16 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
       (CHUNK_MASK_BYTES + 2 * WORD_BYTES) * visibleChunks,
       WORD_BYTES * visible,
     ],
-    project: ({ visible, geometryBytes, harmonicsBytes, entryBytes, recordBytes }) => [
-      (WORD_BYTES + geometryBytes + harmonicsBytes) * visible + entryBytes,
+    project: ({
+      visible,
+      visibleChunks,
+      geometryBytes,
+      rangeBytes,
+      harmonicsBytes,
+      entryBytes,
+      recordBytes,
+    }) => [
+      (WORD_BYTES + geometryBytes + harmonicsBytes) * visible + rangeBytes * visibleChunks + entryBytes,
       (recordBytes + WORD_BYTES) * visible,
     ],
   },
@@ -213,6 +223,7 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
       return shWordsPerSplat(shDegree, shPrecision);
     }),
     entryBytes: clouds.reduce((sum, each) => sum + entryBytesOf(each, visibleSplats), 0),
+    rangeBytes: mean(({ planes }) => (planes.geometryPrecision === 'packed' ? 2 : 0)),
     recordBytes: SPLAT_RECORDS[accuracy.recordPrecision].bytes,
     depthSort: depthSortShape(shape),
     pairSort: pairSortShape(shape),

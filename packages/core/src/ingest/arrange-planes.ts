@@ -4,10 +4,11 @@ import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { ChunkParameters, MortonParameters, PermuteParameters } from '../layout/packing-structs.ts';
 import { Chunk } from '../layout/structs.ts';
-import { GEOMETRY_WORDS, type LogScaleRange } from '../packing/geometry.ts';
+import type { Vec3 } from '../math/mat4.ts';
+import { chunkCountOf } from '../packing/chunks.ts';
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shBytesPerSplat, shWordsPerSplat } from '../packing/harmonics.ts';
 import type { MortonFrame } from '../packing/morton-order.ts';
-import { chunkCountOf } from '../packing/packed-cloud.ts';
 import type { RowPrecision } from '../packing/precision.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
 import { ingestChunks } from '../stages/ingest-chunks.ts';
@@ -15,7 +16,7 @@ import { ingestGather } from '../stages/ingest-gather.ts';
 import { ingestKeys } from '../stages/ingest-keys.ts';
 import { ingestScatter } from '../stages/ingest-scatter.ts';
 import { RadixSort, radixSortStages } from '../stages/radix-sort.ts';
-import { type SortShape, sortShapeFor } from '../stages/sort-shape.ts';
+import { pairSortShapeFor, type SortShape } from '../stages/sort-shape.ts';
 import { Dispatches } from './dispatches.ts';
 
 export interface ArrangeContext {
@@ -40,8 +41,12 @@ export interface ArrivedPlanes extends RowPrecision {
   readonly kept: number;
   /** Whether there is memory for new planes where the given ones are roomy. */
   readonly hasRoom: boolean;
+  /** The cloud's origin in the file, about which splats are placed. */
+  readonly origin: Vec3;
   readonly frame: MortonFrame;
-  readonly logScaleRange: LogScaleRange;
+  /** As ingest-rows leaves them: `Chunk` structs, and what packed log scales are beside their steps, null where they are float32. */
+  readonly arrivedChunks: GPUBuffer;
+  readonly logScaleRests: GPUBuffer | null;
   /** Degree to keep, at most `shDegree`. */
   readonly keptShDegree: ShDegree;
   /** Pages of the planes in storage order, for `kept` splats; default those of the slots, as far as they are filled. */
@@ -66,12 +71,14 @@ export function isRoomy(kept: number, slots: number): boolean {
   return kept < (1 - SPARE_PART) * slots;
 }
 
-/** Bits of the sort keys: half of a Morton code, and one more where dropped rows must go behind all others. */
-const KEY_BITS = { none: 24, some: 25 } as const;
+/** Sorts by Morton codes, each by eight of their bits. */
+const ROUNDS = 6;
+/** Bits of the sort keys: those, and one more where dropped rows must go behind all others. */
+const KEY_BITS = { none: 8, some: 9 } as const;
 
-/** An odd number of passes either way, which leaves the order in another buffer than the one that keys are made in. */
+/** One pass, which needs no second buffer of keys: memory has the rests of log scales instead. */
 function sortShapeOf(dropped: keyof typeof KEY_BITS): SortShape {
-  return sortShapeFor(KEY_BITS[dropped]);
+  return pairSortShapeFor(KEY_BITS[dropped]);
 }
 
 /** Lists the stages that `arrangePlanes` runs. */
@@ -89,9 +96,10 @@ export function arrangeStages(
 }
 
 /**
- * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them word by word, in place where few
+ * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them two words at a time, in place where few
  * rows were dropped or there is no room, and pages and degree stay, so that beside the planes there are never more than 16 bytes
- * per splat, and 4 of them last: the rows of the file. Frees those that it replaces.
+ * per splat, and 4 of them last: the rows of the file. Then it settles splats about the origin, and their log scales in steps of
+ * their chunk's range. Frees the planes that it replaces.
  * All stages must have been compiled. Submits, and does not wait.
  *
  * @throws GpuLimitError; the given planes are the caller's then, in any order.
@@ -128,7 +136,7 @@ function slotsOf(ranges: readonly PageRange[]): number {
 /** Writes the slots to `fileRows`, those of kept splats first and in storage order: a slot is a row of the file. */
 function sortSplats(
   { device, pipelines, memory, dispatchRow }: ArrangeContext,
-  { ranges, geometry, geometryPrecision, dropMask, kept, frame }: ArrivedPlanes,
+  { ranges, geometry, geometryPrecision, dropMask, kept, origin, frame }: ArrivedPlanes,
   fileRows: GPUBuffer,
 ): void {
   const slots = slotsOf(ranges);
@@ -150,11 +158,12 @@ function sortSplats(
     const { input } = sort;
     const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
     const stage = ingestKeys(geometryPrecision);
-    for (const round of [0, 1]) {
+    for (let round = 0; round < ROUNDS; round++) {
       for (const [page, { start, end }] of ranges.entries()) {
         const parameters = MortonParameters.pack({
           ...frame,
           round,
+          origin,
           pageStart: start,
           pageEnd: end,
           slotCount: slots,
@@ -225,7 +234,8 @@ function permute(
   );
   const temporary: GPUBuffer[] = [];
   try {
-    const words = memory.createBuffer('ingest words', 4 * kept, storageUsage());
+    const wordsAtOnce = 8 * kept <= device.limits.maxStorageBufferBindingSize ? 2 : 1;
+    const words = memory.createBuffer('ingest words', 4 * wordsAtOnce * kept, storageUsage());
     temporary.push(words);
     const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
     for (const move of [geometry, harmonics]) {
@@ -234,18 +244,24 @@ function permute(
         after: ranges,
         list: fileRows,
         words,
+        wordsAtOnce,
         kept,
         dispatchRow,
       });
     }
-    const { min, step } = arrived.logScaleRange;
+    const { origin, arrivedChunks, logScaleRests } = arrived;
     for (const [page, { start, end }] of ranges.entries()) {
       const parameters = ChunkParameters.pack({
-        logScales: [min, step],
+        origin,
+        firstSplat: start,
         splatCount: end - start,
         dispatchRow,
       });
-      const bindings = { geometry: geometry.to[page], chunks: chunks[page] };
+      const bindings = {
+        geometry: geometry.to[page],
+        chunks: chunks[page],
+        ...(logScaleRests && { fileRows, arrivedChunks, logScaleRests }),
+      };
       dispatches.add(ingestChunks(geometryPrecision), parameters, bindings, chunkCountOf(end - start));
     }
     const encoder = device.createCommandEncoder({ label: 'ingest arrange' });
@@ -264,8 +280,9 @@ interface Moving {
   readonly before: readonly PageRange[];
   readonly after: readonly PageRange[];
   readonly list: GPUBuffer;
-  /** A word per splat. */
+  /** `wordsAtOnce` per splat. */
   readonly words: GPUBuffer;
+  readonly wordsAtOnce: number;
   readonly kept: number;
   readonly dispatchRow: number;
 }
@@ -273,14 +290,16 @@ interface Moving {
 function addMove(
   dispatches: Dispatches,
   { from, to, wordsBefore, words: wordCount, lastMask }: Move,
-  { before, after, list, words, kept, dispatchRow }: Moving,
+  { before, after, list, words, wordsAtOnce, kept, dispatchRow }: Moving,
 ): void {
-  for (let word = 0; word < wordCount; word++) {
+  for (let word = 0; word < wordCount; word += wordsAtOnce) {
+    const endWord = Math.min(word + wordsAtOnce, wordCount);
     const parametersOf = ({ start, end }: PageRange, wordsPerSplat: number) =>
       PermuteParameters.pack({
         word,
+        words: endWord - word,
         wordsPerSplat,
-        mask: word === wordCount - 1 ? lastMask : 0xffffffff,
+        mask: endWord === wordCount ? lastMask : 0xffffffff,
         pageStart: start,
         pageEnd: end,
         count: kept,

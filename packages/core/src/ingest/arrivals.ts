@@ -1,17 +1,15 @@
 import { CloudPlanes, type MadePlanes, type Plane } from '../clouds/cloud-planes.ts';
 import { GpuLimitError } from '../errors.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { ChunkParameters } from '../layout/packing-structs.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { Chunk } from '../layout/structs.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { INGEST_LOG_SCALES } from '../packing/ingest-log-scale.ts';
-import { type Bounds, chunkCountOf, robustBounds } from '../packing/packed-cloud.ts';
-import { ingestChunks } from '../stages/ingest-chunks.ts';
+import { chunkCountOf } from '../packing/chunks.ts';
+import { type Bounds, robustBounds } from '../packing/packed-cloud.ts';
 import { ingestGather } from '../stages/ingest-gather.ts';
 import { nextTask } from '../turns.ts';
 import type { ArrangeContext } from './arrange-planes.ts';
-import { Dispatches } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';
-import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
 
@@ -19,6 +17,8 @@ import { sampleCentres } from './sample-centres.ts';
 export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
   /** Room for the bounds of all chunks. */
   readonly chunks: Plane;
+  /** These bounds of what has arrived, of all pages. */
+  readonly arrivedChunks: GPUBuffer;
   /** What ingest-rows has found so far. */
   readonly facts: GPUBuffer;
 }
@@ -97,8 +97,8 @@ export class Arrivals {
 
   async #read(): Promise<void> {
     const { device, pipelines } = this.#context;
-    const { facts, chunks, ...made } = this.#planes;
-    await pipelines.prepare([ingestChunks(made.geometryPrecision), ingestGather]);
+    const { facts, chunks, arrivedChunks, ...made } = this.#planes;
+    await pipelines.prepare([ingestGather]);
     if (this.#isOver) return;
     const count = this.#rows;
     this.#leastRows = GROWTH * count;
@@ -115,11 +115,11 @@ export class Arrivals {
       harmonics: pages(made.harmonics),
     };
     const read = () => {
-      this.#boundChunks(planes);
+      this.#copyChunks(planes);
       const reading = Promise.all([
         readWords(device, facts),
         sampleCentres(this.#context, { ...planes, count }),
-        readChunks(device, planes),
+        readWords(device, arrivedChunks, (Chunk.bytes / 4) * chunkCountOf(count)),
       ]);
       // Awaited only if memory was there.
       reading.catch(() => {});
@@ -127,7 +127,7 @@ export class Arrivals {
     };
     const { result, checked } = this.#context.memory.guard('A preview', '', read);
     await checked;
-    const [words, centres, chunkBounds] = await result;
+    const [words, centres, chunkWords] = await result;
     await nextTask();
     if (this.#isOver) return;
     const found = readRowFacts(words, { count, shDegree: planes.shDegree });
@@ -141,28 +141,22 @@ export class Arrivals {
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
       facts: found.facts,
-      chunks: chunkBounds,
-      logScaleRange: INGEST_LOG_SCALES,
+      chunks: chunkWords.buffer,
       precision: { geometryPrecision, shPrecision },
     };
     const shown = new CloudPlanes(this.#context.memory, 'arrived', planes);
     this.#previews.show(shown, contents, MOST_VISIBLE);
   }
 
-  #boundChunks({ ranges, geometry, chunks, geometryPrecision }: MadePlanes): void {
-    const { device, memory, pipelines, dispatchRow } = this.#context;
-    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
-    const { min, step } = INGEST_LOG_SCALES;
-    for (const [page, { start, end }] of ranges.entries()) {
-      const splatCount = end - start;
-      const parameters = ChunkParameters.pack({ logScales: [min, step], splatCount, dispatchRow });
-      const bindings = { geometry: geometry[page], chunks: chunks[page] };
-      dispatches.add(ingestChunks(geometryPrecision), parameters, bindings, chunkCountOf(splatCount));
-    }
+  #copyChunks({ ranges, chunks }: Pick<MadePlanes, 'ranges' | 'chunks'>): void {
+    const { device } = this.#context;
     const encoder = device.createCommandEncoder({ label: 'ingest arrived chunks' });
-    const parameters = dispatches.record(encoder, 'ingest arrived chunks');
+    for (const [page, { start, end }] of ranges.entries()) {
+      const from = Chunk.bytes * (start / CHUNK_SPLATS);
+      const bytes = Chunk.bytes * chunkCountOf(end - start);
+      encoder.copyBufferToBuffer(this.#planes.arrivedChunks, from, chunks[page], 0, bytes);
+    }
     device.queue.submit([encoder.finish()]);
-    memory.destroy(parameters);
   }
 }
 

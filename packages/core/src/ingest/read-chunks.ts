@@ -1,7 +1,7 @@
 import type { MadePlanes } from '../clouds/cloud-planes.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { Chunk } from '../layout/structs.ts';
-import { chunkCountOf } from '../packing/packed-cloud.ts';
+import { chunkCountOf } from '../packing/chunks.ts';
 
 /** Reads the `Chunk` structs of all pages, one after another. */
 export async function readChunks(

@@ -14,12 +14,10 @@ export interface RowFacts {
   /** Bounds of the centres, as they are in the file. */
   readonly min: Vec3;
   readonly max: Vec3;
-  /** Smallest and largest log scale, clamped. */
-  readonly logScales: readonly [min: number, max: number];
   readonly facts: CloudFacts;
 }
 
-/** Reads the words that ingest-rows leaves. Bounds and log scales mean nothing if no row was kept. */
+/** Reads the words that ingest-rows leaves. Bounds mean nothing if no row was kept. */
 export function readRowFacts(
   words: Uint32Array,
   {
@@ -49,7 +47,6 @@ export function readRowFacts(
     dropped,
     min: [minX, minY, minZ],
     max: [maxX, maxY, maxZ],
-    logScales: [smallest(c.FACT_MIN_LOG_SCALE), largest(c.FACT_MAX_LOG_SCALE)],
     facts: {
       declaredShDegree: shDegree,
       trueShDegree: trueShDegree(shBandReach),

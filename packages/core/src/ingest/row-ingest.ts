@@ -25,18 +25,16 @@ import type { RowSink } from '../io/formats/row-sink.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { roundUp } from '../layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
-import { IngestParameters, SettleParameters } from '../layout/packing-structs.ts';
+import { IngestParameters } from '../layout/packing-structs.ts';
 import { Chunk } from '../layout/structs.ts';
-import { logScaleRange } from '../packing/geometry.ts';
-import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
+import { chunkCountOf } from '../packing/chunks.ts';
 import { mortonFrame } from '../packing/morton-order.ts';
 import { chooseOrigin } from '../packing/origin.ts';
-import { chunkCountOf, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
+import { robustBounds, totalBounds } from '../packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../packing/precision.ts';
 import { paletteValues, type RowLayout } from '../packing/row-layout.ts';
 import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
-import { ingestSettle } from '../stages/ingest-settle.ts';
 import { nextTask } from '../turns.ts';
 import { type ArrangeContext, arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
 import { Arrivals } from './arrivals.ts';
@@ -87,7 +85,9 @@ interface Held {
   readonly harmonics: Plane;
   readonly dropMask: GPUBuffer;
   readonly facts: GPUBuffer;
-  /** The lower bits of log scales; null where they are float32. */
+  /** A `Chunk` struct for each 256 slots. */
+  readonly chunks: GPUBuffer;
+  /** What log scales are beside their steps; null where they are float32. */
   readonly logScaleRests: GPUBuffer | null;
   /** A piece of the file. */
   readonly rows: GPUBuffer;
@@ -171,13 +171,15 @@ export class RowIngest implements RowSink {
         const geometry = keep(createGeometry(place, geometryPrecision));
         const harmonics = keep(createHarmonics(place, shDegree, shPrecision));
         const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
+        const chunks = create('chunks', Chunk.bytes * chunkCountOf(count), COPY_SRC);
         const paletteBytes = 4 * paletteValues(layout);
         let arrivals: Arrivals | null = null;
         if (this.#previews) {
-          const chunks = planeOf(place, ({ start, end }, page) =>
-            create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_SRC),
+          const shown = planeOf(place, ({ start, end }, page) =>
+            create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_DST),
           );
-          const planes = { ...precision, shDegree, ranges, geometry, harmonics, chunks, facts };
+          const shared = { geometry, harmonics, facts, chunks: shown, arrivedChunks: chunks };
+          const planes = { ...precision, shDegree, ranges, ...shared };
           arrivals = new Arrivals(this.#context, planes, this.#previews);
         }
         this.#held = {
@@ -188,6 +190,7 @@ export class RowIngest implements RowSink {
           harmonics,
           dropMask: create('drop mask', roundUp(count, CHUNK_SPLATS) / 8),
           facts,
+          chunks,
           logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
           // A value that begins between words is read from two of them.
           rows: create('rows', pieceBytes + 4, COPY_DST),
@@ -411,11 +414,12 @@ export class RowIngest implements RowSink {
           maskRow: start,
           dispatchRow,
         });
-        const { rows, palette, dropMask, facts, logScaleRests } = shared;
+        const { rows, palette, dropMask, facts, chunks, logScaleRests } = shared;
         const bindings = {
           rows,
           dropMask,
           facts,
+          chunks,
           geometry: geometry[page],
           harmonics: harmonics[page],
           ...(logScaleRests && { logScaleRests }),
@@ -451,10 +455,8 @@ export class RowIngest implements RowSink {
    */
   #arrange(found: RowFacts, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;
-    const { ranges, geometry, harmonics, dropMask, layout } = this.#held!;
+    const { ranges, geometry, harmonics, dropMask, chunks, logScaleRests, layout } = this.#held!;
     const origin = chooseOrigin(found.min, found.max);
-    const range = logScaleRange(...found.logScales);
-    this.#settle(origin, range.step, found.logScales[0]);
     const about = (corner: readonly number[]) =>
       corner.map((value, axis) => Math.fround(value - origin[axis]));
     const { trueShDegree } = found.facts;
@@ -471,8 +473,10 @@ export class RowIngest implements RowSink {
       keptShDegree: trueShDegree,
       kept: found.count,
       hasRoom,
+      origin,
       frame,
-      logScaleRange: range,
+      arrivedChunks: chunks,
+      logScaleRests,
       pages: pages?.at(-1)?.end === found.count ? pages : undefined,
     });
     // The planes are in other hands now: those that were kept, and those that took the place of others.
@@ -485,7 +489,6 @@ export class RowIngest implements RowSink {
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
       facts: found.facts,
-      logScaleRange: range,
       precision,
     };
     return { contents, fileRows, planes: { ...planes, ...precision, shDegree: trueShDegree } };
@@ -498,31 +501,6 @@ export class RowIngest implements RowSink {
     ]);
     await nextTask();
     return { bounds: totalBounds(chunks, origin), robustBounds: robustBounds(centres, origin), chunks };
-  }
-
-  #settle(origin: readonly number[], logScaleStep: number, minLogScale: number): void {
-    const { device, memory, pipelines, dispatchRow } = this.#context;
-    const { geometryPrecision } = this.#options;
-    const { ranges, geometry, logScaleRests } = this.#held!;
-    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
-    for (const [page, { start, end }] of ranges.entries()) {
-      const parameters = SettleParameters.pack({
-        origin,
-        logScaleStep,
-        minLogScale: ingestLogScaleSteps(minLogScale),
-        slotCount: end - start,
-        firstSlot: start,
-        dispatchRow,
-      });
-      const bindings = { geometry: geometry[page], ...(logScaleRests && { logScaleRests }) };
-      const workgroups = Math.ceil((end - start) / CHUNK_SPLATS);
-      dispatches.add(ingestSettle(geometryPrecision), parameters, bindings, workgroups);
-    }
-    const encoder = device.createCommandEncoder({ label: 'ingest settle' });
-    const parameters = dispatches.record(encoder, 'ingest settle');
-    device.queue.submit([encoder.finish()]);
-    memory.destroy(parameters);
-    if (logScaleRests) this.#destroy(logScaleRests);
   }
 }
 
@@ -542,7 +520,8 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
     (1 + stagingCountOf(layout)) * pieceBytes +
     4 * paletteValues(layout) +
     (settings.geometryPrecision === 'packed' ? 4 * count : 0);
-  return cloudBytes(count, settings) + Math.max(reading, ARRANGE_BYTES * count);
+  const chunkBytes = Chunk.bytes * chunkCountOf(count);
+  return cloudBytes(count, settings) + chunkBytes + Math.max(reading, ARRANGE_BYTES * count);
 }
 
 /** Stages that make a cloud of rows of this degree, which is that of their palette as well. */
@@ -562,9 +541,5 @@ function asRows<Wanted extends CloudPrecision>(wanted: Wanted): Wanted & RowPrec
 
 /** Stages that run after the last row. Whether rows were dropped is not known before. */
 function lateStages({ geometryPrecision }: RowPrecision): StageDefinition[] {
-  return [
-    ingestSettle(geometryPrecision),
-    ...arrangeStages({ geometryPrecision }, false),
-    ...arrangeStages({ geometryPrecision }, true),
-  ];
+  return [...arrangeStages({ geometryPrecision }, false), ...arrangeStages({ geometryPrecision }, true)];
 }

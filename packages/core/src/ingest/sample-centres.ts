@@ -38,6 +38,7 @@ export function sampleCentres(
       for (const [page, { start, end }] of ranges.entries()) {
         const parameters = PermuteParameters.pack({
           word,
+          words: 1,
           wordsPerSplat: GEOMETRY_WORDS[geometryPrecision],
           mask: 0xffffffff,
           pageStart: start,

@@ -3,6 +3,7 @@ import type { Projection } from '../camera/camera.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { orderedBits } from '../layout/depth-key.ts';
 import { Chunk } from '../layout/structs.ts';
+import { maxScaleOf } from '../packing/chunks.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';
@@ -102,14 +103,12 @@ const CHUNKS_KEPT_BEYOND = 1.2e-5;
 
 /** `chunkClearance` of the chunk that contains splat `index`. */
 function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): number {
-  const at = Math.floor(index / CHUNK_SPLATS) * Chunk.bytes;
-  const vector = (offset: number) => new Float32Array(packed.chunks, at + offset, 3);
-  const { minPosition, maxPosition, maxScale } = Chunk.offsets;
-  const [largestScale] = new Float32Array(packed.chunks, at + maxScale, 1);
+  const chunk = Math.floor(index / CHUNK_SPLATS);
+  const vector = (offset: number) => new Float32Array(packed.chunks, chunk * Chunk.bytes + offset, 3);
   const bounds = {
-    minPosition: vector(minPosition),
-    maxPosition: vector(maxPosition),
-    maxScale: largestScale,
+    minPosition: vector(Chunk.offsets.minPosition),
+    maxPosition: vector(Chunk.offsets.maxPosition),
+    maxScale: maxScaleOf(new Float32Array(packed.chunks), chunk),
   };
   return chunkClearance(bounds, planes);
 }

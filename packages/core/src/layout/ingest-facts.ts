@@ -5,13 +5,11 @@
 export const INGEST_FACTS = {
   FACT_MIN_POSITION: 0,
   FACT_MAX_POSITION: 3,
-  FACT_MIN_LOG_SCALE: 6,
-  FACT_MAX_LOG_SCALE: 7,
   /** 1 if a splat is not round. */
-  FACT_STRETCHED: 8,
+  FACT_STRETCHED: 6,
   /** For each band, the largest sum of squares of a channel's coefficients, as a float. */
-  FACT_REACH: 9,
+  FACT_REACH: 7,
   /** Numbers of rows that were dropped, by reason. */
-  FACT_DROPPED: 12,
-  FACTS: 17,
+  FACT_DROPPED: 10,
+  FACTS: 15,
 } as const;

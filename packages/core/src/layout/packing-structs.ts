@@ -1,9 +1,8 @@
 import { gpuStruct } from './gpu-struct.ts';
 import type { ShaderStruct } from './structs.ts';
 
-/** Number of splats of a page to repack, and the cloud's log scales as in `Page`. */
+/** Number of splats of a page to repack. */
 export const RepackParameters = gpuStruct('RepackParameters', {
-  logScales: 'vec2f',
   splatCount: 'u32',
   dispatchRow: 'u32',
 });
@@ -24,28 +23,16 @@ export const IngestParameters = gpuStruct('IngestParameters', {
   dispatchRow: 'u32',
 });
 
-/** What ingest-settle needs to know of a page, and of the cloud. */
-export const SettleParameters = gpuStruct('SettleParameters', {
-  /** The cloud's origin in the file. */
-  origin: 'vec3f',
-  /** Step of the cloud's log scales; 0 if all are the same. */
-  logScaleStep: 'f32',
-  /** Smallest log scale, in steps of 2⁻¹⁹ above −40. */
-  minLogScale: 'u32',
-  slotCount: 'u32',
-  /** Slot in the cloud of the page's first. */
-  firstSlot: 'u32',
-  dispatchRow: 'u32',
-});
-
 /** How ingest-keys makes sort keys of the splats of a page. */
 export const MortonParameters = gpuStruct('MortonParameters', {
   /** A `MortonFrame`. */
   scale: 'vec3f',
   cellsPerUnit: 'f32',
   scaledMin: 'vec3f',
-  /** 0: lower halves of the codes, in the order of slots; 1: upper halves, in a given order. */
+  /** 0…5: which eight bits of the codes, the lowest first; those of round 0 in the order of slots, others in a given order. */
   round: 'u32',
+  /** The cloud's origin in the file. */
+  origin: 'vec3f',
   /** Slots of the page in the cloud. */
   pageStart: 'u32',
   pageEnd: 'u32',
@@ -53,11 +40,13 @@ export const MortonParameters = gpuStruct('MortonParameters', {
   dispatchRow: 'u32',
 });
 
-/** One word of all splats, between a page and a list of words. */
+/** Successive words of all splats, between a page and a list of words. */
 export const PermuteParameters = gpuStruct('PermuteParameters', {
+  /** The first, and the number of them. */
   word: 'u32',
+  words: 'u32',
   wordsPerSplat: 'u32',
-  /** Bits that are kept. */
+  /** Bits of the last that are kept. */
   mask: 'u32',
   /** Splats of the page in the cloud. */
   pageStart: 'u32',
@@ -69,7 +58,10 @@ export const PermuteParameters = gpuStruct('PermuteParameters', {
 
 /** Splats of a page whose chunks' bounds are taken. */
 export const ChunkParameters = gpuStruct('ChunkParameters', {
-  logScales: 'vec2f',
+  /** The cloud's origin in the file. */
+  origin: 'vec3f',
+  /** The page's first splat in the cloud. */
+  firstSplat: 'u32',
   splatCount: 'u32',
   dispatchRow: 'u32',
 });
@@ -78,7 +70,6 @@ export const ChunkParameters = gpuStruct('ChunkParameters', {
 export const PACKING_STRUCTS: readonly ShaderStruct[] = [
   RepackParameters,
   IngestParameters,
-  SettleParameters,
   MortonParameters,
   PermuteParameters,
   ChunkParameters,

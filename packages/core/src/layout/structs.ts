@@ -26,8 +26,6 @@ export const Page = gpuStruct('Page', {
   /** 1 if viewing directions start at the camera, 0 if they are all `direction`. */
   cameraWeight: 'f32',
   direction: 'vec3f',
-  /** Smallest log scale of the cloud, and the step of its unorm16 log scales. */
-  logScales: 'vec2f',
   /** Left, right, bottom, top, near, far in cloud space: a point is inside if dot(xyz, point) + w ≥ 0. */
   frustum: 'array<vec4f, 6>',
   /** x: how far a splat reaches across the side, per unit of its largest standard deviation. */
@@ -40,12 +38,13 @@ export const Page = gpuStruct('Page', {
   splatCount: 'u32',
 });
 
-/** Bounds of the centres of a chunk, about the cloud's origin, and the largest standard deviation along any axis. */
+/** Bounds of a chunk: of its centres, about the cloud's origin, and of its log scales, 65535 steps above the smallest. */
 export const Chunk = gpuStruct('Chunk', {
   minPosition: 'vec3f',
-  maxScale: 'f32',
+  minLogScale: 'f32',
   maxPosition: 'vec3f',
-  padding: 'f32',
+  /** 0 where all log scales are the same. Packed log scales are unorm16 of these. */
+  logScaleStep: 'f32',
 });
 
 /** Results of culling for one page, computed on the GPU in each frame. */

@@ -1,19 +1,15 @@
 import { describe, expect, test } from 'vitest';
 import { splatsFromArrays } from '../editing/splats-from-arrays.ts';
+import { unpackSplat } from '../reference/packing.ts';
 import { SplatEdits } from '../splats/splat-edits.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import {
-  editedGeometry,
-  editedLogScale,
-  editedPosition,
-  packEdited,
-  withLogScaleRange,
-} from './edited-geometry.ts';
-import { GEOMETRY_WORDS, logScaleRange, packGeometry } from './geometry.ts';
+import { chunksOf, logScalesOf, setLogScales } from './chunks.ts';
+import { editedGeometry, editedLogScales, editedPosition, packEdited } from './edited-geometry.ts';
+import { GEOMETRY_WORDS, packGeometry } from './geometry.ts';
+import { type LogScaleRange, logScaleRange } from './log-scale.ts';
 
 const COUNT = 40;
-const RANGE = logScaleRange(-6, 0);
 const random = seededRandom(3);
 const column = (width: number, min: number, max: number) =>
   Float32Array.from({ length: width * COUNT }, () => min + (max - min) * random());
@@ -25,8 +21,17 @@ const VALUES = {
   colors: column(3, 0, 1),
 };
 const BEFORE = randomSplats({ count: COUNT, shDegree: 0, logScales: [-5, -1] });
+const RANGE = logScaleRange(-6, 0);
+/** The one chunk of the splats. */
+const CHUNKS = chunksWith(RANGE);
 /** Rows in another order than that of storage. */
 const ROWS = Uint32Array.from({ length: COUNT }, (_, i) => (i * 7) % COUNT);
+
+function chunksWith(range: LogScaleRange): Float32Array<ArrayBuffer> {
+  const chunks = chunksOf(BEFORE);
+  setLogScales(chunks, 0, range);
+  return chunks;
+}
 
 /** Geometry with its edits, as a cloud about this origin stores it. */
 function edited(
@@ -34,7 +39,7 @@ function edited(
   edits: SplatEdits,
   origin: [number, number, number] = [0, 0, 0],
 ) {
-  return editedGeometry(packGeometry(BEFORE, precision, RANGE), origin, ROWS, edits);
+  return editedGeometry(packGeometry(BEFORE, precision, CHUNKS), origin, ROWS, edits);
 }
 
 function allEdits(): SplatEdits {
@@ -61,9 +66,9 @@ function split(words: Uint32Array, precision: 'f32' | 'packed') {
 
 describe('edited splats are packed', () => {
   test.each(['packed', 'f32'] as const)('as a set with these values is, %s', (precision) => {
-    const packed = packEdited(edited(precision, allEdits()), 0, COUNT, precision, RANGE);
+    const packed = packEdited(edited(precision, allEdits()), 0, COUNT, precision, CHUNKS);
     const actual = split(packed, precision);
-    const expected = split(packGeometry(splatsFromArrays(VALUES), precision, RANGE).words, precision);
+    const expected = split(packGeometry(splatsFromArrays(VALUES), precision, CHUNKS).words, precision);
     if (precision === 'packed') expect(actual.rest).toEqual(expected.rest);
     else for (const [i, value] of expected.rest.entries()) expect(actual.rest[i]).toBeCloseTo(value, 5);
     for (const [i, value] of expected.opacities.entries()) expect(actual.opacities[i]).toBeCloseTo(value, 4);
@@ -71,8 +76,8 @@ describe('edited splats are packed', () => {
 
   test('as packed from f32, to the step', () => {
     const splats = edited('f32', new SplatEdits());
-    const actual = packEdited(splats, 3, 20, 'packed', RANGE);
-    const expected = packGeometry(BEFORE, 'packed', RANGE).words.subarray(8 * 3, 8 * 20);
+    const actual = packEdited(splats, 3, 20, 'packed', CHUNKS);
+    const expected = packGeometry(BEFORE, 'packed', CHUNKS).words.subarray(8 * 3, 8 * 20);
     for (const [i, word] of expected.entries()) {
       const [low, high] = [
         Math.abs((actual[i] & 0xffff) - (word & 0xffff)),
@@ -85,14 +90,14 @@ describe('edited splats are packed', () => {
   test.each(['packed', 'f32'] as const)('with all bits of what was not edited, %s', (precision) => {
     const edits = new SplatEdits();
     edits.set([ROWS[5]], { visible: false });
-    const words = packEdited(edited(precision, edits), 0, COUNT, precision, RANGE);
-    const before = packGeometry(BEFORE, precision, RANGE).words;
+    const words = packEdited(edited(precision, edits), 0, COUNT, precision, CHUNKS);
+    const before = packGeometry(BEFORE, precision, CHUNKS).words;
     const stride = GEOMETRY_WORDS[precision];
     const changed = [...words.keys()].filter((i) => words[i] !== before[i]);
     expect(changed).toEqual([5 * stride + (precision === 'f32' ? 3 : 4)]);
     expect(split(words, precision).opacities[5]).toBe(0);
     edits.set([ROWS[5]], { visible: true });
-    expect(packEdited(edited(precision, edits), 0, COUNT, precision, RANGE)).toEqual(before);
+    expect(packEdited(edited(precision, edits), 0, COUNT, precision, CHUNKS)).toEqual(before);
   });
 
   test('about the origin of their cloud', () => {
@@ -101,30 +106,50 @@ describe('edited splats are packed', () => {
     editedPosition(splats, 2, position);
     const [x, y, z] = VALUES.positions.subarray(6, 9);
     expect([...position]).toEqual([x - 100, y, z + 3].map(Math.fround));
-    expect([...new Float32Array(packEdited(splats, 2, 3, 'packed', RANGE).buffer, 0, 3)]).toEqual([
+    expect([...new Float32Array(packEdited(splats, 2, 3, 'packed', CHUNKS).buffer, 0, 3)]).toEqual([
       ...position,
     ]);
   });
 });
 
-describe('sizes', () => {
-  test.each(['packed', 'f32'] as const)('are the largest of a splat, %s', (precision) => {
-    const before = edited(precision, new SplatEdits());
-    const largest = (values: Float32Array) => Math.max(...values.subarray(6, 9));
-    expect(editedLogScale(before, 2)).toBeCloseTo(largest(BEFORE.logScales), 3);
-    expect(editedLogScale(edited(precision, allEdits()), 2)).toBeCloseTo(Math.log(largest(VALUES.scales)), 5);
+describe('the range of the log scales of a chunk', () => {
+  const withScales = (scale: number) => {
+    const edits = new SplatEdits(COUNT);
+    edits.set([ROWS[3]], { scales: [scale, 0.1, 0.1] });
+    return edits;
+  };
+
+  test.each(['packed', 'f32'] as const)(
+    'stays while edited splats are within half a step of it, %s',
+    (precision) => {
+      for (const logScale of [-6, -3, RANGE.step / 3])
+        expect(editedLogScales(edited(precision, withScales(Math.exp(logScale))), 0)).toEqual(RANGE);
+    },
+  );
+
+  test('is wider where edited splats leave it, and as before when they are back', () => {
+    const edits = withScales(Math.exp(2));
+    const splats = edited('packed', edits);
+    expect(editedLogScales(splats, 0)).toEqual(logScaleRange(-6, 2));
+    edits.set([ROWS[4]], { scales: [1e-30, 0.1, 0.1] });
+    expect(editedLogScales(splats, 0)).toEqual(logScaleRange(-40, 2));
+    edits.clear();
+    expect(editedLogScales(splats, 0)).toEqual(RANGE);
   });
 
-  test('move to another range within half a step of each', () => {
-    const wider = logScaleRange(-9, 3);
-    const geometry = withLogScaleRange(packGeometry(BEFORE, 'packed', RANGE), wider);
-    const splats = editedGeometry(geometry, [0, 0, 0], ROWS, new SplatEdits());
-    const before = edited('packed', new SplatEdits());
+  test('changes packed splats by half a step of a wider one, and f32 not at all', () => {
+    const wider = chunksWith(logScaleRange(-9, 3));
+    const splats = edited('packed', new SplatEdits());
+    const words = packEdited(splats, 0, COUNT, 'packed', wider);
     for (let i = 0; i < COUNT; i++) {
-      const moved = Math.abs(editedLogScale(splats, i) - editedLogScale(before, i));
-      expect(moved).toBeLessThanOrEqual(wider.step / 2 + 1e-9);
+      const before = unpackSplat(splats.geometry, i).scale;
+      const after = unpackSplat({ precision: 'packed', words, chunks: wider }, i).scale;
+      for (const axis of [0, 1, 2])
+        expect(Math.abs(Math.log(after[axis] / before[axis]))).toBeLessThanOrEqual(
+          logScalesOf(wider, 0).step / 2 + 1e-6,
+        );
     }
-    const f32 = packGeometry(BEFORE, 'f32', RANGE);
-    expect(withLogScaleRange(f32, wider)).toEqual({ ...f32, logScaleRange: wider });
+    const f32 = edited('f32', new SplatEdits());
+    expect(packEdited(f32, 0, COUNT, 'f32', wider)).toEqual(f32.geometry.words);
   });
 });

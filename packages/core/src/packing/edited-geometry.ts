@@ -1,14 +1,10 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { clampCoefficient, toHalfBits } from '../layout/half.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { EDITED, type EditedBlock, placeInBlock, type SplatEdits } from '../splats/splat-edits.ts';
-import {
-  GEOMETRY_WORDS,
-  type LogScaleRange,
-  logScaleSteps,
-  type PackedGeometry,
-  packRotation,
-} from './geometry.ts';
-import { clampLogScale } from './log-scale.ts';
+import { logScalesOf } from './chunks.ts';
+import { GEOMETRY_WORDS, type PackedGeometry, packRotation } from './geometry.ts';
+import { clampLogScale, type LogScaleRange, logScaleRange, logScaleSteps } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
 import { normalizedRotation } from './rotation.ts';
 
@@ -40,32 +36,35 @@ export function editedGeometry(
 
 /**
  * Packs splats `from` up to but not including `to` with their edits. What was not edited keeps its bits, unless it is packed as
- * `packed` from `f32`.
+ * `packed` from `f32`, or the range of its chunk is another one.
  *
  * @param precision that of the geometry, or a coarser one.
- * @param range of log scales, for `packed`.
+ * @param chunks with the ranges of log scales for `packed`.
  */
 export function packEdited(
   splats: EditedGeometry,
   from: number,
   to: number,
   precision: GeometryPrecision,
-  range: LogScaleRange,
+  chunks: Float32Array,
 ): Uint32Array<ArrayBuffer> {
   const { geometry, origin, fileIndices, edits } = splats;
   const stride = GEOMETRY_WORDS[geometry.precision];
   const words = geometry.words.slice(from * stride, to * stride);
   const floats = new Float32Array(words.buffer);
   for (let i = from; i < to; i++) {
+    const at = stride * (i - from);
+    const before = logScalesOf(geometry.chunks, chunkOf(i));
+    const range = logScalesOf(chunks, chunkOf(i));
+    if (geometry.precision === 'packed' && !isSameRange(before, range)) changeRange(words, at, before, range);
     const row = fileIndices[i];
     const block = edits.blockOf(row);
     if (!block) continue;
     const place = placeInBlock(row);
-    const at = stride * (i - from);
     if (geometry.precision === 'f32') editF32(floats, at, origin, block, place);
     else editPacked(words, floats, at, origin, block, place, range);
   }
-  return precision === geometry.precision ? words : packF32(floats, to - from, range);
+  return precision === geometry.precision ? words : packF32(floats, from, to, chunks);
 }
 
 function move(floats: Float32Array, at: number, origin: Vec3, positions: Float64Array, place: number): void {
@@ -98,7 +97,7 @@ function editPacked(
   origin: Vec3,
   block: EditedBlock,
   place: number,
-  { min, step }: LogScaleRange,
+  range: LogScaleRange,
 ): void {
   const mask = block.masks[place];
   const { positions, scales, rotations, opacities, colors } = block;
@@ -111,9 +110,9 @@ function editPacked(
     words[at + 4] = (words[at + 4] & 0xffff) | (opacitySteps(opacities![place]) << 16);
   if (mask & EDITED.hidden) words[at + 4] &= 0xffff;
   if (mask & EDITED.scales) {
-    const y = logScaleSteps(scales![3 * place + 1], min, step);
-    words[at + 5] = logScaleSteps(scales![3 * place], min, step) | (y << 16);
-    words[at + 6] = (words[at + 6] & 0xffff0000) | logScaleSteps(scales![3 * place + 2], min, step);
+    const y = logScaleSteps(scales![3 * place + 1], range);
+    words[at + 5] = logScaleSteps(scales![3 * place], range) | (y << 16);
+    words[at + 6] = (words[at + 6] & 0xffff0000) | logScaleSteps(scales![3 * place + 2], range);
   }
   if (mask & EDITED.rotations) {
     normalizedRotation(rotations!, 4 * place, rotation);
@@ -126,16 +125,18 @@ function editPacked(
 /** What `repack-geometry` makes of splats, but that steps may be one beside those in float32. */
 function packF32(
   floats: Float32Array,
-  count: number,
-  { min, step }: LogScaleRange,
+  first: number,
+  end: number,
+  chunks: Float32Array,
 ): Uint32Array<ArrayBuffer> {
-  const words = new Uint32Array(count * GEOMETRY_WORDS.packed);
-  for (let i = 0; i < count; i++) {
+  const words = new Uint32Array((end - first) * GEOMETRY_WORDS.packed);
+  for (let i = 0; i < end - first; i++) {
     const from = GEOMETRY_WORDS.f32 * i;
     const at = GEOMETRY_WORDS.packed * i;
     for (let axis = 0; axis < 3; axis++) words[at + axis] = bitsOf(floats[from + axis]);
     for (let k = 0; k < 4; k++) rotation[k] = floats[from + 4 + k];
-    const [x, y, z] = [8, 9, 10].map((k) => logScaleSteps(Math.log(floats[from + k]), min, step));
+    const range = logScalesOf(chunks, chunkOf(first + i));
+    const [x, y, z] = [8, 9, 10].map((k) => logScaleSteps(Math.log(floats[from + k]), range));
     const [low, high] = packRotation(rotation);
     words[at + 3] = toHalfBits(floats[from + 12]) | (toHalfBits(floats[from + 13]) << 16);
     words[at + 4] = toHalfBits(floats[from + 14]) | (opacitySteps(floats[from + 3]) << 16);
@@ -171,30 +172,40 @@ export function editedPosition(
   }
 }
 
-/** The largest log scale of a splat, as edited. */
-export function editedLogScale(
-  { geometry, floats, fileIndices, edits }: EditedGeometry,
-  index: number,
-): number {
-  const row = fileIndices[index];
-  if (edits.maskOf(row) & EDITED.scales) return clampLogScale(Math.max(...edits.valuesOf(row, 'scales')));
-  const at = GEOMETRY_WORDS[geometry.precision] * index;
-  if (geometry.precision === 'f32')
-    return Math.log(Math.max(floats[at + 8], floats[at + 9], floats[at + 10]));
-  const { words, logScaleRange } = geometry;
-  const steps = Math.max(words[at + 5] & 0xffff, words[at + 5] >>> 16, words[at + 6] & 0xffff);
-  return logScaleRange.min + logScaleRange.step * steps;
+/** The range of a chunk's log scales: that before any edit, or a wider one if edited splats leave that. */
+export function editedLogScales(
+  { geometry, fileIndices, edits }: EditedGeometry,
+  chunk: number,
+): LogScaleRange {
+  const before = logScalesOf(geometry.chunks, chunk);
+  const high = before.min + 65535 * before.step;
+  let smallest = before.min;
+  let largest = high;
+  const first = chunk * CHUNK_SPLATS;
+  for (const row of fileIndices.subarray(first, first + CHUNK_SPLATS)) {
+    if (!(edits.maskOf(row) & EDITED.scales)) continue;
+    for (const each of edits.valuesOf(row, 'scales')) {
+      smallest = Math.min(smallest, clampLogScale(each));
+      largest = Math.max(largest, clampLogScale(each));
+    }
+  }
+  // Half a step beyond is rounded back.
+  const margin = before.step / 2;
+  const isInside = smallest >= before.min - margin && largest <= high + margin;
+  return isInside ? before : logScaleRange(smallest, largest);
 }
 
-/** The same splats, with log scales in steps of another range. */
-export function withLogScaleRange(geometry: PackedGeometry, logScaleRange: LogScaleRange): PackedGeometry {
-  if (geometry.precision === 'f32') return { ...geometry, logScaleRange };
-  const { min, step } = geometry.logScaleRange;
-  const words = geometry.words.slice();
-  const moved = (steps: number) => logScaleSteps(min + step * steps, logScaleRange.min, logScaleRange.step);
-  for (let at = 0; at < words.length; at += GEOMETRY_WORDS.packed) {
-    words[at + 5] = moved(words[at + 5] & 0xffff) | (moved(words[at + 5] >>> 16) << 16);
-    words[at + 6] = (words[at + 6] & 0xffff0000) | moved(words[at + 6] & 0xffff);
-  }
-  return { ...geometry, words, logScaleRange };
+export function isSameRange(a: LogScaleRange, b: LogScaleRange): boolean {
+  return a.min === b.min && a.step === b.step;
+}
+
+function chunkOf(splat: number): number {
+  return Math.floor(splat / CHUNK_SPLATS);
+}
+
+/** Gives a packed splat's log scales in steps of another range. */
+function changeRange(words: Uint32Array, at: number, { min, step }: LogScaleRange, to: LogScaleRange): void {
+  const moved = (steps: number) => logScaleSteps(min + step * steps, to);
+  words[at + 5] = moved(words[at + 5] & 0xffff) | (moved(words[at + 5] >>> 16) << 16);
+  words[at + 6] = (words[at + 6] & 0xffff0000) | moved(words[at + 6] & 0xffff);
 }

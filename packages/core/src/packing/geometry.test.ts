@@ -3,10 +3,11 @@ import { describe, expect, test } from 'vitest';
 import { HALF_MAX } from '../layout/half.ts';
 import { rotationMatrix } from '../reference/covariance.ts';
 import { unpackSplat } from '../reference/packing.ts';
-import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
+import { logScalesOf, setLogScales } from './chunks.ts';
 import { opacityOf, packGeometry } from './geometry.ts';
-import { LOG_SCALE_LIMIT } from './log-scale.ts';
+import { LOG_SCALE_LIMIT, logScaleRange } from './log-scale.ts';
 
 const finite = (limit: number) => uniform(-limit, limit).map(Math.fround);
 const triple = (value: fc.Arbitrary<number>) => fc.array(value, { minLength: 3, maxLength: 3 });
@@ -132,8 +133,31 @@ describe('packed geometry', () => {
     expect(Math.log(first.scale[1])).toBeCloseTo(40, 4);
     expect(second.scale.slice(0, 2)).toEqual(first.scale.slice(0, 2));
     const equal = packGeometry(splatsOf([{ logScales: [-3.5, -3.5, -3.5] }]), 'packed');
-    expect(equal.logScaleRange).toEqual({ min: -3.5, step: 0 });
+    expect(logScalesOf(equal.chunks, 0)).toEqual({ min: -3.5, step: 0 });
     expect(unpackSplat(equal, 0).scale).toEqual(Array(3).fill(Math.exp(-3.5)));
+  });
+
+  test('packed: log scales are as exact as the range of their chunk, whatever others hold', () => {
+    const set = randomSplats({ count: 1500, shDegree: 0 });
+    // Chunk after chunk in steps that are half as large, and the last with a splat as large as any can be, and as small.
+    for (const i of set.logScales.keys()) set.logScales[i] *= 2 ** -Math.floor(i / 768);
+    set.logScales.set([-1e9, 1e9], set.logScales.length - 2);
+    const { chunks } = packGeometry(set, 'packed');
+    const ofCloud = chunks.slice();
+    for (let chunk = 0; chunk < 6; chunk++) setLogScales(ofCloud, chunk, logScaleRange(-40, 40));
+    const [own, common] = [chunks, ofCloud].map((each) => {
+      const packed = packGeometry(set, 'packed', each);
+      const errors = Array.from(set.logScales.subarray(0, 3 * 1280), (logScale, i) => {
+        const { scale } = unpackSplat(packed, Math.floor(i / 3));
+        const { step } = logScalesOf(each, Math.floor(i / 768));
+        const error = Math.abs(Math.log(scale[i % 3]) - logScale);
+        // Half a step, and the step and the minimum rounded to float32.
+        expect(error).toBeLessThanOrEqual(step / 2 + (65535 * step + LOG_SCALE_LIMIT) * 2 ** -23);
+        return error;
+      });
+      return Math.hypot(...errors);
+    });
+    expect(own).toBeLessThan(common / 20);
   });
 
   test('no splats', () => {

@@ -1,23 +1,20 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { clampCoefficient, toHalfBits } from '../layout/half.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
-import { clampLogScale } from './log-scale.ts';
+import { chunksOf, logScalesOf } from './chunks.ts';
+import { clampLogScale, logScaleSteps } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
 import { largestComponent, normalizedRotation } from './rotation.ts';
 
 /** 32-bit words per splat, as in shaders/lib/packing.wgsl. */
 export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
 
-/** Log scales of a packed cloud are unorm16 steps from `min` on. */
-export interface LogScaleRange {
-  readonly min: number;
-  readonly step: number;
-}
-
 /** Geometry, base colour and opacity of N splats, GEOMETRY_WORDS words each, as the GPU reads them. */
 export interface PackedGeometry {
   readonly precision: GeometryPrecision;
   readonly words: Uint32Array;
-  readonly logScaleRange: LogScaleRange;
+  /** Words of the `Chunk` structs of the splats. */
+  readonly chunks: Float32Array<ArrayBuffer>;
 }
 
 /**
@@ -25,20 +22,20 @@ export interface PackedGeometry {
  *
  * f32, 64 bytes: position, opacity | rotation w, x, y, z | scale, 0 | dc, 0.
  *
- * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the cloud's range |
+ * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the chunk's range |
  * rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit 15 of the first and second).
  *
- * @param logScaleRange default: that of `set`.
+ * @param chunks default: those of `set`.
  */
 export function packGeometry(
   set: SplatColumns,
   precision: GeometryPrecision,
-  logScaleRange = logScaleRangeOf(set),
+  chunks = chunksOf(set),
 ): PackedGeometry {
   const words = new Uint32Array(set.count * GEOMETRY_WORDS[precision]);
   if (precision === 'f32') packF32(set, new Float32Array(words.buffer));
-  else packSmall(set, words, logScaleRange);
-  return { precision, words, logScaleRange };
+  else packSmall(set, words, chunks);
+  return { precision, words, chunks };
 }
 
 /** Peak opacity, 0…1, of a logit; ±Infinity allowed. */
@@ -61,10 +58,12 @@ function packF32(set: SplatColumns, target: Float32Array): void {
   }
 }
 
-function packSmall(set: SplatColumns, words: Uint32Array, { min, step }: LogScaleRange): void {
+function packSmall(set: SplatColumns, words: Uint32Array, chunks: Float32Array): void {
   const positionBits = new Uint32Array(set.positions.buffer, set.positions.byteOffset, 3 * set.count);
   const rotation = new Float64Array(4);
+  let range = { min: 0, step: 0 };
   for (let i = 0; i < set.count; i++) {
+    if (i % CHUNK_SPLATS === 0) range = logScalesOf(chunks, i / CHUNK_SPLATS);
     const at = 8 * i;
     words[at] = positionBits[3 * i];
     words[at + 1] = positionBits[3 * i + 1];
@@ -72,39 +71,15 @@ function packSmall(set: SplatColumns, words: Uint32Array, { min, step }: LogScal
     words[at + 3] = toHalfBits(set.colorDc[3 * i]) | (toHalfBits(set.colorDc[3 * i + 1]) << 16);
     const opacity = Math.round(opacityOf(set.opacityLogits[i]) * 65535);
     words[at + 4] = toHalfBits(set.colorDc[3 * i + 2]) | (opacity << 16);
-    const scaleX = logScaleSteps(set.logScales[3 * i], min, step);
-    const scaleY = logScaleSteps(set.logScales[3 * i + 1], min, step);
-    const scaleZ = logScaleSteps(set.logScales[3 * i + 2], min, step);
+    const scaleX = logScaleSteps(set.logScales[3 * i], range);
+    const scaleY = logScaleSteps(set.logScales[3 * i + 1], range);
+    const scaleZ = logScaleSteps(set.logScales[3 * i + 2], range);
     normalizedRotation(set.rotations, 4 * i, rotation);
     const [low, high] = packRotation(rotation);
     words[at + 5] = scaleX | (scaleY << 16);
     words[at + 6] = scaleZ | (low << 16);
     words[at + 7] = high;
   }
-}
-
-function logScaleRangeOf({ logScales }: SplatColumns): LogScaleRange {
-  let min = Number.POSITIVE_INFINITY;
-  let max = Number.NEGATIVE_INFINITY;
-  for (let i = 0; i < logScales.length; i++) {
-    const logScale = clampLogScale(logScales[i]);
-    if (logScale < min) min = logScale;
-    if (logScale > max) max = logScale;
-  }
-  return logScaleRange(min, max);
-}
-
-/** The range from the smallest to the largest clamped log scale, rounded to the values that shaders compute with. */
-export function logScaleRange(min: number, max: number): LogScaleRange {
-  // Sizes that differ by less are one size; their step might be a number that devices flush to 0.
-  const step = max - min > 2 ** -80 ? Math.fround((max - min) / 65535) : 0;
-  // Not −0, which the order of splats would decide about.
-  return { min: Math.fround(min) + 0, step };
-}
-
-export function logScaleSteps(logScale: number, min: number, step: number): number {
-  if (step === 0) return 0;
-  return Math.max(0, Math.min(65535, Math.round((clampLogScale(logScale) - min) / step)));
 }
 
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */

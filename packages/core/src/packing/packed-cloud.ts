@@ -1,5 +1,4 @@
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { selectValue } from '../math/select-value.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
@@ -7,7 +6,6 @@ import { emptyBounds } from './center-bounds.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { type Harmonics, isPacked, isPalette, type StoredHarmonics } from './harmonics.ts';
-import { clampLogScale } from './log-scale.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
 import { checkPrecision, type GeometryPrecision, ownShPrecision, type ShPrecision } from './precision.ts';
 import { packHarmonics, packPalette, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
@@ -59,14 +57,15 @@ export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): Packe
   const facts = cloudFacts(set);
   const harmonics = packedHarmonics(set, facts, shPrecision);
   const stored = permuteSplats({ ...set, harmonics }, mortonOrder(set.positions, set.count));
-  const chunks = chunkBounds(stored);
+  const geometry = packGeometry(stored, geometryPrecision);
+  const chunks = geometry.chunks.buffer;
   const bounds = totalBounds(chunks, stored.origin);
   return {
     count: stored.count,
     origin: stored.origin,
     bounds,
     robustBounds: stored.count > 0 ? sampledBounds(stored) : bounds,
-    geometry: packGeometry(stored, geometryPrecision),
+    geometry,
     harmonics: stored.harmonics,
     chunks,
     fileIndices: stored.fileIndices,
@@ -100,33 +99,6 @@ export function transferablesOf({ geometry, harmonics, chunks, fileIndices }: Pa
   const buffers = [geometry.words.buffer, colors.buffer, chunks, fileIndices.buffer];
   if (isPalette(harmonics)) buffers.push(harmonics.indices.buffer);
   return buffers as ArrayBuffer[];
-}
-
-export function chunkCountOf(splatCount: number): number {
-  return Math.ceil(splatCount / CHUNK_SPLATS);
-}
-
-/** The `Chunk` structs of splats in storage order. */
-export function chunkBounds({ count, positions, logScales }: SplatColumns): ArrayBuffer {
-  const chunks = new Float32Array(chunkCountOf(count) * CHUNK_WORDS.count);
-  for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
-    const { min, max } = emptyBounds();
-    let maxLogScale = Number.NEGATIVE_INFINITY;
-    const end = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
-    for (let i = 3 * chunk * CHUNK_SPLATS; i < 3 * end; i++) {
-      const axis = i % 3;
-      if (positions[i] < min[axis]) min[axis] = positions[i];
-      if (positions[i] > max[axis]) max[axis] = positions[i];
-      if (logScales[i] > maxLogScale) maxLogScale = logScales[i];
-    }
-    // A packed log scale may be rounded up by half a step.
-    const maxScale = 1.001 * Math.exp(clampLogScale(maxLogScale));
-    const at = chunk * CHUNK_WORDS.count;
-    chunks.set(min, at + CHUNK_WORDS.minPosition);
-    chunks[at + CHUNK_WORDS.maxScale] = maxScale;
-    chunks.set(max, at + CHUNK_WORDS.maxPosition);
-  }
-  return chunks.buffer;
 }
 
 /** Bounds of the centres, in scene space, from those of the chunks. */

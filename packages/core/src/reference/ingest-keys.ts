@@ -1,21 +1,22 @@
 import { type MortonFrame, mortonCell } from '../packing/morton-order.ts';
 
 /**
- * Reference of ingest-keys: for each splat of `order`, 24 bits of the 48-bit Morton code of its centre, bit by bit: the lower ones in
- * round 0, the upper ones in round 1, where dropped splats also have bit 24.
+ * Reference of ingest-keys: for each splat of `order`, eight bits of the 48-bit Morton code of its centre, bit by bit: the lowest in
+ * round 0, the highest in round 5, where dropped splats also have bit 8.
  */
 export function ingestKeys(
   positions: Float32Array,
   order: Uint32Array,
   frame: MortonFrame,
-  round: 0 | 1,
+  round: number,
   isDropped: (splat: number) => boolean,
 ): Uint32Array {
   return order.map((splat) => {
-    let key = round === 1 && isDropped(splat) ? 1 << 24 : 0;
-    for (let axis = 0; axis < 3; axis++) {
-      const cell = mortonCell(positions[3 * splat + axis], axis, frame) >> (8 * round);
-      for (let bit = 0; bit < 8; bit++) key |= ((cell >> bit) & 1) << (3 * bit + axis);
+    const cells = [0, 1, 2].map((axis) => mortonCell(positions[3 * splat + axis], axis, frame));
+    let key = round === 5 && isDropped(splat) ? 1 << 8 : 0;
+    for (let bit = 0; bit < 8; bit++) {
+      const ofCode = 8 * round + bit;
+      key |= ((cells[ofCode % 3] >> Math.floor(ofCode / 3)) & 1) << bit;
     }
     return key;
   });

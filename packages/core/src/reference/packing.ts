@@ -1,4 +1,6 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { fromHalfBits } from '../layout/half.ts';
+import { logScalesOf } from '../packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 
 /** Geometry and base colour of a splat as the GPU unpacks them, in the cloud's space. */
@@ -15,10 +17,7 @@ export interface UnpackedSplat {
 }
 
 /** Reference of shaders/lib/packing.wgsl, in float64: splat `index` of `geometry`. */
-export function unpackSplat(
-  { precision, words, logScaleRange }: PackedGeometry,
-  index: number,
-): UnpackedSplat {
+export function unpackSplat({ precision, words, chunks }: PackedGeometry, index: number): UnpackedSplat {
   const at = index * GEOMETRY_WORDS[precision];
   const v = words.subarray(at, at + GEOMETRY_WORDS[precision]);
   const f = new Float32Array(words.buffer, words.byteOffset + 4 * at, v.length);
@@ -32,7 +31,8 @@ export function unpackSplat(
       colorDc: [f[12], f[13], f[14]],
     };
   }
-  const scaleOf = (step: number) => Math.exp(logScaleRange.min + logScaleRange.step * step);
+  const { min, step } = logScalesOf(chunks, Math.floor(index / CHUNK_SPLATS));
+  const scaleOf = (steps: number) => Math.exp(min + step * steps);
   return {
     position,
     opacity: (v[4] >>> 16) / 65535,

@@ -3,8 +3,8 @@ import type { SplatColumns } from '../splats/splat-set.ts';
 import { unpackSplat } from './packing.ts';
 
 /**
- * Reference of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with the range of log scales that
- * was found when they were loaded.
+ * Reference of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with the ranges of log scales that
+ * were found when they were loaded.
  */
 export function repackGeometry(set: SplatColumns, finer: PackedGeometry): PackedGeometry {
   const splats = Array.from({ length: set.count }, (_, i) => unpackSplat(finer, i));
@@ -16,5 +16,5 @@ export function repackGeometry(set: SplatColumns, finer: PackedGeometry): Packed
     opacityLogits: Float32Array.from(splats, ({ opacity }) => Math.log(opacity / (1 - opacity))),
     colorDc: Float32Array.from(splats.flatMap(({ colorDc }) => colorDc)),
   };
-  return packGeometry(values, 'packed', finer.logScaleRange);
+  return packGeometry(values, 'packed', finer.chunks);
 }

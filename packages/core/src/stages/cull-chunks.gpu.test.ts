@@ -2,6 +2,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { Chunk } from '../layout/structs.ts';
+import { maxScaleOf } from '../packing/chunks.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
@@ -40,7 +41,7 @@ describe('cull-chunks', () => {
             const clearance = chunkClearance(
               {
                 minPosition: values.subarray(at, at + 3),
-                maxScale: values[at + 3],
+                maxScale: maxScaleOf(values, at / (Chunk.bytes / 4)),
                 maxPosition: values.subarray(at + 4, at + 7),
               },
               planes,

@@ -28,12 +28,13 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
   const { extent, culling, effects = NO_EFFECTS } = variant;
   // Colours are not known yet.
   const acting = geometryEffects(effects);
+  const isPacked = variant.geometryPrecision === 'packed';
   return {
     stage: 'cull-splats',
     entryPoint: 'cullSplats',
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
-      GEOMETRY_F32: variant.geometryPrecision === 'f32',
+      GEOMETRY_F32: !isPacked,
       FRUSTUM_CULLING: culling === 'frustum',
       DISTANCE_ORDER: variant.sortsByDistance === true,
       ISOTROPIC: variant.isIsotropic === true,
@@ -51,6 +52,7 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       visibilityMasks: [5, 'read-write'],
       splatOffsets: [6, 'read-write'],
       depthRange: [7, 'read-write'],
+      ...(isPacked && { chunks: [8, 'read'] }),
       ...effectBindings(acting, ['splat']),
     },
   };

@@ -1,12 +1,22 @@
 import source from '../../../../shaders/stages/ingest-chunks.wgsl?raw';
-import type { StageDefinition } from '../gpu/pipelines.ts';
+import type { BindingKind, StageDefinition } from '../gpu/pipelines.ts';
 import { PACKING_STRUCTS } from '../layout/packing-structs.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
-/** Takes the bounds of each chunk of a page. */
-export function ingestChunks(geometryPrecision: GeometryPrecision) {
+/** Takes the bounds of each chunk of a page, and settles its splats. */
+export function ingestChunks(geometryPrecision: GeometryPrecision): StageDefinition {
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    parameters: [0, 'uniform'],
+    geometry: [1, 'read-write'],
+    chunks: [2, 'read-write'],
+  };
+  if (geometryPrecision === 'packed') {
+    bindings.fileRows = [3, 'read'];
+    bindings.arrivedChunks = [4, 'read'];
+    bindings.logScaleRests = [5, 'read'];
+  }
   return {
     stage: 'ingest-chunks',
     source,
@@ -15,10 +25,6 @@ export function ingestChunks(geometryPrecision: GeometryPrecision) {
     entryPoint: 'ingestChunks',
     conditions: { GEOMETRY_F32: geometryPrecision === 'f32' },
     constants: { GEOMETRY_WORDS: GEOMETRY_WORDS[geometryPrecision] },
-    bindings: {
-      parameters: [0, 'uniform'],
-      geometry: [1, 'read'],
-      chunks: [2, 'read-write'],
-    },
-  } as const satisfies StageDefinition;
+    bindings,
+  };
 }

@@ -12,22 +12,24 @@ const SPLATS = 900;
 const WIDTH = 3;
 const DISPATCH_ROW = 2;
 
-gpuTest('ingest-gather takes any word of the splats of a list, page by page', async () => {
+gpuTest('ingest-gather takes any words of the splats of a list, page by page', async () => {
   const device = await shareTestDevice();
   const pipelines = new Pipelines(device);
   const plane = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
   // A splat may be missing, or there twice.
   const list = Uint32Array.from({ length: 700 }, (_, i) => (i * 257) % SPLATS).fill(5, 690);
-  for (const [word, mask] of [
-    [0, 0xffffffff],
-    [2, 0x00ffff],
+  for (const [word, count, mask] of [
+    [0, 1, 0xffffffff],
+    [2, 1, 0x00ffff],
+    [0, 2, 0xffffffff],
+    [1, 2, 0x00ffff],
   ]) {
-    const words = storageBuffer(device, [], 4 * list.length);
+    const words = storageBuffer(device, [], 4 * count * list.length);
     for (const [pageStart, pageEnd] of [
       [0, 512],
       [512, SPLATS],
     ]) {
-      const sizes = { word, wordsPerSplat: WIDTH, mask, pageStart, pageEnd };
+      const sizes = { word, words: count, wordsPerSplat: WIDTH, mask, pageStart, pageEnd };
       const contents = PermuteParameters.pack({ ...sizes, count: list.length, dispatchRow: DISPATCH_ROW });
       const bindings = {
         parameters: uniformBuffer(device, contents),
@@ -38,7 +40,7 @@ gpuTest('ingest-gather takes any word of the splats of a list, page by page', as
       const size = dispatchSize(Math.ceil(list.length / 256), DISPATCH_ROW);
       await runStage(device, pipelines, ingestGather, bindings, size);
     }
-    expect(await readWords(device, words)).toEqual(reference(plane, WIDTH, word, list, mask));
+    expect(await readWords(device, words)).toEqual(reference(plane, WIDTH, word, count, list, mask));
   }
   device.destroy();
 });

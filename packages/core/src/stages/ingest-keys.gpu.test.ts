@@ -3,6 +3,7 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { MortonParameters } from '../layout/packing-structs.ts';
+import type { Vec3 } from '../math/mat4.ts';
 import { GEOMETRY_WORDS, packGeometry } from '../packing/geometry.ts';
 import { type MortonFrame, mortonFrame } from '../packing/morton-order.ts';
 import type { GeometryPrecision } from '../packing/precision.ts';
@@ -41,11 +42,12 @@ function frameOf({ positions }: SplatSet): MortonFrame {
 async function keysOf(
   set: SplatSet,
   order: Uint32Array,
-  round: 0 | 1,
+  round: number,
   precision: GeometryPrecision,
-  shaders = pipelines,
+  { shaders = pipelines, origin = [0, 0, 0] as Vec3 } = {},
 ) {
-  const { words } = packGeometry(set, precision);
+  const moved = set.positions.map((value, i) => value + origin[i % 3]);
+  const { words } = packGeometry({ ...set, positions: moved }, precision);
   const width = GEOMETRY_WORDS[precision];
   const dropMask = new Uint32Array(Math.ceil(COUNT / 32));
   for (let i = 0; i < COUNT; i++) if (isDropped(i)) dropMask[i >> 5] |= 1 << (i & 31);
@@ -57,7 +59,10 @@ async function keysOf(
   };
   for (const [pageStart, pageEnd] of PAGES) {
     const sizes = { pageStart, pageEnd, slotCount: COUNT, dispatchRow: DISPATCH_ROW };
-    const parameters = uniformBuffer(device, MortonParameters.pack({ ...frameOf(set), round, ...sizes }));
+    const parameters = uniformBuffer(
+      device,
+      MortonParameters.pack({ ...frameOf(set), origin, round, ...sizes }),
+    );
     const geometry = storageBuffer(device, words.subarray(pageStart * width, pageEnd * width));
     const size = dispatchSize(Math.ceil(COUNT / 256), DISPATCH_ROW);
     await runStage(device, shaders, ingestKeys(precision), { ...shared, parameters, geometry }, size);
@@ -83,10 +88,8 @@ describe('ingest-keys', () => {
       gpuTest(`splats ${what}, ${precision}: the keys of the reference, bit for bit`, async () => {
         const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
         change(set);
-        for (const [round, order] of [
-          [0, slots],
-          [1, shuffled],
-        ] as const) {
+        for (let round = 0; round < 6; round++) {
+          const order = round === 0 ? slots : shuffled;
           const { keys, payloads } = await keysOf(set, shuffled, round, precision);
           expect(payloads).toEqual(order);
           expect(keys).toEqual(reference(set.positions, order, frameOf(set), round, isDropped));
@@ -95,15 +98,24 @@ describe('ingest-keys', () => {
     }
   }
 
+  gpuTest('the keys are of places about the origin of the cloud', async () => {
+    const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
+    // No digit is lost so far from the origin.
+    for (let i = 0; i < set.positions.length; i++)
+      set.positions[i] = Math.round(set.positions[i] * 1024) / 1024;
+    const { keys } = await keysOf(set, shuffled, 5, 'packed', { origin: [500, 0, -1000] });
+    expect(keys).toEqual(reference(set.positions, shuffled, frameOf(set), 5, isDropped));
+  });
+
   gpuTest('a code without dropped rows, or with other cells, is noticed', async () => {
     const set = randomSplats({ count: COUNT, seed: 6, shDegree: 0 });
-    const expected = reference(set.positions, shuffled, frameOf(set), 1, isDropped);
+    const expected = reference(set.positions, shuffled, frameOf(set), 5, isDropped);
     for (const [find, replace] of [
-      ['isDropped << 24u', '0u'],
-      ['0.0, 65535.0', '0.0, 60000.0'],
+      ['isDropped << 8u', '0u'],
+      ['0.0, 65535.0', '0.0, 30000.0'],
     ]) {
       const mutated = new Pipelines(device, { file: 'stages/ingest-keys', find, replace });
-      expect((await keysOf(set, shuffled, 1, 'packed', mutated)).keys).not.toEqual(expected);
+      expect((await keysOf(set, shuffled, 5, 'packed', { shaders: mutated })).keys).not.toEqual(expected);
     }
   });
 });

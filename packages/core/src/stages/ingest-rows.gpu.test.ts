@@ -3,14 +3,15 @@ import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { type RowFacts, readRowFacts } from '../ingest/row-facts.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { INGEST_FACTS } from '../layout/ingest-facts.ts';
 import { IngestParameters } from '../layout/packing-structs.ts';
 import { reachesOf } from '../packing/band-reach.ts';
+import { chunkCountOf, logScalesOf } from '../packing/chunks.ts';
 import { cloudFacts } from '../packing/cloud-facts.ts';
 import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import { shWordsPerSplat } from '../packing/harmonics.ts';
-import { ingestLogScaleSteps } from '../packing/ingest-log-scale.ts';
 import { clampLogScale } from '../packing/log-scale.ts';
 import type { RowPrecision } from '../packing/precision.ts';
 import { ingestRows as reference } from '../reference/ingest-rows.ts';
@@ -49,6 +50,7 @@ interface Taken {
   readonly geometry: Uint32Array;
   readonly harmonics: Uint32Array;
   readonly rests: Uint32Array;
+  readonly chunks: Float32Array<ArrayBuffer>;
   readonly dropped: readonly number[];
   readonly facts: RowFacts;
 }
@@ -87,14 +89,16 @@ async function take(
     harmonics: buffer((PAGE_SLOT + count) * shWords),
     dropMask: buffer((CLOUD_SLOT + 256 * Math.ceil(count / 256)) / 32),
     facts: buffer(INGEST_FACTS.FACTS),
+    chunks: buffer(CHUNK_WORDS.count * chunkCountOf(CLOUD_SLOT + count)),
     ...(palette && { palette: storageBuffer(device, new Uint32Array(palette.buffer)) }),
   };
   const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
   const workgroups = Math.ceil(count / CHUNK_SPLATS);
   await runStage(device, shaders, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
-  const [geometry, harmonics, rests, mask, facts] = await Promise.all(
-    [bindings.geometry, bindings.harmonics, bindings.logScaleRests, bindings.dropMask, bindings.facts].map(
-      (each) => readWords(device, each),
+  const { dropMask, logScaleRests, ...made } = bindings;
+  const [geometry, harmonics, rests, mask, facts, chunks] = await Promise.all(
+    [made.geometry, made.harmonics, logScaleRests, dropMask, made.facts, made.chunks].map((each) =>
+      readWords(device, each),
     ),
   );
   const isDropped = (row: number) => (mask[(CLOUD_SLOT + row) >>> 5] >>> (row & 31)) & 1;
@@ -102,6 +106,7 @@ async function take(
     geometry: geometry.subarray(PAGE_SLOT * geometryWords),
     harmonics: harmonics.subarray(PAGE_SLOT * shWords, (PAGE_SLOT + count) * shWords),
     rests: rests.subarray(CLOUD_SLOT),
+    chunks: new Float32Array(chunks.buffer.slice(32 * (CLOUD_SLOT / CHUNK_SPLATS))),
     dropped: Array.from({ length: count }, (_, row) => row).filter(isDropped),
     facts: readRowFacts(facts, { count, shDegree }),
   };
@@ -128,13 +133,14 @@ describe('ingest-rows', () => {
         `degree ${shDegree}, ${Object.values(precision).join(' ')}: packs as the host does`,
         async () => {
           const set = hardSplats(shDegree);
-          const { geometry, harmonics, dropped, facts, rests } = await take(set, precision);
+          const { geometry, harmonics, dropped, facts, rests, chunks } = await take(set, precision);
           const expected = reference(set, precision);
+          expect(chunks).toEqual(expected.geometry.chunks);
           expectSameGeometry({ ...expected.geometry, words: geometry }, expected.geometry);
           expectSameHarmonics({ ...expected.harmonics, words: harmonics }, expected.harmonics, set.count);
           expect(dropped).toEqual([]);
           expectFacts(facts, set);
-          if (precision.geometryPrecision === 'packed') expectLogScales(geometry, rests, set);
+          if (precision.geometryPrecision === 'packed') expectLogScales(geometry, rests, chunks, set);
         },
       );
     }
@@ -201,7 +207,7 @@ describe('ingest-rows', () => {
     const expected = reference(set, PACKED);
     for (const [find, replace] of [
       ['if (largest >= 0x21800000u) { return bitcast<f32>(bits); }', 'return bitcast<f32>(bits);'],
-      ['(vec3u(whole + 40.0) << vec3u(19u))', '(vec3u(whole + 40.0) << vec3u(18u))'],
+      ['logScaleSteps(logScale, range, 1024.0)', 'logScaleSteps(logScale, range, 1023.0)'],
       ['select(1.0, 0.0,', 'select(0.0, 1.0,'],
     ]) {
       const mutated = new Pipelines(device, { file: 'stages/ingest-rows', find, replace });
@@ -222,18 +228,22 @@ function expectFacts(found: RowFacts, set: SplatSet): void {
     expect(found.min[axis]).toBe(Math.min(...values(axis)));
     expect(found.max[axis]).toBe(Math.max(...values(axis)));
   }
-  const logScales = Array.from(set.logScales, clampLogScale);
-  expect(found.logScales).toEqual([Math.min(...logScales), Math.max(...logScales)]);
 }
 
-/** Both parts of the log scales together, to a step of 2⁻¹⁹. */
-function expectLogScales(geometry: Uint32Array, rests: Uint32Array, set: SplatSet): void {
+/** Steps and rests of the log scales together, to 2⁻²² of the chunk's range. */
+function expectLogScales(
+  geometry: Uint32Array,
+  rests: Uint32Array,
+  chunks: Float32Array,
+  set: SplatSet,
+): void {
   for (let i = 0; i < set.count; i++) {
-    const uppers = [geometry[8 * i + 5] & 0xffff, geometry[8 * i + 5] >>> 16, geometry[8 * i + 6] & 0xffff];
-    for (const [axis, upper] of uppers.entries()) {
-      const steps = upper * 1024 + ((rests[i] >>> (10 * axis)) & 0x3ff);
-      const expected = ingestLogScaleSteps(clampLogScale(set.logScales[3 * i + axis]));
-      expect(Math.abs(steps - expected)).toBeLessThanOrEqual(1);
+    const { min, step } = logScalesOf(chunks, Math.floor(i / CHUNK_SPLATS));
+    const steps = [geometry[8 * i + 5] & 0xffff, geometry[8 * i + 5] >>> 16, geometry[8 * i + 6] & 0xffff];
+    for (const [axis, whole] of steps.entries()) {
+      const parts = whole + (((rests[i] >>> (10 * axis)) & 0x3ff) - 512) / 1024;
+      const away = min + step * parts - clampLogScale(set.logScales[3 * i + axis]);
+      expect(Math.abs(away)).toBeLessThanOrEqual((65535 * step) / 2 ** 22);
     }
   }
 }

@@ -30,6 +30,7 @@ export function ingestRows({
     geometry: [2, 'read-write'],
     dropMask: [5, 'read-write'],
     facts: [6, 'read-write'],
+    chunks: [8, 'read-write'],
   };
   if (geometryPrecision === 'packed') bindings.logScaleRests = [3, 'read-write'];
   if (shDegree >= 1) bindings.harmonics = [4, 'read-write'];

@@ -14,27 +14,37 @@ const DISPATCH_ROW = 2;
 /** Splats of the cloud before those of the page. */
 const PAGE_START = 256;
 
-gpuTest('ingest-scatter writes one word of all splats of a page, and nothing else', async () => {
-  const device = await shareTestDevice();
-  const before = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
-  const words = Uint32Array.from({ length: PAGE_START + SPLATS }, (_, i) => Math.imul(i, 0x85ebca6b));
-  const contents = PermuteParameters.pack({
-    word: 1,
-    wordsPerSplat: WIDTH,
-    mask: 0,
-    pageStart: PAGE_START,
-    pageEnd: PAGE_START + SPLATS,
-    count: words.length,
-    dispatchRow: DISPATCH_ROW,
+for (const [word, count] of [
+  [1, 1],
+  [1, 2],
+]) {
+  gpuTest(`ingest-scatter writes ${count} words of all splats of a page, and nothing else`, async () => {
+    const device = await shareTestDevice();
+    const before = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
+    const words = Uint32Array.from({ length: count * (PAGE_START + SPLATS) }, (_, i) =>
+      Math.imul(i, 0x85ebca6b),
+    );
+    const contents = PermuteParameters.pack({
+      word,
+      words: count,
+      wordsPerSplat: WIDTH,
+      mask: 0,
+      pageStart: PAGE_START,
+      pageEnd: PAGE_START + SPLATS,
+      count: words.length,
+      dispatchRow: DISPATCH_ROW,
+    });
+    const plane = storageBuffer(device, before);
+    const bindings = {
+      parameters: uniformBuffer(device, contents),
+      words: storageBuffer(device, words),
+      plane,
+    };
+    const size = dispatchSize(Math.ceil(SPLATS / 256), DISPATCH_ROW);
+    await runStage(device, new Pipelines(device), ingestScatter, bindings, size);
+    expect(await readWords(device, plane)).toEqual(
+      reference(before, WIDTH, word, count, words.subarray(count * PAGE_START)),
+    );
+    device.destroy();
   });
-  const plane = storageBuffer(device, before);
-  const bindings = {
-    parameters: uniformBuffer(device, contents),
-    words: storageBuffer(device, words),
-    plane,
-  };
-  const size = dispatchSize(Math.ceil(SPLATS / 256), DISPATCH_ROW);
-  await runStage(device, new Pipelines(device), ingestScatter, bindings, size);
-  expect(await readWords(device, plane)).toEqual(reference(before, WIDTH, 1, words.subarray(PAGE_START)));
-  device.destroy();
-});
+}

@@ -45,6 +45,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     ...effectBindings(effects, ['splat', 'color']),
   };
   if (shDegree >= 1) bindings.shRest = [8, 'read'];
+  if (variant.geometryPrecision === 'packed') bindings.chunks = [9, 'read'];
   return {
     stage: 'project',
     entryPoint: 'project',

@@ -15,5 +15,6 @@ export const repackGeometry = {
     parameters: [0, 'uniform'],
     finer: [1, 'read'],
     coarser: [2, 'read-write'],
+    chunks: [3, 'read'],
   },
 } as const satisfies StageDefinition;

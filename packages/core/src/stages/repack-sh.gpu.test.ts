@@ -30,7 +30,7 @@ async function repackOnGpu(
   shaders = pipelines,
 ): Promise<Uint32Array> {
   const stage = repackSh(variant);
-  const contents = RepackParameters.pack({ logScales: [0, 0], splatCount: COUNT, dispatchRow: DISPATCH_ROW });
+  const contents = RepackParameters.pack({ splatCount: COUNT, dispatchRow: DISPATCH_ROW });
   const coarser = storageBuffer(device, [], 4 * COUNT * stage.constants.COARSER_WORDS);
   const bindings = {
     parameters: uniformBuffer(device, contents),

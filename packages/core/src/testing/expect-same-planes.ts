@@ -1,5 +1,7 @@
 import { expect } from 'vitest';
-import { Chunk } from '../layout/structs.ts';
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { logScalesOf } from '../packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
 import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
 import { unpackSplat } from '../reference/packing.ts';
@@ -11,13 +13,11 @@ const DIFFERING_PART = 0.03;
 const MANY_SPLATS = 100;
 /** Units in the last place by which float32 values may differ. */
 const MAX_ULPS = 8;
-/** Log scales are kept in steps of this until the cloud's range is known. */
-const INGEST_LOG_SCALE_STEP = 2 ** -19;
 
 /**
- * Expects the same geometry. Positions and half floats are the same bits. Other packed values differ by one step at most (log
- * scales by INGEST_LOG_SCALE_STEP where steps are finer than that), and few of them do; float32 values by a few units in the
- * last place. Of two components of a rotation that are as large, either may be the one left out.
+ * Expects the same geometry. Positions and half floats are the same bits. Other packed values differ by one step at most (log scales
+ * by `logScaleError` besides), and few of them do; float32 values by a few units in the last place. Of two components of a rotation
+ * that are as large, either may be the one left out.
  */
 export function expectSameGeometry(actual: PackedGeometry, expected: PackedGeometry): void {
   expect(actual.words.length).toBe(expected.words.length);
@@ -28,9 +28,7 @@ export function expectSameGeometry(actual: PackedGeometry, expected: PackedGeome
 function expectSamePacked(actual: PackedGeometry, expected: PackedGeometry): void {
   const width = GEOMETRY_WORDS.packed;
   const count = expected.words.length / width;
-  const { step } = expected.logScaleRange;
-  const logScaleSteps = step > 0 ? 1 + Math.floor(INGEST_LOG_SCALE_STEP / step) : 0;
-  const areStepsFine = step < 32 * INGEST_LOG_SCALE_STEP;
+  const error = logScaleError(expected.chunks);
   let differing = 0;
   for (let i = 0; i < count; i++) {
     const [a, b] = [actual, expected].map(({ words }) => words.subarray(i * width, (i + 1) * width));
@@ -39,14 +37,18 @@ function expectSamePacked(actual: PackedGeometry, expected: PackedGeometry): voi
     for (const word of [0, 1, 2, 3])
       if (a[word] !== b[word]) expect.fail(`${place}, word ${word}: ${a[word]} for ${b[word]}`);
     const expectSteps = (x: number, y: number, most: number, what: string) => {
-      if (x !== y && !(areStepsFine && what === 'log scale')) differing++;
+      if (x !== y) differing++;
       if (!(Math.abs(x - y) <= most)) expect.fail(`${place}, ${what}: ${x} for ${y}`);
     };
     expectSteps(a[4] & 0xffff, b[4] & 0xffff, 0, 'half float');
     expectSteps(a[4] >>> 16, b[4] >>> 16, 1, 'opacity');
-    expectSteps(a[5] & 0xffff, b[5] & 0xffff, logScaleSteps, 'log scale');
-    expectSteps(a[5] >>> 16, b[5] >>> 16, logScaleSteps, 'log scale');
-    expectSteps(a[6] & 0xffff, b[6] & 0xffff, logScaleSteps, 'log scale');
+    const { step } = logScalesOf(expected.chunks, Math.floor(i / CHUNK_SPLATS));
+    const [sizes, expectedSizes] = [actual, expected].map((geometry) => unpackSplat(geometry, i).scale);
+    for (const axis of [0, 1, 2]) {
+      const away = Math.abs(Math.log(sizes[axis] / expectedSizes[axis]));
+      if (away > step / 2 + error) differing++;
+      if (!(away <= 1.01 * step + error)) expect.fail(`${place}, log scale: ${away} beside`);
+    }
     const [left, right] = [a, b].map(leftOut);
     if (left === right) {
       expectSteps((a[6] >>> 16) & 0x7fff, (b[6] >>> 16) & 0x7fff, 1, 'rotation');
@@ -103,16 +105,25 @@ export function expectSameHarmonics(actual: PackedHarmonics, expected: PackedHar
 }
 
 /**
- * Expects the same chunks: the same bounds (−0 is 0), and scales that differ by no more than half a step of the coarsest range of log
- * scales, 80 / 65535.
+ * What float32 loses of log scales until splats are in storage order, by the range of all, or of those that are logarithms of
+ * scales.
  */
-export function expectSameChunks(actual: ArrayBuffer, expected: ArrayBuffer): void {
-  const [a, b] = [new Float32Array(actual), new Float32Array(expected)];
-  expect(a.length).toBe(b.length);
-  const scaleAt = Chunk.offsets.maxScale / 4;
-  for (const [i, value] of b.entries()) {
-    const place = `chunk ${Math.floor((4 * i) / Chunk.bytes)}, word ${i % (Chunk.bytes / 4)}`;
-    if (i % (Chunk.bytes / 4) === scaleAt) expect(Math.abs(a[i] / value - 1), place).toBeLessThan(6.2e-4);
-    else expect(a[i] === value, `${place}: ${a[i]} for ${value}`).toBe(true);
+function logScaleError(chunks: Float32Array): number {
+  const ranges = Array.from({ length: chunks.length / CHUNK_WORDS.count }, (_, i) => logScalesOf(chunks, i));
+  const smallest = Math.min(...ranges.map(({ min }) => min));
+  const largest = Math.max(...ranges.map(({ min, step }) => min + 65535 * step));
+  return 3e-6 + 4e-7 * (largest - smallest);
+}
+
+/** Expects the same chunks: the same bounds (−0 is 0), and ranges of log scales to `logScaleError` at either end. */
+export function expectSameChunks(actual: Float32Array, expected: Float32Array): void {
+  expect(actual.length).toBe(expected.length);
+  const { minLogScale, logScaleStep, count } = CHUNK_WORDS;
+  const error = logScaleError(expected);
+  const errors: Record<number, number> = { [minLogScale]: error, [logScaleStep]: (2 * error) / 65535 };
+  for (const [i, value] of expected.entries()) {
+    const away = Math.abs(actual[i] - value);
+    if (away <= (errors[i % count] ?? 0)) continue;
+    expect.fail(`chunk ${Math.floor(i / count)}, word ${i % count}: ${actual[i]} for ${value}`);
   }
 }

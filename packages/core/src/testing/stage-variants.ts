@@ -16,7 +16,6 @@ import { ingestGather } from '../stages/ingest-gather.ts';
 import { ingestKeys } from '../stages/ingest-keys.ts';
 import { ingestRows } from '../stages/ingest-rows.ts';
 import { ingestScatter } from '../stages/ingest-scatter.ts';
-import { ingestSettle } from '../stages/ingest-settle.ts';
 import { pick } from '../stages/pick.ts';
 import { planCull } from '../stages/plan-cull.ts';
 import { planProject } from '../stages/plan-project.ts';
@@ -127,7 +126,6 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       tileCosts(recordPrecision, 'map'),
     ]),
     ...GEOMETRY.flatMap((geometryPrecision) => [
-      ingestSettle(geometryPrecision),
       ingestKeys(geometryPrecision),
       ingestChunks(geometryPrecision),
       ...SH_PRECISIONS.flatMap((shPrecision) =>

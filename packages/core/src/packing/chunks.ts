@@ -1,0 +1,48 @@
+import { CHUNK_WORDS } from '../layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import type { SplatColumns } from '../splats/splat-set.ts';
+import { emptyBounds } from './center-bounds.ts';
+import { clampLogScale, type LogScaleRange, logScaleRange } from './log-scale.ts';
+
+const { minPosition, minLogScale, maxPosition, logScaleStep, count: WORDS } = CHUNK_WORDS;
+
+export function chunkCountOf(splatCount: number): number {
+  return Math.ceil(splatCount / CHUNK_SPLATS);
+}
+
+/** The words of the `Chunk` structs of splats in storage order. */
+export function chunksOf({ count, positions, logScales }: SplatColumns): Float32Array<ArrayBuffer> {
+  const chunks = new Float32Array(chunkCountOf(count) * WORDS);
+  for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
+    const { min, max } = emptyBounds();
+    let smallest = Number.POSITIVE_INFINITY;
+    let largest = Number.NEGATIVE_INFINITY;
+    const end = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
+    for (let i = 3 * chunk * CHUNK_SPLATS; i < 3 * end; i++) {
+      const axis = i % 3;
+      if (positions[i] < min[axis]) min[axis] = positions[i];
+      if (positions[i] > max[axis]) max[axis] = positions[i];
+      if (logScales[i] < smallest) smallest = logScales[i];
+      if (logScales[i] > largest) largest = logScales[i];
+    }
+    chunks.set(min, chunk * WORDS + minPosition);
+    chunks.set(max, chunk * WORDS + maxPosition);
+    setLogScales(chunks, chunk, logScaleRange(clampLogScale(smallest), clampLogScale(largest)));
+  }
+  return chunks;
+}
+
+export function logScalesOf(chunks: Float32Array, chunk: number): LogScaleRange {
+  return { min: chunks[chunk * WORDS + minLogScale], step: chunks[chunk * WORDS + logScaleStep] };
+}
+
+export function setLogScales(chunks: Float32Array, chunk: number, { min, step }: LogScaleRange): void {
+  chunks[chunk * WORDS + minLogScale] = min;
+  chunks[chunk * WORDS + logScaleStep] = step;
+}
+
+/** The largest standard deviation along any axis, with room for what is rounded: as in cull-chunks. */
+export function maxScaleOf(chunks: Float32Array, chunk: number): number {
+  const { min, step } = logScalesOf(chunks, chunk);
+  return 1.001 * Math.exp(min + 65535 * step);
+}

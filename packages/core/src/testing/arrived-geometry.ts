@@ -1,0 +1,28 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { logScalesOf } from '../packing/chunks.ts';
+import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
+import { clampLogScale } from '../packing/log-scale.ts';
+import type { GeometryPrecision } from '../packing/precision.ts';
+import type { SplatColumns } from '../splats/splat-set.ts';
+
+export interface ArrivedGeometry extends PackedGeometry {
+  /** What the log scales of each splat are beside their steps: 512 and parts of 1024, ten bits each. */
+  readonly rests: Uint32Array;
+}
+
+/** What ingest-rows makes of splats: geometry in the order of the file. */
+export function arrivedGeometry(set: SplatColumns, precision: GeometryPrecision): ArrivedGeometry {
+  const geometry = packGeometry(set, precision);
+  const { words, chunks } = geometry;
+  const rests = new Uint32Array(set.count);
+  for (let i = 0; i < set.count && precision === 'packed'; i++) {
+    const { min, step } = logScalesOf(chunks, Math.floor(i / CHUNK_SPLATS));
+    const steps = [words[8 * i + 5] & 0xffff, words[8 * i + 5] >>> 16, words[8 * i + 6] & 0xffff];
+    for (const [axis, whole] of steps.entries()) {
+      const away = clampLogScale(set.logScales[3 * i + axis]) - (min + step * whole);
+      const parts = step > 0 ? Math.round((away / step) * 1024) : 0;
+      rests[i] |= Math.max(0, Math.min(1023, 512 + parts)) << (10 * axis);
+    }
+  }
+  return { ...geometry, rests };
+}
