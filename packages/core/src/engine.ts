@@ -20,9 +20,8 @@ import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
 import {
   adapterLabel,
-  type BallotDevice,
-  ballotDeviceOf,
   type DeviceOptions,
+  fasterBallots,
   hasNarrowSubgroups,
   isSoftwareAdapter,
 } from './gpu/device.ts';
@@ -91,8 +90,6 @@ export interface EngineOptions extends DeviceOptions {
 
 /** Smaller files are packed before the shaders for that would be compiled. */
 const INGEST_MIN_ROWS = 1 << 16;
-/** A page that draws a few frames at rest need not know how it could sort faster. */
-const FRAMES_BEFORE_RANKING = 30;
 /** Bytes of a splat without harmonics. */
 const LEAST_ROW_BYTES = 56;
 /** Most captures have all harmonics. */
@@ -179,9 +176,6 @@ export class SplatEngine {
   readonly #tileBudgetBytes: number;
   readonly #submissionBudgetMs: number;
   readonly #ingestMinRows: number;
-  /** The device, once its sorts are known to be faster by ballots. */
-  #ballots: BallotDevice | null = null;
-  #isRankingChosen = false;
   #planeMaker: Promise<PlaneMaker> | null = null;
   readonly #targets: AccuracyTargets;
   readonly #views = new Set<SplatView | EmbeddedView>();
@@ -570,33 +564,12 @@ export class SplatEngine {
       dispatchRow: this.#dispatchRow,
       workgroupBytes: this.device.limits.maxComputeWorkgroupStorageSize,
       hasNarrowSubgroups: hasNarrowSubgroups(this.device),
-      ballots: () => this.#ballots,
-      onMeasured: () => this.#rankFaster(),
+      ballots: fasterBallots(this.device),
       tileBudgetBytes: this.#tileBudgetBytes,
       submissionBudgetMs: this.#submissionBudgetMs,
       fasterRasterizer: rememberedRasterizer(this.adapterLabel),
       destroyedBecause: () => this.#destroyedBecause,
     };
-  }
-
-  /** Finds out, once frames follow one another, whether the device sorts faster by ballots. Either way, images are the same. */
-  #rankFaster(): void {
-    if (this.#isRankingChosen || this.#counting.framesDrawn < FRAMES_BEFORE_RANKING) return;
-    this.#isRankingChosen = true;
-    const ballots = ballotDeviceOf(this.device);
-    if (!ballots || !this.hasGpuTimestamps) return;
-    const choose = async () => {
-      const { isFasterByBallots } = await import('./measure/choose-ranking.ts');
-      const isFaster = await isFasterByBallots(
-        this.device,
-        this.#pipelines,
-        ballots,
-        this.#memory.availableBytes,
-      );
-      if (isFaster) this.#ballots = ballots;
-    };
-    // Without an answer, for lack of memory say, sorts stay as they are.
-    choose().catch(() => {});
   }
 
   #stopWork(because: string): void {

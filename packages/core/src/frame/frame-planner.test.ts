@@ -50,7 +50,7 @@ function plannerWith(isReady = vi.fn(() => true)) {
     dispatchRow: 65_535,
     workgroupBytes: 16_384,
     hasNarrowSubgroups: false,
-    ballots: () => null,
+    ballots: null,
   };
   const planner = new FramePlanner(facts, { kind: 'image' }, isReady);
   const plan = (

@@ -1,6 +1,5 @@
 import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
 import { type Camera, projectionOf } from '../camera/camera.ts';
-import type { BallotDevice } from '../gpu/device.ts';
 import { binGrid } from '../layout/bin-grid.ts';
 import { asksForDistance } from '../splats/sort-by.ts';
 import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
@@ -14,11 +13,10 @@ import { RecentNeeds } from './recent-needs.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /** What plans of a view depend on that stays the same. */
-export interface PlannerContext
-  extends Pick<FrameShape, 'dispatchRow' | 'workgroupBytes' | 'hasNarrowSubgroups'> {
-  /** The device, once ranking keys by ballots has been found faster there; else null. */
-  readonly ballots: () => BallotDevice | null;
-}
+export type PlannerContext = Pick<
+  FrameShape,
+  'dispatchRow' | 'workgroupBytes' | 'hasNarrowSubgroups' | 'ballots'
+>;
 
 /** What is decided for a frame besides its request. */
 export interface FrameSettings {
@@ -96,7 +94,7 @@ export class FramePlanner {
         dispatchRow,
         workgroupBytes,
         hasNarrowSubgroups,
-        ballots: ballots(),
+        ballots,
         visibleCapacity: sizes?.visibleCapacity ?? capacity,
         keyBits: sizes?.keyBits ?? keyBits,
         shortensKeys: sizes?.shortensKeys ?? accuracy.sortKeyBits < needs.depthBits,

@@ -46,7 +46,7 @@ export interface FrameShape {
   readonly workgroupBytes: number;
   /** Whether few threads of the device run in lockstep. */
   readonly hasNarrowSubgroups: boolean;
-  /** The device, if the sorts rank keys by ballots; otherwise null. The same object for all frames. */
+  /** The device, if its sorts rank keys by ballots; otherwise null. */
   readonly ballots: BallotDevice | null;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;

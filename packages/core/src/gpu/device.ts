@@ -121,6 +121,14 @@ export interface BallotDevice extends SubgroupSizes {
   readonly workgroupThreads: number;
 }
 
+/**
+ * The device, where sorts are faster if they rank keys by ballots; otherwise null. Measured so on GPUs of NVIDIA alone
+ * (docs/measurements.md).
+ */
+export function fasterBallots(device: GPUDevice): BallotDevice | null {
+  return device.adapterInfo.vendor === 'nvidia' ? ballotDeviceOf(device) : null;
+}
+
 /** The device as one that may rank keys by ballots; null if it has no subgroups, or the browser does not tell their sizes. */
 export function ballotDeviceOf({
   features,

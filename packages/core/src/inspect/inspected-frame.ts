@@ -116,7 +116,7 @@ export class InspectedFrame {
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
       workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
       hasNarrowSubgroups: hasNarrowSubgroups(device),
-      ballots: () => null,
+      ballots: null,
     };
     const sizes = {
       visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),

@@ -34,8 +34,6 @@ export interface ViewContext extends AccuracyContext, PlannerContext {
   /** Counts what the view holds, by itself and in the engine's. */
   readonly memory: GpuMemory;
   readonly counting: Counting;
-  /** Called when a frame has been measured. */
-  readonly onMeasured: () => void;
   readonly tileBudgetBytes: number;
   readonly submissionBudgetMs: number;
   /** The rasteriser that was faster on this adapter before, and where to keep that. */
@@ -417,7 +415,7 @@ export abstract class View {
   protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const read = () => this.parts.timer.read(++this.#frameNumber, totalSplats, submittedMs);
-    const { memory, onMeasured } = this.context;
+    const { memory } = this.context;
     // What is read may turn out not to exist.
     const statistics = await memory.guard('A frame', '', read, this.recovery.isChecking).result;
     if (!statistics || this.#isDestroyed || !this.prepared) return null;
@@ -429,7 +427,6 @@ export abstract class View {
       statistics,
       tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
     );
-    onMeasured();
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
     return statistics;

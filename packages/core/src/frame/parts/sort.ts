@@ -11,7 +11,6 @@ const stagesOf = perShape((shape) => radixSortStages(depthSortShape(shape)));
 interface Held {
   readonly sort: RadixSort;
   readonly keyBits: number;
-  readonly ballots: FrameShape['ballots'];
   readonly capacity: number;
 }
 
@@ -34,15 +33,14 @@ export class Sort implements FramePart<OrderRecording> {
   }
 
   fit({ shape }: FramePlan): PartChange | null {
-    const { keyBits, visibleCapacity, ballots } = shape;
+    const { keyBits, visibleCapacity } = shape;
     const held = this.#held;
-    const isSame = held?.keyBits === keyBits && held.ballots === ballots && held.capacity === visibleCapacity;
-    if (isSame) return null;
+    if (held?.keyBits === keyBits && held.capacity === visibleCapacity) return null;
     // No buffer is larger than that of the records, which pre-process checks.
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
-        this.#held = { sort: this.#make(shape), keyBits, ballots, capacity: visibleCapacity };
+        this.#held = { sort: this.#make(shape), keyBits, capacity: visibleCapacity };
       },
     };
   }

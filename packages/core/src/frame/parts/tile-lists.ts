@@ -74,7 +74,6 @@ interface Held {
   readonly visibleCapacity: number;
   readonly pairCapacity: number;
   readonly binCount: number;
-  readonly ballots: FrameShape['ballots'];
 }
 
 interface Groups {
@@ -125,7 +124,7 @@ export class TileLists implements FramePart<OrderRecording> {
   }
 
   fit({ shape }: FramePlan): PartChange | null {
-    const { visibleCapacity, binCount, ballots } = shape;
+    const { visibleCapacity, binCount } = shape;
     const held = this.#held;
     if (shape.rasterizer !== 'tiles') {
       if (!held || this.#isCompared(shape, held)) return null;
@@ -133,8 +132,7 @@ export class TileLists implements FramePart<OrderRecording> {
     }
     this.#framesUnused = 0;
     const current = held?.pairCapacity ?? 0;
-    const isSame =
-      held?.visibleCapacity === visibleCapacity && held.binCount === binCount && held.ballots === ballots;
+    const isSame = held?.visibleCapacity === visibleCapacity && held.binCount === binCount;
     const pairs = this.#room.next(current, visibleCapacity, this.#mostPairs(), isSame);
     if (isSame && pairs === current) return null;
     // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
@@ -243,7 +241,7 @@ export class TileLists implements FramePart<OrderRecording> {
   #make(shape: FrameShape, pairs: number): Held {
     const { device, pipelines } = this.#context;
     const memory = this.#memory;
-    const { visibleCapacity, binCount, dispatchRow, ballots } = shape;
+    const { visibleCapacity, binCount, dispatchRow } = shape;
     // The sort's halves of the masks begin at multiples of 256 bytes.
     const room = roundUp(pairs, MASK_GROUP);
     const buffers = {} as Record<BufferName, GPUBuffer>;
@@ -263,6 +261,6 @@ export class TileLists implements FramePart<OrderRecording> {
       spare: buffers.tileMasks,
       label: 'tiles sort',
     });
-    return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount, ballots };
+    return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount };
   }
 }
