@@ -37,7 +37,7 @@ export const ROOMS: Arrows = {
   /** File formats, and reading them in a worker. */
   io: 'packing splats layout math',
   /** Every setting, cutoff and preset of accuracy. */
-  accuracy: 'packing splats layout',
+  accuracy: 'packing layout',
   /** Cameras, and each cloud as a camera sees it. */
   camera: 'math',
   /** Links WGSL from modules, conditions and constants. */
@@ -64,7 +64,7 @@ export const ROOMS: Arrows = {
   reference: 'effects camera accuracy packing splats layout math',
   /** Single stages of a frame, read back and held against the references. */
   inspect:
-    'reference frame clouds stages timing effects gpu shaders camera accuracy packing splats layout math',
+    'reference frame clouds stages effects gpu shaders camera accuracy packing splats layout math',
   /** What settings and effects cost in time, and in error. */
   measure: 'reference ledger frame clouds stages timing effects gpu camera accuracy packing layout math',
   /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
