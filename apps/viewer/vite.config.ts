@@ -26,9 +26,9 @@ const CORE = '../../packages/core';
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
 /** What the viewer runs of core before it asks for a GPU. */
-const START = ['src/create-engine.ts', 'src/effects/index.ts', 'src/io/loading/load-splats.ts'];
+const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
 /** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
-const PACKING = [`${CORE}/src/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
+const PACKING = [`${CORE}/src/data/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
 
 export default defineConfig({
   root: fileURLToPath(new URL('.', import.meta.url)),
@@ -104,6 +104,8 @@ const needed = new Map<string, ReadonlySet<string>>();
 function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<string> {
   const known = needed.get(id);
   if (known) return known;
+  if (!graph.getModuleInfo(id))
+    throw new Error(`${id}, which decides on scripts, is no module of this build.`);
   const all = new Set([id]);
   // A set goes on to those that are added meanwhile.
   for (const each of all)

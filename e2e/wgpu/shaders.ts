@@ -2,7 +2,7 @@
 import process from 'node:process';
 import { requestSplatDevice } from '@websplatter/core';
 import { Pipelines, type StageDefinition } from '../../packages/core/src/gpu/pipelines.ts';
-import { linkShader } from '../../packages/core/src/shaders/link-shader.ts';
+import { linkShader } from '../../packages/core/src/gpu/shaders/link-shader.ts';
 import { allStageVariants } from '../../packages/core/src/testing/stage-variants.ts';
 
 /** What became of the shaders. */

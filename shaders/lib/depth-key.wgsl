@@ -1,6 +1,6 @@
 // What splats are sorted by, mapped to unsigned integers in the same order: the sort compares integers. Used by cull-splats and
 // project, per splat.
-// Reference: packages/core/src/layout/depth-key.ts.
+// Reference: packages/core/src/data/layout/depth-key.ts.
 @if(SHORT_KEYS) import constants::SORT_KEY_BITS;
 
 /// What splats are sorted by, given their places from the camera: depth, or the square of the distance, which tells apart what is

@@ -1,4 +1,4 @@
-// Packs splats as packing/geometry.ts stores them, one by one. Used by repack-geometry, repack-sh and ingest-rows.
+// Packs splats as data/packing/geometry.ts stores them, one by one. Used by repack-geometry, repack-sh and ingest-rows.
 import package::lib::packing::Splat;
 
 /// vec4u per packed splat.
@@ -17,7 +17,7 @@ fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   );
 }
 
-/// The smallest of a chunk's log scales and the step of their unorm16, 0 if all are the same; reference in packing/log-scale.ts.
+/// The smallest of a chunk's log scales and the step of their unorm16, 0 if all are the same; reference in data/packing/log-scale.ts.
 fn logScaleRange(smallest: f32, largest: f32) -> vec2f {
   let extent = largest - smallest;
   return vec2f(smallest, select(0.0, extent * (1.0 / 65535.0), extent > 8.271806125530277e-25));
@@ -47,7 +47,7 @@ fn packRotation(rotation: vec4f) -> vec2u {
   return vec2u(steps.x | ((largest & 1u) << 15u), steps.y | ((largest >> 1u) << 15u) | (steps.z << 16u));
 }
 
-/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Reference of layout/half.ts. Uses
+/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Reference of data/layout/half.ts. Uses
 /// integers because WGSL leaves it to the device how pack2x16float rounds, and what it makes of 65520.
 fn halfBits(value: f32) -> u32 {
   let bits = bitcast<u32>(value);

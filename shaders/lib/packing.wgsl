@@ -1,4 +1,4 @@
-// Unpacks splats as packing/geometry.ts stores them, one by one. Used by cull-splats, project and repack-geometry. Reference:
+// Unpacks splats as data/packing/geometry.ts stores them, one by one. Used by cull-splats, project and repack-geometry. Reference:
 // reference/packing.ts.
 
 /// A splat's geometry and base colour, in the cloud's space.

@@ -32,7 +32,7 @@ fn ingestKeys(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   payloads[place] = slot;
 }
 
-/// As mortonCell of packing/morton-order.ts, with the same roundings.
+/// As mortonCell of data/packing/morton-order.ts, with the same roundings.
 fn cell(record: u32, axis: u32) -> u32 {
   let bits = aboutOrigin(geometry[record][axis], parameters.origin[axis]);
   let coordinate = select(bitcast<f32>(bits), 0.0, (bits & MAGNITUDE_BITS) < 0x800000u);

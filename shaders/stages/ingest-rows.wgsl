@@ -153,7 +153,7 @@ fn takeGeometry(row: u32, slot: u32, range: vec2f) {
   writeGeometry(slot, position, logScale, range, rotation, opacity, bitcast<vec3f>(valueBits3(row, ROW_COLOR)));
 }
 
-/// 64 bytes, as packing/geometry.ts lays them out.
+/// 64 bytes, as data/packing/geometry.ts lays them out.
 @if(GEOMETRY_F32)
 fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
   let color = clamp(colorDc, vec3f(-1e35), vec3f(1e35));
@@ -168,7 +168,7 @@ fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rota
   for (var k = 0u; k < 4u; k++) { (*record)[4u + k] = bitcast<u32>(rotation[k]); }
 }
 
-/// 32 bytes, as packing/geometry.ts lays them out. What log scales are beside the nearest step, −512…511 parts of 1024, is kept as
+/// 32 bytes, as data/packing/geometry.ts lays them out. What log scales are beside the nearest step, −512…511 parts of 1024, is kept as
 /// 512 more than that.
 @if(!GEOMETRY_F32)
 fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rotation: vec4f, opacity: f32, colorDc: vec3f) {

@@ -1,8 +1,8 @@
 import type { FitMode } from './clouds/fit-settings.ts';
-import { InvalidArgumentError } from './errors.ts';
-import { given } from './given.ts';
-import { type CloudPrecision, checkOneOf, checkPrecision } from './packing/precision.ts';
-import { shown } from './printable.ts';
+import { InvalidArgumentError } from './data/errors.ts';
+import { given } from './data/given.ts';
+import { type CloudPrecision, checkOneOf, checkPrecision } from './data/packing/precision.ts';
+import { shown } from './data/printable.ts';
 
 /** What a number must be, in words and as a test. */
 type Rule = readonly [expected: string, isValid: (value: number) => boolean];

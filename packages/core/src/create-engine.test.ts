@@ -13,8 +13,8 @@ async function loaded(code: () => object) {
   const askedFor = vi.fn(code);
   const foreseeTiles = vi.fn();
   vi.doMock('./engine.ts', askedFor);
-  vi.doMock('./shaders/later-source.ts', () => ({ foreseeTiles }));
-  const errors = await import('./errors.ts');
+  vi.doMock('./gpu/shaders/later-source.ts', () => ({ foreseeTiles }));
+  const errors = await import('./data/errors.ts');
   return { ...(await import('./create-engine.ts')), ...errors, askedFor, foreseeTiles };
 }
 

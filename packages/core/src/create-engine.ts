@@ -1,11 +1,11 @@
-import { DEFAULT_ACCURACY } from './accuracy/accuracy.ts';
-import { checkAccuracy } from './accuracy/accuracy-target.ts';
 import { checkEngineNumbers } from './check-options.ts';
+import { DEFAULT_ACCURACY } from './data/accuracy/accuracy.ts';
+import { checkAccuracy } from './data/accuracy/accuracy-target.ts';
+import { CodeUnavailableError } from './data/errors.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
-import { CodeUnavailableError } from './errors.ts';
 import { requestSplatDevice } from './gpu/device.ts';
+import { foreseeTiles } from './gpu/shaders/later-source.ts';
 import { foreseeWorkers } from './io/loading/load-splats.ts';
-import { foreseeTiles } from './shaders/later-source.ts';
 
 /** Fetches the engine, and beside it what it will need first. */
 async function fetchEngine() {

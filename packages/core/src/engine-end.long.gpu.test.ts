@@ -1,9 +1,9 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { perspectiveCamera } from './camera/camera.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
-import { DestroyedError, InvalidArgumentError } from './errors.ts';
+import { perspectiveCamera } from './data/camera/camera.ts';
+import { DestroyedError, InvalidArgumentError } from './data/errors.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import { deviceWith } from './testing/device-with.ts';
 import { prepared } from './testing/prepared.ts';

@@ -1,19 +1,20 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { Accuracy } from './accuracy/accuracy.ts';
-import { cameraFromMatrices, perspectiveCamera } from './camera/camera.ts';
 import { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError } from './errors.ts';
+import type { Accuracy } from './data/accuracy/accuracy.ts';
+import { cameraFromMatrices, perspectiveCamera } from './data/camera/camera.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from './data/errors.ts';
+import { Chunk } from './data/layout/structs.ts';
+import { type Mat4, translated4 } from './data/math/mat4.ts';
+import { packCloud } from './data/packing/packed-cloud.ts';
+import type { ShDegree } from './data/splats/splat-set.ts';
 import type { FrameRequest } from './frame/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
+import type { FrameStatistics } from './gpu/timing/frame-statistics.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
-import { Chunk } from './layout/structs.ts';
-import { type Mat4, translated4 } from './math/mat4.ts';
-import { packCloud } from './packing/packed-cloud.ts';
 import { compareImages, renderReference } from './reference/index.ts';
-import type { ShDegree } from './splats/splat-set.ts';
 import { deviceWith, limitsWith } from './testing/device-with.ts';
 import { objectScene } from './testing/object-scene.ts';
 import { ownHarmonics } from './testing/own-harmonics.ts';
@@ -30,7 +31,6 @@ import {
 } from './testing/preset-engines.ts';
 import { randomSplats, splatsOf } from './testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from './testing/test-cameras.ts';
-import type { FrameStatistics } from './timing/frame-statistics.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const CAMERAS = testCameras(1);

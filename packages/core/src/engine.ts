@@ -1,3 +1,12 @@
+import { checkLoadOptions } from './check-options.ts';
+import type { HoldOptions } from './clouds/cloud-leases.ts';
+import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
+import { emptyCloud } from './clouds/empty-cloud.ts';
+import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
+import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
+import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
+import type { PlaneMaker } from './clouds/plane-maker.ts';
+import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
 import {
   type Accuracy,
   type AccuracySettings,
@@ -5,18 +14,17 @@ import {
   type FrameRasterizer,
   internAccuracy,
   type PossibleAccuracy,
-} from './accuracy/accuracy.ts';
-import { type AccuracyRequest, type AccuracyTarget, internTarget } from './accuracy/accuracy-target.ts';
-import { checkLoadOptions } from './check-options.ts';
-import type { HoldOptions } from './clouds/cloud-leases.ts';
-import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
-import { emptyCloud } from './clouds/empty-cloud.ts';
-import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
-import type { PlaneMaker } from './clouds/plane-maker.ts';
-import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
-import { DestroyedError, GpuLimitError } from './errors.ts';
+} from './data/accuracy/accuracy.ts';
+import { type AccuracyRequest, type AccuracyTarget, internTarget } from './data/accuracy/accuracy-target.ts';
+import { DestroyedError, GpuLimitError } from './data/errors.ts';
+import type { Harmonics } from './data/packing/harmonics.ts';
+import { packSet } from './data/packing/pack-set.ts';
+import type { PackedCloud } from './data/packing/packed-cloud.ts';
+import type { CloudPrecision } from './data/packing/precision.ts';
+import type { SplatSet } from './data/splats/splat-set.ts';
 import { frameStages } from './frame/frame.ts';
 import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
+import type { EffectEntry } from './frame/ledger/ledger.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
 import {
   adapterLabel,
@@ -28,20 +36,12 @@ import {
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
-import { LazyIngest } from './ingest/lazy-ingest.ts';
-import type { IngestedCloud, RowIngestOptions } from './ingest/row-ingest.ts';
+import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
 import { sourceName } from './io/sources/source-kind.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
-import type { EffectEntry } from './ledger/ledger.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
-import type { Harmonics } from './packing/harmonics.ts';
-import { packSet } from './packing/pack-set.ts';
-import type { PackedCloud } from './packing/packed-cloud.ts';
-import type { CloudPrecision } from './packing/precision.ts';
-import type { ShaderMutation } from './shaders/link-shader.ts';
-import type { SplatSet } from './splats/splat-set.ts';
 import { AccuracyTargets } from './views/accuracy-targets.ts';
 import { EmbeddedView } from './views/embedded-view.ts';
 import { rememberedRasterizer } from './views/remembered-rasterizer.ts';

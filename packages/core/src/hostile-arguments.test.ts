@@ -1,17 +1,22 @@
 import { describe, expect, test, vi } from 'vitest';
-import { internAccuracy, resolveAccuracy } from './accuracy/accuracy.ts';
-import { internTarget } from './accuracy/accuracy-target.ts';
-import { cameraFromMatrices, orthographicCamera, perspectiveCamera, projectionOf } from './camera/camera.ts';
 import { SplatEngine } from './create-engine.ts';
-import { type SplatArrays, splatsFromArrays } from './editing/splats-from-arrays.ts';
-import * as effects from './effects/index.ts';
+import { internAccuracy, resolveAccuracy } from './data/accuracy/accuracy.ts';
+import { internTarget } from './data/accuracy/accuracy-target.ts';
+import {
+  cameraFromMatrices,
+  orthographicCamera,
+  perspectiveCamera,
+  projectionOf,
+} from './data/camera/camera.ts';
+import { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
+import { InvalidArgumentError, SplatFileError } from './data/errors.ts';
+import { identity4 } from './data/math/mat4.ts';
+import { type EditedRows, type EditedValues, SplatEdits } from './data/splats/splat-edits.ts';
 import type { EngineOptions, LoadOptions } from './engine.ts';
-import { InvalidArgumentError, SplatFileError } from './errors.ts';
 import { planCloud } from './frame/cloud-plan.ts';
 import { checkRequest } from './frame/frame-request.ts';
+import * as effects from './gpu/effects/index.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
-import { identity4 } from './math/mat4.ts';
-import { type EditedRows, type EditedValues, SplatEdits } from './splats/splat-edits.ts';
 import { fuzz } from './testing/fuzz.ts';
 import { withHostilePart } from './testing/hostile-values.ts';
 import { randomSplats } from './testing/random-splats.ts';

@@ -1,3 +1,11 @@
+export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
+export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
+export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
+export type { MakeRayTreeOptions } from './clouds/make-ray-tree.ts';
+export type { RayHit, RayOptions, RayTree, RayView } from './clouds/ray-tree.ts';
+export { makeRayTree } from './clouds/rays.ts';
+export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
+export { foreseeEngine, SplatEngine } from './create-engine.ts';
 export {
   ACCURACY_PRESETS,
   ACCURACY_SETTINGS,
@@ -15,14 +23,14 @@ export {
   type RecordPrecision,
   resolveAccuracy,
   type SortKeyBits,
-} from './accuracy/accuracy.ts';
+} from './data/accuracy/accuracy.ts';
 export {
   type AccuracyRequest,
   type AccuracyTarget,
   checkAccuracy,
   isAccuracyTarget,
-} from './accuracy/accuracy-target.ts';
-export { combineAccuracies, mostExact } from './accuracy/combine-accuracies.ts';
+} from './data/accuracy/accuracy-target.ts';
+export { combineAccuracies, mostExact } from './data/accuracy/combine-accuracies.ts';
 export {
   type Camera,
   cameraFromMatrices,
@@ -30,16 +38,42 @@ export {
   type LookAtOptions,
   orthographicCamera,
   perspectiveCamera,
-} from './camera/camera.ts';
-export type { DepthConvention } from './camera/depth-convention.ts';
-export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
-export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
-export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
-export type { MakeRayTreeOptions } from './clouds/make-ray-tree.ts';
-export type { RayHit, RayOptions, RayTree, RayView } from './clouds/ray-tree.ts';
-export { makeRayTree } from './clouds/rays.ts';
-export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
-export { foreseeEngine, SplatEngine } from './create-engine.ts';
+} from './data/camera/camera.ts';
+export type { DepthConvention } from './data/camera/depth-convention.ts';
+export * from './data/errors.ts';
+export type { Vec3 } from './data/math/mat4.ts';
+export { type CloudFacts, cloudFacts } from './data/packing/cloud-facts.ts';
+export { GEOMETRY_WORDS } from './data/packing/geometry.ts';
+export {
+  type Harmonics,
+  type PackedHarmonics,
+  type PackedPalette,
+  type ReadHarmonics,
+  readCoefficients,
+  type StoredHarmonics,
+  shWordsPerSplat,
+} from './data/packing/harmonics.ts';
+export type { HarmonicsPalette } from './data/packing/harmonics-palette.ts';
+export {
+  type Bounds,
+  type PackedCloud,
+  type PackOptions,
+  packCloud,
+  transferablesOf,
+} from './data/packing/packed-cloud.ts';
+export type { CloudPrecision, GeometryPrecision, ShPrecision } from './data/packing/precision.ts';
+export { printable } from './data/printable.ts';
+export { SORTED_BY, type SortBy } from './data/splats/sort-by.ts';
+export {
+  coefficientsPerSplat,
+  type DropCounts,
+  type DropReason,
+  type FileFacts,
+  type ShDegree,
+  type SplatColumns,
+  type SplatSet,
+  type TrainedHarmonics,
+} from './data/splats/splat-set.ts';
 export type {
   DrawnAccuracy,
   EngineMemory,
@@ -48,15 +82,22 @@ export type {
   PrecisionProblem,
   SetAccuracyOptions,
 } from './engine.ts';
-export * from './errors.ts';
 export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
+export type { EffectEntry } from './frame/ledger/ledger.ts';
 export type { EmbeddedImage } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';
 export { RecoveryPace } from './gpu/recovery-pace.ts';
+export {
+  type FrameStatistics,
+  isPlausible,
+  type StageTimings,
+  type TimedPass,
+  wallClockTimings,
+} from './gpu/timing/frame-statistics.ts';
 export { encodePly } from './io/formats/ply/write-ply.ts';
 export { setWorkerUrl } from './io/loading/hosted-worker.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';
@@ -71,49 +112,8 @@ export type {
   SourceOptions,
   SplatSource,
 } from './io/sources/splat-source.ts';
-export type { EffectEntry } from './ledger/ledger.ts';
-export type { Vec3 } from './math/mat4.ts';
 export type { AccuracyChoice } from './measure/choose-accuracy.ts';
 export type { MeasureProgress } from './measure/measure-accuracy.ts';
-export { type CloudFacts, cloudFacts } from './packing/cloud-facts.ts';
-export { GEOMETRY_WORDS } from './packing/geometry.ts';
-export {
-  type Harmonics,
-  type PackedHarmonics,
-  type PackedPalette,
-  type ReadHarmonics,
-  readCoefficients,
-  type StoredHarmonics,
-  shWordsPerSplat,
-} from './packing/harmonics.ts';
-export type { HarmonicsPalette } from './packing/harmonics-palette.ts';
-export {
-  type Bounds,
-  type PackedCloud,
-  type PackOptions,
-  packCloud,
-  transferablesOf,
-} from './packing/packed-cloud.ts';
-export type { CloudPrecision, GeometryPrecision, ShPrecision } from './packing/precision.ts';
-export { printable } from './printable.ts';
-export { SORTED_BY, type SortBy } from './splats/sort-by.ts';
-export {
-  coefficientsPerSplat,
-  type DropCounts,
-  type DropReason,
-  type FileFacts,
-  type ShDegree,
-  type SplatColumns,
-  type SplatSet,
-  type TrainedHarmonics,
-} from './splats/splat-set.ts';
-export {
-  type FrameStatistics,
-  isPlausible,
-  type StageTimings,
-  type TimedPass,
-  wallClockTimings,
-} from './timing/frame-statistics.ts';
 export type { ChooseAccuracyOptions } from './views/accuracy-targets.ts';
 export type { EmbeddedFrameRequest, EmbeddedView } from './views/embedded-view.ts';
 export type { PointCoverage, PointToCover } from './views/find-coverage.ts';

@@ -1,6 +1,6 @@
+import { COLLIDER_BUILDERS } from './clouds/collider/build-collider.ts';
 import { type BuildPort, serveBuilder } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
-import { COLLIDER_BUILDERS } from './collider/build-collider.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
 

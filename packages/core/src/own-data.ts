@@ -3,13 +3,13 @@
  * download it.
  */
 export { followEdits } from './clouds/cloud-editor.ts';
-export { type SplatArrays, splatsFromArrays } from './editing/splats-from-arrays.ts';
-export { packSet } from './packing/pack-set.ts';
-export { colorDcOf } from './splats/color-values.ts';
+export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
+export { packSet } from './data/packing/pack-set.ts';
+export { colorDcOf } from './data/splats/color-values.ts';
 export {
   EDITED,
   type EditedRows,
   type EditedValues,
   type RowRange,
   SplatEdits,
-} from './splats/splat-edits.ts';
+} from './data/splats/splat-edits.ts';

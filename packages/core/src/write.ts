@@ -2,10 +2,10 @@
  * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine: who only shows splats does not download
  * it.
  */
-export { type CropBox, cropSplats } from './editing/crop-splats.ts';
-export { filterSplats } from './editing/filter-splats.ts';
-export { limitDegree } from './editing/limit-degree.ts';
-export { mergeSplats } from './editing/merge-splats.ts';
+export { type CropBox, cropSplats } from './data/editing/crop-splats.ts';
+export { filterSplats } from './data/editing/filter-splats.ts';
+export { limitDegree } from './data/editing/limit-degree.ts';
+export { mergeSplats } from './data/editing/merge-splats.ts';
 export {
   AXIS_NAMES,
   multiplyQuaternions,
@@ -13,8 +13,8 @@ export {
   rotationByDegrees,
   rotationMatrixOf,
   uprightRotation,
-} from './editing/quaternion.ts';
-export { type SplatTransform, transformSplats } from './editing/transform-splats.ts';
+} from './data/editing/quaternion.ts';
+export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
 export type { WriteOptions } from './io/formats/write-format.ts';
 export { writeSplats } from './io/formats/writers.ts';

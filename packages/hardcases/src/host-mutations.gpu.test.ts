@@ -22,19 +22,19 @@ const toFloat32 = (values: unknown) => Float64Array.from(Float32Array.from(value
 const HOST_MUTATIONS: readonly HostMutation[] = [
   {
     remedy: 'rows that are not finite are dropped at load',
-    module: '../../core/src/splats/splat-row.ts',
+    module: '../../core/src/data/splats/splat-row.ts',
     replace: () => ({ reasonToDrop: () => undefined }),
     caseName: 'input-nan-x',
   },
   {
     remedy: 'log scales are clamped before they are exponentiated',
-    module: '../../core/src/packing/log-scale.ts',
+    module: '../../core/src/data/packing/log-scale.ts',
     replace: () => ({ clampLogScale: (logScale: number) => logScale }),
     caseName: 'scale-log-88',
   },
   {
     remedy: 'view and model matrices are multiplied in float64',
-    module: '../../core/src/math/mat4.ts',
+    module: '../../core/src/data/math/mat4.ts',
     replace: ({ multiply4 }) => ({
       multiply4: (...matrices) => multiply4(...(matrices.map(toFloat32) as never[])),
     }),
@@ -42,7 +42,7 @@ const HOST_MUTATIONS: readonly HostMutation[] = [
   },
   {
     remedy: 'the zero quaternion is the identity',
-    module: '../../core/src/packing/rotation.ts',
+    module: '../../core/src/data/packing/rotation.ts',
     replace: () => ({
       normalizedRotation: (rotations: Float32Array, at: number, result: Float64Array) => {
         const length = Math.hypot(...rotations.subarray(at, at + 4));
@@ -53,7 +53,7 @@ const HOST_MUTATIONS: readonly HostMutation[] = [
   },
   {
     remedy: 'a singular matrix has no inverse',
-    module: '../../core/src/math/mat4.ts',
+    module: '../../core/src/data/math/mat4.ts',
     replace: ({ invert3 }) => ({
       invert3: (...matrix) => invert3(...matrix) ?? new Float64Array(9).fill(Number.POSITIVE_INFINITY),
     }),

@@ -5,12 +5,11 @@ import { describe, expect, test } from 'vitest';
 import { type ImportRule, importViolations, type RepositoryFiles } from './import-rule.ts';
 import { type ModuleReference, moduleReferences } from './module-references.ts';
 import { repositoryFiles } from './repository-files.ts';
-import { FOR_ALL_ROOMS, PACKAGES, PATH_EXCEPTIONS, ROOMS } from './rooms.ts';
+import { PACKAGES, PATH_EXCEPTIONS, TIERS } from './tiers.ts';
 
 const RULE: ImportRule = {
   packages: PACKAGES,
-  rooms: ROOMS,
-  forAllRooms: FOR_ALL_ROOMS,
+  tiers: TIERS,
   pathExceptions: PATH_EXCEPTIONS,
 };
 
@@ -55,58 +54,52 @@ describe('the import rule', () => {
 });
 
 describe('planted in this repository, the import rule finds', () => {
-  const math = 'packages/core/src/math/mat4.ts';
-  const upward = `${math} → packages/core/src/frame/frame.ts: math may not import frame`;
+  const math = 'packages/core/src/data/math/mat4.ts';
+  const upward = `${math} → packages/core/src/frame/frame.ts: data may not import frame`;
 
   for (const statement of [
-    "import { recordFrame } from '../frame/frame.ts';",
-    "import type { Frame } from '../frame/frame.ts';",
-    "import { type Frame } from '../frame/frame.ts';",
-    "import '../frame/frame.ts';",
-    "export * from '../frame/frame.ts';",
-    "export type { Frame } from '../frame/frame.ts';",
-    "const lazy = () => import('../frame/frame.ts');",
-    "let frame: import('../frame/frame.ts').Frame;",
-    "new Worker(new URL('../frame/frame.ts', import.meta.url));",
-    "import text from '../frame/frame.ts?raw';",
-    "vi.doMock('../frame/frame.ts', () => ({}));",
+    "import { recordFrame } from '../../frame/frame.ts';",
+    "import type { Frame } from '../../frame/frame.ts';",
+    "import { type Frame } from '../../frame/frame.ts';",
+    "import '../../frame/frame.ts';",
+    "export * from '../../frame/frame.ts';",
+    "export type { Frame } from '../../frame/frame.ts';",
+    "const lazy = () => import('../../frame/frame.ts');",
+    "let frame: import('../../frame/frame.ts').Frame;",
+    "new Worker(new URL('../../frame/frame.ts', import.meta.url));",
+    "import text from '../../frame/frame.ts?raw';",
+    "vi.doMock('../../frame/frame.ts', () => ({}));",
   ])
     test(`an upward import: ${statement}`, () => {
       expect(newViolations({ [math]: statement })).toContain(upward);
     });
 
   test('an upward glob', () => {
-    expect(newViolations({ [math]: "import.meta.glob('../frame/*.ts');" })).toEqual([
-      `${math} → packages/core/src/frame/*.ts: math may not import frame`,
+    expect(newViolations({ [math]: "import.meta.glob('../../frame/*.ts');" })).toEqual([
+      `${math} → packages/core/src/frame/*.ts: data may not import frame`,
     ]);
   });
 
   test('a reference beside the code that it is the reference of', () => {
     const [effect, reference] = ['ts', 'reference.ts'].map(
-      (end) => `packages/core/src/effects/fog/fog.${end}`,
+      (end) => `packages/core/src/gpu/effects/fog/fog.${end}`,
     );
     expect(newViolations({ [effect]: "import type { reference } from './fog.reference.ts';" })).toContain(
-      `${effect} → ${reference}: effects may not import reference`,
+      `${effect} → ${reference}: gpu may not import reference`,
     );
     expect(newViolations({ [effect]: "import.meta.glob('./*.reference.ts');" })).toEqual([
-      `${effect} → packages/core/src/effects/fog/*.reference.ts: effects may not import reference`,
+      `${effect} → packages/core/src/gpu/effects/fog/*.reference.ts: gpu may not import reference`,
     ]);
   });
 
-  test('an upward import in what all rooms may import', () => {
-    const errors = 'packages/core/src/errors.ts';
-    expect(newViolations({ [errors]: "import type { Vec3 } from './math/mat4.ts';" })).toContain(
-      `${errors} → packages/core/src/math/mat4.ts: errors.ts may not import math`,
-    );
-  });
-
   test('nothing in comments and texts that look like imports', () => {
-    const text = '// import { frame } from "../frame/frame.ts";\nconst text = `import "../frame/frame.ts"`;';
+    const text =
+      '// import { frame } from "../../frame/frame.ts";\nconst text = `import "../../frame/frame.ts"`;';
     expect(newViolations({ [math]: text })).toEqual([]);
   });
 
-  test('a circle of types between files of one room', () => {
-    const [one, two] = ['one', 'two'].map((name) => `packages/core/src/math/${name}.ts`);
+  test('a circle of types between files of one tier', () => {
+    const [one, two] = ['one', 'two'].map((name) => `packages/core/src/data/math/${name}.ts`);
     const toTwo = "import type { Two } from './two.ts';";
     expect(newViolations({ [one]: toTwo, [two]: '' })).toEqual([]);
     expect(newViolations({ [one]: toTwo, [two]: "import type { One } from './one.ts';" })).toEqual([
@@ -124,7 +117,7 @@ describe('planted in this repository, the import rule finds', () => {
   });
 
   test('helpers of tests in what is shipped', () => {
-    expect(newViolations({ [math]: "import { uniform } from '../testing/uniform.ts';" })).toContain(
+    expect(newViolations({ [math]: "import { uniform } from '../../testing/uniform.ts';" })).toContain(
       `${math} → packages/core/src/testing/uniform.ts: only tests may import what is for tests`,
     );
   });
@@ -143,14 +136,14 @@ describe('planted in this repository, the import rule finds', () => {
 
   test('a file of another package, by path', () => {
     const path = 'packages/three/src/index.ts';
-    expect(newViolations({ [path]: "import { multiply4 } from '../../core/src/math/mat4.ts';" })).toEqual([
-      `${path} → packages/core/src/math/mat4.ts: import it from @websplatter/core`,
-    ]);
+    expect(
+      newViolations({ [path]: "import { multiply4 } from '../../core/src/data/math/mat4.ts';" }),
+    ).toEqual([`${path} → packages/core/src/data/math/mat4.ts: import it from @websplatter/core`]);
   });
 
   test('a folder and a package that have no line', () => {
     expect(newViolations({ 'packages/core/src/attic/old.ts': '' })).toEqual([
-      'attic: this room has no line that says what it may import',
+      'attic: this tier has no line that says what it may import',
     ]);
     expect(newViolations({ 'packages/attic/src/old.ts': '' })).toEqual([
       'attic: this package has no line that says what it may import',
@@ -158,18 +151,18 @@ describe('planted in this repository, the import rule finds', () => {
   });
 
   test('a line, an arrow and an exception that nothing needs', () => {
-    const rooms = { ...ROOMS, math: '', attic: '', io: `math ${ROOMS.io}` };
+    const tiers = { ...TIERS, data: '', attic: '', gpu: `io ${TIERS.gpu}` };
     const pathExceptions = { ...PATH_EXCEPTIONS, [math]: 'for a test' };
-    expect(newViolations({ [math]: '' }, { ...RULE, rooms, pathExceptions })).toEqual([
-      'attic: has a line, but there is no such room',
-      'io → math: allowed, but nothing needs it',
+    expect(newViolations({ [math]: '' }, { ...RULE, tiers, pathExceptions })).toEqual([
+      'attic: has a line, but there is no such tier',
+      'gpu → io: allowed, but nothing needs it',
       `${math}: an exception that is no longer needed`,
     ]);
   });
 
-  test('an arrow that points at a room below it in the table', () => {
-    expect(newViolations({ [math]: '' }, { ...RULE, rooms: { ...ROOMS, math: 'frame' } })).toContain(
-      'math → frame: a room may only import those above it in the table',
+  test('an arrow that points at a tier below it in the table', () => {
+    expect(newViolations({ [math]: '' }, { ...RULE, tiers: { ...TIERS, data: 'frame' } })).toContain(
+      'data → frame: a tier may only import those above it in the table',
     );
   });
 });

@@ -1,14 +1,12 @@
 import { posix } from 'node:path';
 import type { ModuleReference } from './module-references.ts';
-import type { Arrows } from './rooms.ts';
+import type { Arrows } from './tiers.ts';
 
 export interface ImportRule {
   /** Of packages, by folder name. */
   readonly packages: Arrows;
   /** Of the folders and files at core's root, by name. */
-  readonly rooms: Arrows;
-  /** Rooms that all others may import. */
-  readonly forAllRooms: readonly string[];
+  readonly tiers: Arrows;
   /** Files that may name another package's files by path, with reasons. */
   readonly pathExceptions: Readonly<Record<string, string>>;
 }
@@ -24,7 +22,7 @@ interface Dependency {
 
 /** One of the two tables, and how a path is found in it. */
 interface Table {
-  readonly kind: 'room' | 'package';
+  readonly kind: 'tier' | 'package';
   readonly arrows: Arrows;
   /** Undefined for paths that the table does not cover. */
   nameOf(path: string): string | undefined;
@@ -41,20 +39,19 @@ export function importViolations(files: RepositoryFiles, rule: ImportRule): stri
   const dependencies = dependenciesOf(files);
   const paths = [...files.keys()];
   const packages: Table = { kind: 'package', arrows: rule.packages, nameOf: packageOf };
-  const rooms: Table = {
-    kind: 'room',
-    arrows: rule.rooms,
-    nameOf: (path) => (path.startsWith(CORE) ? roomOf(path.slice(CORE.length), rule.rooms) : undefined),
+  const tiers: Table = {
+    kind: 'tier',
+    arrows: rule.tiers,
+    nameOf: (path) => (path.startsWith(CORE) ? tierOf(path.slice(CORE.length), rule.tiers) : undefined),
   };
   const outsideExceptions = dependencies.filter(
     ({ from, to }) => to.startsWith('@') || !Object.hasOwn(rule.pathExceptions, from),
   );
-  const betweenListedRooms = dependencies.filter(({ to }) => !rule.forAllRooms.includes(rooms.nameOf(to)!));
   return [
     ...tableFlaws(packages, paths),
-    ...tableFlaws(rooms, paths),
+    ...tableFlaws(tiers, paths),
     ...wrongArrows(packages, outsideExceptions),
-    ...wrongArrows(rooms, betweenListedRooms),
+    ...wrongArrows(tiers, dependencies),
     ...importsOfTests(dependencies),
     ...wrongPaths(dependencies, rule.pathExceptions),
     ...circles(dependencies),
@@ -78,10 +75,10 @@ function packageOf(path: string): string | undefined {
   return /^(?:@websplatter|packages|apps)\/([^/]+)/.exec(path)?.[1] ?? /^(?:e2e|shaders)\b/.exec(path)?.[0];
 }
 
-/** A file `NAME.ROOM.ts` belongs to that room, wherever it lies; any other to its folder. */
-function roomOf(path: string, rooms: Arrows): string {
+/** A file `NAME.TIER.ts` belongs to that tier, wherever it lies; any other to its folder. */
+function tierOf(path: string, tiers: Arrows): string {
   const [, ending] = /\.(\w+)\.ts$/.exec(path) ?? [];
-  return Object.hasOwn(rooms, ending ?? '') ? ending : path.split('/')[0];
+  return Object.hasOwn(tiers, ending ?? '') ? ending : path.split('/')[0];
 }
 
 /** Whether only tests use a file. */
@@ -133,7 +130,7 @@ function wrongArrows({ kind, arrows, nameOf }: Table, dependencies: readonly Dep
     const [fromName, toName] = [nameOf(from), nameOf(to)];
     if (!fromName || !toName || fromName === toName) continue;
     const isTest = isForTests(from);
-    if (isTest && kind === 'room') continue;
+    if (isTest && kind === 'tier') continue;
     const arrow = table.get(fromName)?.find((each) => each.to === toName);
     const isAllowed = arrow && (arrow.only === 'types' ? isType : arrow.only === undefined || isTest);
     if (!isAllowed) violations.push(`${from} → ${to}: ${fromName} may not import ${toName}${onlyIn(arrow)}`);

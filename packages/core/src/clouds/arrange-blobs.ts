@@ -1,4 +1,4 @@
-import type { Turns } from '../turns.ts';
+import type { Turns } from '../data/turns.ts';
 import { LOOSE_VALUES, MOST_OPACITY } from './ray-blobs.ts';
 import { COVARIANCE, LEAST_OPACITY, OPACITY } from './splat-shape.ts';
 

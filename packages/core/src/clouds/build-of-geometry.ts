@@ -1,10 +1,10 @@
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { hostedWorker } from '../io/loading/hosted-worker.ts';
 import { fromPostedError } from '../io/loading/load-messages.ts';
 import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
 import { endWorker } from '../io/loading/try-worker.ts';
 import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { BuildReply, BuildRequest, GeometryBuilder } from './geometry-builder.ts';
 import { geometryPieces } from './geometry-pieces.ts';
 import type { SplatCloud } from './splat-cloud.ts';

@@ -1,9 +1,8 @@
-import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
-import { readWords } from '../gpu/read-buffer.ts';
-import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { emptyBounds } from '../packing/center-bounds.ts';
-import { chunkCountOf, logScalesOf, setLogScales } from '../packing/chunks.ts';
+import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
+import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { emptyBounds } from '../data/packing/center-bounds.ts';
+import { chunkCountOf, logScalesOf, setLogScales } from '../data/packing/chunks.ts';
 import {
   type EditedGeometry,
   editedGeometry,
@@ -11,11 +10,12 @@ import {
   editedPosition,
   isSameRange,
   packEdited,
-} from '../packing/edited-geometry.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import { type PackedCloud, robustBounds, totalBounds } from '../packing/packed-cloud.ts';
-import type { GeometryPrecision } from '../packing/precision.ts';
-import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../splats/splat-edits.ts';
+} from '../data/packing/edited-geometry.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import { type PackedCloud, robustBounds, totalBounds } from '../data/packing/packed-cloud.ts';
+import type { GeometryPrecision } from '../data/packing/precision.ts';
+import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../data/splats/splat-edits.ts';
+import { readWords } from '../gpu/read-buffer.ts';
 import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
 

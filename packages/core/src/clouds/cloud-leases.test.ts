@@ -1,9 +1,9 @@
 import { describe, expect, test, vi } from 'vitest';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
+import { packSet } from '../data/packing/pack-set.ts';
+import type { CloudPrecision } from '../data/packing/precision.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import { packSet } from '../packing/pack-set.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { CloudLeases, type MakeOptions } from './cloud-leases.ts';
 import { uploadGeometry, uploadHarmonics } from './cloud-planes.ts';

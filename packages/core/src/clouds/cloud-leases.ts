@@ -1,6 +1,6 @@
-import { resolveAccuracy } from '../accuracy/accuracy.ts';
+import { resolveAccuracy } from '../data/accuracy/accuracy.ts';
+import { type CloudPrecision, ownShPrecision } from '../data/packing/precision.ts';
 import type { ReadOptions } from '../io/sources/splat-source.ts';
-import { type CloudPrecision, ownShPrecision } from '../packing/precision.ts';
 
 /** `signal` cancels the claim until it is met; `onProgress` reports the progress of reading, if anything is read. */
 export type HoldOptions = Pick<ReadOptions, 'signal' | 'onProgress'>;

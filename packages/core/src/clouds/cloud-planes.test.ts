@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import type { ShPrecision } from '../packing/precision.ts';
+import type { ShPrecision } from '../data/packing/precision.ts';
 import { largestPlaneBytes, nearestPrecision } from './cloud-planes.ts';
 
 describe('planes', () => {

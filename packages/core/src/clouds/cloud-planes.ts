@@ -1,19 +1,19 @@
-import { GpuLimitError } from '../errors.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { chunkCountOf } from '../packing/chunks.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../packing/harmonics.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
+import { GpuLimitError } from '../data/errors.ts';
+import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { chunkCountOf } from '../data/packing/chunks.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../data/packing/harmonics.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import {
   type CloudPrecision,
   GEOMETRY_PRECISIONS,
   type GeometryPrecision,
   SH_PRECISIONS,
   type ShPrecision,
-} from '../packing/precision.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
+} from '../data/packing/precision.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
+import type { GpuMemory } from '../gpu/gpu-memory.ts';
 
 /**
  * Precisions that a cloud holds on the GPU, finest first. `sh` lists all at degree 0, which needs no planes, and where the source's

@@ -1,7 +1,7 @@
-import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
-import type { GeometryPrecision, OwnShPrecision } from '../packing/precision.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
+import { shWordsPerSplat } from '../data/packing/harmonics.ts';
+import type { GeometryPrecision, OwnShPrecision } from '../data/packing/precision.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 import { type Plane, type PlanePlace, planeOf } from './cloud-planes.ts';
 
 /** Creates an empty plane for the GPU to fill. @throws GpuLimitError; nothing is left allocated then. */

@@ -1,6 +1,6 @@
+import type { CloudPrecision } from '../data/packing/precision.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
 import { CloudPlanes } from './cloud-planes.ts';
 import { SplatCloud } from './splat-cloud.ts';
 

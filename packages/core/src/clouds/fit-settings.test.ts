@@ -1,7 +1,7 @@
 import { expect, test, vi } from 'vitest';
-import { GpuLimitError } from '../errors.ts';
+import { GpuLimitError } from '../data/errors.ts';
+import { packSet } from '../data/packing/pack-set.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
-import { packSet } from '../packing/pack-set.ts';
 import { BUFFER_USAGE, deviceWithoutGpu } from '../testing/device-without-gpu.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { cloudBytes, coarserSettings, type FitMode, fitPacked } from './fit-settings.ts';

@@ -1,15 +1,15 @@
-import { GpuLimitError } from '../errors.ts';
+import { GpuLimitError } from '../data/errors.ts';
+import { Chunk } from '../data/layout/structs.ts';
+import { chunkCountOf } from '../data/packing/chunks.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
+import { entryCountOf, isPalette } from '../data/packing/harmonics.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../data/packing/precision.ts';
+import { packPalette, repackHarmonics, truncateHarmonics } from '../data/packing/repack-harmonics.ts';
+import { shPlaneBytes } from '../data/packing/sh-plane-bytes.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { probeMemory } from '../gpu/probe-memory.ts';
-import { Chunk } from '../layout/structs.ts';
-import { chunkCountOf } from '../packing/chunks.ts';
-import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { entryCountOf, isPalette } from '../packing/harmonics.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
-import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../packing/precision.ts';
-import { packPalette, repackHarmonics, truncateHarmonics } from '../packing/repack-harmonics.ts';
-import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
 
 /** How a cloud may be loaded: what decides its bytes per splat. */
 export interface FitSettings extends CloudPrecision {

@@ -1,6 +1,6 @@
+import type { PackedGeometry } from '../data/packing/geometry.ts';
 import type { PostedError } from '../io/loading/load-messages.ts';
 import { toPostedError } from '../io/loading/load-messages.ts';
-import type { PackedGeometry } from '../packing/geometry.ts';
 
 /** Makes something of the geometry of a cloud, which comes piece by piece in storage order. */
 export interface GeometryBuilder<Result = object> {

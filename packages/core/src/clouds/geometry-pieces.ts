@@ -1,9 +1,9 @@
-import { DestroyedError, SplatSourceError } from '../errors.ts';
+import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 /** Splats of a piece, whole chunks: 1 MiB where they are packed. */

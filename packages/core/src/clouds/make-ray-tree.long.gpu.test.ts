@@ -1,9 +1,9 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError, SplatSourceError } from '../errors.ts';
+import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { packCloud } from '../data/packing/packed-cloud.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
-import { packCloud } from '../packing/packed-cloud.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { makeRayTree } from './rays.ts';

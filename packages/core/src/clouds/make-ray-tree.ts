@@ -1,6 +1,6 @@
-import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
+import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { buildOfGeometry } from './build-of-geometry.ts';
 import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';

@@ -1,12 +1,12 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
+import { MAX_PALETTE_ENTRIES } from '../data/packing/harmonics-palette.ts';
+import { type CloudPrecision, SH_PRECISIONS } from '../data/packing/precision.ts';
+import { shPlaneBytes } from '../data/packing/sh-plane-bytes.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
-import { MAX_PALETTE_ENTRIES } from '../packing/harmonics-palette.ts';
-import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
-import { shPlaneBytes } from '../packing/sh-plane-bytes.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 import { Choices } from '../testing/fuzz.ts';
 import { paletteSplats, withOwnCoefficients } from '../testing/palette-splats.ts';
 import { sogExample, sogFiles } from '../testing/sog-fixture.ts';

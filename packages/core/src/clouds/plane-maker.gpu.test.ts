@@ -1,11 +1,11 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { type Accuracy, resolveAccuracy } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../errors.ts';
+import { type Accuracy, resolveAccuracy } from '../data/accuracy/accuracy.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
+import { packSet } from '../data/packing/pack-set.ts';
+import { type CloudPrecision, SH_PRECISIONS } from '../data/packing/precision.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
-import { packSet } from '../packing/pack-set.ts';
-import { type CloudPrecision, SH_PRECISIONS } from '../packing/precision.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { deviceWith, limitsWith, type SomeLimits } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';

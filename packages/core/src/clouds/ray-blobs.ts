@@ -1,5 +1,5 @@
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import type { PackedGeometry } from '../packing/geometry.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import type { PackedGeometry } from '../data/packing/geometry.ts';
 import {
   areaOf,
   COVARIANCE,

@@ -1,6 +1,6 @@
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import { Turns } from '../turns.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import { Turns } from '../data/turns.ts';
 import { arrangeBlobs, type RayBlobs } from './arrange-blobs.ts';
 import type { GeometryBuilder, GeometryBuilders } from './geometry-builder.ts';
 import { BlobCollector } from './ray-blobs.ts';

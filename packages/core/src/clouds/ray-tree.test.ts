@@ -1,10 +1,10 @@
 import { stillLifeCameras } from '@websplatter/scenes';
 import { afterEach, beforeAll, describe, expect, test, vi } from 'vitest';
-import { filterSplats } from '../editing/filter-splats.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
-import { packCloud } from '../packing/packed-cloud.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { filterSplats } from '../data/editing/filter-splats.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import { packCloud } from '../data/packing/packed-cloud.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { builderWorker } from '../testing/builder-worker.ts';
 import { objectScene } from '../testing/object-scene.ts';
 import {

@@ -1,6 +1,6 @@
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera, projectionOf } from '../camera/camera.ts';
-import { identity4, linearPart, multiply4, type Vec3 } from '../math/mat4.ts';
+import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
+import { identity4, linearPart, multiply4, type Vec3 } from '../data/math/mat4.ts';
 import {
   ANGLE_STEPS,
   ARITY,

@@ -1,4 +1,4 @@
-import type { PackedCloud } from '../packing/packed-cloud.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import type { MakeRayTreeOptions } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
 import type { SplatCloud } from './splat-cloud.ts';

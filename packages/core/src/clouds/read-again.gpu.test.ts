@@ -1,13 +1,13 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError, GpuLimitError, SplatFileError, SplatSourceError } from '../errors.ts';
+import { DestroyedError, GpuLimitError, SplatFileError, SplatSourceError } from '../data/errors.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
+import { shWordsPerSplat } from '../data/packing/harmonics.ts';
+import { packSet } from '../data/packing/pack-set.ts';
+import type { RowPrecision } from '../data/packing/precision.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
-import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { shWordsPerSplat } from '../packing/harmonics.ts';
-import { packSet } from '../packing/pack-set.ts';
-import type { RowPrecision } from '../packing/precision.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../testing/expect-same-planes.ts';
 import { ownHarmonics } from '../testing/own-harmonics.ts';

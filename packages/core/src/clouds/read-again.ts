@@ -1,12 +1,12 @@
-import { GpuLimitError, SplatSourceError } from '../errors.ts';
+import { GpuLimitError, SplatSourceError } from '../data/errors.ts';
+import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
+import { entryCountOf, type Harmonics, isPalette } from '../data/packing/harmonics.ts';
+import { packSet } from '../data/packing/pack-set.ts';
+import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import type { CloudPrecision } from '../data/packing/precision.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
-import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { entryCountOf, type Harmonics, isPalette } from '../packing/harmonics.ts';
-import { packSet } from '../packing/pack-set.ts';
-import type { PackedCloud } from '../packing/packed-cloud.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import {
   type CloudPlanes,

@@ -1,6 +1,6 @@
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { logScalesOf } from '../packing/chunks.ts';
-import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../packing/geometry.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { logScalesOf } from '../data/packing/chunks.ts';
+import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../data/packing/geometry.ts';
 
 /** Opacity below which splats are left out. */
 export const LEAST_OPACITY = 1 / 255;

@@ -1,12 +1,12 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { ACCURACY_PRESETS, type AccuracySettings } from '../accuracy/accuracy.ts';
 import { SplatEngine } from '../create-engine.ts';
+import { ACCURACY_PRESETS, type AccuracySettings } from '../data/accuracy/accuracy.ts';
+import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { rasterizeSplat } from '../reference/rasterize.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { visibleSplatOf } from '../testing/visible-splat.ts';

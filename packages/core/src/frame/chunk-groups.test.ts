@@ -1,11 +1,11 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { projectionOf } from '../camera/camera.ts';
-import { cloudView } from '../camera/cloud-view.ts';
-import { type FrustumSide, frustumSides } from '../camera/frustum.ts';
-import { Chunk } from '../layout/structs.ts';
-import { packCloud } from '../packing/packed-cloud.ts';
+import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import { projectionOf } from '../data/camera/camera.ts';
+import { cloudView } from '../data/camera/cloud-view.ts';
+import { type FrustumSide, frustumSides } from '../data/camera/frustum.ts';
+import { Chunk } from '../data/layout/structs.ts';
+import { packCloud } from '../data/packing/packed-cloud.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { countChunksInFrustum } from './chunk-groups.ts';

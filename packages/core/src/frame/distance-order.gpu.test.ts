@@ -1,12 +1,12 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
-import { orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import { orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
+import type { SortBy } from '../data/splats/sort-by.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import { renderReference } from '../reference/render.ts';
-import type { SortBy } from '../splats/sort-by.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import type { FrameRequest } from './frame-request.ts';

@@ -1,6 +1,6 @@
+import { roundUp } from '../data/layout/gpu-struct.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
-import { roundUp } from '../layout/gpu-struct.ts';
 import { pagesOf, UNIFORM_ALIGNMENT } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';

@@ -1,9 +1,9 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, describe, expect, vi } from 'vitest';
-import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
+import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { drawMeasured } from '../measure/measured-frames.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';

@@ -1,7 +1,7 @@
 import type { CloudPage } from '../clouds/cloud-planes.ts';
-import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
-import { roundUp } from '../layout/gpu-struct.ts';
-import { Page } from '../layout/structs.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import { roundUp } from '../data/layout/gpu-struct.ts';
+import { Page } from '../data/layout/structs.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 
 /** Offsets of uniform bindings are multiples of this many bytes. */

@@ -1,8 +1,8 @@
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { CompiledStage, Pipelines, RenderState, StageDefinition } from '../gpu/pipelines.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import type { GpuTimer } from '../timing/gpu-timer.ts';
+import type { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 

@@ -1,8 +1,13 @@
-import { type AccuracySettings, type FrameRasterizer, layerSize, type SizePx } from '../accuracy/accuracy.ts';
-import { type Camera, projectionOf } from '../camera/camera.ts';
-import { binGrid } from '../layout/bin-grid.ts';
-import { asksForDistance } from '../splats/sort-by.ts';
-import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
+import {
+  type AccuracySettings,
+  type FrameRasterizer,
+  layerSize,
+  type SizePx,
+} from '../data/accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../data/camera/camera.ts';
+import { binGrid } from '../data/layout/bin-grid.ts';
+import { asksForDistance } from '../data/splats/sort-by.ts';
+import { isSameDepth, type RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';

@@ -1,13 +1,13 @@
-import type { AccuracyRequest } from '../accuracy/accuracy-target.ts';
-import { type Camera, checkDepths } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { EffectUse } from '../effects/effect.ts';
-import { checkVector, invalidOption } from '../effects/option-checks.ts';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import { shown } from '../printable.ts';
-import { SORTED_BY, type SortBy } from '../splats/sort-by.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+import type { AccuracyRequest } from '../data/accuracy/accuracy-target.ts';
+import { type Camera, checkDepths } from '../data/camera/camera.ts';
+import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { shown } from '../data/printable.ts';
+import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../data/splats/splat-set.ts';
+import type { EffectUse } from '../gpu/effects/effect.ts';
+import { checkVector, invalidOption } from '../gpu/effects/option-checks.ts';
 
 /** A cloud, its place and how to draw it. */
 export interface CloudInstance {

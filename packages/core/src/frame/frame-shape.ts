@@ -1,11 +1,11 @@
-import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
 import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { EffectSet } from '../effects/effect-set.ts';
+import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { BallotDevice } from '../gpu/device.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
-import type { StorableCanvasFormat } from '../stages/composite.ts';
-import { isSameDepth, type RasterizeDepth } from '../stages/rasterize.ts';
+import type { EffectSet } from '../gpu/effects/effect-set.ts';
+import type { StorableCanvasFormat } from '../gpu/stages/composite.ts';
+import { isSameDepth, type RasterizeDepth } from '../gpu/stages/rasterize.ts';
 
 /** Everything about one cloud that decides which shaders a frame runs and how large its buffers are. */
 export interface CloudShape {

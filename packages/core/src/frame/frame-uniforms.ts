@@ -1,7 +1,7 @@
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { type DepthConvention, depthMapping } from '../camera/depth-convention.ts';
-import type { FrustumSide } from '../camera/frustum.ts';
-import { HostDepth, Page, View } from '../layout/structs.ts';
+import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import { type DepthConvention, depthMapping } from '../data/camera/depth-convention.ts';
+import type { FrustumSide } from '../data/camera/frustum.ts';
+import { HostDepth, Page, View } from '../data/layout/structs.ts';
 import { PAGE_STRIDE_BYTES, pagesOf } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 

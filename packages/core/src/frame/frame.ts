@@ -1,6 +1,6 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../gpu/pipelines.ts';
-import { GpuTimer } from '../timing/gpu-timer.ts';
+import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
 import {
   type Destination,

@@ -1,5 +1,5 @@
-import type { Camera } from '../camera/camera.ts';
-import { orderedBits, sortDistance } from '../layout/depth-key.ts';
+import type { Camera } from '../data/camera/camera.ts';
+import { orderedBits, sortDistance } from '../data/layout/depth-key.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
 /**

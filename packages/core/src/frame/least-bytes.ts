@@ -1,10 +1,10 @@
-import { layerSize, type SizePx } from '../accuracy/accuracy.ts';
-import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
-import { Chunk, SPLAT_RECORDS } from '../layout/structs.ts';
-import { GEOMETRY_WORDS } from '../packing/geometry.ts';
-import { ENTRY_PRECISION, shWordsPerSplat } from '../packing/harmonics.ts';
-import { blockKeysOf, type SortShape } from '../stages/sort-shape.ts';
-import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import { layerSize, type SizePx } from '../data/accuracy/accuracy.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import { Chunk, SPLAT_RECORDS } from '../data/layout/structs.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
+import { ENTRY_PRECISION, shWordsPerSplat } from '../data/packing/harmonics.ts';
+import { blockKeysOf, type SortShape } from '../gpu/stages/sort-shape.ts';
+import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { CloudShape, FrameShape } from './frame-shape.ts';
 import { depthSortShape, pairSortShape } from './sort-shapes.ts';
 

@@ -1,4 +1,4 @@
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { LEAST_USE, RecentPeak } from './recent-peak.ts';
 
 /**

@@ -1,5 +1,5 @@
-import type { Camera } from '../camera/camera.ts';
-import type { GpuFields, GpuValues } from '../layout/gpu-struct.ts';
+import type { Camera } from '../data/camera/camera.ts';
+import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 

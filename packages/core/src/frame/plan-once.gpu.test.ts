@@ -1,9 +1,9 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { defineEffect, fog, tint } from '../effects/index.ts';
-import { identity4 } from '../math/mat4.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import { identity4 } from '../data/math/mat4.ts';
+import { defineEffect, fog, tint } from '../gpu/effects/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 
 /** Number of calls of the functions that plan a cloud, by name. */
@@ -18,14 +18,14 @@ function counted<Module extends object>(module: Module, name: keyof Module & str
   return { ...module, [name]: wrapped };
 }
 
-vi.mock('../effects/effect-uses.ts', async (original) =>
-  counted(await original<typeof import('../effects/effect-uses.ts')>(), 'usesOf'),
+vi.mock('../gpu/effects/effect-uses.ts', async (original) =>
+  counted(await original<typeof import('../gpu/effects/effect-uses.ts')>(), 'usesOf'),
 );
-vi.mock('../camera/cloud-view.ts', async (original) =>
-  counted(await original<typeof import('../camera/cloud-view.ts')>(), 'cloudView'),
+vi.mock('../data/camera/cloud-view.ts', async (original) =>
+  counted(await original<typeof import('../data/camera/cloud-view.ts')>(), 'cloudView'),
 );
-vi.mock('../camera/frustum.ts', async (original) =>
-  counted(await original<typeof import('../camera/frustum.ts')>(), 'frustumSides'),
+vi.mock('../data/camera/frustum.ts', async (original) =>
+  counted(await original<typeof import('../data/camera/frustum.ts')>(), 'frustumSides'),
 );
 
 /** A caller's effect that counts the calls of its functions. */

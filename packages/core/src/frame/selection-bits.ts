@@ -1,8 +1,8 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { selectionsOf, takesSelection } from '../effects/effect-set.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { roundUp } from '../data/layout/gpu-struct.ts';
+import { selectionsOf, takesSelection } from '../gpu/effects/effect-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { roundUp } from '../layout/gpu-struct.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { FramePage } from './frame-pages.ts';
 import type { CloudShape } from './frame-shape.ts';

@@ -1,12 +1,12 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { AccuracySettings, ColorTarget, RecordPrecision } from '../accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { antialias, tint } from '../effects/index.ts';
+import type { AccuracySettings, ColorTarget, RecordPrecision } from '../data/accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
+import { antialias, tint } from '../gpu/effects/index.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import { type ReferenceFrame, renderReference } from '../reference/render.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';

@@ -1,4 +1,4 @@
-import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { countChunksInFrustum } from './chunk-groups.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import { LEAST_USE } from './recent-peak.ts';

@@ -1,4 +1,4 @@
-import { WebGpuUnavailableError } from '../errors.ts';
+import { WebGpuUnavailableError } from '../data/errors.ts';
 
 /** How to request a device. */
 export interface DeviceOptions {

@@ -1,4 +1,4 @@
-import { GpuLimitError } from '../errors.ts';
+import { GpuLimitError } from '../data/errors.ts';
 
 /** Buffers and textures of an engine, or of one of its views. */
 export interface GpuMemoryReport {

@@ -1,20 +1,20 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { Accuracy } from '../accuracy/accuracy.ts';
-import { perspectiveCamera } from '../camera/camera.ts';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { clip } from '../effects/clip/clip.ts';
-import { DestroyedError, GpuLimitError } from '../errors.ts';
+import type { Accuracy } from '../data/accuracy/accuracy.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import { DestroyedError, GpuLimitError } from '../data/errors.ts';
+import { packSet } from '../data/packing/pack-set.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
-import { packSet } from '../packing/pack-set.ts';
-import { PrefixScan } from '../stages/prefix-scan.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';
 import { type FailingDevice, failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { ScarceMemory } from '../testing/scarce-memory.ts';
+import { clip } from './effects/clip/clip.ts';
 import { Pipelines } from './pipelines.ts';
 import type { TextureImage } from './read-texture.ts';
+import { PrefixScan } from './stages/prefix-scan.ts';
 
 const SIZE = { widthPx: 32, heightPx: 24 };
 const LARGE_SIZE = { widthPx: 80, heightPx: 48 };

@@ -1,7 +1,7 @@
-import { numberOf } from '../number-of.ts';
-import { linkShader, loadVariant, type ShaderMutation, type ShaderVariant } from '../shaders/link-shader.ts';
+import { numberOf } from '../data/number-of.ts';
 import { type Counting, zeroCounters } from './engine-counters.ts';
 import { RecentMap } from './recent-map.ts';
+import { linkShader, loadVariant, type ShaderMutation, type ShaderVariant } from './shaders/link-shader.ts';
 
 /** How a shader sees a resource. */
 export type BindingKind =

@@ -1,4 +1,4 @@
-import { DestroyedError, GpuLimitError } from '../errors.ts';
+import { DestroyedError, GpuLimitError } from '../data/errors.ts';
 
 /**
  * Copies bytes to the CPU. Submits before it returns, so that nothing that follows changes them.

@@ -1,5 +1,5 @@
-import { roundUp } from '../layout/gpu-struct.ts';
-import { fromHalfBits } from '../layout/half.ts';
+import { roundUp } from '../data/layout/gpu-struct.ts';
+import { fromHalfBits } from '../data/layout/half.ts';
 import { readBack } from './read-back.ts';
 
 /** RGBA of a texture, top row first. */

@@ -1,9 +1,9 @@
-import { type AccuracySettings, DILATION_PX2 } from '../accuracy/accuracy.ts';
-import type { Projection } from '../camera/camera.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { orderedBits } from '../layout/depth-key.ts';
-import { Chunk } from '../layout/structs.ts';
-import { maxScaleOf } from '../packing/chunks.ts';
+import { type AccuracySettings, DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import type { Projection } from '../data/camera/camera.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { orderedBits } from '../data/layout/depth-key.ts';
+import { Chunk } from '../data/layout/structs.ts';
+import { maxScaleOf } from '../data/packing/chunks.ts';
 import { chunkClearance } from '../reference/cull-chunks.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { FLOAT32_ROUNDING, projectionErrors } from './error-bounds.ts';

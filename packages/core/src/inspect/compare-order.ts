@@ -1,4 +1,4 @@
-import { depthKey, shortDepthKey } from '../layout/depth-key.ts';
+import { depthKey, shortDepthKey } from '../data/layout/depth-key.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 import { sortDepths } from './sort-depths.ts';
 

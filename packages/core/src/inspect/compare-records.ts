@@ -1,10 +1,10 @@
-import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../accuracy/accuracy.ts';
-import { HALF_MAX } from '../layout/half.ts';
-import { readCoefficients } from '../packing/harmonics.ts';
+import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../data/accuracy/accuracy.ts';
+import { HALF_MAX } from '../data/layout/half.ts';
+import { readCoefficients } from '../data/packing/harmonics.ts';
+import { coefficientsPerSplat } from '../data/splats/splat-set.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
-import { coefficientsPerSplat } from '../splats/splat-set.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
 import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';

@@ -1,5 +1,7 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
+import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import { TilePlan } from '../data/layout/structs.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import { useCompute } from '../frame/frame-part.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -8,10 +10,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { TilePlan } from '../layout/structs.ts';
-import { dispatchSize } from '../stages/dispatch.ts';
-import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../stages/tile-costs.ts';
+import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../gpu/stages/tile-costs.ts';
 
 /** The frame to count: with settings, not a target. */
 export interface CostRequest extends FrameRequest {

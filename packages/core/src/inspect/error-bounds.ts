@@ -1,7 +1,7 @@
-import type { Projection } from '../camera/camera.ts';
-import type { CloudView } from '../camera/cloud-view.ts';
-import { clampLogScale } from '../packing/log-scale.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
+import type { Projection } from '../data/camera/camera.ts';
+import type { CloudView } from '../data/camera/cloud-view.ts';
+import { clampLogScale } from '../data/packing/log-scale.ts';
+import type { SplatColumns } from '../data/splats/splat-set.ts';
 
 /** Largest relative error of one float32 rounding. */
 export const FLOAT32_ROUNDING = 2 ** -24;

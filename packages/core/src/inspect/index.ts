@@ -1,8 +1,8 @@
 export { splatsPerPage } from '../clouds/cloud-planes.ts';
+export { packCoefficients } from '../data/packing/harmonics.ts';
 export { Pipelines } from '../gpu/pipelines.ts';
-export { packCoefficients } from '../packing/harmonics.ts';
-export type { ShaderMutation } from '../shaders/link-shader.ts';
-export { UNSEEN_PX } from '../stages/tile-costs.ts';
+export type { ShaderMutation } from '../gpu/shaders/link-shader.ts';
+export { UNSEEN_PX } from '../gpu/stages/tile-costs.ts';
 export { type CullingComparison, type CullingMismatch, compareCulling } from './compare-culling.ts';
 export { compareOrder, orderFlaw } from './compare-order.ts';
 export { compareRecords, RECORD_FIELDS, type RecordField } from './compare-records.ts';

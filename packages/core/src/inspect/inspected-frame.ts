@@ -1,11 +1,17 @@
-import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
-import type { Camera, Projection } from '../camera/camera.ts';
-import { type CloudView, cloudView } from '../camera/cloud-view.ts';
-import { type FrustumSide, frustumSides } from '../camera/frustum.ts';
 import { largestPlaneBytes } from '../clouds/cloud-planes.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { EffectUse } from '../effects/effect.ts';
-import { usesOf } from '../effects/effect-uses.ts';
+import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../data/accuracy/accuracy.ts';
+import type { Camera, Projection } from '../data/camera/camera.ts';
+import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
+import { type FrustumSide, frustumSides } from '../data/camera/frustum.ts';
+import { clampCoefficient } from '../data/layout/half.ts';
+import { identity4 } from '../data/math/mat4.ts';
+import { dropNonFinite } from '../data/packing/drop-non-finite.ts';
+import type { Harmonics, StoredHarmonics } from '../data/packing/harmonics.ts';
+import { mortonOrder, permuteSplats } from '../data/packing/morton-order.ts';
+import { type PackedCloud, packCloud } from '../data/packing/packed-cloud.ts';
+import type { SortBy } from '../data/splats/sort-by.ts';
+import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { SharedBuffers } from '../frame/frame-part.ts';
@@ -13,21 +19,15 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import { FramePlanner } from '../frame/frame-planner.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
 import { hasNarrowSubgroups } from '../gpu/device.ts';
+import type { EffectUse } from '../gpu/effects/effect.ts';
+import { usesOf } from '../gpu/effects/effect-uses.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
-import { clampCoefficient } from '../layout/half.ts';
-import { identity4 } from '../math/mat4.ts';
-import { dropNonFinite } from '../packing/drop-non-finite.ts';
-import type { Harmonics, StoredHarmonics } from '../packing/harmonics.ts';
-import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
-import { type PackedCloud, packCloud } from '../packing/packed-cloud.ts';
 import type { EffectReference } from '../reference/effects/effect-reference.ts';
 import { referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
-import type { SortBy } from '../splats/sort-by.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 
 export interface InspectOptions {
   readonly clouds: readonly {

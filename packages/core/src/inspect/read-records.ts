@@ -1,6 +1,6 @@
-import type { RecordPrecision } from '../accuracy/accuracy.ts';
-import { fromHalfBits } from '../layout/half.ts';
-import { SPLAT_RECORDS } from '../layout/structs.ts';
+import type { RecordPrecision } from '../data/accuracy/accuracy.ts';
+import { fromHalfBits } from '../data/layout/half.ts';
+import { SPLAT_RECORDS } from '../data/layout/structs.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 
 /** The record of a visible splat, as `project` wrote it. */

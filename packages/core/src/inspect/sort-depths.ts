@@ -1,4 +1,4 @@
-import { sortDistance } from '../layout/depth-key.ts';
+import { sortDistance } from '../data/layout/depth-key.ts';
 import { referenceOf } from './compare-records.ts';
 import { projectionErrors } from './error-bounds.ts';
 import type { InspectedFrame } from './inspected-frame.ts';

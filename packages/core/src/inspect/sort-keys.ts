@@ -2,8 +2,8 @@ import { hasNarrowSubgroups } from '../gpu/device.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { RadixSort, radixSortStages } from '../stages/radix-sort.ts';
-import { type SortShape, sortShapeFor } from '../stages/sort-shape.ts';
+import { RadixSort, radixSortStages } from '../gpu/stages/radix-sort.ts';
+import { type SortShape, sortShapeFor } from '../gpu/stages/sort-shape.ts';
 
 /**
  * Runs the GPU's sort alone.

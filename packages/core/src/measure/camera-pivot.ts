@@ -1,6 +1,6 @@
-import type { Camera } from '../camera/camera.ts';
-import { type Mat4, multiply4 } from '../math/mat4.ts';
-import type { Bounds } from '../packing/packed-cloud.ts';
+import type { Camera } from '../data/camera/camera.ts';
+import { type Mat4, multiply4 } from '../data/math/mat4.ts';
+import type { Bounds } from '../data/packing/packed-cloud.ts';
 
 /** View depth of the pivot: the middle of the bounds, but never nearer than a fifth of their extent. */
 export function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds): number {

@@ -5,9 +5,9 @@ import {
   type AccuracyPreset,
   type AccuracySettings,
   internAccuracy,
-} from '../accuracy/accuracy.ts';
-import { InvalidArgumentError } from '../errors.ts';
-import { SH_PRECISIONS } from '../packing/precision.ts';
+} from '../data/accuracy/accuracy.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
+import { SH_PRECISIONS } from '../data/packing/precision.ts';
 
 /** Name of one setting. */
 export type SettingName = keyof AccuracySettings;

@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { internAccuracy } from '../accuracy/accuracy.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import { internAccuracy } from '../data/accuracy/accuracy.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
 import { singleCandidates } from './candidates.ts';
 import { chooseFrom } from './choose-accuracy.ts';
 import { combineChanges } from './combine-changes.ts';

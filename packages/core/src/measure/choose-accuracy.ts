@@ -1,5 +1,5 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import { type AccuracyTarget, checkTarget } from '../accuracy/accuracy-target.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
+import { type AccuracyTarget, checkTarget } from '../data/accuracy/accuracy-target.ts';
 import {
   type AccuracyPoint,
   type AccuracyTable,

@@ -1,4 +1,4 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Candidate } from './candidates.ts';
 
 /** Error and rough time of a candidate. */

@@ -1,10 +1,10 @@
-import { InvalidArgumentError, WebSplatterError } from '../errors.ts';
+import { InvalidArgumentError, WebSplatterError } from '../data/errors.ts';
+import { COMPARE_CONSTANTS, CompareParameters, CompareTile } from '../data/layout/compare-structs.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
-import { COMPARE_CONSTANTS, CompareParameters, CompareTile } from '../layout/compare-structs.ts';
-import type { Vec3 } from '../math/mat4.ts';
+import { compareImages, countedError, ERROR_COUNTS } from '../gpu/stages/compare-images.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
-import { compareImages, countedError, ERROR_COUNTS } from '../stages/compare-images.ts';
 
 /** Thrown for an image with non-finite values, which has no distance to any other. */
 export class NonFiniteImageError extends WebSplatterError {

@@ -1,4 +1,4 @@
-export type { AccuracyTarget } from '../accuracy/accuracy-target.ts';
+export type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 export type { ImageDifference } from '../reference/compare-images.ts';
 export type { SettingName } from './candidates.ts';
 export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';

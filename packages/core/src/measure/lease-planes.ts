@@ -1,8 +1,8 @@
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
 import type { CloudLease } from '../clouds/cloud-leases.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { DestroyedError } from '../errors.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
+import { DestroyedError } from '../data/errors.ts';
+import type { CloudPrecision } from '../data/packing/precision.ts';
 
 /** The planes that a measurement compares. */
 export interface LeasedPlanes {

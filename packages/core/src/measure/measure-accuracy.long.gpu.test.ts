@@ -1,12 +1,12 @@
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import type { AccuracySettings } from '../accuracy/accuracy.ts';
-import { perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import type { SortBy } from '../data/splats/sort-by.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 import { compareImages } from '../reference/compare-images.ts';
-import type { SortBy } from '../splats/sort-by.ts';
 import { everyOf, stillLife } from '../testing/still-life.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
 import { compareViews } from './compare-views.ts';

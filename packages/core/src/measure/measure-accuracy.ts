@@ -4,13 +4,13 @@ import {
   type AccuracySettings,
   DEFAULT_ACCURACY,
   type FrameRasterizer,
-} from '../accuracy/accuracy.ts';
-import type { Camera } from '../camera/camera.ts';
-import { InvalidArgumentError } from '../errors.ts';
+} from '../data/accuracy/accuracy.ts';
+import type { Camera } from '../data/camera/camera.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
+import type { CloudPrecision } from '../data/packing/precision.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
-import type { CloudPrecision } from '../packing/precision.ts';
+import type { FrameStatistics, StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
-import type { FrameStatistics, StageTimings } from '../timing/frame-statistics.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFiniteImageError } from './compare-textures.ts';

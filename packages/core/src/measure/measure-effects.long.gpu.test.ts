@@ -1,9 +1,9 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import { tint } from '../effects/index.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
+import { tint } from '../gpu/effects/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { measureEffects } from './measure-effects.ts';

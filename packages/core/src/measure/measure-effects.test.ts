@@ -1,9 +1,9 @@
 import { expect, test } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
-import { brightness, tint } from '../effects/index.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { SplatEngine } from '../engine.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { EffectEntry } from '../ledger/ledger.ts';
+import type { EffectEntry } from '../frame/ledger/ledger.ts';
+import { brightness, tint } from '../gpu/effects/index.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import { measureEffects } from './measure-effects.ts';
 

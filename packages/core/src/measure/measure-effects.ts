@@ -1,9 +1,9 @@
-import { isAccuracyTarget } from '../accuracy/accuracy-target.ts';
-import { antialias } from '../effects/antialias/antialias.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import { AUTOMATIC_FEATURES } from '../ledger/automatic-features.ts';
-import type { EffectEntry } from '../ledger/ledger.ts';
+import { AUTOMATIC_FEATURES } from '../frame/ledger/automatic-features.ts';
+import type { EffectEntry } from '../frame/ledger/ledger.ts';
+import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';

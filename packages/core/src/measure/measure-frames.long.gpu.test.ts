@@ -2,7 +2,7 @@ import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import { GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { frameStages } from '../frame/frame.ts';
 import { failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';

@@ -1,12 +1,12 @@
-import type { AccuracySettings, FrameRasterizer } from '../accuracy/accuracy.ts';
-import { isAccuracyTarget } from '../accuracy/accuracy-target.ts';
-import type { Camera } from '../camera/camera.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
+import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import type { Camera } from '../data/camera/camera.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { leastBytes, type PassBytes } from '../frame/least-bytes.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
-import { FrameProfile, type PassTime } from '../timing/frame-profile.ts';
-import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import { FrameProfile, type PassTime } from '../gpu/timing/frame-profile.ts';
+import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import { measureCopyBandwidth } from './copy-bandwidth.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';

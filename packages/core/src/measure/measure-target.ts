@@ -1,8 +1,8 @@
-import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
-import type { AccuracyTarget } from '../accuracy/accuracy-target.ts';
+import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../data/accuracy/accuracy.ts';
+import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import type { Bounds } from '../data/packing/packed-cloud.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
-import type { Bounds } from '../packing/packed-cloud.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
 import { type MeasureProgress, measureThen } from './measure-accuracy.ts';
 import type { MeasuredEngine } from './measured-engine.ts';

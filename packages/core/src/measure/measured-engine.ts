@@ -1,10 +1,15 @@
-import type { Accuracy, AccuracySettings, FrameRasterizer, PossibleAccuracy } from '../accuracy/accuracy.ts';
+import type {
+  Accuracy,
+  AccuracySettings,
+  FrameRasterizer,
+  PossibleAccuracy,
+} from '../data/accuracy/accuracy.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
+import type { EffectEntry } from '../frame/ledger/ledger.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
-import type { EffectEntry } from '../ledger/ledger.ts';
-import type { FrameProfile } from '../timing/frame-profile.ts';
-import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import type { FrameProfile } from '../gpu/timing/frame-profile.ts';
+import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { CompareContext } from './compare-textures.ts';
 
 /** The parts of an engine that measuring needs; every `SplatEngine` has them. */

@@ -1,6 +1,6 @@
-import { WebSplatterError } from '../errors.ts';
+import { WebSplatterError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import { type FrameStatistics, isPlausible, type StageTimings } from '../timing/frame-statistics.ts';
+import { type FrameStatistics, isPlausible, type StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
 /** Statistics that have not arrived this long after the GPU was done never will. */

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { cameraPosition, perspectiveCamera } from '../camera/camera.ts';
+import { cameraPosition, perspectiveCamera } from '../data/camera/camera.ts';
 import { orbitCameras } from './orbit-cameras.ts';
 
 const bounds = { min: [-1, -1, -1], max: [1, 1, 1] } as const;

@@ -1,6 +1,6 @@
-import type { Camera } from '../camera/camera.ts';
-import { InvalidArgumentError } from '../errors.ts';
-import type { Bounds } from '../packing/packed-cloud.ts';
+import type { Camera } from '../data/camera/camera.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
+import type { Bounds } from '../data/packing/packed-cloud.ts';
 import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
 
 /**

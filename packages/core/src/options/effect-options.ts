@@ -1,5 +1,5 @@
-import type { EffectFunction, EffectUse, SplatEffect } from '../effects/effect.ts';
-import type { Vec3 } from '../math/mat4.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import type { EffectFunction, EffectUse, SplatEffect } from '../gpu/effects/effect.ts';
 
 /** Where and how large what is looked at is, as it is drawn: what first values and ranges are scaled to. World units. */
 export interface ScenePlace {

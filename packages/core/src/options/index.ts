@@ -1,7 +1,7 @@
-import { EFFECTS } from '../effects/effects.ts';
+import { EFFECTS } from '../gpu/effects/effects.ts';
 import type { EffectOptions } from './effect-options.ts';
 
-export { type ClipValues, planeNormal } from '../effects/clip/clip.options.ts';
+export { type ClipValues, planeNormal } from '../gpu/effects/clip/clip.options.ts';
 export type {
   ChoiceOption,
   ColorOption,
@@ -16,7 +16,7 @@ export type {
   VectorOption,
 } from './effect-options.ts';
 
-const OPTIONS = import.meta.glob<EffectOptions>('../effects/*/*.options.ts', {
+const OPTIONS = import.meta.glob<EffectOptions>('../gpu/effects/*/*.options.ts', {
   eager: true,
   import: 'options',
 });
@@ -27,7 +27,7 @@ const OPTIONS = import.meta.glob<EffectOptions>('../effects/*/*.options.ts', {
  */
 export const EFFECT_OPTIONS: Readonly<Record<string, EffectOptions>> = Object.fromEntries(
   Object.values(EFFECTS).flatMap(({ effect: { name } }) => {
-    const options = OPTIONS[`../effects/${name}/${name}.options.ts`];
+    const options = OPTIONS[`../gpu/effects/${name}/${name}.options.ts`];
     return options ? [[name, options]] : [];
   }),
 );

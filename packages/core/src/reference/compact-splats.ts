@@ -1,4 +1,4 @@
-import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 
 /**
  * Reference of compact-splats: numbers of the visible splats in storage order, counted through all chunks of the frame.

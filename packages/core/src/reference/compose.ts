@@ -1,4 +1,4 @@
-import type { SizePx } from '../accuracy/accuracy.ts';
+import type { SizePx } from '../data/accuracy/accuracy.ts';
 import { decodeSrgb, encodeSrgb } from './srgb.ts';
 
 /**

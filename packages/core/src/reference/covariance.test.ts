@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { orthographicCamera, perspectiveCamera, projectionOf } from '../camera/camera.ts';
+import { orthographicCamera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
 import { uniform } from '../testing/uniform.ts';
 import { rotationMatrix, screenAxes, screenCovariance, screenRows } from './covariance.ts';
 

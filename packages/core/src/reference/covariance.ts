@@ -1,5 +1,5 @@
-import type { Projection } from '../camera/camera.ts';
-import { clampLogScale } from '../packing/log-scale.ts';
+import type { Projection } from '../data/camera/camera.ts';
+import { clampLogScale } from '../data/packing/log-scale.ts';
 
 /** Covariance of a splat on the screen, in px², y down: [[a, b], [b, c]], and its determinant in px⁴. */
 export interface ScreenCovariance {

@@ -1,4 +1,4 @@
-import type { FrustumSide } from '../camera/frustum.ts';
+import type { FrustumSide } from '../data/camera/frustum.ts';
 
 /** Bounds of a chunk of splats, about its cloud's origin. */
 export interface ChunkBounds {

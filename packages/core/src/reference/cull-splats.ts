@@ -1,9 +1,9 @@
-import type { Culling, Extent } from '../accuracy/accuracy.ts';
-import type { Projection } from '../camera/camera.ts';
-import type { CloudView } from '../camera/cloud-view.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import { opacityOf } from '../packing/geometry.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
+import type { Culling, Extent } from '../data/accuracy/accuracy.ts';
+import type { Projection } from '../data/camera/camera.ts';
+import type { CloudView } from '../data/camera/cloud-view.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { opacityOf } from '../data/packing/geometry.ts';
+import type { SplatColumns } from '../data/splats/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
 import type { EffectReference, SplatValues } from './effects/effect-reference.ts';
 

@@ -1,6 +1,6 @@
-import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
-import type { GeometryPrecision } from '../packing/precision.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
+import { type PackedGeometry, packGeometry } from '../data/packing/geometry.ts';
+import type { GeometryPrecision } from '../data/packing/precision.ts';
+import type { SplatColumns } from '../data/splats/splat-set.ts';
 
 /** Reference of ingest-chunks: the host's packer, for splats in storage order about `origin`, from log scales before they were rounded. */
 export function ingestChunks(

@@ -1,4 +1,4 @@
-import { type MortonFrame, mortonCell } from '../packing/morton-order.ts';
+import { type MortonFrame, mortonCell } from '../data/packing/morton-order.ts';
 
 /**
  * Reference of ingest-keys: for each splat of `order`, eight bits of the 48-bit Morton code of its centre, bit by bit: the lowest in

@@ -1,8 +1,8 @@
-import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
-import type { PackedHarmonics } from '../packing/harmonics.ts';
-import type { RowPrecision } from '../packing/precision.ts';
-import { packHarmonics, repackHarmonics } from '../packing/repack-harmonics.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { type PackedGeometry, packGeometry } from '../data/packing/geometry.ts';
+import type { PackedHarmonics } from '../data/packing/harmonics.ts';
+import type { RowPrecision } from '../data/packing/precision.ts';
+import { packHarmonics, repackHarmonics } from '../data/packing/repack-harmonics.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 
 /**
  * Reference of ingest-rows for rows that are kept: the host's own packers, in float64, for chunks in the order of the file.

@@ -1,7 +1,7 @@
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { fromHalfBits } from '../layout/half.ts';
-import { logScalesOf } from '../packing/chunks.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { fromHalfBits } from '../data/layout/half.ts';
+import { logScalesOf } from '../data/packing/chunks.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 
 /** Geometry and base colour of a splat as the GPU unpacks them, in the cloud's space. */
 export interface UnpackedSplat {

@@ -1,4 +1,4 @@
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { PageSlots } from './plan-cull.ts';
 
 /**

@@ -1,7 +1,7 @@
-import { type CloudView, FALLBACK_DIRECTION } from '../camera/cloud-view.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
-import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import { type CloudView, FALLBACK_DIRECTION } from '../data/camera/cloud-view.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { type Harmonics, readCoefficients } from '../data/packing/harmonics.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../data/splats/splat-set.ts';
 import type { CulledSplat } from './cull-splats.ts';
 import type { EffectReference } from './effects/effect-reference.ts';
 import { shColor } from './spherical-harmonics.ts';

@@ -1,4 +1,4 @@
-import { MAX_FRAGMENT_ALPHA, type SizePx } from '../accuracy/accuracy.ts';
+import { MAX_FRAGMENT_ALPHA, type SizePx } from '../data/accuracy/accuracy.ts';
 import type { VisibleSplat } from './cull-splats.ts';
 
 /** Premultiplied RGBA in float64, top row first. */

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { type Camera, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
+import { type Camera, orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { renderReference } from './render.ts';
 

@@ -4,18 +4,18 @@ import {
   layerSize,
   resolveAccuracy,
   type SizePx,
-} from '../accuracy/accuracy.ts';
-import { type Camera, projectionOf } from '../camera/camera.ts';
-import { cloudView } from '../camera/cloud-view.ts';
-import type { EffectUse } from '../effects/effect.ts';
-import { usesOf } from '../effects/effect-uses.ts';
-import { orderedBits, shortDepthKey, sortDistance } from '../layout/depth-key.ts';
-import { identity4, type Vec3 } from '../math/mat4.ts';
-import { dropNonFinite } from '../packing/drop-non-finite.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
-import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
-import { asksForDistance, type SortBy } from '../splats/sort-by.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+} from '../data/accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../data/camera/camera.ts';
+import { cloudView } from '../data/camera/cloud-view.ts';
+import { orderedBits, shortDepthKey, sortDistance } from '../data/layout/depth-key.ts';
+import { identity4, type Vec3 } from '../data/math/mat4.ts';
+import { dropNonFinite } from '../data/packing/drop-non-finite.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import { mortonOrder, permuteSplats } from '../data/packing/morton-order.ts';
+import { asksForDistance, type SortBy } from '../data/splats/sort-by.ts';
+import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
+import type { EffectUse } from '../gpu/effects/effect.ts';
+import { usesOf } from '../gpu/effects/effect-uses.ts';
 import { cullSplat, type VisibleSplat } from './cull-splats.ts';
 import { type ReferenceFunction, referencesOf } from './effects/references.ts';
 import { splatColor } from './project.ts';

@@ -1,5 +1,5 @@
-import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
+import { type PackedGeometry, packGeometry } from '../data/packing/geometry.ts';
+import type { SplatColumns } from '../data/splats/splat-set.ts';
 import { unpackSplat } from './packing.ts';
 
 /**

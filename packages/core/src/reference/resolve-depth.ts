@@ -1,5 +1,5 @@
-import type { SizePx } from '../accuracy/accuracy.ts';
-import type { DepthConvention } from '../camera/depth-convention.ts';
+import type { SizePx } from '../data/accuracy/accuracy.ts';
+import type { DepthConvention } from '../data/camera/depth-convention.ts';
 
 /** Depths as the host stores them. */
 export interface HostDepths extends SizePx {

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { shRestBasis } from '../splats/spherical-harmonics.ts';
+import { shRestBasis } from '../data/splats/spherical-harmonics.ts';
 import { shColor } from './spherical-harmonics.ts';
 
 /** Nodes and weights of Gauss–Legendre quadrature on −1…1, by Newton's method. */

@@ -1,5 +1,5 @@
-import { shRestBasis } from '../splats/spherical-harmonics.ts';
-import type { ShDegree } from '../splats/splat-set.ts';
+import { shRestBasis } from '../data/splats/spherical-harmonics.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 
 const C0 = Math.sqrt(1 / (4 * Math.PI));
 

@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { binGrid } from '../layout/bin-grid.ts';
+import { binGrid } from '../data/layout/bin-grid.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
 import { touchedBins } from './tile-grid.ts';
 import { touchedTiles } from './tile-masks.ts';

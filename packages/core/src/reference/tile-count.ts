@@ -1,5 +1,5 @@
-import type { BinGrid } from '../layout/bin-grid.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import type { BinGrid } from '../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
 import { touchedBins } from './tile-grid.ts';
 

@@ -1,4 +1,4 @@
-import type { BinGrid } from '../layout/bin-grid.ts';
+import type { BinGrid } from '../data/layout/bin-grid.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
 import { touchedBins } from './tile-grid.ts';
 

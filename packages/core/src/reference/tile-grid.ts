@@ -1,5 +1,5 @@
-import type { BinGrid } from '../layout/bin-grid.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import type { BinGrid } from '../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { type SplatEllipse, touchedColumns, touchedRows } from './splat-ellipse.ts';
 
 const { BIN_PX } = SHADER_CONSTANTS;

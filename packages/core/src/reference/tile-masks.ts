@@ -1,4 +1,4 @@
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { type SplatEllipse, touchedColumns } from './splat-ellipse.ts';
 
 const { BIN_TILES, TILE_PX, BIN_PX } = SHADER_CONSTANTS;

@@ -1,4 +1,4 @@
-import { MAX_FRAGMENT_ALPHA } from '../accuracy/accuracy.ts';
+import { MAX_FRAGMENT_ALPHA } from '../data/accuracy/accuracy.ts';
 import type { EllipseRecord } from './splat-ellipse.ts';
 
 /** A pixel ends when less of the light behind it passes through. */

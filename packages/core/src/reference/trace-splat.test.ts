@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
+import { orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import { renderReference } from './render.ts';

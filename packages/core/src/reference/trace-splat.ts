@@ -1,9 +1,9 @@
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
-import { type Camera, projectionOf } from '../camera/camera.ts';
-import { cloudView } from '../camera/cloud-view.ts';
-import { identity4, type Vec3 } from '../math/mat4.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
+import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../data/camera/camera.ts';
+import { cloudView } from '../data/camera/cloud-view.ts';
+import { identity4, type Vec3 } from '../data/math/mat4.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { screenAxes } from './covariance.ts';
 import { cullSplat } from './cull-splats.ts';
 import { splatColor } from './project.ts';

@@ -1,4 +1,4 @@
-import type { SizePx } from '../accuracy/accuracy.ts';
+import type { SizePx } from '../data/accuracy/accuracy.ts';
 
 /**
  * Reference of upscale: bilinear between the middles of pixels, constant beyond the outermost.

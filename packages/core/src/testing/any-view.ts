@@ -1,6 +1,11 @@
 import fc from 'fast-check';
-import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
-import { multiply4 } from '../math/mat4.ts';
+import {
+  type Camera,
+  cameraFromMatrices,
+  orthographicCamera,
+  perspectiveCamera,
+} from '../data/camera/camera.ts';
+import { multiply4 } from '../data/math/mat4.ts';
 import { uniform } from './uniform.ts';
 
 const coordinate = (limit: number) => uniform(-limit, limit);

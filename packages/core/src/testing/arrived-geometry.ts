@@ -1,9 +1,9 @@
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { logScalesOf } from '../packing/chunks.ts';
-import { type PackedGeometry, packGeometry } from '../packing/geometry.ts';
-import { clampLogScale } from '../packing/log-scale.ts';
-import type { GeometryPrecision } from '../packing/precision.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { logScalesOf } from '../data/packing/chunks.ts';
+import { type PackedGeometry, packGeometry } from '../data/packing/geometry.ts';
+import { clampLogScale } from '../data/packing/log-scale.ts';
+import type { GeometryPrecision } from '../data/packing/precision.ts';
+import type { SplatColumns } from '../data/splats/splat-set.ts';
 
 export interface ArrivedGeometry extends PackedGeometry {
   /** What the log scales of each splat are beside their steps: 512 and parts of 1024, ten bits each. */

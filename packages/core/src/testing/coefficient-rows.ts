@@ -1,7 +1,7 @@
 import fc from 'fast-check';
-import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../packing/harmonics.ts';
-import type { OwnShPrecision } from '../packing/precision.ts';
-import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../data/packing/harmonics.ts';
+import type { OwnShPrecision } from '../data/packing/precision.ts';
+import { coefficientsPerSplat, type ShDegree } from '../data/splats/splat-set.ts';
 import { uniform } from './uniform.ts';
 
 /** Coefficients of splats of one degree, a row each: they span many orders of magnitude, and some are exactly zero. */

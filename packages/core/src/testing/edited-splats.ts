@@ -1,7 +1,7 @@
 import { expect } from 'vitest';
-import { InvalidArgumentError } from '../errors.ts';
-import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
-import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
+import { type Harmonics, readCoefficients } from '../data/packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../data/splats/splat-set.ts';
 
 /** Coefficients above degree 0 of one splat. */
 export function coefficientsOf({ harmonics }: SplatSet<Harmonics>, splat: number): Float64Array {

@@ -1,12 +1,15 @@
-import type { EffectUse } from '../effects/effect.ts';
-import { EFFECTS } from '../effects/effects.ts';
+import type { EffectUse } from '../gpu/effects/effect.ts';
+import { EFFECTS } from '../gpu/effects/effects.ts';
 
-const EXAMPLES = import.meta.glob<never>('../effects/*/*.reference.ts', { eager: true, import: 'example' });
+const EXAMPLES = import.meta.glob<never>('../gpu/effects/*/*.reference.ts', {
+  eager: true,
+  import: 'example',
+});
 
 /** A use of every effect that changes the image of a cloud within ±1 of the origin. */
 export const EFFECT_EXAMPLES: readonly EffectUse[] = Object.values(EFFECTS).map((use) => {
   const { name } = use.effect;
-  const example = EXAMPLES[`../effects/${name}/${name}.reference.ts`];
+  const example = EXAMPLES[`../gpu/effects/${name}/${name}.reference.ts`];
   if (example === undefined) throw new RangeError(`The effect ${name} has no example: it would go untested.`);
   return use(example);
 });

@@ -1,5 +1,5 @@
 import { expect } from 'vitest';
-import { DILATION_PX2 } from '../accuracy/accuracy.ts';
+import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { type DecodedRecord, readRecords } from '../inspect/read-records.ts';
 import { cullSplat } from '../reference/cull-splats.ts';

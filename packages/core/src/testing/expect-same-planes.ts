@@ -1,11 +1,11 @@
 import { expect } from 'vitest';
-import { CHUNK_WORDS } from '../layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { logScalesOf } from '../packing/chunks.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../packing/geometry.ts';
-import { type PackedHarmonics, readCoefficients } from '../packing/harmonics.ts';
+import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { logScalesOf } from '../data/packing/chunks.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import { type PackedHarmonics, readCoefficients } from '../data/packing/harmonics.ts';
+import { coefficientsPerSplat } from '../data/splats/splat-set.ts';
 import { unpackSplat } from '../reference/packing.ts';
-import { coefficientsPerSplat } from '../splats/splat-set.ts';
 
 /** Part of the steps that may differ by one, where float32 and float64 fall to different sides of half a step. */
 const DIFFERING_PART = 0.03;

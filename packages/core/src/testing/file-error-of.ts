@@ -1,5 +1,5 @@
 import { expect } from 'vitest';
-import { SplatFileError } from '../errors.ts';
+import { SplatFileError } from '../data/errors.ts';
 
 /** The SplatFileError with which a reading rejects; any other outcome fails the test. */
 export async function fileErrorOf(reading: Promise<unknown>): Promise<SplatFileError> {

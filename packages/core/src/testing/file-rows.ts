@@ -1,6 +1,6 @@
-import type { RowLayout } from '../packing/row-layout.ts';
-import { ROW_SLOT } from '../splats/splat-row.ts';
-import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import type { RowLayout } from '../data/packing/row-layout.ts';
+import { ROW_SLOT } from '../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type SplatSet } from '../data/splats/splat-set.ts';
 
 export interface FileRowsOptions {
   readonly isBigEndian?: boolean;

@@ -1,5 +1,5 @@
-import type { SizePx } from '../accuracy/accuracy.ts';
-import { View } from '../layout/structs.ts';
+import type { SizePx } from '../data/accuracy/accuracy.ts';
+import { View } from '../data/layout/structs.ts';
 
 /** The fields of `View` that stages after `project` read. */
 export interface FlatView {

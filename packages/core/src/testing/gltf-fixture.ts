@@ -1,4 +1,4 @@
-import { SH_REST_COEFFICIENTS, type SplatSet } from '../splats/splat-set.ts';
+import { SH_REST_COEFFICIENTS, type SplatSet } from '../data/splats/splat-set.ts';
 import { randomSplats } from './random-splats.ts';
 
 /** JSON of a glTF, to be changed at will. */

@@ -1,7 +1,7 @@
-import type { SizePx } from '../accuracy/accuracy.ts';
+import type { SizePx } from '../data/accuracy/accuracy.ts';
+import { roundUp } from '../data/layout/gpu-struct.ts';
 import type { Bindings, Pipelines, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { roundUp } from '../layout/gpu-struct.ts';
 import type { HostDepths } from '../reference/resolve-depth.ts';
 
 /** A texture of RGBA in float32 for shaders to load, 4 values per pixel. */

@@ -1,6 +1,6 @@
 // Writes .ksplat for tests.
-import { toHalfBits } from '../layout/half.ts';
-import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { toHalfBits } from '../data/layout/half.ts';
+import { coefficientsPerSplat, type ShDegree } from '../data/splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 
 export const BLOCK = 5;

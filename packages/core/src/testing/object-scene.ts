@@ -1,8 +1,8 @@
-import { cropSplats } from '../editing/crop-splats.ts';
-import { limitDegree } from '../editing/limit-degree.ts';
-import { transformSplats } from '../editing/transform-splats.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { cropSplats } from '../data/editing/crop-splats.ts';
+import { limitDegree } from '../data/editing/limit-degree.ts';
+import { transformSplats } from '../data/editing/transform-splats.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { everyOf, stillLife } from './still-life.ts';
 
 /**

@@ -1,4 +1,4 @@
-import type { Harmonics, PackedHarmonics } from '../packing/harmonics.ts';
+import type { Harmonics, PackedHarmonics } from '../data/packing/harmonics.ts';
 
 /** Packed harmonics of which each splat has its own. Throws for others. */
 export function ownHarmonics(harmonics: Harmonics): PackedHarmonics {

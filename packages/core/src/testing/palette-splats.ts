@@ -1,5 +1,5 @@
-import type { HarmonicsPalette } from '../packing/harmonics-palette.ts';
-import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import type { HarmonicsPalette } from '../data/packing/harmonics-palette.ts';
+import { coefficientsPerSplat, type SplatSet } from '../data/splats/splat-set.ts';
 import { type RandomSplatOptions, randomSplats } from './random-splats.ts';
 import { seededRandom } from './seeded-random.ts';
 

@@ -1,4 +1,4 @@
-import { coefficientsPerSplat, type ShDegree } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree } from '../data/splats/splat-set.ts';
 
 /** One property of a test file: `values[row]`, or `values[row]` as the items of a list if `countType` is given. */
 export interface FixtureProperty {

@@ -1,11 +1,11 @@
 import { expect } from 'vitest';
-import type { Accuracy, AccuracyPreset } from '../accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import { SplatEngine } from '../create-engine.ts';
+import type { Accuracy, AccuracyPreset } from '../data/accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import type { ShDegree, SplatSet } from '../splats/splat-set.ts';
 import type { SplatView } from '../views/splat-view.ts';
 
 /** PSNR that each preset must reach against the float64 reference, dB on the target's own values. */

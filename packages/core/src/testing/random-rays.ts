@@ -1,10 +1,10 @@
 import { expect } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
 import { makeRayTree } from '../clouds/make-ray-tree.ts';
 import type { RayTree } from '../clouds/ray-tree.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
-import { packCloud } from '../packing/packed-cloud.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import { packCloud } from '../data/packing/packed-cloud.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 import { type TrueRay, trueRays } from './true-rays.ts';
 

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../data/splats/splat-set.ts';
 import { seededRandom } from './seeded-random.ts';
 
 export interface RandomSplatOptions {

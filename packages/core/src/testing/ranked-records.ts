@@ -1,7 +1,7 @@
-import type { RecordPrecision } from '../accuracy/accuracy.ts';
+import type { RecordPrecision } from '../data/accuracy/accuracy.ts';
+import { toHalfBits } from '../data/layout/half.ts';
+import { SPLAT_RECORDS } from '../data/layout/structs.ts';
 import { type DecodedRecord, decodeRecord } from '../inspect/read-records.ts';
-import { toHalfBits } from '../layout/half.ts';
-import { SPLAT_RECORDS } from '../layout/structs.ts';
 import { storageBuffer } from './gpu-buffers.ts';
 import { seededRandom } from './seeded-random.ts';
 

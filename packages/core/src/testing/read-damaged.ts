@@ -1,8 +1,8 @@
-import { WebSplatterError } from '../errors.ts';
+import { WebSplatterError } from '../data/errors.ts';
+import type { PackedHarmonics } from '../data/packing/harmonics.ts';
+import { packCloud } from '../data/packing/packed-cloud.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
-import type { PackedHarmonics } from '../packing/harmonics.ts';
-import { packCloud } from '../packing/packed-cloud.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 import type { Choices } from './fuzz.ts';
 import { chunked } from './ply-fixture.ts';
 

@@ -1,10 +1,10 @@
 import { expect } from 'vitest';
+import { paletteValues, type RowLayout } from '../data/packing/row-layout.ts';
+import { ROW_SLOT } from '../data/splats/splat-row.ts';
 import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
-import { paletteValues, type RowLayout } from '../packing/row-layout.ts';
-import { ROW_SLOT } from '../splats/splat-row.ts';
 
 /** Rows of a file as they are handed over for the GPU, with what they take from a palette. */
 export interface FileRows {

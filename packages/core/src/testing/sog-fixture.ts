@@ -1,5 +1,5 @@
 // Writes SOG for tests, and says which rows must come of it.
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../splats/splat-set.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../data/splats/splat-set.ts';
 import type { Choices } from './fuzz.ts';
 import { rgbaWebp } from './webp-fixture.ts';
 

@@ -1,7 +1,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { shareTestDevice } from '@websplatter/node/gpu-test';
 import { ballotDeviceOf } from '../gpu/device.ts';
-import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../stages/sort-shape.ts';
+import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../gpu/stages/sort-shape.ts';
 
 /** A test device with subgroups and as much workgroup memory as the adapter has: by default devices have none, and 16 KiB. */
 export async function createSortDevice(): Promise<GPUDevice> {

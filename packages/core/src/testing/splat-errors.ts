@@ -1,6 +1,6 @@
-import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
-import { normalizedRotation } from '../packing/rotation.ts';
-import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from '../data/packing/harmonics.ts';
+import { normalizedRotation } from '../data/packing/rotation.ts';
+import { coefficientsPerSplat, type SplatSet } from '../data/splats/splat-set.ts';
 
 /** Largest differences between splats, each of a single value. */
 export interface SplatErrors {

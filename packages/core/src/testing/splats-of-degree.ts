@@ -1,4 +1,4 @@
-import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../data/splats/splat-set.ts';
 
 /** The splats of `set` as they would be in a file of `degree`, which is at most their own. */
 export function splatsOfDegree(set: SplatSet, degree: ShDegree): SplatSet {

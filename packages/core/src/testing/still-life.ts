@@ -1,9 +1,9 @@
 import { readFile } from 'node:fs/promises';
 import { builtinScenes } from '@websplatter/scenes';
-import { filterSplats } from '../editing/filter-splats.ts';
+import { filterSplats } from '../data/editing/filter-splats.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 
 /** Every `step`th of some splats. */
 export function everyOf(set: SplatSet<Harmonics>, step: number): SplatSet<Harmonics> {

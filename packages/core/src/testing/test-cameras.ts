@@ -1,5 +1,10 @@
-import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '../camera/camera.ts';
-import { multiply4 } from '../math/mat4.ts';
+import {
+  type Camera,
+  cameraFromMatrices,
+  orthographicCamera,
+  perspectiveCamera,
+} from '../data/camera/camera.ts';
+import { multiply4 } from '../data/math/mat4.ts';
 
 /** Cameras that look at a cloud of half extent 1 at the origin, part of which is outside of the image. */
 export function testCameras(aspect: number): Readonly<Record<string, Camera>> {

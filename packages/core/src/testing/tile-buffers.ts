@@ -1,7 +1,7 @@
-import type { SizePx } from '../accuracy/accuracy.ts';
-import { type BinGrid, binGrid } from '../layout/bin-grid.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { TileGrid } from '../layout/structs.ts';
+import type { SizePx } from '../data/accuracy/accuracy.ts';
+import { type BinGrid, binGrid } from '../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import { TileGrid } from '../data/layout/structs.ts';
 import type { EllipseRecord, SplatEllipse } from '../reference/splat-ellipse.ts';
 import { splatEllipse } from '../reference/splat-ellipse.ts';
 import { touchedBins } from '../reference/tile-grid.ts';

@@ -1,12 +1,12 @@
-import { DILATION_PX2, resolveAccuracy } from '../accuracy/accuracy.ts';
-import { type Camera, pixelRay, projectionOf } from '../camera/camera.ts';
-import { cloudView } from '../camera/cloud-view.ts';
 import type { RayOptions } from '../clouds/ray-tree.ts';
-import { identity4, type Vec3 } from '../math/mat4.ts';
-import type { Harmonics } from '../packing/harmonics.ts';
+import { DILATION_PX2, resolveAccuracy } from '../data/accuracy/accuracy.ts';
+import { type Camera, pixelRay, projectionOf } from '../data/camera/camera.ts';
+import { cloudView } from '../data/camera/cloud-view.ts';
+import { identity4, type Vec3 } from '../data/math/mat4.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { type CulledSplat, cullSplat } from '../reference/cull-splats.ts';
 import { pickSplat } from '../reference/pick.ts';
-import type { SplatSet } from '../splats/splat-set.ts';
 
 /** A ray through the middle of a pixel, and what the pixel shows. */
 export interface TrueRay {

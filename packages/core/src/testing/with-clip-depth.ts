@@ -1,4 +1,4 @@
-import { type Camera, cameraFromMatrices } from '../camera/camera.ts';
+import { type Camera, cameraFromMatrices } from '../data/camera/camera.ts';
 
 /** Returns `camera` with clip depths of 0…1, reversed or not, as three.js makes them for WebGPU. */
 export function withClipDepth(camera: Camera, isReversed: boolean): Camera {

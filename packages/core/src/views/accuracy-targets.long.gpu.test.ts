@@ -1,9 +1,9 @@
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError } from '../errors.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import { DestroyedError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { compareViews } from '../measure/compare-views.ts';

@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { internAccuracy } from '../accuracy/accuracy.ts';
-import { internTarget } from '../accuracy/accuracy-target.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { DestroyedError } from '../errors.ts';
+import { internAccuracy } from '../data/accuracy/accuracy.ts';
+import { internTarget } from '../data/accuracy/accuracy-target.ts';
+import { DestroyedError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { TargetOptions } from '../measure/measure-target.ts';

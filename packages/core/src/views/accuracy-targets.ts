@@ -1,12 +1,12 @@
-import type { AccuracyTarget } from '../accuracy/accuracy-target.ts';
 import { isHeld } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
+import { numberOf } from '../data/number-of.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { MeasureProgress } from '../measure/measure-accuracy.ts';
 import type { TargetOptions } from '../measure/measure-target.ts';
-import { numberOf } from '../number-of.ts';
 
 /** A scene counts as still loading until nothing has changed for this long. */
 const SETTLED_AFTER_MS = 500;

@@ -1,12 +1,12 @@
-import type { DepthConvention } from '../camera/depth-convention.ts';
-import { DestroyedError, InvalidArgumentError } from '../errors.ts';
+import type { DepthConvention } from '../data/camera/depth-convention.ts';
+import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
 import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
+import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
-import type { RasterizeDepth } from '../stages/rasterize.ts';
 import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */

@@ -1,6 +1,9 @@
-import type { Camera, Projection } from '../camera/camera.ts';
-import { storedDepth } from '../camera/depth-convention.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import type { Camera, Projection } from '../data/camera/camera.ts';
+import { storedDepth } from '../data/camera/depth-convention.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
+import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../data/layout/cover-structs.ts';
+import { linearPart, transform3, type Vec3 } from '../data/math/mat4.ts';
+import { shown } from '../data/printable.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
@@ -8,11 +11,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
-import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../layout/cover-structs.ts';
-import { linearPart, transform3, type Vec3 } from '../math/mat4.ts';
-import { shown } from '../printable.ts';
-import { COVER_WORKGROUP, coverPoints } from '../stages/cover-points.ts';
-import { dispatchSize } from '../stages/dispatch.ts';
+import { COVER_WORKGROUP, coverPoints } from '../gpu/stages/cover-points.ts';
+import { dispatchSize } from '../gpu/stages/dispatch.ts';
 
 /** Most points of one call: each visible splat is compared with all of them. */
 export const MAX_COVER_POINTS = 1024;

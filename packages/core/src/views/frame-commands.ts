@@ -1,5 +1,5 @@
 import { stageNameOf } from '../gpu/pipelines.ts';
-import { dispatchSize } from '../stages/dispatch.ts';
+import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import type { Work } from './submission-pacer.ts';
 
 /** A part of a command that can be divided. */

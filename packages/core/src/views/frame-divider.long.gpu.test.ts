@@ -1,10 +1,10 @@
 import { availableParallelism } from 'node:os';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
-import { perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import { deviceWith } from '../testing/device-with.ts';

@@ -1,11 +1,11 @@
+import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import { TileGrid, TilePlan } from '../data/layout/structs.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import { useCompute } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { SHADER_CONSTANTS } from '../layout/constants.ts';
-import { TileGrid, TilePlan } from '../layout/structs.ts';
-import { dispatchSize } from '../stages/dispatch.ts';
-import { tileCount } from '../stages/tile-count.ts';
+import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import { tileCount } from '../gpu/stages/tile-count.ts';
 import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
 import { SubmissionPacer } from './submission-pacer.ts';
 import type { ViewContext } from './view.ts';

@@ -1,5 +1,5 @@
 import { describe, expect, test, vi } from 'vitest';
-import { internAccuracy } from '../accuracy/accuracy.ts';
+import { internAccuracy } from '../data/accuracy/accuracy.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { GpuLimitError } from '../errors.ts';
+import { GpuLimitError } from '../data/errors.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { deviceWithoutGpu } from '../testing/device-without-gpu.ts';

@@ -1,4 +1,4 @@
-import type { GpuLimitError } from '../errors.ts';
+import type { GpuLimitError } from '../data/errors.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';

@@ -1,6 +1,8 @@
-import { pixelRay } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../errors.ts';
+import { pixelRay } from '../data/camera/camera.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
+import { PICK_CONSTANTS, PickBlock, PickParameters } from '../data/layout/pick-structs.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
@@ -9,10 +11,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
-import { PICK_CONSTANTS, PickBlock, PickParameters } from '../layout/pick-structs.ts';
-import type { Vec3 } from '../math/mat4.ts';
-import { dispatchSize } from '../stages/dispatch.ts';
-import { pick } from '../stages/pick.ts';
+import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import { pick } from '../gpu/stages/pick.ts';
 
 /** The stage that finds splats in frames of this plan. */
 export function pickStage({ shape }: FramePlan): StageDefinition {

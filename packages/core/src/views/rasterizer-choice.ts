@@ -1,9 +1,9 @@
-import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+import type { FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import type { QuadsSample } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
-import type { RasterizeDepth } from '../stages/rasterize.ts';
-import type { FrameStatistics } from '../timing/frame-statistics.ts';
+import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 
 /** The rasteriser that draws a view, and what is known about both. */
 export interface RasterizerReport {

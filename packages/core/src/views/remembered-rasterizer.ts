@@ -1,4 +1,4 @@
-import type { FrameRasterizer } from '../accuracy/accuracy.ts';
+import type { FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import type { RasterizerChoiceOptions } from './rasterizer-choice.ts';
 
 const KEY = 'websplatter faster rasterizer';

@@ -1,15 +1,15 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
-import { type Camera, perspectiveCamera } from '../camera/camera.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
+import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
 import { countedDevice, type MakingCalls } from '../testing/counted-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 
 /** Number of shader texts made. */
 let linked = 0;
-vi.mock('../shaders/link-shader.ts', async (original) => {
-  const module = await original<typeof import('../shaders/link-shader.ts')>();
+vi.mock('../gpu/shaders/link-shader.ts', async (original) => {
+  const module = await original<typeof import('../gpu/shaders/link-shader.ts')>();
   const linkShader: typeof module.linkShader = (...args) => {
     linked++;
     return module.linkShader(...args);

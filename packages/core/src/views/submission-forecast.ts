@@ -1,6 +1,6 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
-import type { StageTimings } from '../timing/frame-statistics.ts';
+import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
 /**
  * An eighth of the two seconds after which Windows resets a driver, so that a frame may take eight times what was foreseen, as

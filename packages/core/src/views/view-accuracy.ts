@@ -1,6 +1,6 @@
-import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../accuracy/accuracy.ts';
-import type { AccuracyRequest, AccuracyTarget } from '../accuracy/accuracy-target.ts';
-import { InvalidArgumentError } from '../errors.ts';
+import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../data/accuracy/accuracy.ts';
+import type { AccuracyRequest, AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { AccuracyTargets, ChooseAccuracyOptions, TargetScene, TargetView } from './accuracy-targets.ts';

@@ -1,6 +1,11 @@
+import { HostViewport } from '../../data/layout/structs.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { HostViewport } from '../../layout/structs.ts';
-import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose, composeState } from '../../stages/compose.ts';
+import {
+  COMPOSED_COLOR_FORMAT,
+  COMPOSED_DEPTH_FORMAT,
+  compose,
+  composeState,
+} from '../../gpu/stages/compose.ts';
 import {
   type DrawRecording,
   drawOverAll,

@@ -1,6 +1,6 @@
+import { CompositeParameters } from '../../data/layout/structs.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { CompositeParameters } from '../../layout/structs.ts';
-import { composite, compositeInCompute, compositeState } from '../../stages/composite.ts';
+import { composite, compositeInCompute, compositeState } from '../../gpu/stages/composite.ts';
 import {
   computeOverAll,
   type DrawRecording,

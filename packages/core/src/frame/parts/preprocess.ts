@@ -1,17 +1,17 @@
-import { maxColor } from '../../accuracy/accuracy.ts';
+import { maxColor } from '../../data/accuracy/accuracy.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
-import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../layout/constants.ts';
-import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../layout/structs.ts';
-import { compactChunks } from '../../stages/compact-chunks.ts';
-import { compactSplats } from '../../stages/compact-splats.ts';
-import { cullChunks } from '../../stages/cull-chunks.ts';
-import { cullSplats } from '../../stages/cull-splats.ts';
-import { dispatchAtMost, dispatchSize } from '../../stages/dispatch.ts';
-import { planCull } from '../../stages/plan-cull.ts';
-import { planProject } from '../../stages/plan-project.ts';
-import { PrefixScan, prefixScanStages } from '../../stages/prefix-scan.ts';
-import { project } from '../../stages/project.ts';
+import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
+import { compactSplats } from '../../gpu/stages/compact-splats.ts';
+import { cullChunks } from '../../gpu/stages/cull-chunks.ts';
+import { cullSplats } from '../../gpu/stages/cull-splats.ts';
+import { dispatchAtMost, dispatchSize } from '../../gpu/stages/dispatch.ts';
+import { planCull } from '../../gpu/stages/plan-cull.ts';
+import { planProject } from '../../gpu/stages/plan-project.ts';
+import { PrefixScan, prefixScanStages } from '../../gpu/stages/prefix-scan.ts';
+import { project } from '../../gpu/stages/project.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import {
   type FramePage,

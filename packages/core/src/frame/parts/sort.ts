@@ -1,5 +1,5 @@
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
+import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';

@@ -1,7 +1,7 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { type Camera, orthographicCamera } from '../../camera/camera.ts';
 import { SplatEngine } from '../../create-engine.ts';
+import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import type { EngineOptions } from '../../engine.ts';
 import { compareImages } from '../../reference/compare-images.ts';
 import { renderReference } from '../../reference/render.ts';

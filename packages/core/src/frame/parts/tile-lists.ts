@@ -1,17 +1,17 @@
+import { binGrid } from '../../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { roundUp } from '../../data/layout/gpu-struct.ts';
+import { SortPlan, TileGrid, TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { binGrid } from '../../layout/bin-grid.ts';
-import { SHADER_CONSTANTS } from '../../layout/constants.ts';
-import { roundUp } from '../../layout/gpu-struct.ts';
-import { SortPlan, TileGrid, TilePlan } from '../../layout/structs.ts';
-import { dispatchSize } from '../../stages/dispatch.ts';
-import { RadixSort, radixSortStages } from '../../stages/radix-sort.ts';
-import { blockKeysOf } from '../../stages/sort-shape.ts';
-import { tileCount } from '../../stages/tile-count.ts';
-import { tileEmit } from '../../stages/tile-emit.ts';
-import { tileMasks } from '../../stages/tile-masks.ts';
-import { tilePlan } from '../../stages/tile-plan.ts';
-import { tileRanges } from '../../stages/tile-ranges.ts';
+import { dispatchSize } from '../../gpu/stages/dispatch.ts';
+import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
+import { blockKeysOf } from '../../gpu/stages/sort-shape.ts';
+import { tileCount } from '../../gpu/stages/tile-count.ts';
+import { tileEmit } from '../../gpu/stages/tile-emit.ts';
+import { tileMasks } from '../../gpu/stages/tile-masks.ts';
+import { tilePlan } from '../../gpu/stages/tile-plan.ts';
+import { tileRanges } from '../../gpu/stages/tile-ranges.ts';
 import {
   type FramePart,
   type OrderRecording,

@@ -1,6 +1,6 @@
+import { UpscaleParameters } from '../../data/layout/structs.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { UpscaleParameters } from '../../layout/structs.ts';
-import { upscale } from '../../stages/upscale.ts';
+import { upscale } from '../../gpu/stages/upscale.ts';
 import {
   computeOverAll,
   type DrawRecording,

@@ -1,4 +1,4 @@
-import { SplatFileError, WebSplatterError } from '../../errors.ts';
+import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
 import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
 import { unpackedLimit } from '../sources/read-limits.ts';

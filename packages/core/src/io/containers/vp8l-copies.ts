@@ -1,4 +1,4 @@
-import type { Turns } from '../../turns.ts';
+import type { Turns } from '../../data/turns.ts';
 import { distanceTo, NEIGHBOURS } from './vp8l-format.ts';
 
 /** An image as single pixels and copies of what came before. */

@@ -1,4 +1,4 @@
-import type { Turns } from '../../turns.ts';
+import type { Turns } from '../../data/turns.ts';
 import { average, blocks, clampedHalf, clampedSum, select } from './vp8l-format.ts';
 
 /** Log2 of the side of a block that has a predictor of its own. */

@@ -1,4 +1,4 @@
-import { SplatFileError, type SplatFileErrorCode } from '../../errors.ts';
+import { SplatFileError, type SplatFileErrorCode } from '../../data/errors.ts';
 import { latin1 } from '../formats/latin1.ts';
 import { decodeVp8l, type ImageSize, Vp8lError, vp8lSize } from './vp8l.ts';
 

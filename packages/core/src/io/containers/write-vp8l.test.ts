@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
+import { Turns } from '../../data/turns.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
-import { Turns } from '../../turns.ts';
 import { codeLengths } from './huffman-lengths.ts';
 import { decodeVp8l, vp8lSize } from './vp8l.ts';
 import { decodeWebp, openWebp } from './webp.ts';

@@ -1,5 +1,5 @@
 // Writes lossless WebP images (VP8L, RFC 9649 section 3). "Sections" in comments are of that document.
-import type { Turns } from '../../turns.ts';
+import type { Turns } from '../../data/turns.ts';
 import { BitWriter } from './bit-writer.ts';
 import { codeLengths, codesOf } from './huffman-lengths.ts';
 import { copiesOf, type Items, singlePixels } from './vp8l-copies.ts';

@@ -1,4 +1,4 @@
-import type { Turns } from '../../turns.ts';
+import type { Turns } from '../../data/turns.ts';
 import { encodeVp8l } from './write-vp8l.ts';
 
 const HEADER_BYTES = 20;

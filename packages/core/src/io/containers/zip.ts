@@ -1,4 +1,4 @@
-import { SplatFileError, type SplatFileErrorCode } from '../../errors.ts';
+import { SplatFileError, type SplatFileErrorCode } from '../../data/errors.ts';
 import type { OpenedSource } from '../sources/splat-source.ts';
 import { crc32 } from './crc32.ts';
 import { gunzip } from './gzip.ts';

@@ -1,6 +1,6 @@
 import { decompress } from 'fzstd';
 import { describe, expect, test } from 'vitest';
-import { SplatFileError } from '../../errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import { fuzz } from '../../testing/fuzz.ts';
 import { unpackZstd } from './zstd.ts';
 import { storeZstd, ZSTD_EXAMPLES } from './zstd-fixture.ts';

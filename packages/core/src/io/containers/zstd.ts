@@ -1,4 +1,4 @@
-import { type FilePlace, SplatFileError } from '../../errors.ts';
+import { type FilePlace, SplatFileError } from '../../data/errors.ts';
 import { ZstdDamage } from './zstd-damage.ts';
 import { backwardBits, constantFseTable, type FseTable, fseTable, readFseTable } from './zstd-fse.ts';
 import { decodeHuffman, type HuffmanTable, readHuffmanTable } from './zstd-huffman.ts';

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import type { SplatInput } from './splat-format.ts';
 
 /** Where the next row of a file is. */

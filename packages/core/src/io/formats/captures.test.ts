@@ -1,9 +1,9 @@
 import { readFileSync } from 'node:fs';
 import { capturePath, captures } from '@websplatter/node/captures';
 import { describe, expect, test } from 'vitest';
-import { type PackedHarmonics, readCoefficients } from '../../packing/harmonics.ts';
-import { ROW_SLOT } from '../../splats/splat-row.ts';
-import { SH_REST_COEFFICIENTS, type SplatSet } from '../../splats/splat-set.ts';
+import { type PackedHarmonics, readCoefficients } from '../../data/packing/harmonics.ts';
+import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { SH_REST_COEFFICIENTS, type SplatSet } from '../../data/splats/splat-set.ts';
 import { rowsOf } from '../../testing/rows-of.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import { encodePly } from './ply/write-ply.ts';

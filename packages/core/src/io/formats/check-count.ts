@@ -1,4 +1,4 @@
-import { type FilePlace, SplatFileError } from '../../errors.ts';
+import { type FilePlace, SplatFileError } from '../../data/errors.ts';
 
 /** Most splats that `SplatSet.fileIndices` can number. */
 const MAX_SPLATS = 2 ** 32 - 1;

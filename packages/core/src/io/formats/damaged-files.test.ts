@@ -1,7 +1,7 @@
 import { Buffer } from 'node:buffer';
 import { gzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
-import { WebSplatterError } from '../../errors.ts';
+import { WebSplatterError } from '../../data/errors.ts';
 import { allocatedBytes } from '../../testing/allocation-meter.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
 import { glbBytes, glbOfSpz, gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';

@@ -1,12 +1,12 @@
-import type { PackedHarmonics } from '../../packing/harmonics.ts';
-import { type RowLayout, type RowPalette, rowsWithin } from '../../packing/row-layout.ts';
-import { ROW_SLOT } from '../../splats/splat-row.ts';
+import type { PackedHarmonics } from '../../data/packing/harmonics.ts';
+import { type RowLayout, type RowPalette, rowsWithin } from '../../data/packing/row-layout.ts';
+import { ROW_SLOT } from '../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type FileFacts,
   type ShDegree,
   type SplatSet,
-} from '../../splats/splat-set.ts';
+} from '../../data/splats/splat-set.ts';
 import { checkCount } from './check-count.ts';
 import { ReadProgress } from './progress.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
 import { latin1 } from './latin1.ts';
 import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';

@@ -1,5 +1,5 @@
-import { SplatFileError } from '../../errors.ts';
-import type { DropCounts } from '../../splats/splat-set.ts';
+import { SplatFileError } from '../../data/errors.ts';
+import type { DropCounts } from '../../data/splats/splat-set.ts';
 
 /** The error for a file of which no row was kept. */
 export function emptyError(file: string, dropped: DropCounts): SplatFileError {

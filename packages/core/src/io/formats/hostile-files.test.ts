@@ -1,10 +1,10 @@
 import { gzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
-import { SplatFileError, WebSplatterError } from '../../errors.ts';
-import type { ReadHarmonics } from '../../packing/harmonics.ts';
-import { packCloud } from '../../packing/packed-cloud.ts';
-import type { RowLayout } from '../../packing/row-layout.ts';
-import type { ShDegree, SplatSet } from '../../splats/splat-set.ts';
+import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
+import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import type { RowLayout } from '../../data/packing/row-layout.ts';
+import type { ShDegree, SplatSet } from '../../data/splats/splat-set.ts';
 import { type Choices, fuzz } from '../../testing/fuzz.ts';
 import {
   chunked,

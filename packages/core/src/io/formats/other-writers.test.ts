@@ -1,10 +1,10 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, test } from 'vitest';
-import { transformSplats } from '../../editing/transform-splats.ts';
-import { type Harmonics, readCoefficients } from '../../packing/harmonics.ts';
-import { normalizedRotation } from '../../packing/rotation.ts';
-import { ROW_SLOT } from '../../splats/splat-row.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../splats/splat-set.ts';
+import { transformSplats } from '../../data/editing/transform-splats.ts';
+import { type Harmonics, readCoefficients } from '../../data/packing/harmonics.ts';
+import { normalizedRotation } from '../../data/packing/rotation.ts';
+import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../data/splats/splat-set.ts';
 import { fixtureSplats } from '../../testing/fixtures/fixture-splats.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import { encodePly } from './ply/write-ply.ts';

@@ -1,4 +1,4 @@
-import type { RowLayout } from '../../packing/row-layout.ts';
+import type { RowLayout } from '../../data/packing/row-layout.ts';
 
 /** Takes the rows of a file as they are, piece by piece; before them, the values of their palette, where the layout has one. */
 export interface RowSink {

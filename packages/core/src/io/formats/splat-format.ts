@@ -1,6 +1,6 @@
-import type { ReadHarmonics } from '../../packing/harmonics.ts';
-import type { OwnShPrecision } from '../../packing/precision.ts';
-import type { SplatSet } from '../../splats/splat-set.ts';
+import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
+import type { OwnShPrecision } from '../../data/packing/precision.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { ByteReader } from '../sources/byte-reader.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
 import type { Passed, RowsTo } from './row-sink.ts';

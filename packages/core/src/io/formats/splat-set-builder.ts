@@ -1,17 +1,17 @@
-import { SplatFileError } from '../../errors.ts';
-import { ShReachMeter } from '../../packing/band-reach.ts';
-import { centerBounds } from '../../packing/center-bounds.ts';
-import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../packing/harmonics.ts';
-import { chooseOrigin } from '../../packing/origin.ts';
-import type { OwnShPrecision } from '../../packing/precision.ts';
-import { ROW_SLOT, reasonToDrop } from '../../splats/splat-row.ts';
+import { SplatFileError } from '../../data/errors.ts';
+import { ShReachMeter } from '../../data/packing/band-reach.ts';
+import { centerBounds } from '../../data/packing/center-bounds.ts';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import { chooseOrigin } from '../../data/packing/origin.ts';
+import type { OwnShPrecision } from '../../data/packing/precision.ts';
+import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type DropCounts,
   type FileFacts,
   type ShDegree,
   type SplatSet,
-} from '../../splats/splat-set.ts';
+} from '../../data/splats/splat-set.ts';
 import { emptyError } from './empty-error.ts';
 
 const FIRST_CAPACITY = 4096;

@@ -1,7 +1,7 @@
-import { InvalidArgumentError } from '../../errors.ts';
-import type { Harmonics } from '../../packing/harmonics.ts';
-import type { SplatSet } from '../../splats/splat-set.ts';
-import { Turns } from '../../turns.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import type { Harmonics } from '../../data/packing/harmonics.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { Turns } from '../../data/turns.ts';
 
 export interface WriteOptions {
   /** Ends the writing, which then rejects with the signal's reason. */

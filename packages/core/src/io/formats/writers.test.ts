@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { InvalidArgumentError } from '../../errors.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import { SPLAT_FORMATS } from './formats.ts';

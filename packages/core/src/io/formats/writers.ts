@@ -1,7 +1,7 @@
-import { InvalidArgumentError } from '../../errors.ts';
-import type { Harmonics } from '../../packing/harmonics.ts';
-import { shown } from '../../printable.ts';
-import type { SplatSet } from '../../splats/splat-set.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import type { Harmonics } from '../../data/packing/harmonics.ts';
+import { shown } from '../../data/printable.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { WriteFormat, WriteOptions } from './write-format.ts';
 

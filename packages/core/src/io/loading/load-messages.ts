@@ -5,10 +5,10 @@ import {
   type SplatFileErrorCode,
   SplatSourceError,
   WebSplatterError,
-} from '../../errors.ts';
-import type { PackedCloud } from '../../packing/packed-cloud.ts';
-import type { GeometryPrecision, ShPrecision } from '../../packing/precision.ts';
-import type { RowLayout } from '../../packing/row-layout.ts';
+} from '../../data/errors.ts';
+import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
+import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
+import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { RowFiles } from '../formats/row-sink.ts';
 import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-source.ts';
 

@@ -1,8 +1,13 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
 import { gzipSync } from 'node:zlib';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { InvalidArgumentError, SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
-import type { RowLayout } from '../../packing/row-layout.ts';
+import {
+  InvalidArgumentError,
+  SplatFileError,
+  SplatSourceError,
+  WebSplatterError,
+} from '../../data/errors.ts';
+import type { RowLayout } from '../../data/packing/row-layout.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';

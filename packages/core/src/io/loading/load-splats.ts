@@ -1,5 +1,5 @@
-import type { PackedCloud } from '../../packing/packed-cloud.ts';
-import type { GeometryPrecision } from '../../packing/precision.ts';
+import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
+import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import {
   baseUrl,

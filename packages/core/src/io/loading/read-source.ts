@@ -1,6 +1,6 @@
-import type { ReadHarmonics } from '../../packing/harmonics.ts';
-import { checkPrecision } from '../../packing/precision.ts';
-import type { SplatSet } from '../../splats/splat-set.ts';
+import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
+import { checkPrecision } from '../../data/packing/precision.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { type FormatReaders, SNIFF_BYTES } from '../formats/splat-format.ts';
 import { ByteReader } from '../sources/byte-reader.ts';

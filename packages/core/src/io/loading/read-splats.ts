@@ -1,6 +1,6 @@
-import type { PackedHarmonics, ReadHarmonics } from '../../packing/harmonics.ts';
-import type { OwnShPrecision } from '../../packing/precision.ts';
-import type { SplatSet } from '../../splats/splat-set.ts';
+import type { PackedHarmonics, ReadHarmonics } from '../../data/packing/harmonics.ts';
+import type { OwnShPrecision } from '../../data/packing/precision.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**

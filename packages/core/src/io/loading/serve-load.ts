@@ -1,6 +1,6 @@
-import { type PackedCloud, packCloud, transferablesOf } from '../../packing/packed-cloud.ts';
-import { checkPrecision } from '../../packing/precision.ts';
-import type { RowLayout } from '../../packing/row-layout.ts';
+import { type PackedCloud, packCloud, transferablesOf } from '../../data/packing/packed-cloud.ts';
+import { checkPrecision } from '../../data/packing/precision.ts';
+import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { Passed, RowSink, RowsTo } from '../formats/row-sink.ts';
 import type { FormatReaders } from '../formats/splat-format.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from '../sources/splat-source.ts';

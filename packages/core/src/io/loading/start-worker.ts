@@ -1,4 +1,4 @@
-import { WebSplatterError } from '../../errors.ts';
+import { WebSplatterError } from '../../data/errors.ts';
 import { tryWorker } from './try-worker.ts';
 
 /**

@@ -1,5 +1,5 @@
-import { SplatFileError, SplatSourceError, WebSplatterError } from '../../errors.ts';
-import { Turns } from '../../turns.ts';
+import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
+import { Turns } from '../../data/turns.ts';
 import { lockedStreamError } from './source-kind.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
 

@@ -1,5 +1,5 @@
-import { InvalidArgumentError } from '../../errors.ts';
-import { shown } from '../../printable.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
 import type { RequestOptions } from './splat-source.ts';
 
 const CREDENTIALS: readonly unknown[] = ['omit', 'same-origin', 'include'];

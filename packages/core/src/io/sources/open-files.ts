@@ -1,4 +1,4 @@
-import { InvalidArgumentError, SplatFileError } from '../../errors.ts';
+import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
 import { isLeadingFile } from '../formats/formats.ts';
 import { openBlob } from './open-blob.ts';
 import { isBlob } from './source-kind.ts';

@@ -2,7 +2,7 @@ import { createServer, type IncomingMessage, type Server, type ServerResponse } 
 import type { AddressInfo } from 'node:net';
 import { gzipSync } from 'node:zlib';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
-import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../../errors.ts';
+import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';

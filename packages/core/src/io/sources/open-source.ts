@@ -1,5 +1,5 @@
-import { InvalidArgumentError } from '../../errors.ts';
-import { shown } from '../../printable.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
 import { openBlob } from './open-blob.ts';
 import { openUrl } from './open-url.ts';
 import { bytesOf, isBlob, isStream, lockedStreamError, sourceName } from './source-kind.ts';

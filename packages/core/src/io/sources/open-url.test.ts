@@ -4,7 +4,7 @@ import type { AddressInfo } from 'node:net';
 import { inspect } from 'node:util';
 import { gzipSync } from 'node:zlib';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../../errors.ts';
+import { InvalidArgumentError, SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';

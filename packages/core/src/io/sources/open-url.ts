@@ -1,4 +1,4 @@
-import { SplatSourceError } from '../../errors.ts';
+import { SplatSourceError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
 import { baseUrl, shortName } from './source-kind.ts';

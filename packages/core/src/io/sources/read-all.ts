@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import type { ByteReader } from './byte-reader.ts';
 
 /** Memory to begin with, where nothing is known. */

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import type { SplatInput } from '../formats/splat-format.ts';
 import { readAll } from './read-all.ts';
 

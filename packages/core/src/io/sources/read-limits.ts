@@ -1,5 +1,5 @@
-import { InvalidArgumentError, SplatFileError } from '../../errors.ts';
-import { shown } from '../../printable.ts';
+import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
 import type { OpenedSource, ReadLimits } from './splat-source.ts';
 
 /** Splats of degree 3 as they are trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */

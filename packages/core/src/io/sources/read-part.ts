@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
 import { ByteReader } from './byte-reader.ts';
 import { openUrl } from './open-url.ts';

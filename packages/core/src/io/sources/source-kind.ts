@@ -1,5 +1,5 @@
-import { InvalidArgumentError, SplatSourceError } from '../../errors.ts';
-import { printable } from '../../printable.ts';
+import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
+import { printable } from '../../data/printable.ts';
 import type { SceneFiles, SplatSource } from './splat-source.ts';
 
 /** Longest name shown in messages: data URLs can be megabytes. */

@@ -1,5 +1,5 @@
-import type { SplatSourceError } from '../../errors.ts';
-import type { ShPrecision } from '../../packing/precision.ts';
+import type { SplatSourceError } from '../../data/errors.ts';
+import type { ShPrecision } from '../../data/packing/precision.ts';
 
 /** The files of one scene that has several, such as `meta.json` and its images. */
 export interface SceneFiles {

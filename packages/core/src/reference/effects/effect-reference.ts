@@ -1,4 +1,4 @@
-import type { Vec3 } from '../../math/mat4.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
 import type { ScreenCovariance } from '../covariance.ts';
 
 /** A splat in float64, as effects receive and return it: in its cloud's space, about the cloud's origin. */

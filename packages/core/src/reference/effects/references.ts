@@ -1,11 +1,11 @@
-import type { EffectPlace, EffectUse } from '../../effects/effect.ts';
+import type { EffectPlace, EffectUse } from '../../gpu/effects/effect.ts';
 import type { EffectReference } from './effect-reference.ts';
 
 /** Makes the reference of an effect with these options, for a cloud at this place. */
 export type ReferenceFunction = (options: never, place: EffectPlace) => EffectReference;
 
 /** References of this package's effects, by path: each is beside its effect. */
-const REFERENCES = import.meta.glob<ReferenceFunction>('../../effects/*/*.reference.ts', {
+const REFERENCES = import.meta.glob<ReferenceFunction>('../../gpu/effects/*/*.reference.ts', {
   eager: true,
   import: 'reference',
 });
@@ -22,7 +22,7 @@ export function referencesOf(
   others: Readonly<Record<string, ReferenceFunction>> = {},
 ): readonly EffectReference[] {
   return uses.map(({ effect: { name }, options }) => {
-    const reference = REFERENCES[`../../effects/${name}/${name}.reference.ts`] ?? others[name];
+    const reference = REFERENCES[`../../gpu/effects/${name}/${name}.reference.ts`] ?? others[name];
     if (!reference)
       throw new RangeError(`The effect ${name} has no reference: pass one in \`effectReferences\`.`);
     return reference(options as never, place);

@@ -1,5 +1,5 @@
-import type { EffectPlace } from '../../effects/effect.ts';
-import { linearPart, transform3, type Vec3 } from '../../math/mat4.ts';
+import { linearPart, transform3, type Vec3 } from '../../data/math/mat4.ts';
+import type { EffectPlace } from '../../gpu/effects/effect.ts';
 
 /** World position of a point of a cloud that is given about the cloud's origin. */
 export function worldPosition([x, y, z]: Vec3, { modelMatrix, origin }: EffectPlace): Vec3 {

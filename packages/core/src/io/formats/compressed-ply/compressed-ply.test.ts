@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { SplatFileError } from '../../../errors.ts';
-import { readCoefficients } from '../../../packing/harmonics.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { readCoefficients } from '../../../data/packing/harmonics.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import {

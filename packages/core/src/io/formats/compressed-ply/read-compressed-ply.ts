@@ -1,7 +1,7 @@
-import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
-import { colorDcOf, logitOf, tableOfBytes } from '../../../splats/color-values.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import type { ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { readExactly } from '../../sources/read-exactly.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
-import { permuteSplats } from '../../../packing/morton-order.ts';
-import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { permuteSplats } from '../../../data/packing/morton-order.ts';
+import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';

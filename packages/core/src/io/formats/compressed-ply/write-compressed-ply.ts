@@ -1,10 +1,10 @@
-import { emptyBounds, widenBounds } from '../../../packing/center-bounds.ts';
-import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { mortonOrderInTurns } from '../../../packing/morton-order.ts';
-import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
-import { colorOf, opacityOf } from '../../../splats/color-values.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
-import { Turns } from '../../../turns.ts';
+import { emptyBounds, widenBounds } from '../../../data/packing/center-bounds.ts';
+import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { mortonOrderInTurns } from '../../../data/packing/morton-order.ts';
+import { largestComponent, normalizedRotation } from '../../../data/packing/rotation.ts';
+import { colorOf, opacityOf } from '../../../data/splats/color-values.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { Turns } from '../../../data/turns.ts';
 import { antialiasComments } from '../ply/write-ply.ts';
 import {
   fileMemory,

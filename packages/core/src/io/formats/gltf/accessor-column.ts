@@ -1,4 +1,4 @@
-import { shown } from '../../../printable.ts';
+import { shown } from '../../../data/printable.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import type { GltfJson, JsonObject } from './gltf-json.ts';
 

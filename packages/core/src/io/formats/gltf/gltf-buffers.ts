@@ -1,4 +1,4 @@
-import { shown } from '../../../printable.ts';
+import { shown } from '../../../data/printable.ts';
 import { decodeDataUri, isDataUri } from '../../containers/data-uri.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';

@@ -1,5 +1,5 @@
-import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
-import { shown } from '../../../printable.ts';
+import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
+import { shown } from '../../../data/printable.ts';
 import { messageOf } from '../../sources/byte-reader.ts';
 import { SPLATTING } from './gltf-semantics.ts';
 

@@ -1,4 +1,4 @@
-import { identity4, type Mat4, multiply4 } from '../../../math/mat4.ts';
+import { identity4, type Mat4, multiply4 } from '../../../data/math/mat4.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 
 /** A mesh where a node puts it. */

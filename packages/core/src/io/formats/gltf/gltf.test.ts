@@ -1,8 +1,8 @@
 import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
-import { SplatFileError, WebSplatterError } from '../../../errors.ts';
-import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { SplatFileError, WebSplatterError } from '../../../data/errors.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { type Choices, fuzz } from '../../../testing/fuzz.ts';
 import {

@@ -1,8 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { linearPart, type Mat4, multiply4, transform3 } from '../../../math/mat4.ts';
-import { readCoefficients } from '../../../packing/harmonics.ts';
-import { shRestBasis } from '../../../splats/spherical-harmonics.ts';
+import { linearPart, type Mat4, multiply4, transform3 } from '../../../data/math/mat4.ts';
+import { readCoefficients } from '../../../data/packing/harmonics.ts';
+import { shRestBasis } from '../../../data/splats/spherical-harmonics.ts';
 import { type AnyJson, glbBytes, gltfOf, splatAttributes } from '../../../testing/gltf-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { readSplats } from '../../loading/read-splats.ts';

@@ -1,7 +1,7 @@
-import { identity4, type Mat4 } from '../../../math/mat4.ts';
-import { normalizedRotation } from '../../../packing/rotation.ts';
-import { HarmonicsTurn } from '../../../splats/harmonics-turn.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { identity4, type Mat4 } from '../../../data/math/mat4.ts';
+import { normalizedRotation } from '../../../data/packing/rotation.ts';
+import { HarmonicsTurn } from '../../../data/splats/harmonics-turn.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 
 /** Lengths of axes that differ by less count as equal: writers round matrices to float32. */

@@ -1,5 +1,5 @@
-import { shown } from '../../../printable.ts';
-import type { FileFacts } from '../../../splats/splat-set.ts';
+import { shown } from '../../../data/printable.ts';
+import type { FileFacts } from '../../../data/splats/splat-set.ts';
 import { isGlb, unpackGlb } from '../../containers/glb.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';

@@ -1,7 +1,7 @@
-import { shown } from '../../../printable.ts';
-import { logitOf } from '../../../splats/color-values.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { shown } from '../../../data/printable.ts';
+import { logitOf } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';

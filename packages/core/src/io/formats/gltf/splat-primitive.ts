@@ -1,4 +1,4 @@
-import { shown } from '../../../printable.ts';
+import { shown } from '../../../data/printable.ts';
 import type { DecodedRows } from '../decoded-rows.ts';
 import { readSpzContents } from '../spz/read-spz.ts';
 import { spzRows } from '../spz/spz-rows.ts';

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { unpackGlb } from '../../containers/glb.ts';

@@ -1,9 +1,9 @@
-import { InvalidArgumentError } from '../../../errors.ts';
-import { centerBounds } from '../../../packing/center-bounds.ts';
-import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { normalizedRotation } from '../../../packing/rotation.ts';
-import { opacityOf } from '../../../splats/color-values.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
+import { centerBounds } from '../../../data/packing/center-bounds.ts';
+import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { normalizedRotation } from '../../../data/packing/rotation.ts';
+import { opacityOf } from '../../../data/splats/color-values.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { beginGlb } from '../../containers/glb.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
 import { BY_DEPTH, harmonicsSemantics, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts';

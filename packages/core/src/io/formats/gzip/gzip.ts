@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import { readGzipped } from '../../containers/gzip.ts';
 import { PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { type ReadFormat, SNIFF_BYTES } from '../splat-format.ts';

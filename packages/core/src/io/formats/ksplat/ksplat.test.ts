@@ -1,9 +1,9 @@
 import { describe, expect, test } from 'vitest';
-import { SplatFileError } from '../../../errors.ts';
-import { fromHalfBits, toHalfBits } from '../../../layout/half.ts';
-import { readCoefficients } from '../../../packing/harmonics.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { fromHalfBits, toHalfBits } from '../../../data/layout/half.ts';
+import { readCoefficients } from '../../../data/packing/harmonics.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import {

@@ -1,8 +1,8 @@
-import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
-import { fromHalfBits } from '../../../layout/half.ts';
-import { colorDcOf, logitOf, tableOfBytes } from '../../../splats/color-values.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
+import { fromHalfBits } from '../../../data/layout/half.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { readExactly } from '../../sources/read-exactly.ts';
 import { checkCount } from '../check-count.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import {
   distinctValue,

@@ -1,6 +1,6 @@
-import { colorDcOf, logitOf } from '../../../splats/color-values.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import type { SplatColumns } from '../../../splats/splat-set.ts';
+import { colorDcOf, logitOf } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import type { SplatColumns } from '../../../data/splats/splat-set.ts';
 import type { PlyElement, PlyHeader, PlyType } from '../ply/ply-header.ts';
 import { type PlyVariant, readPlyWith } from '../ply/read-ply.ts';
 import type { ReadFormat } from '../splat-format.ts';

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatSetBuilder } from '../splat-set-builder.ts';

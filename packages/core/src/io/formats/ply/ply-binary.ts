@@ -1,7 +1,7 @@
-import { SplatFileError } from '../../../errors.ts';
-import { fromHalfBits } from '../../../layout/half.ts';
-import { type RowLayout, rowsWithin } from '../../../packing/row-layout.ts';
-import type { ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { fromHalfBits } from '../../../data/layout/half.ts';
+import { type RowLayout, rowsWithin } from '../../../data/packing/row-layout.ts';
+import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { RowSink } from '../row-sink.ts';

@@ -1,4 +1,4 @@
-import { SplatFileError, type SplatFileErrorCode } from '../../../errors.ts';
+import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 
 export type PlyFormat = 'ascii' | 'binary_little_endian' | 'binary_big_endian';

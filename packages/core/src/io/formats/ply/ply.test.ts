@@ -1,10 +1,10 @@
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
-import { WebSplatterError } from '../../../errors.ts';
-import { toHalfBits } from '../../../layout/half.ts';
-import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { packCloud } from '../../../packing/packed-cloud.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
+import { WebSplatterError } from '../../../data/errors.ts';
+import { toHalfBits } from '../../../data/layout/half.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { packCloud } from '../../../data/packing/packed-cloud.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import {
   CORE_NAMES,

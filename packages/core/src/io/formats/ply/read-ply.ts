@@ -1,7 +1,7 @@
-import { SplatFileError } from '../../../errors.ts';
-import type { PackedHarmonics } from '../../../packing/harmonics.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../data/splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';

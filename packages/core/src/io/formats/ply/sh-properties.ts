@@ -1,5 +1,5 @@
-import { SplatFileError } from '../../../errors.ts';
-import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { PlyElement } from './ply-header.ts';
 
 const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];

@@ -1,5 +1,5 @@
-import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
 
 /**

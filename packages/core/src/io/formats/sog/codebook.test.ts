@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
+import { Turns } from '../../../data/turns.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
-import { Turns } from '../../../turns.ts';
 import { findCodebook } from './codebook.ts';
 
 const find = (values: Float32Array) => findCodebook(values.slice(), new Turns(undefined));

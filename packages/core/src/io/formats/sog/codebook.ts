@@ -1,5 +1,5 @@
-import { ROWS_AT_ONCE, splitRows } from '../../../packing/split-rows.ts';
-import type { Turns } from '../../../turns.ts';
+import { ROWS_AT_ONCE, splitRows } from '../../../data/packing/split-rows.ts';
+import type { Turns } from '../../../data/turns.ts';
 
 /** Values of a codebook. */
 const SIZE = 256;

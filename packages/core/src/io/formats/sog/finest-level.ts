@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import { clip } from '../ply/ply-header.ts';
 import { JsonFields } from './json-fields.ts';
 

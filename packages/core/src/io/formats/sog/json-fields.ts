@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import { clip } from '../ply/ply-header.ts';
 
 /** The fields of an object in JSON from a file. Each method throws SplatFileError 'bad-header' for what it does not find. */

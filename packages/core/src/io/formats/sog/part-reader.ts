@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import { checkSize, limitsOf } from '../../sources/read-limits.ts';
 import { openPart, readOpenedPart } from '../../sources/read-part.ts';
 import type { UncheckedBytes } from '../../sources/splat-source.ts';

@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import { MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { MAX_PALETTE_ENTRIES } from '../../../data/packing/harmonics-palette.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';

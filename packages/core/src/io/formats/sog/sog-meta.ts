@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import { logitOf, tableOfBytes } from '../../../splats/color-values.ts';
-import type { ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
+import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { clip } from '../ply/ply-header.ts';
 import { JsonFields } from './json-fields.ts';

@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../packing/harmonics-palette.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../data/packing/harmonics-palette.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { SogImages, SogPaletteImages } from './sog-images.ts';
 import type { SogMeta } from './sog-meta.ts';
 

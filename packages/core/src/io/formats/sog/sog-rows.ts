@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { FIRST_MODE, POSITION_STEPS } from './sog-layout.ts';
 import { labelsOf, paletteEntries, type SogUnit } from './sog-palette.ts';

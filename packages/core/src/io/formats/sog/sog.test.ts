@@ -1,9 +1,9 @@
 import { describe, expect, test } from 'vitest';
-import { WebSplatterError } from '../../../errors.ts';
-import { isPalette, readCoefficients } from '../../../packing/harmonics.ts';
-import type { RowLayout } from '../../../packing/row-layout.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { coefficientsPerSplat } from '../../../splats/splat-set.ts';
+import { WebSplatterError } from '../../../data/errors.ts';
+import { isPalette, readCoefficients } from '../../../data/packing/harmonics.ts';
+import type { RowLayout } from '../../../data/packing/row-layout.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { type FileRows, rowsOf } from '../../../testing/rows-of.ts';

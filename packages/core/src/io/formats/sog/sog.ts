@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import type { PackedHarmonics, ReadHarmonics } from '../../../packing/harmonics.ts';
-import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { PackedHarmonics, ReadHarmonics } from '../../../data/packing/harmonics.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';

@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { InvalidArgumentError } from '../../../errors.ts';
-import type { Harmonics } from '../../../packing/harmonics.ts';
-import { mortonOrder, permuteSplats } from '../../../packing/morton-order.ts';
-import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
+import type { Harmonics } from '../../../data/packing/harmonics.ts';
+import { mortonOrder, permuteSplats } from '../../../data/packing/morton-order.ts';
+import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
 import { paletteSplats } from '../../../testing/palette-splats.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';

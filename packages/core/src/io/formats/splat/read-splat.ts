@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import { colorDcOf, logitOf, tableOfBytes } from '../../../splats/color-values.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import { readGzipped } from '../../containers/gzip.ts';
 import { unpackZstd } from '../../containers/zstd.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';

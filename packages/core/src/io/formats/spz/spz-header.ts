@@ -1,4 +1,4 @@
-import { type FilePlace, SplatFileError } from '../../../errors.ts';
+import { type FilePlace, SplatFileError } from '../../../data/errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 import { checkCount } from '../check-count.ts';
 import { latin1 } from '../latin1.ts';

@@ -1,7 +1,7 @@
-import { fromHalfBits } from '../../../layout/half.ts';
-import { logitOf, tableOfBytes } from '../../../splats/color-values.ts';
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../../splats/splat-set.ts';
+import { fromHalfBits } from '../../../data/layout/half.ts';
+import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import type { SpzHeader } from './spz-header.ts';
 import { COLOR_SCALE } from './spz-layout.ts';

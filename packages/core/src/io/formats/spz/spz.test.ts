@@ -1,10 +1,10 @@
 import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
-import { SplatFileError } from '../../../errors.ts';
-import { fromHalfBits } from '../../../layout/half.ts';
-import { type PackedHarmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { shRestBasis } from '../../../splats/spherical-harmonics.ts';
-import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { fromHalfBits } from '../../../data/layout/half.ts';
+import { type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { shRestBasis } from '../../../data/splats/spherical-harmonics.ts';
+import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
 import { readSplats } from '../../loading/read-splats.ts';

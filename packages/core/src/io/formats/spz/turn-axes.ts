@@ -1,4 +1,4 @@
-import { ROW_SLOT } from '../../../splats/splat-row.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 
 /** Bits of a coordinate system's number minus one. */
 const IS_RIGHT = 1;

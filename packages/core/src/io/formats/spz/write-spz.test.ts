@@ -1,7 +1,7 @@
 import { gunzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
-import { InvalidArgumentError } from '../../../errors.ts';
-import type { ShDegree, SplatSet } from '../../../splats/splat-set.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
+import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
 import { randomSplats, splatsOf } from '../../../testing/random-splats.ts';
 import { splatErrors } from '../../../testing/splat-errors.ts';
 import { readSplats } from '../../loading/read-splats.ts';

@@ -1,8 +1,8 @@
-import { InvalidArgumentError } from '../../../errors.ts';
-import { type Harmonics, readCoefficients } from '../../../packing/harmonics.ts';
-import { largestComponent, normalizedRotation } from '../../../packing/rotation.ts';
-import { opacityOf } from '../../../splats/color-values.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../splats/splat-set.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
+import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { largestComponent, normalizedRotation } from '../../../data/packing/rotation.ts';
+import { opacityOf } from '../../../data/splats/color-values.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { packGzip } from '../../containers/pack-gzip.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
 import { SPZ_MAGIC } from './spz-format.ts';

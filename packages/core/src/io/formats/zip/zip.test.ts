@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { SplatFileError, WebSplatterError } from '../../../errors.ts';
+import { SplatFileError, WebSplatterError } from '../../../data/errors.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { Choices, fuzz } from '../../../testing/fuzz.ts';
 import { plyBytes, splatElement } from '../../../testing/ply-fixture.ts';

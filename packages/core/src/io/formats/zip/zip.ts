@@ -1,6 +1,6 @@
-import { SplatFileError } from '../../../errors.ts';
-import type { ReadHarmonics } from '../../../packing/harmonics.ts';
-import type { SplatSet } from '../../../splats/splat-set.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { ReadHarmonics } from '../../../data/packing/harmonics.ts';
+import type { SplatSet } from '../../../data/splats/splat-set.ts';
 import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { readAll } from '../../sources/read-all.ts';

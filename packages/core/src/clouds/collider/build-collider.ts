@@ -1,0 +1,39 @@
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { GEOMETRY_WORDS, type PackedGeometry } from '../../data/packing/geometry.ts';
+import { Turns } from '../../data/turns.ts';
+import type { GeometryBuilder, GeometryBuilders } from '../geometry-builder.ts';
+import { ColliderGrid } from './collider-grid.ts';
+import type { ColliderPlan } from './collider-plan.ts';
+import { surfaceOf, type Triangles, withoutIslands } from './collider-surface.ts';
+
+/** Makes a collider of splats that come piece by piece, in turns of the event loop. */
+export class ColliderBuilder implements GeometryBuilder<Triangles> {
+  readonly #plan: ColliderPlan;
+  readonly #grid: ColliderGrid;
+  readonly #turns: Turns;
+
+  constructor(plan: ColliderPlan, signal?: AbortSignal) {
+    this.#plan = plan;
+    this.#grid = new ColliderGrid(plan.grid);
+    this.#turns = new Turns(signal);
+  }
+
+  async add(piece: PackedGeometry): Promise<void> {
+    const count = piece.words.length / GEOMETRY_WORDS[piece.precision];
+    for (let from = 0; from < count; from += CHUNK_SPLATS) {
+      await this.#turns.give();
+      this.#grid.add(piece, from, Math.min(count, from + CHUNK_SPLATS));
+    }
+  }
+
+  /** @throws InvalidArgumentError for too many triangles; the signal's reason. */
+  async finish(): Promise<Triangles> {
+    const { solidAt, origin, fewestTriangles } = this.#plan;
+    return withoutIslands(await surfaceOf(this.#grid, solidAt, origin, this.#turns), fewestTriangles);
+  }
+}
+
+/** For the worker. */
+export const COLLIDER_BUILDERS: GeometryBuilders = {
+  collider: (plan: ColliderPlan) => new ColliderBuilder(plan),
+};

@@ -1,0 +1,106 @@
+import type { Vec3 } from '../../data/math/mat4.ts';
+import type { PackedGeometry } from '../../data/packing/geometry.ts';
+import { areaOf, COVARIANCE, OPACITY, SHAPE_VALUES, SIZE, unpackShape } from '../splat-shape.ts';
+
+/** Nodes at which a cloud is sampled, a cell apart. */
+export interface GridPlan {
+  /** The first node, in the space of the geometry. */
+  readonly start: Vec3;
+  /** Nodes along x, y and z, at least 3. */
+  readonly size: Vec3;
+  /** Length of a cell's edge, world units. */
+  readonly cellSize: number;
+}
+
+/**
+ * Standard deviation, in cells, by which splats are blurred, so that a sheet thinner than a cell is noticed by the nodes on both
+ * sides wherever it lies between them: half a cell off, a third of it is left.
+ */
+const BLUR_CELLS = 0.35;
+/** Optical depth below which a splat's share of a node is left out. */
+const LEAST_DEPTH = 0.02;
+/** Opacity of a splat is limited to this when it is drawn. */
+const MOST_ALPHA = 0.99;
+/** Splats with a larger standard deviation, in parts of the grid's longest side, are sky or haze. */
+const MOST_SIZE = 0.5;
+
+/** What a cloud absorbs at the nodes of a grid: 4 bytes each. */
+export class ColliderGrid {
+  readonly plan: GridPlan;
+  /** Optical depth, −ln(1 − opacity), by node, x fastest. Outermost nodes stay empty, so that every surface is closed. */
+  readonly depths: Float32Array;
+  readonly #shape = new Float64Array(SHAPE_VALUES);
+
+  constructor(plan: GridPlan) {
+    this.plan = plan;
+    this.depths = new Float32Array(plan.size[0] * plan.size[1] * plan.size[2]);
+  }
+
+  /** Adds splats `from`…`end` of `geometry`. The same splats in the same order always give the same grid. */
+  add(geometry: PackedGeometry, from: number, end: number): void {
+    const { buffer, byteOffset, length } = geometry.words;
+    const floats = new Float32Array(buffer, byteOffset, length);
+    const { cellSize, size } = this.plan;
+    const largest = MOST_SIZE * cellSize * Math.max(...size);
+    for (let i = from; i < end; i++) {
+      if (unpackShape(geometry, floats, i, this.#shape, 0) && this.#shape[SIZE] <= largest) this.#addShape();
+    }
+  }
+
+  #addShape(): void {
+    const shape = this.#shape;
+    const { start, size, cellSize } = this.plan;
+    const area = areaOf(shape, COVARIANCE);
+    const blur = (BLUR_CELLS * cellSize) ** 2;
+    for (let axis = 0; axis < 3; axis++) shape[COVARIANCE + axis] += blur;
+    // Blurred, a splat is larger than it was: it keeps its share of what is seen.
+    const alpha = (Math.min(MOST_ALPHA, shape[OPACITY]) * area) / areaOf(shape, COVARIANCE);
+    const depth = -Math.log(1 - alpha);
+    if (depth < LEAST_DEPTH) return;
+    // Within this squared distance, in standard deviations, it counts.
+    const reach = 2 * Math.log(depth / LEAST_DEPTH);
+
+    const xx = shape[COVARIANCE];
+    const yy = shape[COVARIANCE + 1];
+    const zz = shape[COVARIANCE + 2];
+    const xy = shape[COVARIANCE + 3];
+    const xz = shape[COVARIANCE + 4];
+    const yz = shape[COVARIANCE + 5];
+    // The inverse of the covariance, in cells.
+    const perCells =
+      (cellSize * cellSize) /
+      (xx * (yy * zz - yz * yz) - xy * (xy * zz - xz * yz) + xz * (xy * yz - xz * yy));
+    const qxx = (yy * zz - yz * yz) * perCells;
+    const qyy = (xx * zz - xz * xz) * perCells;
+    const qzz = (xx * yy - xy * xy) * perCells;
+    const qxy = (xz * yz - xy * zz) * perCells;
+    const qxz = (xy * yz - xz * yy) * perCells;
+    const qyz = (xy * xz - xx * yz) * perCells;
+
+    const cx = (shape[0] - start[0]) / cellSize;
+    const cy = (shape[1] - start[1]) / cellSize;
+    const cz = (shape[2] - start[2]) / cellSize;
+    const reachY = Math.sqrt(reach * yy) / cellSize;
+    const reachZ = Math.sqrt(reach * zz) / cellSize;
+    const lastY = Math.min(size[1] - 2, Math.floor(cy + reachY));
+    const lastZ = Math.min(size[2] - 2, Math.floor(cz + reachZ));
+    for (let z = Math.max(1, Math.ceil(cz - reachZ)); z <= lastZ; z++) {
+      const dz = z - cz;
+      for (let y = Math.max(1, Math.ceil(cy - reachY)); y <= lastY; y++) {
+        const dy = y - cy;
+        // Along x the squared distance is qxx·dx² + 2·half·dx + rest.
+        const half = qxy * dy + qxz * dz;
+        const rest = qyy * dy * dy + 2 * qyz * dy * dz + qzz * dz * dz;
+        const discriminant = half * half - qxx * (rest - reach);
+        if (!(discriminant > 0)) continue;
+        const root = Math.sqrt(discriminant);
+        const lastX = Math.min(size[0] - 2, Math.floor(cx + (root - half) / qxx));
+        const row = (z * size[1] + y) * size[0];
+        for (let x = Math.max(1, Math.ceil(cx - (root + half) / qxx)); x <= lastX; x++) {
+          const dx = x - cx;
+          this.depths[row + x] += depth * Math.exp(-0.5 * ((qxx * dx + 2 * half) * dx + rest));
+        }
+      }
+    }
+  }
+}

@@ -1,0 +1,142 @@
+import { InvalidArgumentError } from '../../data/errors.ts';
+import type { Bounds, PackedCloud } from '../../data/packing/packed-cloud.ts';
+import { shown } from '../../data/printable.ts';
+import { buildOfGeometry } from '../build-of-geometry.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
+import { ColliderBuilder } from './build-collider.ts';
+import type { GridPlan } from './collider-grid.ts';
+import type { ColliderPlan } from './collider-plan.ts';
+import type { Triangles } from './collider-surface.ts';
+
+export interface ColliderMeshOptions {
+  /**
+   * Length of a cell's edge in the cloud's own space; default a ninety-sixth of the longest side of `bounds`. Half of it, an eighth
+   * of the work and memory are saved, or spent.
+   */
+  readonly cellSize?: number;
+  /** Part of the cloud's own space of which the mesh is made; it is closed at its sides. Default: the cloud's `robustBounds`. */
+  readonly bounds?: Bounds;
+  /** Opacity of the splats about a cell from which on it is solid, 0…1 exclusive; default 0.5. */
+  readonly solidAt?: number;
+  /** Connected parts of fewer triangles are left out: splats that float about alone. Default 100. */
+  readonly fewestTriangles?: number;
+  /** Calls the work off. */
+  readonly signal?: AbortSignal;
+  /** Called with the part of the splats that have been taken, 0…1. */
+  readonly onProgress?: (part: number) => void;
+}
+
+/** A coarse mesh around what is opaque of a cloud, in the cloud's own space, for physics engines. */
+export interface ColliderMesh extends Triangles {
+  /** Length of a cell's edge. */
+  readonly cellSize: number;
+}
+
+/** Most nodes of a grid: 64 MiB. */
+const MAX_COLLIDER_NODES = 1 << 24;
+
+const DEFAULT_CELLS = 96;
+const DEFAULT_SOLID_AT = 0.5;
+const DEFAULT_FEWEST_TRIANGLES = 100;
+/** Empty cells around the bounds, into which blurred splats reach. */
+const MARGIN_CELLS = 2;
+/** Splats are read for most of the time. */
+const READING_PART = 0.9;
+
+/**
+ * Makes a coarse, closed mesh around what is opaque of a cloud: of the opacity of its splats at the corners of cells. It lies up to a
+ * cell outside of what is seen; openings narrower than about two cells are closed. Splats larger than half of the bounds are left
+ * out, as sky. Made in a worker where one can start, else in turns on this thread; takes 4 bytes per cell, 64 MiB at most, and a
+ * piece of the splats at a time, whatever their number. The same cloud always gives the same mesh.
+ *
+ * @param splats on the GPU, of which the geometry is read back piece by piece, or packed.
+ * @returns an empty mesh where nothing is opaque.
+ * @throws InvalidArgumentError for options out of range, for cells so small that there are more than 16,777,216 of them, and for more
+ *   than 4,194,304 triangles; SplatSourceError for a preview; DestroyedError if cloud, engine or device end first; GpuLimitError if
+ *   memory is lacking; WebSplatterError `worker-failed` if the worker dies; the signal's reason.
+ */
+export async function makeColliderMesh(
+  splats: SplatCloud | PackedCloud,
+  options: ColliderMeshOptions = {},
+): Promise<ColliderMesh> {
+  const { signal, onProgress } = options;
+  signal?.throwIfAborted();
+  const plan = planFor(splats, options);
+  const { cellSize } = plan.grid;
+  if (splats.count === 0) return { positions: new Float32Array(), indices: new Uint32Array(), cellSize };
+  const mesh = await buildOfGeometry(splats, {
+    what: 'collider',
+    subject: 'A collider',
+    plan,
+    // In one piece, since this is the form that bundlers recognise.
+    makeWorker: () => new Worker(new URL('./collider-worker.ts', import.meta.url), { type: 'module' }),
+    make: () => new ColliderBuilder(plan, signal),
+    signal,
+    onProgress: (part) => onProgress?.(READING_PART * part),
+  });
+  onProgress?.(1);
+  return { ...mesh, cellSize };
+}
+
+function planFor(
+  { robustBounds, origin, count }: Pick<PackedCloud, 'robustBounds' | 'origin' | 'count'>,
+  {
+    // Those of nothing are inside out.
+    bounds = count > 0 ? robustBounds : { min: origin, max: origin },
+    cellSize,
+    solidAt = DEFAULT_SOLID_AT,
+    fewestTriangles = DEFAULT_FEWEST_TRIANGLES,
+  }: ColliderMeshOptions,
+): ColliderPlan {
+  const { min, max } = bounds;
+  const sides = [0, 1, 2].map((axis) => max[axis] - min[axis]);
+  if (!sides.every((side) => side >= 0 && side < Number.POSITIVE_INFINITY)) {
+    const found = `from ${shown(min)} to ${shown(max)}`;
+    throw new InvalidArgumentError(
+      'bounds',
+      `The bounds are ${found}: max must be finite and no less than min.`,
+    );
+  }
+  if (!(solidAt > 0 && solidAt < 1)) {
+    throw new InvalidArgumentError(
+      'solidAt',
+      `solidAt is ${shown(solidAt)}; it must be an opacity between 0 and 1.`,
+    );
+  }
+  if (!(Number.isInteger(fewestTriangles) && fewestTriangles >= 0)) {
+    const message = `fewestTriangles is ${shown(fewestTriangles)}; it must be a whole number of 0 or more.`;
+    throw new InvalidArgumentError('fewestTriangles', message);
+  }
+  // A single splat has no sides.
+  const longest = Math.max(...sides) || 1;
+  const edge = cellSize ?? longest / DEFAULT_CELLS;
+  if (!(edge > 0 && edge < Number.POSITIVE_INFINITY)) {
+    throw new InvalidArgumentError('cellSize', `cellSize is ${shown(edge)}; it must be a length above 0.`);
+  }
+  const size = nodesAlong(sides, edge);
+  if (size[0] * size[1] * size[2] > MAX_COLLIDER_NODES) {
+    const message = `Cells of ${edge} in bounds of ${sides.join(' × ')} are more than ${MAX_COLLIDER_NODES}. Make them at least ${smallestCell(sides)}, or give smaller bounds.`;
+    throw new InvalidArgumentError('cellSize', message);
+  }
+  const startAt = (axis: number) => min[axis] - origin[axis] - MARGIN_CELLS * edge;
+  const grid: GridPlan = { start: [startAt(0), startAt(1), startAt(2)], size, cellSize: edge };
+  return { grid, origin, solidAt, fewestTriangles };
+}
+
+function nodesAlong(sides: readonly number[], cellSize: number): [number, number, number] {
+  const [x, y, z] = sides.map((side) => Math.ceil(side / cellSize) + 1 + 2 * MARGIN_CELLS);
+  return [x, y, z];
+}
+
+/** The smallest cell, rounded up to two digits, of which there are not too many in bounds with these sides. */
+function smallestCell(sides: readonly number[]): number {
+  let [low, high] = [0, Math.max(...sides)];
+  for (let i = 0; i < 50; i++) {
+    const middle = (low + high) / 2;
+    const [x, y, z] = nodesAlong(sides, middle);
+    if (x * y * z > MAX_COLLIDER_NODES) low = middle;
+    else high = middle;
+  }
+  const step = 10 ** (Math.floor(Math.log10(high)) - 1);
+  return Number((Math.ceil(high / step) * step).toPrecision(2));
+}

@@ -1,0 +1,322 @@
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { ChunkParameters, MortonParameters, PermuteParameters } from '../../data/layout/packing-structs.ts';
+import { Chunk } from '../../data/layout/structs.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import { chunkCountOf } from '../../data/packing/chunks.ts';
+import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
+import { shBytesPerSplat, shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import type { MortonFrame } from '../../data/packing/morton-order.ts';
+import type { RowPrecision } from '../../data/packing/precision.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
+import { ingestChunks } from '../../gpu/stages/ingest-chunks.ts';
+import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestKeys } from '../../gpu/stages/ingest-keys.ts';
+import { ingestScatter } from '../../gpu/stages/ingest-scatter.ts';
+import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
+import { pairSortShapeFor, type SortShape } from '../../gpu/stages/sort-shape.ts';
+import type { PageRange, Plane } from '../cloud-planes.ts';
+import { Dispatches } from './dispatches.ts';
+
+export interface ArrangeContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+  readonly dispatchRow: number;
+}
+
+/** Planes in the order of a file, with a slot for each of its rows. */
+export interface ArrivedPlanes extends RowPrecision {
+  readonly name: string;
+  /** Pages of the slots. */
+  readonly ranges: readonly PageRange[];
+  readonly geometry: Plane;
+  readonly harmonics: Plane;
+  /** Degree of `harmonics`. */
+  readonly shDegree: ShDegree;
+  /** A bit for each slot: 1 if its row was dropped. */
+  readonly dropMask: GPUBuffer;
+  /** Rows that were kept, at least 1. */
+  readonly kept: number;
+  /** Whether there is memory for new planes where the given ones are roomy. */
+  readonly hasRoom: boolean;
+  /** The cloud's origin in the file, about which splats are placed. */
+  readonly origin: Vec3;
+  readonly frame: MortonFrame;
+  /** As ingest-rows leaves them: `Chunk` structs, and what packed log scales are beside their steps, null where they are float32. */
+  readonly arrivedChunks: GPUBuffer;
+  readonly logScaleRests: GPUBuffer | null;
+  /** Degree to keep, at most `shDegree`. */
+  readonly keptShDegree: ShDegree;
+  /** Pages of the planes in storage order, for `kept` splats; default those of the slots, as far as they are filled. */
+  readonly pages?: readonly PageRange[];
+}
+
+/** Planes in storage order. */
+export interface ArrangedPlanes {
+  readonly ranges: readonly PageRange[];
+  readonly geometry: Plane;
+  readonly harmonics: Plane;
+  readonly chunks: Plane;
+  /** Row in the file of each splat, then the dropped rows. */
+  readonly fileRows: GPUBuffer;
+}
+
+/** Rows may be this part of the slots fewer before planes are made anew instead of being arranged in place. */
+const SPARE_PART = 1 / 16;
+
+/** Whether planes with this many slots are much larger than those of the rows that were kept. */
+export function isRoomy(kept: number, slots: number): boolean {
+  return kept < (1 - SPARE_PART) * slots;
+}
+
+/** Sorts by Morton codes, each by eight of their bits. */
+const ROUNDS = 6;
+/** Bits of the sort keys: those, and one more where dropped rows must go behind all others. */
+const KEY_BITS = { none: 8, some: 9 } as const;
+
+/** One pass, which needs no second buffer of keys: memory has the rests of log scales instead. */
+function sortShapeOf(dropped: keyof typeof KEY_BITS): SortShape {
+  return pairSortShapeFor(KEY_BITS[dropped]);
+}
+
+/** Lists the stages that `arrangePlanes` runs. */
+export function arrangeStages(
+  { geometryPrecision }: Pick<RowPrecision, 'geometryPrecision'>,
+  hasDrops: boolean,
+) {
+  return [
+    ingestKeys(geometryPrecision),
+    ...radixSortStages(sortShapeOf(hasDrops ? 'some' : 'none')),
+    ingestGather,
+    ingestScatter,
+    ingestChunks(geometryPrecision),
+  ] satisfies StageDefinition[];
+}
+
+/**
+ * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them two words at a time, in place where few
+ * rows were dropped or there is no room, and pages and degree stay, so that beside the planes there are never more than 16 bytes
+ * per splat, and 4 of them last: the rows of the file. Then it settles splats about the origin, and their log scales in steps of
+ * their chunk's range. Frees the planes that it replaces.
+ * All stages must have been compiled. Submits, and does not wait.
+ *
+ * @throws GpuLimitError; the given planes are the caller's then, in any order.
+ */
+export function arrangePlanes(context: ArrangeContext, arrived: ArrivedPlanes): ArrangedPlanes {
+  const { memory } = context;
+  const made: GPUBuffer[] = [];
+  const create = (label: string, bytes: number) => {
+    const buffer = memory.createBuffer(label, bytes, storageUsage());
+    made.push(buffer);
+    return buffer;
+  };
+  try {
+    const fileRows = create(`${arrived.name} file rows`, 4 * slotsOf(arrived.ranges));
+    sortSplats(context, arrived, fileRows);
+    return permute(context, arrived, fileRows, create);
+  } catch (error) {
+    for (const buffer of made) memory.destroy(buffer);
+    throw error;
+  }
+}
+
+/** A function, because Node has no `GPUBufferUsage` before a GPU is opened. */
+function storageUsage(): GPUBufferUsageFlags {
+  return GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC | GPUBufferUsage.COPY_DST;
+}
+
+const workgroupsFor = (threads: number) => Math.ceil(threads / CHUNK_SPLATS);
+
+function slotsOf(ranges: readonly PageRange[]): number {
+  return ranges.at(-1)?.end ?? 0;
+}
+
+/** Writes the slots to `fileRows`, those of kept splats first and in storage order: a slot is a row of the file. */
+function sortSplats(
+  { device, pipelines, memory, dispatchRow }: ArrangeContext,
+  { ranges, geometry, geometryPrecision, dropMask, kept, origin, frame }: ArrivedPlanes,
+  fileRows: GPUBuffer,
+): void {
+  const slots = slotsOf(ranges);
+  const shape = sortShapeOf(kept < slots ? 'some' : 'none');
+  const keyCount = memory.createFilledBuffer('ingest key count', Uint32Array.of(slots));
+  const temporary = [keyCount];
+  let sort: RadixSort | null = null;
+  try {
+    const options = {
+      shape,
+      capacity: slots,
+      keyCount,
+      dispatchRow,
+      payloads: 'given',
+      order: fileRows,
+      label: 'ingest',
+    } as const;
+    sort = new RadixSort(device, pipelines, memory, options);
+    const { input } = sort;
+    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+    const stage = ingestKeys(geometryPrecision);
+    for (let round = 0; round < ROUNDS; round++) {
+      for (const [page, { start, end }] of ranges.entries()) {
+        const parameters = MortonParameters.pack({
+          ...frame,
+          round,
+          origin,
+          pageStart: start,
+          pageEnd: end,
+          slotCount: slots,
+          dispatchRow,
+        });
+        const bindings = { geometry: geometry[page], dropMask, order: fileRows, ...input };
+        dispatches.add(stage, parameters, bindings, workgroupsFor(slots));
+      }
+      dispatches.call((pass) => sort!.record(pass));
+    }
+    const encoder = device.createCommandEncoder({ label: 'ingest sort' });
+    temporary.push(dispatches.record(encoder, 'ingest sort'));
+    device.queue.submit([encoder.finish()]);
+  } finally {
+    sort?.destroy();
+    for (const buffer of temporary) memory.destroy(buffer);
+  }
+}
+
+/** A plane before and after. */
+interface Move {
+  readonly from: Plane;
+  readonly to: Plane;
+  readonly wordsBefore: number;
+  readonly words: number;
+  /** Bits of the last word that are kept. */
+  readonly lastMask: number;
+}
+
+function permute(
+  { device, pipelines, memory, dispatchRow }: ArrangeContext,
+  arrived: ArrivedPlanes,
+  fileRows: GPUBuffer,
+  create: (label: string, bytes: number) => GPUBuffer,
+): ArrangedPlanes {
+  const { name, kept, geometryPrecision, shPrecision, shDegree, keptShDegree } = arrived;
+  const filled = arrived.ranges
+    .filter(({ start }) => start < kept)
+    .map(({ start, end }) => ({ start, end: Math.min(end, kept) }));
+  const ranges = arrived.pages ?? filled;
+  const isRepaged = ranges.length !== filled.length || ranges.some(({ end }, i) => end !== filled[i].end);
+  const isShrunk = arrived.hasRoom && isRoomy(kept, slotsOf(arrived.ranges));
+  const planeOf = (what: string, words: number): Plane =>
+    ranges.map(({ start, end }, page) => create(`${name} ${what} ${page}`, 4 * words * (end - start)));
+  const moveOf = (what: string, from: Plane, wordsBefore: number, words: number, lastMask: number): Move => {
+    const isNew = words > 0 && (isShrunk || isRepaged || words !== wordsBefore);
+    return {
+      from,
+      to: isNew ? planeOf(what, words) : from.slice(0, ranges.length),
+      wordsBefore,
+      words,
+      lastMask,
+    };
+  };
+  const geometryWords = GEOMETRY_WORDS[geometryPrecision];
+  const shWords = shWordsPerSplat(keptShDegree, shPrecision);
+  const spareBytes = 4 * shWords - shBytesPerSplat(keptShDegree, shPrecision);
+  const geometry = moveOf('geometry', arrived.geometry, geometryWords, geometryWords, 0xffffffff);
+  const harmonics = moveOf(
+    'spherical harmonics',
+    arrived.harmonics,
+    shWordsPerSplat(shDegree, shPrecision),
+    shWords,
+    0xffffffff >>> (8 * spareBytes),
+  );
+  const chunks = ranges.map(({ start, end }, page) =>
+    create(`${name} chunks ${page}`, Chunk.bytes * chunkCountOf(end - start)),
+  );
+  const temporary: GPUBuffer[] = [];
+  try {
+    const wordsAtOnce = 8 * kept <= device.limits.maxStorageBufferBindingSize ? 2 : 1;
+    const words = memory.createBuffer('ingest words', 4 * wordsAtOnce * kept, storageUsage());
+    temporary.push(words);
+    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+    for (const move of [geometry, harmonics]) {
+      addMove(dispatches, move, {
+        before: arrived.ranges,
+        after: ranges,
+        list: fileRows,
+        words,
+        wordsAtOnce,
+        kept,
+        dispatchRow,
+      });
+    }
+    const { origin, arrivedChunks, logScaleRests } = arrived;
+    for (const [page, { start, end }] of ranges.entries()) {
+      const parameters = ChunkParameters.pack({
+        origin,
+        firstSplat: start,
+        splatCount: end - start,
+        dispatchRow,
+      });
+      const bindings = {
+        geometry: geometry.to[page],
+        chunks: chunks[page],
+        ...(logScaleRests && { fileRows, arrivedChunks, logScaleRests }),
+      };
+      dispatches.add(ingestChunks(geometryPrecision), parameters, bindings, chunkCountOf(end - start));
+    }
+    const encoder = device.createCommandEncoder({ label: 'ingest arrange' });
+    temporary.push(dispatches.record(encoder, 'ingest arrange'));
+    device.queue.submit([encoder.finish()]);
+  } finally {
+    for (const buffer of temporary) memory.destroy(buffer);
+  }
+  for (const { from, to, words } of [geometry, harmonics]) {
+    for (const buffer of from) if (words === 0 || !to.includes(buffer)) memory.destroy(buffer);
+  }
+  return { ranges, geometry: geometry.to, harmonics: shWords > 0 ? harmonics.to : [], chunks, fileRows };
+}
+
+interface Moving {
+  readonly before: readonly PageRange[];
+  readonly after: readonly PageRange[];
+  readonly list: GPUBuffer;
+  /** `wordsAtOnce` per splat. */
+  readonly words: GPUBuffer;
+  readonly wordsAtOnce: number;
+  readonly kept: number;
+  readonly dispatchRow: number;
+}
+
+function addMove(
+  dispatches: Dispatches,
+  { from, to, wordsBefore, words: wordCount, lastMask }: Move,
+  { before, after, list, words, wordsAtOnce, kept, dispatchRow }: Moving,
+): void {
+  for (let word = 0; word < wordCount; word += wordsAtOnce) {
+    const endWord = Math.min(word + wordsAtOnce, wordCount);
+    const parametersOf = ({ start, end }: PageRange, wordsPerSplat: number) =>
+      PermuteParameters.pack({
+        word,
+        words: endWord - word,
+        wordsPerSplat,
+        mask: endWord === wordCount ? lastMask : 0xffffffff,
+        pageStart: start,
+        pageEnd: end,
+        count: kept,
+        dispatchRow,
+      });
+    for (const [page, range] of before.entries()) {
+      const bindings = { plane: from[page], list, words };
+      dispatches.add(ingestGather, parametersOf(range, wordsBefore), bindings, workgroupsFor(kept));
+    }
+    for (const [page, range] of after.entries()) {
+      const bindings = { words, plane: to[page] };
+      dispatches.add(
+        ingestScatter,
+        parametersOf(range, wordCount),
+        bindings,
+        workgroupsFor(range.end - range.start),
+      );
+    }
+  }
+}

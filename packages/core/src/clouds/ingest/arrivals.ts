@@ -1,0 +1,181 @@
+import { GpuLimitError } from '../../data/errors.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { Chunk } from '../../data/layout/structs.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import { chunkCountOf } from '../../data/packing/chunks.ts';
+import { type Bounds, robustBounds } from '../../data/packing/packed-cloud.ts';
+import { nextTask } from '../../data/turns.ts';
+import { readWords } from '../../gpu/read-buffer.ts';
+import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { CloudPlanes, type MadePlanes, type Plane } from '../cloud-planes.ts';
+import type { ArrangeContext } from './arrange-planes.ts';
+import type { LoadPreviews } from './load-previews.ts';
+import { type RowFacts, readRowFacts } from './row-facts.ts';
+import { sampleCentres } from './sample-centres.ts';
+
+/** Planes of a file whose rows are arriving, with a slot per row, in the order of the file. */
+export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
+  /** Room for the bounds of all chunks. */
+  readonly chunks: Plane;
+  /** These bounds of what has arrived, of all pages. */
+  readonly arrivedChunks: GPUBuffer;
+  /** What ingest-rows has found so far. */
+  readonly facts: GPUBuffer;
+}
+
+/** By this factor more rows must have arrived before they are shown: no scene is shown more often than some dozens of times. */
+const GROWTH = 1.25;
+/**
+ * Shortest time between two showings. Frames hold up the rows behind them: on an H200, which drew frames of 26 ms, a file of a
+ * million splats took twice as long when it was shown nine times on its way.
+ */
+const PAUSE_MS = 250;
+/**
+ * Most visible splats that are shown of a file that is arriving. Frames take more memory per splat than sorting the file does
+ * afterwards, and all of an arriving file may be in sight: with this many, loading takes little more than the cloud does then.
+ */
+const MOST_VISIBLE = 3 << 18;
+
+/** Shows what has arrived of a file, again and again. */
+export class Arrivals {
+  readonly #context: ArrangeContext;
+  readonly #planes: ArrivingPlanes;
+  readonly #previews: LoadPreviews;
+  /** Rows that have been submitted. */
+  #rows = 0;
+  #leastRows = 1;
+  #earliestMs = 0;
+  #isReading = false;
+  #isOver = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #failure: { readonly error: unknown } | null = null;
+
+  constructor(context: ArrangeContext, planes: ArrivingPlanes, previews: LoadPreviews) {
+    this.#context = context;
+    this.#planes = planes;
+    this.#previews = previews;
+  }
+
+  /** Tells that the first `rows` rows have been submitted. @throws what showing earlier ones has thrown. */
+  add(rows: number): void {
+    this.#rows = rows;
+    this.check();
+    this.#show();
+  }
+
+  /** Shows nothing from now on. */
+  end(): void {
+    this.#isOver = true;
+    clearTimeout(this.#timer);
+  }
+
+  /** @throws what showing has thrown. */
+  check(): void {
+    if (this.#failure) throw this.#failure.error;
+  }
+
+  /** Shows what has arrived, at once or when it may be: the rows after it may be long in coming. */
+  #show(): void {
+    if (this.#isReading || this.#isOver || this.#failure || this.#rows < this.#leastRows) return;
+    clearTimeout(this.#timer);
+    const waitMs = this.#earliestMs - performance.now();
+    if (waitMs > 0) {
+      this.#timer = setTimeout(() => this.#show(), waitMs);
+      return;
+    }
+    this.#isReading = true;
+    this.#read()
+      .catch((error: unknown) => {
+        // What was asked of a device that is lost, say, does not matter any more. A preview without memory is left out.
+        if (!this.#isOver && !(error instanceof GpuLimitError)) this.#failure = { error };
+      })
+      .finally(() => {
+        this.#isReading = false;
+        this.#show();
+      });
+  }
+
+  async #read(): Promise<void> {
+    const { device, pipelines } = this.#context;
+    const { facts, chunks, arrivedChunks, ...made } = this.#planes;
+    await pipelines.prepare([ingestGather]);
+    if (this.#isOver) return;
+    const count = this.#rows;
+    this.#leastRows = GROWTH * count;
+    this.#earliestMs = performance.now() + PAUSE_MS;
+    const ranges = made.ranges
+      .filter(({ start }) => start < count)
+      .map(({ start, end }) => ({ start, end: Math.min(end, count) }));
+    const pages = (plane: Plane) => plane.slice(0, ranges.length);
+    const planes = {
+      ...made,
+      ranges,
+      chunks: pages(chunks),
+      geometry: pages(made.geometry),
+      harmonics: pages(made.harmonics),
+    };
+    const read = () => {
+      this.#copyChunks(planes);
+      const reading = Promise.all([
+        readWords(device, facts),
+        sampleCentres(this.#context, { ...planes, count }),
+        readWords(device, arrivedChunks, (Chunk.bytes / 4) * chunkCountOf(count)),
+      ]);
+      // Awaited only if memory was there.
+      reading.catch(() => {});
+      return reading;
+    };
+    const { result, checked } = this.#context.memory.guard('A preview', '', read);
+    await checked;
+    const [words, centres, chunkWords] = await result;
+    await nextTask();
+    if (this.#isOver) return;
+    const found = readRowFacts(words, { count, shDegree: planes.shDegree });
+    if (found.count === 0) return;
+    const { geometryPrecision, shPrecision } = planes;
+    const contents = {
+      count,
+      origin: [0, 0, 0] as Vec3,
+      bounds: { min: found.min, max: found.max },
+      robustBounds: robustCentres(centres, found),
+      dropped: found.dropped,
+      fileIndices: new Uint32Array(0),
+      facts: found.facts,
+      chunks: chunkWords.buffer,
+      precision: { geometryPrecision, shPrecision },
+    };
+    const shown = new CloudPlanes(this.#context.memory, 'arrived', planes);
+    this.#previews.show(shown, contents, MOST_VISIBLE);
+  }
+
+  #copyChunks({ ranges, chunks }: Pick<MadePlanes, 'ranges' | 'chunks'>): void {
+    const { device } = this.#context;
+    const encoder = device.createCommandEncoder({ label: 'ingest arrived chunks' });
+    for (const [page, { start, end }] of ranges.entries()) {
+      const from = Chunk.bytes * (start / CHUNK_SPLATS);
+      const bytes = Chunk.bytes * chunkCountOf(end - start);
+      encoder.copyBufferToBuffer(this.#planes.arrivedChunks, from, chunks[page], 0, bytes);
+    }
+    device.queue.submit([encoder.finish()]);
+  }
+}
+
+/** Robust bounds of sampled slots. @param centres as in the file. */
+function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts): Bounds {
+  // Slots of dropped rows lie at 0, which may be far from all splats.
+  const inside = centres.map(({ length }) => new Float32Array(length));
+  const [x, y, z] = centres;
+  let count = 0;
+  // In one pass: this runs on the page's thread while a scene arrives.
+  for (let i = 0; i < x.length; i++) {
+    if (!(x[i] >= min[0] && x[i] <= max[0] && y[i] >= min[1] && y[i] <= max[1])) continue;
+    if (!(z[i] >= min[2] && z[i] <= max[2])) continue;
+    for (let axis = 0; axis < 3; axis++) inside[axis][count] = centres[axis][i];
+    count++;
+  }
+  if (count === 0) return { min, max };
+  return robustBounds(
+    inside.map((values) => values.subarray(0, count)),
+    [0, 0, 0],
+  );
+}

@@ -1,0 +1,65 @@
+import type { RowLayout } from '../../data/packing/row-layout.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import type { RowSink } from '../../io/formats/row-sink.ts';
+import type { ArrangeContext } from './arrange-planes.ts';
+import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
+
+/**
+ * A `RowIngest` whose code is fetched when a file turns out to have rows for it. It is destroyed as soon as its signal aborts,
+ * unless it has finished.
+ */
+export class LazyIngest implements RowSink {
+  readonly mayDetach = false;
+  readonly #context: ArrangeContext;
+  readonly #options: RowIngestOptions;
+  #ingest: RowIngest | null = null;
+  readonly #stop = () => this.destroy();
+  #isDestroyed = false;
+
+  constructor(context: ArrangeContext, options: RowIngestOptions) {
+    this.#context = context;
+    this.#options = options;
+    options.signal.addEventListener('abort', this.#stop);
+  }
+
+  /** Fetches the code and compiles what rows of this degree need, with a palette or not, in case that they come. */
+  foresee(shDegree: ShDegree, hasPalette: boolean): void {
+    const prepare = async () => {
+      const { rowStages } = await import('./row-ingest.ts');
+      await this.#context.pipelines.prepare(rowStages({ ...this.#options, shDegree, hasPalette }));
+    };
+    prepare().catch(() => {});
+  }
+
+  async begin(layout: RowLayout): Promise<void> {
+    const { RowIngest } = await import('./row-ingest.ts');
+    if (this.#isDestroyed) return;
+    this.#ingest = new RowIngest(this.#context, this.#options);
+    await this.#ingest.begin(layout);
+  }
+
+  memory(): Promise<Uint8Array<ArrayBuffer>> {
+    return this.#ingest!.memory();
+  }
+
+  take(rowCount: number): void {
+    this.#ingest!.take(rowCount);
+  }
+
+  async finish(): Promise<IngestedCloud> {
+    const cloud = await this.#ingest!.finish();
+    this.#ignoreSignal();
+    return cloud;
+  }
+
+  destroy(): void {
+    this.#ignoreSignal();
+    this.#isDestroyed = true;
+    this.#ingest?.destroy();
+  }
+
+  /** A signal that lasts longer than the load would keep this until then. */
+  #ignoreSignal(): void {
+    this.#options.signal.removeEventListener('abort', this.#stop);
+  }
+}

@@ -1,0 +1,42 @@
+import type { CloudPlanes } from '../cloud-planes.ts';
+import { type CloudContents, SplatCloud } from '../splat-cloud.ts';
+
+/** The previews of one load; there is one at a time. */
+export class LoadPreviews {
+  readonly #device: GPUDevice;
+  readonly #name: string;
+  readonly #onPreview: (preview: SplatCloud) => void;
+  #shown: SplatCloud | null = null;
+
+  constructor(device: GPUDevice, name: string, onPreview: (preview: SplatCloud) => void) {
+    this.#device = device;
+    this.#name = name;
+    this.#onPreview = onPreview;
+  }
+
+  /** The last preview. */
+  get shown(): SplatCloud | null {
+    return this.#shown;
+  }
+
+  /** Replaces the preview; the planes stay their owner's. @throws what the callback throws. */
+  show(planes: CloudPlanes, contents: CloudContents, visibleLimit?: number): void {
+    const before = this.#shown;
+    const options = { name: this.#name, isPreview: true, visibleLimit };
+    this.#shown = new SplatCloud(this.#device, planes, contents, options);
+    try {
+      this.#onPreview(this.#shown);
+    } finally {
+      before?.destroy();
+    }
+  }
+
+  /** Frames keep the image of the preview until the next one is shown. */
+  hold(): void {
+    if (this.#shown) this.#shown.isHeld = true;
+  }
+
+  end(): void {
+    this.#shown?.destroy();
+  }
+}

@@ -1,0 +1,539 @@
+import { DestroyedError } from '../../data/errors.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { roundUp } from '../../data/layout/gpu-struct.ts';
+import { INGEST_FACTS } from '../../data/layout/ingest-facts.ts';
+import { IngestParameters } from '../../data/layout/packing-structs.ts';
+import { Chunk } from '../../data/layout/structs.ts';
+import { chunkCountOf } from '../../data/packing/chunks.ts';
+import { mortonFrame } from '../../data/packing/morton-order.ts';
+import { chooseOrigin } from '../../data/packing/origin.ts';
+import { robustBounds, totalBounds } from '../../data/packing/packed-cloud.ts';
+import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../../data/packing/precision.ts';
+import { paletteValues, type RowLayout } from '../../data/packing/row-layout.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
+import { nextTask } from '../../data/turns.ts';
+import type { Guarded } from '../../gpu/gpu-memory.ts';
+import type { StageDefinition } from '../../gpu/pipelines.ts';
+import { probeMemory } from '../../gpu/probe-memory.ts';
+import { readWords } from '../../gpu/read-buffer.ts';
+import { ingestRows } from '../../gpu/stages/ingest-rows.ts';
+import { emptyError } from '../../io/formats/empty-error.ts';
+import type { RowSink } from '../../io/formats/row-sink.ts';
+import {
+  CloudPlanes,
+  type MadePlanes,
+  type PageRange,
+  type Plane,
+  pagesOf,
+  planeOf,
+} from '../cloud-planes.ts';
+import { createGeometry, createHarmonics } from '../create-plane.ts';
+import { type CloudFit, cloudBytes, type FitMode, type FitSettings, fitSettings } from '../fit-settings.ts';
+import { type CloudContents, MEMORY_ADVICE, type SplatCloud } from '../splat-cloud.ts';
+import { type ArrangeContext, arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
+import { Arrivals } from './arrivals.ts';
+import { Dispatches } from './dispatches.ts';
+import { LoadPreviews } from './load-previews.ts';
+import { readChunks } from './read-chunks.ts';
+import { type RowFacts, readRowFacts } from './row-facts.ts';
+import { sampleCentres } from './sample-centres.ts';
+
+/** Pieces that are written, or being read by the GPU, at once. */
+const STAGING_BUFFERS = 4;
+/** Loads of fewer bytes are not foreseen: what they allocate is checked anyway. */
+const PROBED_BYTES = 64 << 20;
+/** Most bytes per splat that putting splats into storage order takes besides the planes. */
+const ARRANGE_BYTES = 16;
+/** Pieces that may wait for shaders: reading goes on meanwhile. */
+const MOST_WAITING = 16;
+
+export interface RowIngestOptions extends CloudPrecision {
+  /** For labels and messages. */
+  readonly name: string;
+  /** See `LoadOptions`. */
+  readonly onPreview?: (preview: SplatCloud) => void;
+  /** Pages that the planes should have if there are as many splats; default those that follow from the file. */
+  readonly pages?: readonly PageRange[];
+  readonly signal: AbortSignal;
+  /** What to do where memory is lacking; default `exact`. */
+  readonly fit?: FitMode;
+}
+
+/** A cloud that was made from the rows of a file. */
+export interface IngestedCloud {
+  readonly contents: CloudContents;
+  readonly planes: CloudPlanes;
+  /** Shares the planes, and lasts as long as they do; null without `onPreview`. */
+  readonly preview: SplatCloud | null;
+  /** Coarser settings than the file's and the options', which lacked memory; else null. */
+  readonly fit: CloudFit | null;
+}
+
+/** Memory for the rows of one file, and for what is made of them. */
+interface Held {
+  readonly layout: RowLayout;
+  readonly stage: StageDefinition;
+  readonly ranges: readonly PageRange[];
+  readonly geometry: Plane;
+  /** Empty at degree 0. */
+  readonly harmonics: Plane;
+  readonly dropMask: GPUBuffer;
+  readonly facts: GPUBuffer;
+  /** A `Chunk` struct for each 256 slots. */
+  readonly chunks: GPUBuffer;
+  /** What log scales are beside their steps; null where they are float32. */
+  readonly logScaleRests: GPUBuffer | null;
+  /** A piece of the file. */
+  readonly rows: GPUBuffer;
+  /** Null where rows have harmonics of their own. */
+  readonly palette: GPUBuffer | null;
+  readonly offsets: Uint32Array;
+  /** Null without `onPreview`. */
+  readonly arrivals: Arrivals | null;
+}
+
+/** Rows in staging memory. */
+interface Piece {
+  readonly staging: GPUBuffer;
+  readonly firstRow: number;
+  readonly rowCount: number;
+}
+
+/**
+ * Makes a cloud of the rows of a file on the GPU: packs them as they arrive, and puts them into storage order at the end. Rows go
+ * through a few staging buffers, and are copied once.
+ *
+ * Call `finish` after the last row, or `destroy`.
+ */
+export class RowIngest implements RowSink {
+  /** Mapped memory cannot. */
+  readonly mayDetach = false;
+  readonly #context: ArrangeContext;
+  #options: RowIngestOptions & RowPrecision;
+  #fit: CloudFit | null = null;
+  /** Null without `onPreview`. */
+  readonly #previews: LoadPreviews | null;
+  readonly #staging: GPUBuffer[] = [];
+  /** Mapped, or about to be. */
+  readonly #free: Promise<GPUBuffer>[] = [];
+  readonly #buffers = new Set<GPUBuffer>();
+  #held: Held | null = null;
+  #current: GPUBuffer | null = null;
+  #rowsTaken = 0;
+  #paletteValuesTaken = 0;
+  /** Settles when rows can be packed and `#waiting` has been. */
+  #compiled: Promise<void> = Promise.resolve();
+  /** Reject if memory was lacking for what has been allocated in the meantime. */
+  readonly #checks: (Promise<void> | null)[] = [];
+  /** Pieces that wait for shaders; null once there are some. */
+  #waiting: Piece[] | null = [];
+  #isDestroyed = false;
+
+  constructor(context: ArrangeContext, options: RowIngestOptions) {
+    this.#context = context;
+    this.#options = asRows(options);
+    const { name, onPreview } = options;
+    this.#previews = onPreview ? new LoadPreviews(context.device, name, onPreview) : null;
+  }
+
+  /** @throws GpuLimitError; the signal's reason; DestroyedError. Nothing is left allocated then. */
+  async begin(rows: RowLayout): Promise<void> {
+    const layout = await this.#fitted(rows);
+    this.#live();
+    const { device, memory, pipelines } = this.#context;
+    const { geometryPrecision, shPrecision, name } = this.#options;
+    const { count, shDegree, strideBytes, pieceRows } = layout;
+    const precision = { geometryPrecision, shPrecision };
+    const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
+    const compiled = pipelines.prepare([stage]);
+    // What is needed only at the end compiles while rows arrive.
+    pipelines.prepare(lateStages(this.#options)).catch(() => {});
+    const { STORAGE, COPY_DST, COPY_SRC, MAP_WRITE } = GPUBufferUsage;
+    try {
+      const { checked } = this.#allocate(() => {
+        const ranges = pagesOf(device.limits, count, shDegree, name);
+        const place = { memory, name, ranges };
+        const keep = <Made extends GPUBuffer | Plane>(made: Made): Made => {
+          for (const buffer of [made].flat()) this.#buffers.add(buffer as GPUBuffer);
+          return made;
+        };
+        const create = (label: string, bytes: number, usage: GPUBufferUsageFlags = 0) =>
+          keep(memory.createBuffer(`ingest ${label}`, bytes, STORAGE | usage));
+        const pieceBytes = roundUp(Math.min(count, pieceRows) * strideBytes, 4);
+        const offsets = new Uint32Array(60);
+        offsets.set(layout.offsets);
+        const geometry = keep(createGeometry(place, geometryPrecision));
+        const harmonics = keep(createHarmonics(place, shDegree, shPrecision));
+        const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
+        const chunks = create('chunks', Chunk.bytes * chunkCountOf(count), COPY_SRC);
+        const paletteBytes = 4 * paletteValues(layout);
+        let arrivals: Arrivals | null = null;
+        if (this.#previews) {
+          const shown = planeOf(place, ({ start, end }, page) =>
+            create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_DST),
+          );
+          const shared = { geometry, harmonics, facts, chunks: shown, arrivedChunks: chunks };
+          const planes = { ...precision, shDegree, ranges, ...shared };
+          arrivals = new Arrivals(this.#context, planes, this.#previews);
+        }
+        this.#held = {
+          layout,
+          stage,
+          ranges,
+          geometry,
+          harmonics,
+          dropMask: create('drop mask', roundUp(count, CHUNK_SPLATS) / 8),
+          facts,
+          chunks,
+          logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
+          // A value that begins between words is read from two of them.
+          rows: create('rows', pieceBytes + 4, COPY_DST),
+          palette: paletteBytes > 0 ? create('palette', paletteBytes, COPY_DST) : null,
+          offsets,
+          arrivals,
+        };
+        // Mapped at once: while shaders compile, the GPU's process may take long to answer.
+        const usage = MAP_WRITE | COPY_SRC;
+        const stagingCount = stagingCountOf(layout);
+        for (let i = 0; i < stagingCount; i++) {
+          const staging = keep(memory.createBuffer(`ingest staging ${i}`, pieceBytes, usage, true));
+          this.#staging.push(staging);
+          this.#free.push(Promise.resolve(staging));
+        }
+      });
+      await checked;
+    } catch (error) {
+      compiled.catch(() => {});
+      this.destroy();
+      throw error;
+    }
+    // Rows may come before the shaders are there.
+    this.#compiled = compiled.then(() => {
+      this.#live();
+      const waiting = this.#waiting ?? [];
+      this.#waiting = null;
+      for (const piece of waiting) this.#submit(piece);
+    });
+    this.#compiled.catch(() => {});
+  }
+
+  /** Takes coarser settings if memory is lacking and they may be taken. @returns the layout with the degree to store. */
+  async #fitted(layout: RowLayout): Promise<RowLayout> {
+    const { geometryPrecision, shPrecision, name, signal, fit = 'exact' } = this.#options;
+    const { memory } = this.#context;
+    const wanted = { geometryPrecision, shPrecision, shDegree: layout.shDegree };
+    const bytesOf = (settings: FitSettings) => ingestBytes(layout, settings);
+    if (fit === 'exact' && bytesOf(wanted) < PROBED_BYTES && bytesOf(wanted) <= memory.availableBytes)
+      return layout;
+    this.#fit = await fitSettings({ memory, name, bytesOf, signal }, wanted, fit);
+    if (!this.#fit) return layout;
+    const { shDegree, ...taken } = this.#fit.taken;
+    this.#options = asRows({ ...this.#options, ...taken });
+    return { ...layout, shDegree };
+  }
+
+  async memory(): Promise<Uint8Array<ArrayBuffer>> {
+    this.#live();
+    this.#current = this.#free.length === 0 ? this.#stagingForNow() : null;
+    if (!this.#current) {
+      if (this.#free.length === 0) await this.#compiled;
+      this.#current = await this.#free.shift()!;
+      this.#live();
+    }
+    return new Uint8Array(this.#current.getMappedRange());
+  }
+
+  take(rowCount: number): void {
+    const staging = this.#current!;
+    this.#current = null;
+    const { layout, palette } = this.#held!;
+    if (palette && this.#paletteValuesTaken < paletteValues(layout)) {
+      this.#takeValues(staging, palette, rowCount);
+      return;
+    }
+    const piece = { staging, firstRow: this.#rowsTaken, rowCount };
+    this.#rowsTaken += rowCount;
+    if (this.#waiting) this.#waiting.push(piece);
+    else this.#submit(piece);
+  }
+
+  /**
+   * Puts the splats into storage order. The planes are the caller's then; all else is freed.
+   *
+   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; what `onPreview` has thrown; nothing is left allocated then.
+   */
+  async finish(): Promise<IngestedCloud> {
+    const { device, memory, pipelines } = this.#context;
+    const { name } = this.#options;
+    const previews = this.#previews;
+    const arranged: GPUBuffer[] = [];
+    try {
+      await this.#compiled;
+      await Promise.all(this.#checks);
+      const { layout, facts, rows, palette, arrivals } = this.#live();
+      for (const buffer of [...this.#staging, rows, palette]) if (buffer) this.#destroy(buffer);
+      await pipelines.prepare(lateStages(this.#options));
+      this.#live();
+      const found = readRowFacts(await readWords(device, facts), layout);
+      this.#live();
+      if (found.count === 0) throw emptyError(name, found.dropped);
+      arrivals?.end();
+      arrivals?.check();
+      const hasRoom = await this.#hasRoomFor(found);
+      this.#live();
+      previews?.hold();
+      const { result, checked } = this.#allocate(() => {
+        const { planes, contents, fileRows } = this.#arrange(found, hasRoom, arranged);
+        const reading = [
+          this.#readBounds(planes, contents),
+          readWords(device, fileRows, found.count),
+        ] as const;
+        // Read only if memory was there.
+        for (const each of reading) each.catch(() => {});
+        return { planes, contents, reading };
+      });
+      await checked;
+      const { contents, reading } = result;
+      const drawable = { ...contents, ...(await reading[0]) };
+      this.#live();
+      const planes = new CloudPlanes(memory, name, result.planes);
+      previews?.show(planes, drawable);
+      const whole = { ...drawable, fileIndices: await reading[1] };
+      // The copy of millions of rows is work enough for one task; those who wait for the cloud have more to do.
+      await nextTask();
+      return { contents: whole, planes, preview: previews?.shown ?? null, fit: this.#fit };
+    } catch (error) {
+      previews?.end();
+      for (const buffer of arranged) memory.destroy(buffer);
+      throw error;
+    } finally {
+      this.#freeBuffers();
+    }
+  }
+
+  /** Frees everything, and ends the previews. */
+  destroy(): void {
+    this.#isDestroyed = true;
+    this.#previews?.end();
+    this.#freeBuffers();
+  }
+
+  /**
+   * Call after each wait: what was there before may have been destroyed meanwhile, and what is made now
+   * would never be freed. A load ends by its signal, or by an error of its reader.
+   *
+   * @throws the signal's reason, DestroyedError.
+   */
+  #live(): Held {
+    const { signal, name } = this.#options;
+    signal.throwIfAborted();
+    if (this.#isDestroyed) throw new DestroyedError(`The load of ${name}`, 'it has ended');
+    return this.#held!;
+  }
+
+  #freeBuffers(): void {
+    this.#held?.arrivals?.end();
+    for (const buffer of [...this.#buffers]) this.#destroy(buffer);
+    this.#held = null;
+  }
+
+  /** Returns memory for one more piece that has to wait for shaders; null if there is none, or if none has to wait. */
+  #stagingForNow(): GPUBuffer | null {
+    const { memory } = this.#context;
+    if (!this.#waiting || this.#waiting.length >= MOST_WAITING) return null;
+    const { size, usage } = this.#staging[0];
+    try {
+      const { result, checked } = this.#allocate(() =>
+        memory.createBuffer('ingest staging', size, usage, true),
+      );
+      this.#checks.push(checked);
+      this.#buffers.add(result);
+      return result;
+    } catch {
+      // Reading waits, then.
+      return null;
+    }
+  }
+
+  /** Does work that allocates. @returns its result, and what rejects with a GpuLimitError if memory is lacking. */
+  #allocate<Result>(work: () => Result): Guarded<Result> {
+    return this.#context.memory.guard(this.#options.name, MEMORY_ADVICE, work, true);
+  }
+
+  #destroy(buffer: GPUBuffer): void {
+    if (this.#buffers.delete(buffer)) this.#context.memory.destroy(buffer);
+  }
+
+  /** Copies values of the palette, for which no shader has to be there. */
+  #takeValues(staging: GPUBuffer, palette: GPUBuffer, count: number): void {
+    const { queue } = this.#context.device;
+    staging.unmap();
+    const encoder = this.#context.device.createCommandEncoder({ label: 'ingest palette' });
+    encoder.copyBufferToBuffer(staging, 0, palette, 4 * this.#paletteValuesTaken, 4 * count);
+    queue.submit([encoder.finish()]);
+    this.#paletteValuesTaken += count;
+    this.#reuse(staging);
+  }
+
+  /** Staging memory that was made for a piece that had to wait is freed. */
+  #reuse(staging: GPUBuffer): void {
+    if (!this.#staging.includes(staging)) {
+      this.#destroy(staging);
+      return;
+    }
+    const free = this.#context.memory.map(staging, GPUMapMode.WRITE).then(() => staging);
+    // The device may be lost while this is not waited for.
+    free.catch(() => {});
+    this.#free.push(free);
+  }
+
+  #submit({ staging, firstRow, rowCount }: Piece): void {
+    const { device, memory, pipelines, dispatchRow } = this.#context;
+    const { stage, ranges, layout, geometry, harmonics, offsets, arrivals, ...shared } = this.#held!;
+    const endRow = firstRow + rowCount;
+    staging.unmap();
+    const { checked } = this.#allocate(() => {
+      const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+      for (const [page, range] of ranges.entries()) {
+        const start = Math.max(firstRow, range.start);
+        const rowsOfPage = Math.min(endRow, range.end) - start;
+        if (rowsOfPage <= 0) continue;
+        const parameters = IngestParameters.pack({
+          offsets,
+          strideBytes: layout.strideBytes,
+          isBigEndian: Number(layout.isBigEndian),
+          firstRow: start - firstRow,
+          rowCount: rowsOfPage,
+          pageSlot: start - range.start,
+          maskRow: start,
+          dispatchRow,
+        });
+        const { rows, palette, dropMask, facts, chunks, logScaleRests } = shared;
+        const bindings = {
+          rows,
+          dropMask,
+          facts,
+          chunks,
+          geometry: geometry[page],
+          harmonics: harmonics[page],
+          ...(logScaleRests && { logScaleRests }),
+          ...(palette && { palette }),
+        };
+        dispatches.add(stage, parameters, bindings, Math.ceil(rowsOfPage / CHUNK_SPLATS));
+      }
+      const encoder = device.createCommandEncoder({ label: 'ingest rows' });
+      encoder.copyBufferToBuffer(staging, 0, shared.rows, 0, roundUp(rowCount * layout.strideBytes, 4));
+      const parameters = dispatches.record(encoder, 'ingest rows');
+      device.queue.submit([encoder.finish()]);
+      memory.destroy(parameters);
+    });
+    this.#checks.push(checked);
+    this.#reuse(staging);
+    arrivals?.add(endRow);
+  }
+
+  /** Whether there is memory for planes beside those with slots of dropped rows, if there are enough of these to matter. */
+  async #hasRoomFor({ count }: RowFacts): Promise<boolean> {
+    const { layout } = this.#held!;
+    if (!isRoomy(count, layout.count)) return true;
+    const planes = cloudBytes(count, { ...this.#options, shDegree: layout.shDegree });
+    return probeMemory(this.#context.memory, planes + ARRANGE_BYTES * layout.count);
+  }
+
+  /**
+   * Puts splats into storage order.
+   *
+   * @param hasRoom see `ArrivedPlanes`.
+   * @param made lists the buffers that the cloud will hold, as soon as they exist.
+   * @returns planes and contents, but for what has to be read from the GPU.
+   */
+  #arrange(found: RowFacts, hasRoom: boolean, made: GPUBuffer[]) {
+    const { geometryPrecision, shPrecision, name, pages } = this.#options;
+    const { ranges, geometry, harmonics, dropMask, chunks, logScaleRests, layout } = this.#held!;
+    const origin = chooseOrigin(found.min, found.max);
+    const about = (corner: readonly number[]) =>
+      corner.map((value, axis) => Math.fround(value - origin[axis]));
+    const { trueShDegree } = found.facts;
+    const precision = { geometryPrecision, shPrecision };
+    const frame = mortonFrame(about(found.min), about(found.max));
+    const { fileRows, ...planes } = arrangePlanes(this.#context, {
+      ...precision,
+      name,
+      ranges,
+      geometry,
+      harmonics,
+      dropMask,
+      shDegree: layout.shDegree,
+      keptShDegree: trueShDegree,
+      kept: found.count,
+      hasRoom,
+      origin,
+      frame,
+      arrivedChunks: chunks,
+      logScaleRests,
+      pages: pages?.at(-1)?.end === found.count ? pages : undefined,
+    });
+    // The planes are in other hands now: those that were kept, and those that took the place of others.
+    for (const buffer of [...geometry, ...harmonics]) this.#buffers.delete(buffer);
+    made.push(...planes.geometry, ...planes.harmonics, ...planes.chunks);
+    this.#buffers.add(fileRows);
+    const contents = {
+      count: found.count,
+      origin,
+      dropped: found.dropped,
+      fileIndices: new Uint32Array(0),
+      facts: found.facts,
+      precision,
+    };
+    return { contents, fileRows, planes: { ...planes, ...precision, shDegree: trueShDegree } };
+  }
+
+  async #readBounds(planes: MadePlanes, { count, origin }: Pick<CloudContents, 'count' | 'origin'>) {
+    const [centres, chunks] = await Promise.all([
+      sampleCentres(this.#context, { ...planes, count }),
+      readChunks(this.#context.device, planes),
+    ]);
+    await nextTask();
+    return { bounds: totalBounds(chunks, origin), robustBounds: robustBounds(centres, origin), chunks };
+  }
+}
+
+function stagingCountOf({ count, pieceRows }: RowLayout): number {
+  return Math.min(STAGING_BUFFERS, Math.ceil(count / pieceRows));
+}
+
+/**
+ * Most bytes that a file needs at once while it becomes a cloud: the planes, and what reading or arranging needs besides. Pieces
+ * that wait for shaders, and planes without the slots of dropped rows, take more where there is more. Planes of fewer bands or of
+ * other pages than the rows arrive in are made beside those all the same: that shows at the end, and seldom happens.
+ */
+function ingestBytes(layout: RowLayout, settings: FitSettings): number {
+  const { count, strideBytes, pieceRows } = layout;
+  const pieceBytes = Math.min(count, pieceRows) * strideBytes;
+  const reading =
+    (1 + stagingCountOf(layout)) * pieceBytes +
+    4 * paletteValues(layout) +
+    (settings.geometryPrecision === 'packed' ? 4 * count : 0);
+  const chunkBytes = Chunk.bytes * chunkCountOf(count);
+  return cloudBytes(count, settings) + chunkBytes + Math.max(reading, ARRANGE_BYTES * count);
+}
+
+/** Stages that make a cloud of rows of this degree, which is that of their palette as well. */
+export function rowStages({
+  hasPalette,
+  ...wanted
+}: CloudPrecision & { readonly shDegree: ShDegree; readonly hasPalette: boolean }): StageDefinition[] {
+  const variant = asRows(wanted);
+  const entryValues = hasPalette ? coefficientsPerSplat(wanted.shDegree) : undefined;
+  return [ingestRows({ ...variant, entryValues }), ...lateStages(variant)];
+}
+
+/** Rows are packed one by one, and so cannot be given a palette. */
+function asRows<Wanted extends CloudPrecision>(wanted: Wanted): Wanted & RowPrecision {
+  return { ...wanted, shPrecision: ownShPrecision(wanted.shPrecision) };
+}
+
+/** Stages that run after the last row. Whether rows were dropped is not known before. */
+function lateStages({ geometryPrecision }: RowPrecision): StageDefinition[] {
+  return [...arrangeStages({ geometryPrecision }, false), ...arrangeStages({ geometryPrecision }, true)];
+}

@@ -1,4 +1,0 @@
-import { type BuildPort, serveBuilder } from '../clouds/geometry-builder.ts';
-import { COLLIDER_BUILDERS } from './build-collider.ts';
-
-serveBuilder(self as unknown as BuildPort, COLLIDER_BUILDERS);

@@ -1,0 +1,119 @@
+import { roundUp } from '../../data/layout/gpu-struct.ts';
+import type { SplatEffect } from '../../gpu/effects/effect.ts';
+import { STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
+import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
+import type { CloudInstance } from '../frame-request.ts';
+import type { AutomaticFeature, DrawnFrame } from './automatic-feature.ts';
+import { AUTOMATIC_FEATURES } from './automatic-features.ts';
+
+/** State of one effect in a frame. */
+export interface EffectEntry {
+  /** Lower case with hyphens. */
+  readonly name: string;
+  /** Name for people. */
+  readonly label: string;
+  /** One sentence that says what the effect does. */
+  readonly about: string;
+  /** Whether it is in the frame's shaders, buffers or passes; effects that are off cost nothing. */
+  readonly isOn: boolean;
+  /** Why it is on or off, for people. */
+  readonly reason: string;
+  /** Names of the clouds that it is on for; empty if it is off or belongs to the whole view. */
+  readonly clouds: readonly string[];
+  /** Stages that it may take part in; none if it is done on the CPU alone. */
+  readonly stages: readonly string[];
+  /** GPU memory held for it now, in bytes. Memory that effects share counts for each of them. */
+  readonly bytes: number;
+}
+
+/** Lists automatic features, then effects in the order in which they act; both on and off. */
+export function effectsLedger(frame: DrawnFrame): readonly EffectEntry[] {
+  const { clouds } = frame.plan.request;
+  const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
+  const own = asked.filter((effect) => !CLOUD_EFFECTS.includes(effect));
+  return [
+    ...AUTOMATIC_FEATURES.map((feature) => featureEntry(feature, frame)),
+    ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, frame)),
+  ];
+}
+
+/** The reason for one cloud. */
+interface Finding {
+  readonly cloud: string;
+  readonly reason: string;
+}
+
+function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry {
+  const { name, label, about, stages } = feature;
+  const bytes = feature.bytes?.(frame) ?? 0;
+  if (feature.of === 'view') {
+    const on = feature.calledFor(frame);
+    const reason = on ?? feature.offReason(frame);
+    return { name, label, about, isOn: on !== null, reason, clouds: [], stages, bytes };
+  }
+  const { plan } = frame;
+  const on: Finding[] = [];
+  const off: Finding[] = [];
+  for (const [index, cloudPlan] of plan.clouds.entries()) {
+    const place = { plan, index, cloud: cloudPlan, shape: plan.shape.clouds[index] };
+    const cloud = cloudPlan.instance.cloud.name;
+    const reason = feature.calledFor(place);
+    if (reason !== null) on.push({ cloud, reason });
+    else off.push({ cloud, reason: feature.offReason(place) });
+  }
+  const isOn = on.length > 0;
+  const reason = together(isOn ? on : off);
+  return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
+}
+
+function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEntry {
+  const { name, label, about, parameters, takesSelection } = effect;
+  const findings: Finding[] = [];
+  let bytes = 0;
+  for (const [index, { instance, uses }] of plan.clouds.entries()) {
+    const planned = uses.find(({ use }) => use.effect === effect);
+    if (!planned) continue;
+    // The selection may have changed since the last frame was drawn.
+    const reason = planned.use.reason ?? 'it was needed when this was drawn';
+    findings.push({ cloud: instance.cloud.name, reason });
+    bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
+    if (takesSelection) bytes += held.selectionBytes(index);
+  }
+  const isOn = findings.length > 0;
+  return {
+    name,
+    label,
+    about,
+    isOn,
+    reason: isOn ? together(findings) : reasonOff(effect, plan.request.clouds),
+    clouds: namesOf(findings),
+    stages: stagesOf(effect),
+    bytes,
+  };
+}
+
+function reasonOff(effect: SplatEffect, clouds: readonly CloudInstance[]): string {
+  const isAsked = clouds.some(
+    ({ effects = [], opacity }) =>
+      effects.some((use) => use.effect === effect) || (effect.name === 'opacity' && opacity !== undefined),
+  );
+  return isAsked ? 'as it is asked for it would change nothing' : 'no cloud asks for it';
+}
+
+function stagesOf({ hooks }: SplatEffect): readonly string[] {
+  return hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
+}
+
+/** Joins reasons: a single one as it stands, several with the names of their clouds. */
+function together(findings: readonly Finding[]): string {
+  const reasons = [...new Set(findings.map(({ reason }) => reason))];
+  if (reasons.length === 0) return 'there is no cloud';
+  if (reasons.length === 1) return reasons[0];
+  return reasons
+    .map((reason) => `${namesOf(findings.filter((each) => each.reason === reason)).join(', ')}: ${reason}`)
+    .join('; ');
+}
+
+function namesOf(findings: readonly Finding[]): string[] {
+  return [...new Set(findings.map(({ cloud }) => cloud))];
+}

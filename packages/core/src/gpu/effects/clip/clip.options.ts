@@ -1,0 +1,109 @@
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { effectOptions } from '../../../options/effect-options.ts';
+import { type ClipOptions, type ClipVolume, clip } from './clip.ts';
+
+/** A volume that cuts the scene off. What belongs to other shapes stays as it was chosen for them. */
+export interface ClipValues {
+  readonly shape: 'plane' | 'box' | 'sphere';
+  /** Middle of the box or of the sphere, a point of the plane; world units. */
+  readonly center: Vec3;
+  /** Lengths of the box's edges, world units. */
+  readonly size: Vec3;
+  /** Of the sphere, world units. */
+  readonly radius: number;
+  /** Where the plane's inside is: turned around y, 0 along z and 90 along x. */
+  readonly turnDegrees: number;
+  /** How far that direction points above the level of x and z, −90…90. */
+  readonly tiltDegrees: number;
+  readonly keep: 'inside' | 'outside';
+  /** Over which distance splats fade in, world units. */
+  readonly softEdge: number;
+}
+
+/** At first the upper half is cut off; a box or a sphere leaves what is well inside. */
+export const options = effectOptions<ClipOptions, ClipValues>(
+  clip,
+  {
+    shape: {
+      kind: 'choice',
+      label: 'Shape of the clip',
+      choices: () => ({ plane: 'Plane', box: 'Box', sphere: 'Sphere' }),
+      first: 'plane',
+    },
+    center: {
+      kind: 'vector',
+      label: 'Middle',
+      range: ({ center, radius }, axis) => [center[axis] - 1.5 * radius, center[axis] + 1.5 * radius],
+      first: ({ center }) => center,
+      along: (values) => (values.shape === 'plane' ? planeNormal(values) : null),
+    },
+    size: {
+      kind: 'vector',
+      label: 'Length',
+      when: { shape: 'box' },
+      range: ({ radius }) => [0, 3 * radius],
+      first: ({ radius }) => [radius, radius, radius],
+    },
+    radius: {
+      kind: 'number',
+      label: 'Radius',
+      when: { shape: 'sphere' },
+      unit: 'units',
+      range: ({ radius }) => [0, 2 * radius],
+      first: ({ radius }) => 0.6 * radius,
+    },
+    turnDegrees: {
+      kind: 'number',
+      label: 'Turn',
+      when: { shape: 'plane' },
+      unit: 'degrees',
+      range: () => [-180, 180],
+      first: () => 0,
+    },
+    tiltDegrees: {
+      kind: 'number',
+      label: 'Tilt',
+      when: { shape: 'plane' },
+      unit: 'degrees',
+      range: () => [-90, 90],
+      first: () => -90,
+    },
+    keep: {
+      kind: 'choice',
+      label: 'Side that stays',
+      choices: ({ shape }) =>
+        shape === 'plane'
+          ? { inside: 'Keep one side', outside: 'Keep the other' }
+          : { inside: 'Keep inside', outside: 'Keep outside' },
+      first: 'inside',
+    },
+    softEdge: {
+      kind: 'number',
+      label: 'Soft edge',
+      unit: 'units',
+      range: ({ radius }) => [0, radius / 2],
+      first: () => 0,
+    },
+  },
+  (values) => ({ volumes: [volumeOf(values)], softEdge: values.softEdge }),
+);
+
+function volumeOf(values: ClipValues): ClipVolume {
+  const { shape, center, size, radius, keep } = values;
+  if (shape === 'box') return { shape, center, size, keep };
+  if (shape === 'sphere') return { shape, center, radius, keep };
+  return { shape, point: center, normal: planeNormal(values), keep };
+}
+
+/** The direction from a plane to its inside; length 1. */
+export function planeNormal({
+  turnDegrees,
+  tiltDegrees,
+}: Pick<ClipValues, 'turnDegrees' | 'tiltDegrees'>): Vec3 {
+  const [turn, tilt] = [radians(turnDegrees), radians(tiltDegrees)];
+  return [Math.cos(tilt) * Math.sin(turn), Math.sin(tilt), Math.cos(tilt) * Math.cos(turn)];
+}
+
+function radians(degrees: number): number {
+  return (degrees * Math.PI) / 180;
+}

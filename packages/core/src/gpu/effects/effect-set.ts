@@ -1,0 +1,191 @@
+import { type GpuFields, type GpuValues, roundUp } from '../../data/layout/gpu-struct.ts';
+import { numberOf } from '../../data/number-of.ts';
+import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { ShaderModules } from '../shaders/shader-linker.ts';
+import type { EffectHooks, EffectUse, SplatEffect } from './effect.ts';
+
+/** The effects that one cloud is drawn with, in the order in which they act. Equal lists are the same object. */
+export interface EffectSet {
+  readonly effects: readonly SplatEffect[];
+  /** The modules that shaders import these effects from. */
+  readonly modules: ShaderModules;
+  /** Offset of each effect's parameters in those of the whole set, bytes. */
+  readonly parameterOffsets: ReadonlyMap<SplatEffect, number>;
+  /** Size of the parameters of the whole set, bytes; 0 if there are none. */
+  readonly parameterBytes: number;
+}
+
+/** For clouds without effects. */
+export const NO_EFFECTS: EffectSet = {
+  effects: [],
+  modules: {},
+  parameterOffsets: /* @__PURE__ */ new Map(),
+  parameterBytes: 0,
+};
+
+/** Binding of the parameters, in every stage that applies effects. */
+const PARAMETERS_BINDING = 16;
+/** Binding of one bit per splat of the page and selection, in stages with hooks that take `selected`. */
+const SELECTED_BINDING = 17;
+/** Structs in a uniform buffer begin at multiples of this many bytes. */
+export const STRUCT_ALIGNMENT = 16;
+
+const NO_PARAMETERS = /* @__PURE__ */ new Uint8Array(0);
+
+const sets = new Map<string, EffectSet>([['', NO_EFFECTS]]);
+
+export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
+  const effects = uses.map(({ effect }) => effect);
+  const key = effects.map(numberOf).join(' ');
+  let set = sets.get(key);
+  if (!set) {
+    set = { effects, modules: modulesOf(effects), ...layOut(effects) };
+    sets.set(key, set);
+  }
+  return set;
+}
+
+/** Whether a stage with these hooks needs the selection. */
+export function takesSelection({ effects }: EffectSet, hooks: readonly SelectionHook[]): boolean {
+  return effects.some((effect) => effect.takesSelection && hooks.some((hook) => effect.hooks[hook]));
+}
+
+/** How many effects of the set take a selection, each of its own. */
+export function selectionsOf({ effects }: Pick<EffectSet, 'effects'>): number {
+  return effects.filter((effect) => effect.takesSelection).length;
+}
+
+/** Whether any effect of the set uses this hook. */
+export function hasHook({ effects }: EffectSet, hook: keyof EffectHooks): boolean {
+  return effects.some(({ hooks }) => hooks[hook] !== undefined);
+}
+
+/** Returns the set for stages that do not compute colours: NO_EFFECTS if all its effects change only colours. */
+export function geometryEffects(set: EffectSet): EffectSet {
+  return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
+}
+
+/** Packs the parameters of one cloud's effects into one struct `Effects`. */
+export function packParameters(
+  { parameterOffsets, parameterBytes }: EffectSet,
+  uses: readonly { readonly use: EffectUse; readonly values: GpuValues<GpuFields> | null }[],
+): Uint8Array {
+  if (parameterBytes === 0) return NO_PARAMETERS;
+  const packed = new ArrayBuffer(parameterBytes);
+  for (const { use, values } of uses) {
+    const { effect } = use;
+    effect.parameters?.write(packed, values!, parameterOffsets.get(effect));
+  }
+  return new Uint8Array(packed);
+}
+
+function layOut(effects: readonly SplatEffect[]): Pick<EffectSet, 'parameterOffsets' | 'parameterBytes'> {
+  const parameterOffsets = new Map<SplatEffect, number>();
+  let parameterBytes = 0;
+  for (const effect of effects) {
+    if (!effect.parameters) continue;
+    parameterOffsets.set(effect, parameterBytes);
+    parameterBytes = roundUp(parameterBytes + effect.parameters.bytes, STRUCT_ALIGNMENT);
+  }
+  return { parameterOffsets, parameterBytes };
+}
+
+/** Name of the module of one effect's shader. */
+function moduleNameOf({ name }: SplatEffect): string {
+  return `package::effects::${name.replaceAll('-', '_')}`;
+}
+
+/** Member of `Effects` with one effect's parameters. */
+function memberOf({ name }: SplatEffect): string {
+  return name.replace(/-(.)/g, (_, first: string) => first.toUpperCase());
+}
+
+/** Hooks that take `selected`. */
+type SelectionHook = 'splat' | 'color';
+
+const HOOK_FUNCTIONS: Readonly<
+  Record<
+    keyof EffectHooks,
+    { readonly name: string; readonly type: string; readonly others: readonly string[] }
+  >
+> = {
+  splat: { name: 'changeSplat', type: 'Splat', others: ['splatIndex: u32'] },
+  opacity: { name: 'changeOpacity', type: 'f32', others: ['onScreen: ScreenSplat', 'dilationPx2: f32'] },
+  color: {
+    name: 'changeColor',
+    type: 'vec3f',
+    others: ['splat: Splat', 'splatIndex: u32', 'centerView: vec3f'],
+  },
+};
+
+/**
+ * Returns the modules `effects`, whose functions apply one effect after another, and `parameters`, which has the structs, and
+ * the modules of the effects themselves. Only what a stage uses of them is linked.
+ */
+function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
+  const withParameters = effects.filter(({ parameters }) => parameters !== null);
+  const selecting = effects.filter((effect) => effect.takesSelection);
+  const structs = withParameters.map(({ parameters }) => parameters!.wgsl);
+  const members = withParameters.map(
+    (effect) =>
+      `  @size(${roundUp(effect.parameters!.bytes, STRUCT_ALIGNMENT)}) ${memberOf(effect)}: ${effect.parameters!.name},`,
+  );
+  const imports = [
+    'import package::lib::packing::Splat;',
+    'import package::lib::visible_ellipse::ScreenSplat;',
+  ];
+  const functions: string[] = [];
+  for (const hook of Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]) {
+    const acting = effects.filter(({ hooks }) => hooks[hook] !== undefined);
+    if (acting.length === 0) continue;
+    const { name, type, others } = HOOK_FUNCTIONS[hook];
+    const passed = others.map((parameter) => parameter.split(':')[0]);
+    const steps = acting.map((effect) => {
+      const selected =
+        effect.takesSelection && hook !== 'opacity'
+          ? [`isSelected(splatIndex, ${selecting.indexOf(effect)}u)`]
+          : [];
+      const own = effect.parameters ? [`effects.${memberOf(effect)}`] : [];
+      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...selected, ...own].join(', ')});`;
+    });
+    functions.push(
+      `fn ${name}(${[`unchanged: ${type}`, ...others].join(', ')}) -> ${type} {`,
+      '  var changed = unchanged;',
+      ...steps,
+      '  return changed;',
+      '}',
+    );
+    for (const effect of acting) imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]};`);
+  }
+  const uniform =
+    members.length > 0
+      ? [
+          'import parameters::Effects;',
+          `@group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
+        ]
+      : [];
+  // The bits of one selection after those of another.
+  const selection =
+    selecting.length > 0
+      ? [
+          `@group(0) @binding(${SELECTED_BINDING}) var<storage, read> selectedBits: array<u32>;`,
+          'fn isSelected(splatIndex: u32, selection: u32) -> bool {',
+          `  let first = selection * (arrayLength(&selectedBits) / ${selecting.length}u);`,
+          '  return extractBits(selectedBits[first + splatIndex / 32u], splatIndex % 32u, 1u) == 1u;',
+          '}',
+        ]
+      : [];
+  return {
+    effects: [...imports, ...uniform, ...selection, ...functions].join('\n'),
+    parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),
+    ...Object.fromEntries(effects.map((effect) => [moduleNameOf(effect), effect.wgsl])),
+  };
+}
+
+/** Returns the bindings that a stage needs to apply effects at these hooks; only those that some effect uses. */
+export function effectBindings(set: EffectSet, hooks: readonly SelectionHook[]): StageDefinition['bindings'] {
+  const bindings: Record<string, readonly [number, BindingKind]> = {};
+  if (set.parameterBytes > 0) bindings.effects = [PARAMETERS_BINDING, 'uniform'];
+  if (takesSelection(set, hooks)) bindings.selectedBits = [SELECTED_BINDING, 'read'];
+  return bindings;
+}

@@ -1,0 +1,57 @@
+import type { SplatReach } from '../../data/camera/frustum.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
+import { shown } from '../../data/printable.ts';
+import type { EffectUse, SplatEffect } from './effect.ts';
+import { antialias, EFFECTS, opacity } from './effects.ts';
+
+/** All effects that a caller can request for a cloud, in the order in which they act. */
+export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ Object.values(EFFECTS).map(
+  ({ effect }) => effect,
+);
+
+/** Everything that decides which effects a cloud is drawn with. */
+interface EffectSource {
+  /** Multiplies every splat's opacity, 0…1; default 1. */
+  readonly opacity?: number;
+  readonly effects?: readonly EffectUse[];
+  /** Default: a cloud without known facts. */
+  readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
+}
+
+/**
+ * Returns the effects that a cloud is drawn with, in order: the caller's own in the given order, since they may move splats,
+ * then those of CLOUD_EFFECTS, including the ones that the cloud itself needs.
+ *
+ * @throws InvalidArgumentError if an effect is used twice, or the opacity is out of range.
+ */
+export function usesOf(source: EffectSource): readonly EffectUse[] {
+  const { effects: requested = [] } = source;
+  if (!Array.isArray(requested) || [...requested].some((use) => !use?.effect))
+    throw new InvalidArgumentError(
+      'effects',
+      `effects is ${shown(requested)}; it must be a list of what effects return, such as [tint([1, 0, 0])].`,
+    );
+  const uses = [...requested];
+  const { opacity: factor = 1 } = source;
+  // Host objects always have an opacity: if it is 1, the caller's effects may include the opacity effect.
+  if (factor !== 1) uses.push(opacity(factor));
+  if (source.cloud?.facts.isAntialiased && !uses.some(({ effect }) => effect === antialias.effect))
+    uses.push(antialias());
+  const names = uses.map(({ effect }) => effect.name);
+  const twice = names.find((name, i) => names.indexOf(name) !== i);
+  if (twice !== undefined) {
+    const message = `The effect ${twice} is used twice for one cloud; use it once, with all its options.`;
+    throw new InvalidArgumentError('effects', message);
+  }
+  const acting = uses.filter(({ reason }) => reason !== null);
+  return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
+}
+
+/** Returns how far all of `uses` together may move splats, and how much they may enlarge them. */
+export function reachOf(uses: readonly EffectUse[]): SplatReach {
+  return {
+    displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, 0),
+    growth: uses.reduce((product, { reach }) => product * reach.growth, 1),
+  };
+}

@@ -1,0 +1,137 @@
+import type { SplatReach } from '../../data/camera/frustum.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../../data/layout/gpu-struct.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import type { SplatSelection } from '../../data/splats/splat-selection.ts';
+
+/**
+ * Names of the functions in an effect's shader, by the place where they act. The last argument of each function is the
+ * effect's parameters, if it has any: a struct named like the effect (`wind-sway`: `WindSway`). If the effect takes a
+ * selection, functions for splats and colours take `selected: bool` before it.
+ */
+export interface EffectHooks {
+  /**
+   * `fn name(splat: Splat, splatIndex: u32, …) -> Splat`: changes a splat in its cloud's space, in cull-splats and in
+   * project, before they use it. `splatIndex` counts within a page, and is the same in every frame.
+   */
+  readonly splat?: string;
+  /**
+   * `fn name(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, …) -> f32`: changes a splat's opacity depending on its
+   * shape on the screen, in cull-splats and in project.
+   */
+  readonly opacity?: string;
+  /**
+   * `fn name(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, …) -> vec3f`: changes a splat's colour, in
+   * project, before it is clamped; sRGB-encoded, like the images that scenes are trained with.
+   */
+  readonly color?: string;
+}
+
+/** Place of a cloud in the frame that an effect's uniforms are computed for; all in float64. */
+export interface EffectPlace {
+  /** Cloud to world, column-major. */
+  readonly modelMatrix: ArrayLike<number>;
+  /** Origin of the shader's positions, in the cloud's space. */
+  readonly origin: Vec3;
+  /** World to view, column-major. */
+  readonly viewMatrix: ArrayLike<number>;
+}
+
+/** An effect without the options of a particular use. */
+export interface SplatEffect {
+  /** Lower case with hyphens, like its folder and its shader. */
+  readonly name: string;
+  /** Human-readable name. */
+  readonly label: string;
+  /** One sentence that says what the effect does. */
+  readonly about: string;
+  readonly hooks: EffectHooks;
+  /** Text of the module `package::effects::NAME`, written like those of this package's effects. */
+  readonly wgsl: string;
+  /** Struct that the functions take as their last argument; null without parameters. */
+  readonly parameters: GpuStruct<GpuFields> | null;
+  /** Whether the functions take `selected`. */
+  readonly takesSelection: boolean;
+}
+
+/** An effect with a caller's options, for one cloud of one frame. Made by the effect's function: `tint([1, 0, 0])`. */
+export interface EffectUse {
+  readonly effect: SplatEffect;
+  /** Options that the caller passed. */
+  readonly options: unknown;
+  /** A clause that says why the effect is on now; null if its options change nothing, which turns it off. */
+  readonly reason: string | null;
+  readonly reach: SplatReach;
+  /** Null if the effect takes no selection. */
+  readonly selection: SplatSelection | null;
+  /** Returns the contents of the effect's parameters; null if it has none. */
+  valuesAt(place: EffectPlace): GpuValues<GpuFields> | null;
+}
+
+/** Argument of `defineEffect`. */
+export interface EffectDefinition<Options, Fields extends GpuFields>
+  extends Pick<SplatEffect, 'name' | 'label' | 'about' | 'hooks' | 'wgsl'> {
+  /** Fields of the struct that the functions take as their last argument: WGSL types by name; default none. */
+  readonly fields?: Fields;
+  /** Returns a clause that says why these options change a frame, or null if they change nothing. */
+  readonly calledFor: (options: Options) => string | null;
+  /** @throws InvalidArgumentError for invalid options. */
+  readonly check?: (options: Options) => void;
+  /** Returns the selection that the functions use; default none. */
+  readonly selection?: (options: Options) => SplatSelection;
+  /** Returns the contents of the fields. */
+  readonly valuesAt?: (options: Options, place: EffectPlace) => GpuValues<Fields>;
+  /** Returns how far splats move and how much they grow; default: they do neither. */
+  readonly reach?: (options: Options) => SplatReach;
+}
+
+/** Makes uses of one effect. */
+export interface EffectFunction<Options> {
+  /** @throws InvalidArgumentError for invalid options. */
+  (...options: undefined extends Options ? [options?: Options] : [options: Options]): EffectUse;
+  readonly effect: SplatEffect;
+}
+
+const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
+
+/**
+ * Defines a new effect: returns a function that makes uses of it for `CloudInstance.effects`. Shaders contain an effect's
+ * code only if a cloud of the frame uses the effect and `calledFor` returns a reason.
+ *
+ * @throws InvalidArgumentError for a name that is not lower case with hyphens, or an effect without hooks.
+ */
+export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
+  definition: EffectDefinition<Options, Fields>,
+): EffectFunction<Options> {
+  const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
+    definition;
+  if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
+    const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
+    throw new InvalidArgumentError('name', message);
+  }
+  if (Object.keys(hooks).length === 0)
+    throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
+  const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
+  const takesSelection = selection !== undefined;
+  const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection };
+  const use = (options: Options): EffectUse => {
+    check?.(options);
+    return {
+      effect,
+      options,
+      // A getter, because the selection may change.
+      get reason() {
+        return calledFor(options);
+      },
+      reach: reach?.(options) ?? NO_REACH,
+      selection: selection?.(options) ?? null,
+      valuesAt: (place) => valuesAt?.(options, place) ?? null,
+    };
+  };
+  return Object.assign(use, { effect }) as EffectFunction<Options>;
+}
+
+/** Returns `WindSway` for `wind-sway`. */
+function structName(name: string): string {
+  return name.replace(/(?:^|-)(.)/g, (_, first: string) => first.toUpperCase());
+}

@@ -1,0 +1,177 @@
+import { describe, expect, test } from 'vitest';
+import documentation from '../../../../../docs/effects.md?raw';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { referencesOf } from '../../reference/effects/references.ts';
+import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
+import { allStageVariants, spreadByStage } from '../../testing/stage-variants.ts';
+import { reflectWgsl } from '../../testing/wgsl-reflect.ts';
+import type { StageDefinition } from '../pipelines.ts';
+import { linkInput } from '../shaders/link-shader.ts';
+import { linkModules } from '../shaders/shader-linker.ts';
+import type { CullSplatsVariant } from '../stages/cull-splats.ts';
+import { cullSplats } from '../stages/cull-splats.ts';
+import { type ProjectVariant, project } from '../stages/project.ts';
+import { defineEffect, type SplatEffect } from './effect.ts';
+import { type EffectSet, effectSetOf } from './effect-set.ts';
+import { CLOUD_EFFECTS, reachOf, usesOf } from './effect-uses.ts';
+import { opacity } from './opacity/opacity.ts';
+import { tint } from './tint/tint.ts';
+
+const CULL: CullSplatsVariant = {
+  isOrthographic: false,
+  geometryPrecision: 'packed',
+  extent: 'opacity',
+  culling: 'bounding-box',
+};
+const PROJECT: ProjectVariant = {
+  isOrthographic: false,
+  geometryPrecision: 'packed',
+  recordPrecision: 'f16',
+  shPrecision: 'u8',
+  shortKeyBits: null,
+  maxColor: 65504,
+  storedShDegree: 3,
+  shDegree: 3,
+};
+const stagesWith = (effects: EffectSet) => [
+  cullSplats({ ...CULL, effects }),
+  cullSplats({ ...CULL, culling: 'frustum', effects }),
+  project({ ...PROJECT, effects }),
+];
+
+/** Checks that the stage's text is the same without the effects' own modules, and contains none of their code. */
+function expectNothingOf(effects: readonly SplatEffect[], stage: StageDefinition): void {
+  const input = linkInput(stage);
+  const unknown = effects.map(({ name }) => `package::effects::${name.replaceAll('-', '_')}`);
+  const modules = Object.fromEntries(
+    Object.entries(input.modules).filter(([name]) => !unknown.includes(name)),
+  );
+  const text = linkModules(input);
+  expect(text).toBe(linkModules({ ...input, modules }));
+  for (const { hooks, parameters } of effects) {
+    for (const hook of Object.values(hooks)) expect(text).not.toContain(hook);
+    if (parameters) expect(text).not.toContain(`struct ${parameters.name}`);
+  }
+}
+
+const sway = defineEffect<{ by: number }, { by: 'f32' }>({
+  name: 'test-sway',
+  label: 'Sway',
+  about: 'Moves everything.',
+  hooks: { splat: 'swaySplat' },
+  // Braces at the beginning of lines, because the reflection of WGSL in this test looks for them there.
+  wgsl: `import package::lib::packing::Splat;
+import parameters::TestSway;
+fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
+  var moved = splat;
+  moved.position.x += parameters.by;
+  return moved;
+}`,
+  fields: { by: 'f32' },
+  calledFor: ({ by }) => (by === 0 ? null : 'there is wind'),
+  valuesAt: ({ by }) => ({ by }),
+  reach: ({ by }) => ({ displacement: Math.abs(by), growth: 1 }),
+});
+
+describe('effects', () => {
+  test('have a folder and a reference each', () => {
+    const names = CLOUD_EFFECTS.map(({ name }) => name);
+    const shaders = Object.keys(import.meta.glob('./*/*.wgsl'));
+    expect(shaders).toEqual(names.map((name) => `./${name}/${name}.wgsl`).toSorted());
+    const place = { modelMatrix: [], origin: [0, 0, 0], viewMatrix: [] } as const;
+    expect(referencesOf(EFFECT_EXAMPLES, place)).toHaveLength(names.length);
+  });
+
+  test('have a row each in docs/effects.md, in their order, which names their options', () => {
+    const [, table] = documentation.split('## Use the built-in effects');
+    const rows = [...table.split('## ')[0].matchAll(/^\| `(.*?)` \| (.*?) \| .*\w.* \|$/gm)];
+    expect(rows.map(([, name]) => name)).toEqual(CLOUD_EFFECTS.map(({ name }) => name));
+    for (const [i, { options }] of EFFECT_EXAMPLES.entries())
+      if (typeof options === 'object' && !Array.isArray(options))
+        for (const option of Object.keys(options!)) expect(rows[i][2]).toContain(option);
+  });
+
+  for (const use of EFFECT_EXAMPLES) {
+    const { effect } = use;
+    test(`${effect.name}: gives a reason, and is on if it gives one`, () => {
+      expect(use.reason).toMatch(/^[a-z0-9].*[^.]$/);
+      const set = effectSetOf([use]);
+      const texts = stagesWith(set).map((stage) => linkModules(linkInput(stage)));
+      for (const hook of Object.values(effect.hooks))
+        expect(texts.some((text) => text.includes(hook))).toBe(true);
+    });
+
+    test(`${effect.name}: with all the others used, stages are as in a build without it`, () => {
+      const others = effectSetOf(usesOf({ effects: EFFECT_EXAMPLES.filter((other) => other !== use) }));
+      for (const stage of stagesWith(others)) expectNothingOf([effect], stage);
+    });
+  }
+
+  test('that are given fractions without an end say them in three digits', () => {
+    expect(tint([1 / 3, 1, 2 / 3]).reason).toBe('colours are multiplied by 0.333, 1, 0.667');
+  });
+
+  // Hundreds of variants, each linked twice: in the short run, some of each stage stand for all.
+  const linkedEach = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 12;
+  test('that are not used leave all stages as in a build without effects', async () => {
+    for (const stage of spreadByStage(await allStageVariants(), linkedEach))
+      expectNothingOf(CLOUD_EFFECTS, stage);
+  });
+
+  test('all together link, and their parameters lie where the host writes them', () => {
+    const uses = usesOf({ effects: [sway({ by: 1 }), ...EFFECT_EXAMPLES] });
+    expect(uses.map(({ effect }) => effect.name)).toEqual([
+      'test-sway',
+      ...CLOUD_EFFECTS.map(({ name }) => name),
+    ]);
+    const set = effectSetOf(uses);
+    for (const stage of stagesWith(set)) {
+      const { structs } = reflectWgsl(linkModules(linkInput(stage)));
+      const effects = structs.find(({ name }) => name === 'Effects')!;
+      expect(effects.size).toBe(set.parameterBytes);
+      let end = 0;
+      for (const { parameters } of set.effects) {
+        if (!parameters) continue;
+        const member = effects.members.find(({ type }) => type.name === parameters.name)!;
+        expect(member.offset).toBe(Math.ceil(end / 16) * 16);
+        end = member.offset + parameters.bytes;
+      }
+    }
+  });
+
+  test('stages bind nothing for an effect that no cloud uses', async () => {
+    for (const stage of await allStageVariants())
+      expect(Object.keys(stage.bindings)).not.toContain('effects');
+    const colorsOnly = effectSetOf(EFFECT_EXAMPLES.filter(({ effect }) => effect.name === 'tint'));
+    expect(cullSplats({ ...CULL, effects: colorsOnly })).toEqual(cullSplats(CULL));
+  });
+
+  test('all together leave stages within the eight storage buffers that every device has', () => {
+    const effects = effectSetOf(usesOf({ effects: EFFECT_EXAMPLES }));
+    for (const stage of [cullSplats({ ...CULL, effects }), project({ ...PROJECT, effects })]) {
+      const kinds = Object.values(stage.bindings).map(([, kind]) => kind);
+      expect(kinds.filter((kind) => kind === 'read' || kind === 'read-write').length).toBeLessThanOrEqual(8);
+    }
+  });
+
+  test('that change nothing are not applied', () => {
+    expect(usesOf({ opacity: 1, effects: [sway({ by: 0 })] })).toEqual([]);
+    expect(effectSetOf(usesOf({}))).toBe(effectSetOf(usesOf({ opacity: 1 })));
+    const half = opacity(0.5);
+    expect(usesOf({ opacity: 1, effects: [half] })).toEqual([half]);
+    expect(() => usesOf({ opacity: 0.5, effects: [half] })).toThrow(/opacity is used twice/);
+  });
+
+  test('reach as far as their displacements and growths together', () => {
+    expect(reachOf(usesOf({ effects: [sway({ by: -2 })] }))).toEqual({ displacement: 2, growth: 1 });
+    expect(reachOf([])).toEqual({ displacement: 0, growth: 1 });
+  });
+
+  test('that contradict each other, or do nothing, are rejected', () => {
+    expect(() => usesOf({ effects: [sway({ by: 1 }), sway({ by: 2 })] })).toThrow(/test-sway is used twice/);
+    expect(() => usesOf({ opacity: 2 })).toThrow(InvalidArgumentError);
+    const none = { label: '', about: '', wgsl: '', calledFor: () => null };
+    expect(() => defineEffect({ ...none, name: 'Wind', hooks: { splat: 'a' } })).toThrow(/"Wind"/);
+    expect(() => defineEffect({ ...none, name: 'wind', hooks: {} })).toThrow(/no hooks/);
+  });
+});

@@ -1,0 +1,38 @@
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import type { SplatSelection } from '../../../data/splats/splat-selection.ts';
+import { defineEffect } from '../effect.ts';
+import { checkOptions, checkRange, checkVector, invalidOption } from '../option-checks.ts';
+import wgsl from './highlight.wgsl?raw';
+
+export interface HighlightOptions {
+  /** The selection to show; kept by reference, changes show in the next frame. */
+  readonly selection: SplatSelection;
+  /** Red, green and blue, sRGB-encoded, 0…1. */
+  readonly color: Vec3;
+  /** Share of that colour in the colour of selected splats, 0…1; 0 changes nothing. */
+  readonly strength: number;
+}
+
+/** Shows which splats are selected: mixes their colour with another. */
+export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color: 'vec3f'; strength: 'f32' }>({
+  name: 'highlight',
+  label: 'Highlight',
+  about: 'Shows which splats are selected.',
+  hooks: { color: 'highlightColor' },
+  wgsl,
+  fields: { color: 'vec3f', strength: 'f32' },
+  check(options) {
+    checkOptions('highlight', options);
+    const { selection, color, strength } = options;
+    if (typeof selection?.bitsOf !== 'function')
+      throw invalidOption('selection', selection, 'the SplatSelection to show');
+    checkVector('color', color, 'red, green and blue of a highlight, each 0…1', { isNonNegative: true });
+    if (color.some((value) => value > 1))
+      throw invalidOption('color', color, 'red, green and blue of a highlight, each 0…1');
+    checkRange('strength', strength, 1, 'the share of that colour');
+  },
+  calledFor: ({ selection: { count }, strength }) =>
+    count === 0 || strength === 0 ? null : `${count} ${count === 1 ? 'splat is' : 'splats are'} selected`,
+  selection: ({ selection }) => selection,
+  valuesAt: ({ color, strength }) => ({ color, strength }),
+});

@@ -1,0 +1,63 @@
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
+
+/** Whether `value` is finite in float32, which shaders take. */
+export function isFiniteF32(value: number): boolean {
+  // Number.isFinite refuses what is no number at all, which Math.fround would not.
+  return Number.isFinite(value) && Number.isFinite(Math.fround(value));
+}
+
+interface VectorRules {
+  /** Default 3. */
+  readonly length?: number;
+  /** Whether no number may be negative. */
+  readonly isNonNegative?: boolean;
+  /** Whether not all numbers may be 0. */
+  readonly isDirection?: boolean;
+}
+
+/**
+ * @param argument name of the option, e.g. `volumes[0].center`.
+ * @param what meaning of the option, e.g. `the middle of a box in world space`.
+ * @throws InvalidArgumentError unless all numbers are finite in float32 and follow the rules.
+ */
+export function checkVector(
+  argument: string,
+  value: ArrayLike<number>,
+  what: string,
+  { length = 3, isNonNegative = false, isDirection = false }: VectorRules = {},
+): void {
+  // Callers without types may pass anything, even what only seems to be an array.
+  const numbers = Object(value)[Symbol.iterator] && value.length === length ? Array.from(value) : [];
+  const isRight =
+    numbers.length === length &&
+    numbers.every(isFiniteF32) &&
+    !(isNonNegative && numbers.some((number) => number < 0)) &&
+    !(isDirection && numbers.every((number) => number === 0));
+  if (isRight) return;
+  const rule = (isNonNegative ? ', none below 0' : '') + (isDirection ? ', not all of them 0' : '');
+  throw invalidOption(argument, value, `${what}: ${length} finite numbers${rule}`);
+}
+
+/** @throws InvalidArgumentError unless `value` is a length of 0 or more that is finite in float32. */
+export function checkLength(argument: string, value: number, what: string): void {
+  if (isFiniteF32(value) && value >= 0) return;
+  throw invalidOption(argument, value, `${what}: a finite number of world units, 0 or more`);
+}
+
+/** @throws InvalidArgumentError unless there are options at all. */
+export function checkOptions(argument: string, options: object): void {
+  if (typeof options === 'object' && options !== null) return;
+  throw invalidOption(argument, options, 'an object with options');
+}
+
+/** @throws InvalidArgumentError unless `value` lies in 0…`max`. */
+export function checkRange(argument: string, value: number, max: number, what: string): void {
+  if (typeof value === 'number' && value >= 0 && value <= max) return;
+  throw invalidOption(argument, value, `${what}, 0…${max}`);
+}
+
+/** Returns the error for an invalid option. `expected`: meaning of the option and its valid values. */
+export function invalidOption(argument: string, value: unknown, expected: string): InvalidArgumentError {
+  return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it is ${expected}.`);
+}

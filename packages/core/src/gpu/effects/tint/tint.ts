@@ -1,0 +1,25 @@
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { defineEffect } from '../effect.ts';
+import { checkVector } from '../option-checks.ts';
+import wgsl from './tint.wgsl?raw';
+
+/** Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; [1, 1, 1] changes nothing. */
+export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
+  name: 'tint',
+  label: 'Tint',
+  about: 'Colours a cloud, like a filter in front of it.',
+  hooks: { color: 'tintColor' },
+  wgsl,
+  fields: { color: 'vec3f' },
+  check(color) {
+    checkVector('tint', color, 'a factor for red, green and blue', { isNonNegative: true });
+  },
+  calledFor: (color) =>
+    color.every((value) => value === 1)
+      ? null
+      : `colours are multiplied by ${color.map(shortened).join(', ')}`,
+  valuesAt: (color) => ({ color }),
+});
+
+/** Sliders and pickers of colours give fractions without an end. */
+const shortened = (factor: number) => Number(factor.toPrecision(3));

@@ -1,0 +1,151 @@
+import { MAX_FRAGMENT_ALPHA } from '../../data/accuracy/accuracy.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../../data/layout/structs.ts';
+import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
+
+/**
+ * All shader files, except those of effects, which bring their own, and those that come later: with code that only some pages need, or
+ * see `later-source.ts`.
+ */
+const files = import.meta.glob<string>(
+  [
+    '../../../../../shaders/{lib,stages}/*.wgsl',
+    '!../../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,ingest-*,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
+    '!../../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,layer-rounding,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
+  ],
+  { query: '?raw', import: 'default', eager: true },
+);
+
+/** Every shader file as a module. */
+const modules: ShaderModules = /* @__PURE__ */ modulesOf(files);
+
+function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
+  const named = ([path, text]: [string, string]) =>
+    [moduleName(path.replace(/^.*\/shaders\/|\.wgsl$/g, '')), text] as const;
+  return Object.fromEntries(Object.entries(texts).map(named));
+}
+
+/** Returns `package::stages::cull_splats` for `stages/cull-splats`: WGSL identifiers have no hyphens. */
+function moduleName(file: string): string {
+  return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
+}
+
+/** What comes of a variant later. */
+export interface LaterTexts {
+  readonly source: string;
+  readonly libraries?: ShaderVariant['libraries'];
+}
+
+/** A shader to link; code whose condition is not met is not in its text. */
+export interface ShaderVariant {
+  /** File in shaders/stages, without its ending. */
+  readonly stage: string;
+  /** Text of that file, or what loads it, if it is not among the engine's own modules. */
+  readonly source?: string | (() => Promise<LaterTexts>);
+  /** Texts of other files below shaders/ that are not among those modules, by their names without endings. */
+  readonly libraries?: Readonly<Record<string, string>>;
+  /** Structs that it may import besides those of all shaders. */
+  readonly structs?: readonly ShaderStruct[];
+  readonly conditions?: Readonly<Record<string, boolean>>;
+  readonly constants?: Readonly<Record<string, number>>;
+  /** Whether it uses built-in functions of subgroups, which are a feature of devices. */
+  readonly usesSubgroups?: boolean;
+  /** Provides the modules `effects` and `parameters`; equal modules are the same object. Default none. */
+  readonly effects?: { readonly modules: ShaderModules };
+}
+
+/** Loads the variant's texts where they are still to be loaded, as it must be before it is linked. */
+export async function loadVariant<Variant extends ShaderVariant>(variant: Variant): Promise<Variant> {
+  const { source } = variant;
+  return typeof source === 'function' ? { ...variant, ...(await source()) } : variant;
+}
+
+/**
+ * Replaces some text of a shader, to show that tests notice: with a remedy removed, the test case for it must fail. Only used
+ * in tests.
+ */
+export interface ShaderMutation {
+  /** File below shaders/ without its ending, e.g. `lib/covariance`. */
+  readonly file: string;
+  /** Text that occurs exactly once in the file. */
+  readonly find: string;
+  readonly replace: string;
+}
+
+/** Every condition that shaders may use; absent means false. */
+const NO_CONDITIONS: LinkInput['conditions'] = {
+  ORTHOGRAPHIC: false,
+  GEOMETRY_F32: false,
+  RECORD_F32: false,
+  RECORD_PAPER: false,
+  SH_1: false,
+  SH_2: false,
+  SH_3: false,
+  SH_F32: false,
+  SH_F16: false,
+  SH_U8: false,
+  SH_PALETTE: false,
+  REPACK_TO_U8: false,
+  DEPTH_TEST: false,
+  DEPTH_LOGARITHMIC: false,
+  DEPTH_LAYER: false,
+  COMPUTE: false,
+  NARROW: false,
+  SUBGROUPS: false,
+  WIDE_SUBGROUPS: false,
+  BGRA: false,
+  LAYER_F32: false,
+  LAYER_F16: false,
+  MULTISAMPLED: false,
+  REVERSED_DEPTH: false,
+  SCALED: false,
+  SHORT_KEYS: false,
+  DISTANCE_ORDER: false,
+  FIXED_EXTENT: false,
+  FRUSTUM_CULLING: false,
+  ISOTROPIC: false,
+  SPLAT_EFFECTS: false,
+  OPACITY_EFFECTS: false,
+  COLOR_EFFECTS: false,
+  CONTRIBUTIONS: false,
+};
+
+/** Returns the WGSL of one stage with everything that it imports. */
+export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): string {
+  const linked = linkModules(linkInput(variant, mutation));
+  return variant.usesSubgroups ? `enable subgroups;\n${linked}` : linked;
+}
+
+/** Returns a variant as input of the linker: the host's structs and constants become modules, like files. */
+export function linkInput(
+  { stage, source, libraries = {}, structs = [], conditions = {}, constants = {}, effects }: ShaderVariant,
+  mutation?: ShaderMutation,
+): LinkInput {
+  const { f32, f16, paper } = SPLAT_RECORDS;
+  const record = conditions.RECORD_F32 ? f32 : conditions.RECORD_PAPER ? paper : f16;
+  const root = moduleName(`stages/${stage}`);
+  const values = Object.entries({ ...SHADER_CONSTANTS, MAX_FRAGMENT_ALPHA, ...constants });
+  const known =
+    typeof source === 'string' ? { ...modules, ...modulesOf(libraries), [root]: source } : modules;
+  return {
+    modules: {
+      ...(mutation ? mutated(known, mutation) : known),
+      ...effects?.modules,
+      layout: [...SHADER_STRUCTS, ...structs, record].map((struct) => struct.wgsl).join('\n'),
+      constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
+    },
+    root,
+    conditions: { ...NO_CONDITIONS, ...conditions },
+    counts: Object.fromEntries(values),
+  };
+}
+
+function mutated(known: ShaderModules, { file, find, replace }: ShaderMutation): ShaderModules {
+  const name = moduleName(file);
+  // An engine's mutation is there for all of its shaders, and the file may come with only one of them.
+  if (!(name in known)) return known;
+  const parts = known[name].split(find);
+  if (parts.length !== 2)
+    throw new RangeError(`"${find}" does not occur exactly once in shaders/${file}.wgsl.`);
+  return { ...known, [name]: parts.join(replace) };
+}

@@ -1,0 +1,65 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { CullParameters } from '../../data/layout/structs.ts';
+import { compactSplats as compactReference } from '../../reference/compact-splats.ts';
+import { prefixScan } from '../../reference/prefix-scan.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { compactSplats } from './compact-splats.ts';
+import { dispatchSize } from './dispatch.ts';
+
+describe('compact-splats', () => {
+  gpuTest('lists the visible splats in storage order, as many as there is room for', async () => {
+    const device = await shareTestDevice();
+    const pipelines = new Pipelines(device);
+    for (const [slots, chunkCount, room] of [
+      [0, 3, 0],
+      [1, 1, 256],
+      [1, 9, 2304],
+      [40, 100, 25_600],
+      // Some splats, and whole slots, find no room.
+      [40, 100, 3000],
+    ]) {
+      const random = seededRandom(slots);
+      const visibleChunks = Array.from({ length: slots }, (_, slot) => 2 * slot + (slots === 40 ? 1 : 0));
+      // Empty words, full words and everything in between.
+      const masks = Uint32Array.from({ length: 8 * chunkCount }, (_, i) =>
+        i >= 8 * slots ? 0xffffffff : [0, 0xffffffff, random() * 2 ** 32][i % 3],
+      );
+      const expected = compactReference(visibleChunks, masks, room);
+      const counts = visibleChunks.map(
+        (_, slot) => compactReference([0], masks.subarray(8 * slot, 8 * slot + 8), 256).length,
+      );
+      const parameters = CullParameters.pack({
+        chunkCount,
+        pageCount: 1,
+        visibleCapacity: room,
+        dispatchRow: 7,
+      });
+      const chunkOffsets = new Uint32Array(chunkCount + 1);
+      chunkOffsets[chunkCount] = slots;
+      const visibleSplats = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));
+      await runStage(
+        device,
+        pipelines,
+        compactSplats,
+        {
+          cullParameters: uniformBuffer(device, parameters),
+          chunkOffsets: storageBuffer(device, chunkOffsets),
+          visibleChunks: storageBuffer(device, visibleChunks, 4 * chunkCount),
+          visibilityMasks: storageBuffer(device, masks),
+          splatOffsets: storageBuffer(device, prefixScan(counts), 4 * (chunkCount + 1)),
+          visibleSplats,
+        },
+        // An extra workgroup must do nothing.
+        dispatchSize(slots + 1, 7),
+      );
+      const words = await readWords(device, visibleSplats);
+      expect(words.subarray(0, expected.length)).toEqual(Uint32Array.from(expected));
+      expect(words.subarray(expected.length).every((word) => word === 0xffffffff)).toBe(true);
+    }
+    device.destroy();
+  });
+});

@@ -1,0 +1,31 @@
+import source from '../../../../../shaders/stages/compare-images.wgsl?raw';
+import { COMPARE_CONSTANTS, COMPARE_STRUCTS } from '../../data/layout/compare-structs.ts';
+import type { StageDefinition } from '../pipelines.ts';
+
+/** Compares two layers of equal size: writes a `CompareTile` per tile, and how often each absolute error occurs. */
+export const compareImages = {
+  stage: 'compare-images',
+  source,
+  structs: COMPARE_STRUCTS,
+  constants: COMPARE_CONSTANTS,
+  entryPoint: 'compareImages',
+  bindings: {
+    parameters: [0, 'uniform'],
+    actual: [1, 'texture'],
+    expected: [2, 'texture'],
+    tiles: [3, 'read-write'],
+    errorCounts: [4, 'read-write'],
+  },
+} as const satisfies StageDefinition;
+
+/** Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128 of one another. */
+const DROPPED_BITS = 16;
+
+/** Number of counts for errors of 0…1. The first stays 0: the number of equal values follows from the others. */
+export const ERROR_COUNTS = 1 + (0x3f800000 >> DROPPED_BITS);
+
+/** Returns the middle of the errors that are counted at `index`. */
+export function countedError(index: number): number {
+  const bits = Uint32Array.of((index << DROPPED_BITS) + (1 << (DROPPED_BITS - 1)));
+  return Math.min(1, new Float32Array(bits.buffer)[0]);
+}

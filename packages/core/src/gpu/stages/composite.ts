@@ -1,0 +1,33 @@
+import type { RenderState, StageDefinition } from '../pipelines.ts';
+
+/** Composites the blended splats over the background. */
+export const composite = {
+  stage: 'composite',
+  bindings: { parameters: [0, 'uniform'], layer: [1, 'texture'] },
+} as const satisfies StageDefinition;
+
+/** Formats of canvases that compute shaders may write. */
+export type StorableCanvasFormat = 'bgra8unorm' | 'rgba8unorm';
+
+/** The same in a compute shader. */
+export function compositeInCompute(format: StorableCanvasFormat) {
+  return {
+    stage: 'composite',
+    entryPoint: 'compositePixels',
+    conditions: { COMPUTE: true, BGRA: format === 'bgra8unorm' },
+    bindings: { parameters: [0, 'uniform'], layer: [1, 'texture'], canvas: [2, `${format} writes`] },
+  } as const satisfies StageDefinition;
+}
+
+/** Returns the format if compute shaders of the device may write canvases of it, otherwise null. */
+export function storableCanvasFormat(
+  device: GPUDevice,
+  format: GPUTextureFormat,
+): StorableCanvasFormat | null {
+  if (format === 'rgba8unorm') return format;
+  return format === 'bgra8unorm' && device.features.has('bgra8unorm-storage') ? format : null;
+}
+
+export function compositeState(format: GPUTextureFormat): RenderState {
+  return { topology: 'triangle-list', targets: [{ format }] };
+}

@@ -1,0 +1,179 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SplatEngine } from '../../create-engine.ts';
+import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
+import { DestroyedError, InvalidArgumentError } from '../../data/errors.ts';
+import { COVER_CONSTANTS } from '../../data/layout/cover-structs.ts';
+import { invert3, linearPart, transform3, type Vec3 } from '../../data/math/mat4.ts';
+import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
+import { readRecords } from '../../inspect/read-records.ts';
+import { coverPoint } from '../../reference/cover-points.ts';
+import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+import { visibleSplatOf } from '../../testing/visible-splat.ts';
+import { coverStage, findCoverage, MAX_COVER_POINTS, type PointToCover } from '../../views/find-coverage.ts';
+import { GpuMemory } from '../gpu-memory.ts';
+import { Pipelines } from '../pipelines.ts';
+
+const SIZE = { widthPx: 64, heightPx: 48 };
+const CAMERAS = testCameras(SIZE.widthPx / SIZE.heightPx);
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+let memory: GpuMemory;
+const counting = { readbacks: 0 };
+
+beforeAll(async () => {
+  device = await shareTestDevice();
+  pipelines = new Pipelines(device);
+  memory = new GpuMemory(device);
+});
+afterAll(() => device.destroy());
+
+async function coverageIn(frame: InspectedFrame, points: readonly PointToCover[]) {
+  const stage = coverStage(frame.parts, frame.plan);
+  await pipelines.prepare([stage]);
+  return findCoverage({ device, pipelines, memory, counting }, frame.parts, frame.plan, stage, points);
+}
+
+/** The point of the world that a camera sees in the middle of a pixel, at a view depth. */
+function pointAt(
+  { viewMatrix: v }: Camera,
+  { projection: { isOrthographic, focalPx, centerPx } }: InspectedFrame,
+  [column, row]: readonly [number, number],
+  depthView: number,
+): Vec3 {
+  const scale = isOrthographic ? 1 : depthView;
+  const x = ((column + 0.5 - centerPx[0]) / focalPx[0]) * scale;
+  const y = ((centerPx[1] - row - 0.5) / focalPx[1]) * scale;
+  return transform3(invert3(linearPart(v))!, [x - v[12], y - v[13], -depthView - v[14]]);
+}
+
+/** Compares what covers random points with the reference's answer, for the numbers that the stage reads. */
+async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx'>, count = 60): Promise<number[]> {
+  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE });
+  const splats = (await readRecords(frame)).map(visibleSplatOf);
+  const depths = splats.map(({ depthView }) => depthView).sort((a, b) => a - b);
+  const random = seededRandom(7);
+  const places = Array.from({ length: count }, () => ({
+    xPx: Math.floor(random() * SIZE.widthPx),
+    yPx: Math.floor(random() * SIZE.heightPx),
+    // Between two splats, so that rounding puts none on the other side.
+    depthView: (() => {
+      const at = Math.floor(random() * (depths.length - 1));
+      return (depths[at] + depths[at + 1]) / 2;
+    })(),
+  }));
+  const points = places.map(({ xPx, yPx, depthView }) => ({
+    point: pointAt(options.camera, frame, [xPx, yPx], depthView),
+  }));
+  const found = await coverageIn(frame, points);
+  for (const [i, { isInImage, isBehindHost, opacity }] of found.entries()) {
+    expect({ isInImage, isBehindHost }, `point ${i}`).toEqual({ isInImage: true, isBehindHost: false });
+    const expected = coverPoint(splats, places[i], frame.accuracy.alphaCutoff);
+    // Half a step for each splat that may be there, and float32's rounding.
+    const bound = (1 - expected) * ((0.5 * splats.length) / COVER_CONSTANTS.COVER_UNITS) + 1e-4;
+    expect(Math.abs(opacity - expected), `point ${i}`).toBeLessThanOrEqual(Math.min(bound, 0.01));
+  }
+  frame.destroy();
+  return found.map(({ opacity }) => opacity);
+}
+
+const splats = (count: number, seed: number) =>
+  randomSplats({ count, seed, shDegree: 0, logScales: [-4, -1.5] });
+
+describe('cover-points', () => {
+  for (const [name, camera] of Object.entries(CAMERAS)) {
+    gpuTest(`${name} camera: the opacity of the splats in front of each of many points`, async () => {
+      const opacities = await check({ clouds: [{ set: splats(800, 1) }], camera });
+      expect(Math.max(...opacities)).toBeGreaterThan(0.3);
+      expect(Math.min(...opacities)).toBeLessThan(0.1);
+    });
+  }
+
+  gpuTest('several clouds with models and opacities, f16 records, rows of 2', async () => {
+    const camera = CAMERAS.perspective;
+    const clouds = [
+      { set: splats(700, 2), modelMatrix: TEST_MODELS.sheared, opacity: 0.5 },
+      { set: splats(600, 3) },
+    ];
+    await check({ clouds, camera, accuracy: { recordPrecision: 'f16' }, dispatchRow: 2 });
+  });
+
+  gpuTest('records as in the paper', async () => {
+    await check({
+      clouds: [{ set: splats(800, 1) }],
+      camera: CAMERAS.perspective,
+      accuracy: { recordPrecision: 'paper' },
+    });
+  });
+
+  gpuTest(
+    'leaves out what is in front by less than the tolerance, and points outside of the image',
+    async () => {
+      const camera = orthographicCamera({
+        position: [0, 0, 5],
+        target: [0, 0, 0],
+        aspect: 4 / 3,
+        height: 1,
+        far: 10,
+      });
+      const wall = splatsOf([{ position: [0, 0, 1], logScales: [2, 2, 2], opacityLogit: 9 }]);
+      const frame = await InspectedFrame.draw(device, { clouds: [{ set: wall }], camera, ...SIZE });
+      const found = await coverageIn(frame, [
+        { point: [0, 0, 0] },
+        { point: [0, 0, 0.9], tolerance: 0.05 },
+        { point: [0, 0, 0.9], tolerance: 0.2 },
+        { point: [0, 0, 1.5] },
+        { point: [0.7, 0, 0] },
+        { point: [0, -0.6, 0] },
+        { point: [0, 0, 6] },
+        { point: [0, 0, -20] },
+      ]);
+      const covered = expect.closeTo(0.99, 3);
+      expect(found.map(({ opacity }) => opacity)).toEqual([covered, covered, 0, 0, 0, 0, 0, 0]);
+      expect(found.map(({ isInImage }) => isInImage)).toEqual([
+        ...[true, true, true, true],
+        ...[false, false, false, false],
+      ]);
+      frame.destroy();
+      expect(memory.report().totalBytes).toBe(0);
+    },
+  );
+
+  gpuTest('finds nothing in front without visible splats', async () => {
+    const camera = CAMERAS.perspective;
+    for (const clouds of [[], [{ set: splats(300, 1), opacity: 0 }]]) {
+      const frame = await InspectedFrame.draw(device, { clouds, camera, ...SIZE });
+      const point = pointAt(camera, frame, [32, 24], 2);
+      expect(await coverageIn(frame, [{ point }])).toEqual([
+        { isInImage: true, opacity: 0, isBehindHost: false },
+      ]);
+      expect(await coverageIn(frame, [])).toEqual([]);
+      frame.destroy();
+    }
+  });
+});
+
+describe('coverage of a view', () => {
+  gpuTest('names what is wrong with its points', async () => {
+    const engine = await SplatEngine.create({ device: await shareTestDevice() });
+    const view = engine.createEmbeddedView();
+    const point: Vec3 = [0, 0, 0];
+    expect(await view.coverage([{ point }])).toBeNull();
+    for (const [points, message] of [
+      [[{ point: [0, 0, Number.NaN] }], 'Point 0 is'],
+      [[{ point }, { point: [0, 0] }], 'Point 1 is'],
+      [[{ point, tolerance: -1 }], 'The tolerance of point 0 is -1'],
+      [Array.from({ length: MAX_COVER_POINTS + 1 }, () => ({ point })), '1025 points are more than 1024'],
+    ] as const) {
+      const asking = view.coverage(points as readonly PointToCover[]);
+      await expect(asking).rejects.toThrow(InvalidArgumentError);
+      await expect(asking).rejects.toThrow(message);
+    }
+    view.destroy();
+    await expect(view.coverage([{ point }])).rejects.toThrow(DestroyedError);
+    engine.destroy();
+  });
+});

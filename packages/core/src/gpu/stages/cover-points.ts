@@ -1,0 +1,42 @@
+import source from '../../../../../shaders/stages/cover-points.wgsl?raw';
+import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import type { DepthConvention } from '../../data/camera/depth-convention.ts';
+import { COVER_CONSTANTS, COVER_STRUCTS } from '../../data/layout/cover-structs.ts';
+import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import { recordConditions } from './format-conditions.ts';
+
+/** Threads of a workgroup. */
+export const COVER_WORKGROUP = 256;
+
+/**
+ * Adds up what covers each of some points.
+ *
+ * @param compare how the host's depth is compared; null: there is none.
+ */
+export function coverPoints(
+  recordPrecision: RecordPrecision,
+  compare: DepthConvention['compare'] | null,
+): StageDefinition {
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    parameters: [1, 'uniform'],
+    visibleCount: [2, 'read'],
+    records: [3, 'read'],
+    points: [4, 'read'],
+    covers: [5, 'read-write'],
+  };
+  if (compare) bindings.testedDepth = [6, 'depth-texture'];
+  return {
+    stage: 'cover-points',
+    source,
+    structs: COVER_STRUCTS,
+    constants: COVER_CONSTANTS,
+    entryPoint: 'coverPoints',
+    conditions: {
+      ...recordConditions(recordPrecision),
+      DEPTH_TEST: compare !== null,
+      REVERSED_DEPTH: compare === 'greater-equal',
+    },
+    bindings,
+  };
+}

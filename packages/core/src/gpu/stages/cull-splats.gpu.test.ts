@@ -1,0 +1,126 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { compareCulling } from '../../inspect/compare-culling.ts';
+import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await shareTestDevice();
+});
+afterAll(() => device.destroy());
+
+const SIZE = { widthPx: 48, heightPx: 32 };
+const SPLATS = 1500;
+
+/** Draws the frame and checks which splats it drew; returns the numbers of drawn splats and of those left to rounding. */
+async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
+  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
+  const { visibleCount, unsureCount, mismatches, flaws } = await compareCulling(frame);
+  expect(flaws).toEqual([]);
+  expect(mismatches.length, `first: ${JSON.stringify(mismatches[0])}`).toBe(0);
+  frame.destroy();
+  return { visibleCount, unsure: unsureCount };
+}
+
+describe('cull-splats', () => {
+  for (const [name, camera] of Object.entries(testCameras(1.5))) {
+    gpuTest(`${name} camera: draws the splats that the reference draws`, async () => {
+      const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 7 });
+      const { visibleCount, unsure } = await check({ clouds: [{ set }], camera });
+      expect(visibleCount).toBeGreaterThan(SPLATS / 50);
+      expect(unsure).toBeLessThan(SPLATS / 100);
+    });
+  }
+
+  for (const [name, modelMatrix] of Object.entries(TEST_MODELS)) {
+    gpuTest(`${name} model, packed, two pages, rows of 2 workgroups`, async () => {
+      const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 8 });
+      const { visibleCount, unsure } = await check({
+        clouds: [
+          { set, modelMatrix, splatsPerPage: 1024 },
+          { set: randomSplats({ count: 100, shDegree: 0, seed: 9 }) },
+        ],
+        camera: testCameras(1.5).perspective,
+        accuracy: { geometryPrecision: 'packed' },
+        dispatchRow: 2,
+      });
+      expect(visibleCount).toBeGreaterThan(SPLATS / 50);
+      expect(unsure).toBeLessThan(SPLATS / 100);
+    });
+  }
+
+  gpuTest('the range of distances', async () => {
+    for (const name of ['perspective', 'inside'] as const) {
+      const clouds = [{ set: randomSplats({ count: SPLATS, shDegree: 0, seed: 7 }) }];
+      await check({ clouds, camera: testCameras(1.5)[name], sortBy: 'distance' });
+    }
+  });
+
+  gpuTest('faint splats, large ones around the eye, and a high cutoff', async () => {
+    const camera = testCameras(1.5).inside;
+    const faint = randomSplats({ count: SPLATS, shDegree: 0, opacityLogits: [-5.7, -5.4] });
+    const large = randomSplats({ count: SPLATS, shDegree: 0, seed: 3, logScales: [-3, 3] });
+    for (const alphaCutoff of [1 / 255, 0.05]) {
+      const { visibleCount } = await check({
+        clouds: [{ set: faint }, { set: large }],
+        camera,
+        accuracy: { alphaCutoff },
+      });
+      expect(visibleCount).toBeGreaterThan(SPLATS / 4);
+    }
+  });
+
+  for (const geometryPrecision of ['f32', 'packed'] as const) {
+    gpuTest(`clouds of any opacity, ${geometryPrecision}`, async () => {
+      const cloud = (seed: number, opacity: number) => ({
+        set: randomSplats({ count: SPLATS, shDegree: 0, seed, logScales: [-4, -1] }),
+        opacity,
+      });
+      const camera = testCameras(1.5).perspective;
+      const accuracy = { geometryPrecision };
+      const { visibleCount } = await check({ clouds: [cloud(1, 0.5), cloud(2, 0.01)], camera, accuracy });
+      const { visibleCount: opaque } = await check({ clouds: [cloud(1, 1), cloud(2, 1)], camera, accuracy });
+      expect(visibleCount).toBeGreaterThan(SPLATS / 4);
+      expect(visibleCount).toBeLessThan(0.8 * opaque);
+      expect((await check({ clouds: [cloud(1, 0)], camera, accuracy })).visibleCount).toBe(0);
+    });
+  }
+
+  const large = randomSplats({ count: SPLATS, shDegree: 0, seed: 5, logScales: [-5, -1] });
+  const chunkFar = {
+    set: large,
+    modelMatrix: Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 50, 1),
+  };
+  const optionsOf = (camera: string) => ({
+    clouds: [{ set: large }, chunkFar],
+    camera: testCameras(1.5)[camera],
+  });
+  /** What is drawn by the settings that the others are compared with, by camera. */
+  const plain: Record<string, ReturnType<typeof check>> = {};
+  for (const settings of [
+    { extent: 'fixed' },
+    { culling: 'frustum' },
+    { extent: 'fixed', culling: 'frustum' },
+  ] as const) {
+    gpuTest(
+      `${Object.values(settings).join(' extent, ')}: draws more, and the splats that the reference draws`,
+      async () => {
+        for (const name of ['inside', 'telephoto', 'orthographic']) {
+          plain[name] ??= check(optionsOf(name));
+          const { visibleCount } = await plain[name];
+          const other = await check({ ...optionsOf(name), accuracy: settings });
+          expect(other.visibleCount).toBeGreaterThan(visibleCount);
+          expect(other.unsure).toBeLessThan(SPLATS / 100);
+        }
+      },
+    );
+  }
+
+  gpuTest('no visible splats', async () => {
+    const set = randomSplats({ count: 300, shDegree: 0, opacityLogits: [-9, -7] });
+    const { visibleCount } = await check({ clouds: [{ set }], camera: testCameras(1.5).perspective });
+    expect(visibleCount).toBe(0);
+  });
+});

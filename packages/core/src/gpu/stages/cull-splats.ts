@@ -1,0 +1,59 @@
+import type { Culling, Extent } from '../../data/accuracy/accuracy.ts';
+import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import {
+  type EffectSet,
+  effectBindings,
+  geometryEffects,
+  hasHook,
+  NO_EFFECTS,
+} from '../effects/effect-set.ts';
+import type { StageDefinition } from '../pipelines.ts';
+
+/** Variant of the cull-splats stage to link. */
+export interface CullSplatsVariant {
+  readonly isOrthographic: boolean;
+  readonly geometryPrecision: GeometryPrecision;
+  readonly extent: Extent;
+  readonly culling: Culling;
+  /** Whether splats are sorted by their distances from the camera, not by their depths; default false. */
+  readonly sortsByDistance?: boolean;
+  /** Effects of the page's cloud; default none. */
+  readonly effects?: EffectSet;
+  /** Whether all splats are balls, even after effects; default false. */
+  readonly isIsotropic?: boolean;
+}
+
+/** Tests each splat of a page's visible chunks. */
+export function cullSplats(variant: CullSplatsVariant): StageDefinition {
+  const { extent, culling, effects = NO_EFFECTS } = variant;
+  // Colours are not known yet.
+  const acting = geometryEffects(effects);
+  const isPacked = variant.geometryPrecision === 'packed';
+  return {
+    stage: 'cull-splats',
+    entryPoint: 'cullSplats',
+    conditions: {
+      ORTHOGRAPHIC: variant.isOrthographic,
+      GEOMETRY_F32: !isPacked,
+      FRUSTUM_CULLING: culling === 'frustum',
+      DISTANCE_ORDER: variant.sortsByDistance === true,
+      ISOTROPIC: variant.isIsotropic === true,
+      FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
+      SPLAT_EFFECTS: hasHook(acting, 'splat'),
+      OPACITY_EFFECTS: hasHook(acting, 'opacity'),
+    },
+    effects: acting,
+    bindings: {
+      view: [0, 'uniform'],
+      page: [1, 'uniform'],
+      pagePlans: [2, 'read'],
+      visibleChunks: [3, 'read'],
+      geometry: [4, 'read'],
+      visibilityMasks: [5, 'read-write'],
+      splatOffsets: [6, 'read-write'],
+      depthRange: [7, 'read-write'],
+      ...(isPacked && { chunks: [8, 'read'] }),
+      ...effectBindings(acting, ['splat']),
+    },
+  };
+}

@@ -1,0 +1,68 @@
+import source from '../../../../../shaders/stages/ingest-rows.wgsl?raw';
+import { INGEST_FACTS } from '../../data/layout/ingest-facts.ts';
+import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
+import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
+import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import type { RowPrecision } from '../../data/packing/precision.ts';
+import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
+import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import { PACKING_LIBRARIES } from './packing-libraries.ts';
+
+export interface IngestVariant extends RowPrecision {
+  /** Degree to store. */
+  readonly shDegree: ShDegree;
+  /** Where rows share their harmonics: see `RowPalette`. */
+  readonly entryValues?: number;
+}
+
+/** Packs rows of a file as they arrive, and gathers facts about them. */
+export function ingestRows({
+  geometryPrecision,
+  shPrecision,
+  shDegree,
+  entryValues = 0,
+}: IngestVariant): StageDefinition {
+  const hasPalette = shDegree >= 1 && entryValues > 0;
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    parameters: [0, 'uniform'],
+    rows: [1, 'read'],
+    geometry: [2, 'read-write'],
+    dropMask: [5, 'read-write'],
+    facts: [6, 'read-write'],
+    chunks: [8, 'read-write'],
+  };
+  if (geometryPrecision === 'packed') bindings.logScaleRests = [3, 'read-write'];
+  if (shDegree >= 1) bindings.harmonics = [4, 'read-write'];
+  if (hasPalette) bindings.palette = [7, 'read'];
+  return {
+    stage: 'ingest-rows',
+    source,
+    structs: PACKING_STRUCTS,
+    libraries: PACKING_LIBRARIES,
+    entryPoint: 'ingestRows',
+    conditions: {
+      GEOMETRY_F32: geometryPrecision === 'f32',
+      SH_1: shDegree >= 1,
+      ROW_PALETTE: hasPalette,
+      SH_F32: shPrecision === 'f32',
+      SH_F16: shPrecision === 'f16',
+      SH_U8: shPrecision === 'u8',
+    },
+    constants: {
+      ...INGEST_FACTS,
+      GEOMETRY_WORDS: GEOMETRY_WORDS[geometryPrecision],
+      SH_BANDS: shDegree,
+      SH_VALUES: coefficientsPerSplat(shDegree),
+      SH_WORDS: shWordsPerSplat(shDegree, shPrecision),
+      ENTRY_VALUES: entryValues,
+      ROW_POSITION: ROW_SLOT.position,
+      ROW_LOG_SCALE: ROW_SLOT.logScale,
+      ROW_ROTATION: ROW_SLOT.rotation,
+      ROW_OPACITY: ROW_SLOT.opacity,
+      ROW_COLOR: ROW_SLOT.colorDc,
+      ROW_HARMONICS: ROW_SLOT.harmonics,
+    },
+    bindings,
+  };
+}

@@ -1,0 +1,94 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { CullParameters, PagePlan } from '../../data/layout/structs.ts';
+import { planCull as planReference } from '../../reference/plan-cull.ts';
+import { prefixScan } from '../../reference/prefix-scan.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { dispatchSize } from './dispatch.ts';
+import { planCull } from './plan-cull.ts';
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await shareTestDevice();
+});
+afterAll(() => device.destroy());
+
+const GARBAGE = 0xdeadbeef;
+
+interface Frame {
+  readonly pageCount: number;
+  /** Share of the chunks that is visible. */
+  readonly visiblePart: number;
+  readonly dispatchRow: number;
+}
+
+/** Contents of the buffers after the stage, and the contents that the reference expects. */
+async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
+  const random = seededRandom(pageCount + visiblePart);
+  const chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random()));
+  const chunkStarts = prefixScan(chunkCounts);
+  const pages = chunkCounts.map((_, page) => ({
+    chunkStart: chunkStarts[page],
+    chunkEnd: chunkStarts[page + 1],
+  }));
+  const chunkCount = chunkStarts[pageCount];
+  const flags = Array.from({ length: chunkCount }, () => (random() < visiblePart ? 1 : 0));
+  const plansOf = (slots: readonly { slotStart: number; slotCount: number }[]) => {
+    const plans = new ArrayBuffer(pageCount * PagePlan.bytes);
+    for (const [page, chunks] of pages.entries()) {
+      const later = { visibleStart: GARBAGE, visibleCount: GARBAGE };
+      PagePlan.write(plans, { ...chunks, ...slots[page], ...later }, page * PagePlan.bytes);
+    }
+    return new Uint32Array(plans);
+  };
+  const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
+  const parameters = CullParameters.pack({ chunkCount, pageCount, visibleCapacity: 0, dispatchRow });
+  const written = {
+    pagePlans: storageBuffer(device, plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
+    slotCount: garbage(1),
+    cullDispatches: garbage(3 * (pageCount + 1)),
+    depthRange: garbage(2),
+  };
+  const bindings = {
+    cullParameters: uniformBuffer(device, parameters),
+    chunkOffsets: storageBuffer(device, prefixScan(flags)),
+    ...written,
+  };
+  await runStage(device, pipelines, planCull, bindings, [1, 1, 1]);
+  const { slots, slotCount, workgroups } = planReference(flags, pages);
+  const actual: Record<string, number[]> = {};
+  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
+  const expected = {
+    pagePlans: [...plansOf(slots)],
+    slotCount: [slotCount],
+    cullDispatches: workgroups.flatMap((count) => dispatchSize(count, dispatchRow)),
+    depthRange: [0, 0],
+  };
+  return { actual, expected };
+}
+
+const { PLAN_WORKGROUP } = SHADER_CONSTANTS;
+
+describe('plan-cull', () => {
+  for (const pageCount of [1, 2, PLAN_WORKGROUP, PLAN_WORKGROUP + 1, 3 * PLAN_WORKGROUP + 5]) {
+    gpuTest(`${pageCount} pages: the reference's slots and dispatches`, async () => {
+      for (const visiblePart of [0, 0.3, 1]) {
+        for (const dispatchRow of [7, 65_535]) {
+          const { actual, expected } = await run({ pageCount, visiblePart, dispatchRow });
+          expect(actual).toEqual(expected);
+        }
+      }
+    });
+  }
+
+  gpuTest('a thread that plans only its first page is noticed', async () => {
+    const mutation = { file: 'stages/plan-cull', find: 'page += PLAN_WORKGROUP', replace: 'page += 1000u' };
+    const frame = { pageCount: PLAN_WORKGROUP + 1, visiblePart: 1, dispatchRow: 7 };
+    const { actual, expected } = await run(frame, new Pipelines(device, mutation));
+    expect(actual).not.toEqual(expected);
+  });
+});

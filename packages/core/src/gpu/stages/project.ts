@@ -1,0 +1,78 @@
+import type { RecordPrecision, SortKeyBits } from '../../data/accuracy/accuracy.ts';
+import { ENTRY_PRECISION, shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
+import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import { recordConditions } from './format-conditions.ts';
+
+/** Variant of the project stage to link. */
+export interface ProjectVariant {
+  readonly isOrthographic: boolean;
+  readonly geometryPrecision: GeometryPrecision;
+  readonly recordPrecision: RecordPrecision;
+  readonly shPrecision: ShPrecision;
+  /** Bits of shortened keys; null if keys keep all their bits. */
+  readonly shortKeyBits: SortKeyBits | null;
+  /** Largest value of a colour: see `maxColor`. */
+  readonly maxColor: number;
+  /** Degree that the splats are stored with. */
+  readonly storedShDegree: ShDegree;
+  /** Degree that is evaluated, at most the stored one. */
+  readonly shDegree: ShDegree;
+  /** Whether splats are sorted by their distances from the camera, not by their depths; default false. */
+  readonly sortsByDistance?: boolean;
+  /** Effects of the page's cloud; default none. */
+  readonly effects?: EffectSet;
+  /** Whether all splats are balls, even after effects; default false. */
+  readonly isIsotropic?: boolean;
+}
+
+/** Writes the record and the sort key of each visible splat of a page. */
+export function project(variant: ProjectVariant): StageDefinition {
+  const { shDegree, shortKeyBits, effects = NO_EFFECTS } = variant;
+  const isPalette = variant.shPrecision === 'palette';
+  const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    page: [1, 'uniform'],
+    pagePlans: [2, 'read'],
+    visibleSplats: [3, 'read'],
+    depthRange: [4, 'uniform'],
+    geometry: [5, 'read'],
+    records: [6, 'read-write'],
+    keys: [7, 'read-write'],
+    ...effectBindings(effects, ['splat', 'color']),
+  };
+  if (shDegree >= 1) bindings.shRest = [8, 'read'];
+  if (variant.geometryPrecision === 'packed') bindings.chunks = [9, 'read'];
+  return {
+    stage: 'project',
+    entryPoint: 'project',
+    conditions: {
+      ORTHOGRAPHIC: variant.isOrthographic,
+      GEOMETRY_F32: variant.geometryPrecision === 'f32',
+      ...recordConditions(variant.recordPrecision),
+      SHORT_KEYS: shortKeyBits !== null,
+      DISTANCE_ORDER: variant.sortsByDistance === true,
+      SH_1: shDegree >= 1,
+      SH_2: shDegree >= 2,
+      SH_3: shDegree >= 3,
+      SH_F32: shDegree >= 1 && shPrecision === 'f32',
+      SH_F16: shDegree >= 1 && shPrecision === 'f16',
+      SH_U8: shDegree >= 1 && shPrecision === 'u8',
+      SH_PALETTE: isPalette,
+      ISOTROPIC: variant.isIsotropic === true,
+      SPLAT_EFFECTS: hasHook(effects, 'splat'),
+      OPACITY_EFFECTS: hasHook(effects, 'opacity'),
+      COLOR_EFFECTS: hasHook(effects, 'color'),
+    },
+    effects,
+    constants: {
+      MAX_COLOR: variant.maxColor,
+      ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
+      ...(shDegree >= 1 && { SH_WORDS: shWordsPerSplat(variant.storedShDegree, shPrecision) }),
+    },
+    bindings,
+  };
+}

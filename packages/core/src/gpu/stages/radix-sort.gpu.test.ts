@@ -1,0 +1,330 @@
+import { createNodeGpu } from '@websplatter/node';
+import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import fc from 'fast-check';
+import { beforeAll, describe, expect } from 'vitest';
+import { orderFlaw } from '../../inspect/compare-order.ts';
+import { radixSort } from '../../reference/radix-sort.ts';
+import { sortHistogram } from '../../reference/sort-histogram.ts';
+import { storageBuffer } from '../../testing/gpu-buffers.ts';
+import { ScarceMemory } from '../../testing/scarce-memory.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { byBallots, createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
+import { GpuMemory } from '../gpu-memory.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { dispatchSize } from './dispatch.ts';
+import { RadixSort, radixSortStages } from './radix-sort.ts';
+import { blockKeysOf, pairSortShapeFor, type SortShape, sortShapeFor } from './sort-shape.ts';
+
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+/** Many blocks of any shape. */
+const MANY_KEYS = isFull ? 100_000 : 30_000;
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+
+/** Number of workgroups that every device takes in one dimension of a dispatch. */
+const MAX_ROW = 65_535;
+
+/** Numbers of bits in which keys of frames may differ, one for each shape. */
+const KEY_BITS = [8, 16, 20, 24, 27, 32];
+
+beforeAll(async () => {
+  device = await createSortDevice();
+  pipelines = new Pipelines(device);
+});
+
+const PAIR_KEY_BITS = [0, 5, 8, 9, 10, 16, 17, 18];
+
+/** Sorts in a buffer with room for `capacity` keys, with garbage after the given ones. */
+async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = MAX_ROW) {
+  await pipelines.prepare(radixSortStages(shape));
+  const memory = new GpuMemory(device);
+  const keyCount = storageBuffer(device, [keys.length]);
+  const sort = new RadixSort(device, pipelines, memory, { shape, capacity, keyCount, dispatchRow });
+  const filled = new Uint32Array(capacity).fill(0x12345678);
+  filled.set(keys);
+  device.queue.writeBuffer(sort.keys, 0, filled);
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginComputePass();
+  sort.record(pass);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  const order = (await readWords(device, sort.order)).subarray(0, keys.length);
+  sort.destroy();
+  keyCount.destroy();
+  expect(memory.report().totalBytes).toBe(0);
+  return order;
+}
+
+/** How `sortPairs` sorts, other than by default. */
+interface PairOptions {
+  readonly plan?: 'with dispatch' | 'without dispatch';
+  readonly firstCounts?: 'counted' | 'given';
+  readonly dispatchRow?: number;
+  /** Number of pairs that there is room for beyond the given ones. */
+  readonly room?: number;
+}
+
+/** Sorts payloads by keys; returns both. */
+async function sortPairs(
+  keys: Uint32Array,
+  payloads: Uint32Array,
+  shape: SortShape,
+  { plan, firstCounts = 'counted', dispatchRow = MAX_ROW, room = 0 }: PairOptions = {},
+) {
+  await pipelines.prepare(radixSortStages(shape, { plans: plan === undefined, firstCounts }));
+  const memory = new GpuMemory(device);
+  const blockKeys = blockKeysOf(shape);
+  const blockCount = Math.ceil(keys.length / blockKeys);
+  const given = {
+    keyCount: storageBuffer(device, [keys.length]),
+    plan: storageBuffer(device, [keys.length, blockCount]),
+    dispatch: storageBuffer(
+      device,
+      [99, ...dispatchSize(blockCount, dispatchRow)],
+      0,
+      GPUBufferUsage.INDIRECT,
+    ),
+  };
+  const size = plan
+    ? {
+        plan: given.plan,
+        ...(plan === 'with dispatch' && { blockDispatch: { buffer: given.dispatch, offset: 4 } }),
+      }
+    : { keyCount: given.keyCount };
+  const sort = new RadixSort(device, pipelines, memory, {
+    ...size,
+    shape,
+    capacity: keys.length + room,
+    dispatchRow,
+    payloads: 'given',
+    writesKeys: true,
+    firstCounts,
+  });
+  device.queue.writeBuffer(sort.keys, 0, Uint32Array.from(keys));
+  device.queue.writeBuffer(sort.payloads, 0, Uint32Array.from(payloads));
+  if (firstCounts === 'given') {
+    const counts = sortHistogram(keys, { digitShift: 0, digitBits: shape.digitBits, blockKeys });
+    device.queue.writeBuffer(sort.digitCounts, 0, Uint32Array.from(counts));
+  }
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginComputePass();
+  sort.record(pass);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  const sorted = {
+    keys: (await readWords(device, sort.sortedKeys!)).subarray(0, keys.length),
+    payloads: (await readWords(device, sort.order)).subarray(0, keys.length),
+  };
+  sort.destroy();
+  for (const buffer of Object.values(given)) buffer.destroy();
+  return sorted;
+}
+
+/** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it, and by ballots. */
+function shapesFor(bits: number, isNarrow = false): SortShape[] {
+  const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes, isNarrow));
+  const distinct = shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
+  return [...distinct, byBallots(shapes[0], device)].filter((shape) => shape !== null);
+}
+
+/** Keys below 2^bits, by name of their pattern. */
+const PATTERNS: Readonly<Record<string, (count: number, bits: number) => (i: number) => number>> = {
+  random: (count, bits) => {
+    const random = seededRandom(count + bits);
+    return () => random() * 2 ** bits;
+  },
+  sorted: (count, bits) => (i) => (i / count) * 2 ** bits,
+  reversed: (count, bits) => (i) => ((count - 1 - i) / count) * 2 ** bits,
+  'all equal': (_, bits) => () => 2 ** bits - 1,
+  'one differs': (count, bits) => (i) => (i === count >> 1 ? 0 : 2 ** bits - 1),
+  sawtooth: () => (i) => i % 200,
+  'only the top digit differs': (_, bits) => (i) => (((i * 2654435761) % 256) + 0.3) * 2 ** (bits - 8),
+};
+
+function keysOf(pattern: string, count: number, bits: number): Uint32Array {
+  const keyAt = PATTERNS[pattern](count, bits);
+  return Uint32Array.from({ length: count }, (_, i) => Math.floor(keyAt(i)));
+}
+
+describe('radix sort', () => {
+  for (const bits of KEY_BITS) {
+    const { passes, digitBits } = sortShapeFor(bits);
+    const name = `${bits} bits, ${passes} passes of ${digitBits}`;
+
+    gpuTest(`${name}: any number of random keys`, async () => {
+      for (const shape of shapesFor(bits)) {
+        const blockKeys = blockKeysOf(shape);
+        for (const count of [0, 1, 2, 255, 256, 257, blockKeys - 1, blockKeys, blockKeys + 1, MANY_KEYS]) {
+          const keys = keysOf('random', count, bits);
+          const order = await sortOnGpu(keys, shape);
+          expect(orderFlaw(keys, order), `${count} keys in blocks of ${blockKeys}`).toBeNull();
+          if (count <= blockKeys + 1) expect(order).toEqual(radixSort(keys, { ...shape, blockKeys }));
+        }
+      }
+    });
+
+    gpuTest(`${name}: every pattern`, async () => {
+      for (const shape of shapesFor(bits)) {
+        const blockKeys = blockKeysOf(shape);
+        for (const pattern of Object.keys(PATTERNS)) {
+          const keys = keysOf(pattern, 2 * blockKeys + 333, bits);
+          const flaw = orderFlaw(keys, await sortOnGpu(keys, shape));
+          expect(flaw, `${pattern} in blocks of ${blockKeys}`).toBeNull();
+        }
+      }
+    });
+
+    gpuTest(`${name}: a stable permutation for any keys`, async () => {
+      const key = fc.oneof(
+        fc.nat({ max: 3 }),
+        fc.integer({ min: 0, max: 2 ** bits - 1 }),
+        fc.nat({ max: 255 }).map((digit) => digit * 2 ** (bits - 8)),
+      );
+      for (const shape of shapesFor(bits)) {
+        await fc.assert(
+          fc.asyncProperty(
+            fc.array(key, { maxLength: 3000, size: 'max' }),
+            fc.nat({ max: 5000 }),
+            async (values, room) => {
+              const keys = Uint32Array.from(values);
+              const order = await sortOnGpu(keys, shape, keys.length + room);
+              expect(orderFlaw(keys, order)).toBeNull();
+            },
+          ),
+          { numRuns: isFull ? 8 : 4, seed: 5 },
+        );
+      }
+    });
+
+    gpuTest(`${name}: rows of 7 workgroups, and room for more keys, on narrow devices too`, async () => {
+      for (const shape of [...shapesFor(bits), ...shapesFor(bits, true)]) {
+        const blockKeys = blockKeysOf(shape);
+        const keys = keysOf('random', 9 * blockKeys + 1, bits);
+        expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * blockKeys, 7))).toBeNull();
+      }
+    });
+  }
+
+  gpuTest('every shape compiles on a device with as little workgroup memory as it was made for', async () => {
+    for (const maxComputeWorkgroupStorageSize of sortLimitsOf(device)) {
+      const small = await shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize } });
+      for (const shape of [
+        ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize)),
+        ...PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, maxComputeWorkgroupStorageSize)),
+        ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize, true)),
+      ])
+        await new Pipelines(small).prepare(radixSortStages(shape));
+      small.destroy();
+    }
+    expect(() => sortShapeFor(24, 8000)).toThrow('8 bits need 14128 bytes');
+  });
+
+  gpuTest('ballots take the largest block that the device allows, and masks where it allows none', () => {
+    const ballots = { min: 32, max: 64, workgroupThreads: 1024 };
+    const blockOf = (bits: number, bytes: number, threads = 1024) => {
+      const { workgroup, subgroups } = sortShapeFor(bits, bytes, false, {
+        ...ballots,
+        workgroupThreads: threads,
+      });
+      return subgroups && workgroup;
+    };
+    expect(blockOf(32, 49_152)).toBe(512);
+    expect(blockOf(27, 49_152)).toBe(512);
+    expect(blockOf(27, 32_768)).toBe(256);
+    expect(blockOf(32, 32_768, 256)).toBe(256);
+    expect(blockOf(32, 16_384, 128)).toBeNull();
+    expect(sortShapeFor(32, 32_768, false, { ...ballots, min: 4 }).subgroups).toBeNull();
+  });
+
+  for (const bits of PAIR_KEY_BITS) {
+    gpuTest(`pairs with keys of ${bits} bits: keys and given payloads in order`, async () => {
+      const shapes = sortLimitsOf(device).map((bytes) => pairSortShapeFor(bits, bytes));
+      for (const shape of [...shapes, byBallots(shapes[0], device)].filter((each) => each !== null)) {
+        expect(shape.passes).toBe(bits <= 9 ? 1 : 2);
+        const blockKeys = blockKeysOf(shape);
+        for (const count of [0, 1, blockKeys, 3 * blockKeys + 77]) {
+          const keys = keysOf('random', count, bits);
+          const payloads = keys.map((_, i) => i * 2654435761);
+          const sorted = await sortPairs(keys, payloads, shape);
+          const order = radixSort(keys, { ...shape, blockKeys });
+          expect(sorted.payloads).toEqual(payloads.map((_, i) => payloads[order[i]]));
+          expect(sorted.keys).toEqual(keys.map((_, i) => keys[order[i]]));
+        }
+      }
+    });
+  }
+
+  gpuTest(
+    'the caller writes the plan, the first counts or both, and may leave out the dispatch',
+    async () => {
+      // Of one pass and of two; in the short run, of two.
+      for (const bits of isFull ? [7, 14] : [14]) {
+        const shape = pairSortShapeFor(bits);
+        const keys = keysOf('random', 5 * blockKeysOf(shape) + 3, bits);
+        const payloads = keys.map((_, i) => 3 * i);
+        const expected = await sortPairs(keys, payloads, shape);
+        for (const plan of [undefined, 'with dispatch', 'without dispatch'] as const) {
+          for (const firstCounts of ['given', 'counted'] as const) {
+            const options = { plan, firstCounts, dispatchRow: 4, room: 7 * blockKeysOf(shape) };
+            expect(await sortPairs(keys, payloads, shape, options)).toEqual(expected);
+            const none = await sortPairs(new Uint32Array(), new Uint32Array(), shape, options);
+            expect(none.keys.length).toBe(0);
+          }
+        }
+      }
+    },
+  );
+
+  gpuTest('a buffer that cannot be had leaves nothing behind', () => {
+    const keyCount = storageBuffer(device, [0]);
+    const options = { shape: sortShapeFor(16), capacity: 1000, keyCount, dispatchRow: MAX_ROW };
+    const complete = new ScarceMemory(device, Number.POSITIVE_INFINITY);
+    new RadixSort(device, pipelines, complete, options).destroy();
+    expect(complete.buffersMade).toBeGreaterThan(8);
+    for (let buffers = 0; buffers < complete.buffersMade; buffers++) {
+      const memory = new ScarceMemory(device, buffers);
+      expect(() => new RadixSort(device, pipelines, memory, options)).toThrow('no more buffers');
+      expect(memory.report().totalBytes).toBe(0);
+    }
+  });
+
+  gpuTest('a million keys (full mode)', async ({ skip }) => {
+    if (!isFull) skip('set WEBSPLATTER_FULL=1');
+    for (const bits of [27, 32]) {
+      for (const pattern of ['random', 'sawtooth', 'reversed']) {
+        const keys = keysOf(pattern, 1_000_000, bits);
+        expect(
+          orderFlaw(keys, await sortOnGpu(keys, sortShapeFor(bits))),
+          `${pattern}, ${bits} bits`,
+        ).toBeNull();
+      }
+    }
+  });
+
+  gpuTest(
+    'more blocks than one dimension of a dispatch takes, at true size (full mode)',
+    async ({ skip }) => {
+      const { adapter, isSoftware } = await createNodeGpu();
+      if (!isFull) skip('set WEBSPLATTER_FULL=1');
+      if (isSoftware) skip('needs a GPU: minutes and gigabytes in software');
+      const shape = sortShapeFor(32);
+      const count = (MAX_ROW + 1) * shape.workgroup * shape.itemsPerThread + 1;
+      const { maxBufferSize, maxStorageBufferBindingSize } = adapter.limits;
+      if (maxStorageBufferBindingSize < 4 * count) skip(`needs bindings of ${4 * count} bytes`);
+      device = await createTestDevice({ requiredLimits: { maxBufferSize, maxStorageBufferBindingSize } });
+      pipelines = new Pipelines(device);
+      const keys = keysOf('random', count, 32);
+      expect(orderFlaw(keys, await sortOnGpu(keys, shape))).toBeNull();
+    },
+  );
+
+  gpuTest('the checker finds a swapped pair, a lost key and an unstable pair', () => {
+    const keys = Uint32Array.of(5, 1, 5, 3);
+    expect(orderFlaw(keys, Uint32Array.of(1, 3, 0, 2))).toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(3, 1, 0, 2))).not.toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(1, 3, 0, 0))).not.toBeNull();
+    expect(orderFlaw(keys, Uint32Array.of(1, 3, 2, 0))).not.toBeNull();
+  });
+});

@@ -1,0 +1,224 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SplatRecordF32 } from '../../data/layout/structs.ts';
+import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
+import type { VisibleSplat } from '../../reference/cull-splats.ts';
+import { rasterizeSplat } from '../../reference/rasterize.ts';
+import { packFlatView } from '../../testing/flat-view.ts';
+import { storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { Pipelines, type RenderState } from '../pipelines.ts';
+import { readTexture } from '../read-texture.ts';
+import { rasterize } from './rasterize.ts';
+
+const ALPHA_CUTOFF = 1 / 255;
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+const FORMAT = 'rgba32float';
+const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null });
+/** Without blending: a single splat needs none, and rgba32float is not blendable on every device. */
+const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
+
+beforeAll(async () => {
+  device = await shareTestDevice();
+  pipelines = new Pipelines(device);
+  await pipelines.prepare([[stage, state]]);
+});
+afterAll(() => device.destroy());
+
+/** A splat to draw. */
+interface DrawnSplat {
+  readonly centerPx: readonly [number, number];
+  /** Half axes at √2 standard deviations, px. */
+  readonly majorLengthPx: number;
+  readonly minorLengthPx: number;
+  /** Angle of the major axis, from the image's x to its y, which points down. */
+  readonly angle: number;
+  readonly opacity: number;
+}
+
+const COLOR = [0.75, 0.5, 0.25] as const;
+
+async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
+  const view = packFlatView({ size: { widthPx, heightPx }, alphaCutoff: ALPHA_CUTOFF, dispatchRow: 1 });
+  const record = new ArrayBuffer(SplatRecordF32.bytes);
+  const { majorLengthPx, minorLengthPx, angle, centerPx, opacity } = splat;
+  SplatRecordF32.write(record, {
+    centerPx,
+    majorPx: [majorLengthPx * Math.cos(angle), majorLengthPx * Math.sin(angle)],
+    minorLengthPx,
+    depthView: 1,
+    color: [...COLOR, opacity],
+  });
+  const target = device.createTexture({
+    size: [widthPx, heightPx],
+    format: FORMAT,
+    usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
+  });
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginRenderPass({
+    colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
+  });
+  pass.setPipeline(pipelines.render(stage, state)!);
+  pass.setBindGroup(
+    0,
+    pipelines.bindGroup(stage, {
+      view: uniformBuffer(device, view),
+      order: storageBuffer(device, [0]),
+      records: storageBuffer(device, new Uint32Array(record)),
+    }),
+  );
+  pass.draw(4);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  const { data } = await readTexture(device, target);
+  target.destroy();
+  return data;
+}
+
+/** Draws the splat by the reference, from exactly the float32 numbers that the GPU reads. */
+function drawByReference(splat: DrawnSplat, widthPx: number, heightPx: number) {
+  const [majorX, majorY] = [Math.cos(splat.angle), Math.sin(splat.angle)].map((v) =>
+    Math.fround(splat.majorLengthPx * v),
+  );
+  const minorLength = Math.fround(splat.minorLengthPx);
+  const length2 = majorX * majorX + majorY * majorY;
+  const minor2 = (minorLength * minorLength) / length2;
+  const covariance = {
+    a: (majorX * majorX + minor2 * majorY * majorY) / 2,
+    b: ((1 - minor2) * majorX * majorY) / 2,
+    c: (majorY * majorY + minor2 * majorX * majorX) / 2,
+    determinant: (length2 * minorLength * minorLength) / 4,
+  };
+  const visible: VisibleSplat = {
+    depthView: 1,
+    centerPx: [Math.fround(splat.centerPx[0]), Math.fround(splat.centerPx[1])],
+    covariance,
+    opacity: Math.fround(splat.opacity),
+    // The whole image, so that pixels that the GPU's quad misses are found.
+    extentPx: [1e9, 1e9],
+  };
+  const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
+  // Twice: with the cutoff, and without it to find the pixels that are close to it.
+  const everywhere = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
+  rasterizeSplat(image, visible, COLOR, ALPHA_CUTOFF);
+  rasterizeSplat(everywhere, visible, COLOR, 0);
+  return { expected: image.data, alphas: everywhere.data };
+}
+
+/** Compares every pixel; returns the number of pixels that the splat covers. */
+async function check(splat: DrawnSplat, widthPx = 64, heightPx = 48): Promise<number> {
+  const actual = await drawOnGpu(splat, widthPx, heightPx);
+  const { expected, alphas } = drawByReference(splat, widthPx, heightPx);
+  // Interpolation is linear between corners: it errs by some roundings of the largest local coordinate that a corner has,
+  // on the box or on the ellipse's own quad, whose sides reach two standard units and a snapping step further.
+  const reach = Math.sqrt(Math.log(splat.opacity / ALPHA_CUTOFF));
+  const farthestPx = Math.hypot(widthPx + 2, heightPx + 2, splat.centerPx[0], splat.centerPx[1]);
+  const quadLocal = 2 * reach + 0.1 / splat.minorLengthPx;
+  const largestLocal = Math.max(quadLocal, farthestPx / splat.minorLengthPx);
+  const localError = 16 * FLOAT32_ROUNDING * largestLocal;
+  // |d exp(−p²)/dp| ≤ 0.86; `exp` itself errs by up to 3 + 2|x| ulp.
+  const bound = 0.86 * localError * splat.opacity + 32 * FLOAT32_ROUNDING;
+  let covered = 0;
+  for (let i = 0; i < expected.length; i++) {
+    const alpha = alphas[4 * (i >> 2) + 3];
+    if (i % 4 === 3 && expected[i] > 0) covered++;
+    // Rounding decides whether such a pixel is drawn.
+    if (Math.abs(alpha - ALPHA_CUTOFF) <= bound) continue;
+    if (!(Math.abs(actual[i] - expected[i]) <= bound)) {
+      const pixel = i >> 2;
+      const place = `column ${pixel % widthPx}, row ${Math.floor(pixel / widthPx)}, channel ${i % 4}`;
+      expect.fail(
+        `${place}: got ${actual[i]}, expected ${expected[i]} ± ${bound}\nof ${JSON.stringify(splat)}`,
+      );
+    }
+  }
+  return covered;
+}
+
+const ROUND = { majorLengthPx: 6, minorLengthPx: 6, angle: 0, opacity: 0.8 } as const;
+
+describe('rasterize', () => {
+  gpuTest('round, long and small splats anywhere, at any angle and opacity', async () => {
+    const random = seededRandom(21);
+    let covered = 0;
+    for (let i = 0; i < 120; i++) {
+      const minorLengthPx = 0.78 * 60 ** random();
+      covered += await check({
+        centerPx: [-20 + 104 * random(), -20 + 88 * random()],
+        minorLengthPx,
+        majorLengthPx: minorLengthPx * 100 ** (random() * random()),
+        angle: 2 * Math.PI * random(),
+        opacity: ALPHA_CUTOFF * 255 ** random(),
+      });
+    }
+    expect(covered).toBeGreaterThan(10_000);
+  });
+
+  gpuTest('a splat of full opacity is capped at 0.99', async () => {
+    const splat = { ...ROUND, centerPx: [10.5, 20.5], opacity: 1 } as const;
+    await check(splat);
+    const data = await drawOnGpu(splat, 64, 48);
+    expect(data[4 * (20 * 64 + 10) + 3]).toBeCloseTo(0.99, 6);
+  });
+
+  gpuTest('needles at every angle', async () => {
+    for (let i = 0; i < 24; i++) {
+      const angle = (i * Math.PI) / 24;
+      const covered = await check({
+        centerPx: [32.3, 23.8],
+        majorLengthPx: 1e4,
+        minorLengthPx: 0.7746,
+        angle,
+        opacity: 0.9,
+      });
+      expect(covered).toBeGreaterThan(48);
+    }
+  });
+
+  gpuTest('huge splats across the image, with centres inside it or far outside', async () => {
+    for (const majorLengthPx of [1e3, 7e4, 1e7, 1e12, 1e18]) {
+      for (const minorLengthPx of [20, 1e3, majorLengthPx]) {
+        for (const centerPx of [
+          [30, 20],
+          [-900, 20],
+          [30, 2000],
+        ] as const) {
+          await check({ centerPx, majorLengthPx, minorLengthPx, angle: 0.7, opacity: 0.99 });
+        }
+      }
+    }
+    // At least the last of them covers everything.
+    const covered = await check({
+      centerPx: [30, 20],
+      majorLengthPx: 1e18,
+      minorLengthPx: 1e18,
+      angle: 0,
+      opacity: 0.5,
+    });
+    expect(covered).toBe(64 * 48);
+  });
+
+  gpuTest('splats centred outside of the image whose rims reach into it', async () => {
+    for (const centerPx of [
+      [-5, 20.2],
+      [69, 20.2],
+      [30, -5],
+      [30, 53],
+      [-4, -4],
+    ] as const) {
+      expect(await check({ ...ROUND, centerPx })).toBeGreaterThan(0);
+    }
+    expect(await check({ ...ROUND, centerPx: [-40, 20] })).toBe(0);
+  });
+
+  gpuTest('an image of one pixel, and one wider than the guard band', async () => {
+    expect(await check({ ...ROUND, centerPx: [0.2, 0.9] }, 1, 1)).toBe(1);
+    await check(
+      { ...ROUND, centerPx: [7000.3, 1.5], majorLengthPx: 900, minorLengthPx: 3, angle: 0.01 },
+      8192,
+      3,
+    );
+  });
+});

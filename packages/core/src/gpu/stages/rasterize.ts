@@ -1,0 +1,74 @@
+import type { ColorTarget, Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import type { DepthConvention } from '../../data/camera/depth-convention.ts';
+import type { BindingKind, RenderState, StageDefinition } from '../pipelines.ts';
+import { recordConditions } from './format-conditions.ts';
+
+/** Properties of the host's depth that splats drawn into its image depend on. */
+export interface RasterizeDepth {
+  readonly mapping: DepthConvention['mapping'];
+  readonly compare: DepthConvention['compare'];
+  readonly isOrthographic: boolean;
+  /** Format of the second target, which receives the depth of the splats; null if it was not requested. */
+  readonly layerFormat: DepthLayerFormat | null;
+}
+
+/** Whether the same shaders and targets work for `a` and `b`. */
+export function isSameDepth(a: RasterizeDepth | null, b: RasterizeDepth | null): boolean {
+  if (!a || !b) return a === b;
+  return (
+    a.mapping === b.mapping &&
+    a.compare === b.compare &&
+    a.isOrthographic === b.isOrthographic &&
+    a.layerFormat === b.layerFormat
+  );
+}
+
+/** Formats of the splats' depth: r32float if the device has `float32-blendable`, otherwise r16float. */
+export type DepthLayerFormat = 'r32float' | 'r16float';
+
+/** Variant of the rasterize stage to link. */
+export interface RasterizeVariant {
+  readonly recordPrecision: RecordPrecision;
+  readonly extent: Extent;
+  /** The host's depth; null if nothing can hide a splat. */
+  readonly depth: RasterizeDepth | null;
+}
+
+/** Format of the depth that splats are tested against. */
+export const TESTED_DEPTH_FORMAT = 'depth32float';
+
+/** Draws the visible splats back to front. */
+export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant): StageDefinition {
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    order: [1, 'read'],
+    records: [2, 'read'],
+  };
+  if (depth) bindings.hostDepth = [3, 'uniform'];
+  return {
+    stage: 'rasterize',
+    conditions: {
+      ...recordConditions(recordPrecision),
+      FIXED_EXTENT: extent === 'fixed',
+      DEPTH_TEST: depth !== null,
+      DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
+      ORTHOGRAPHIC: depth?.isOrthographic === true,
+      DEPTH_LAYER: depth !== null && depth.layerFormat !== null,
+    },
+    bindings,
+  };
+}
+
+/** Premultiplied "over", tested against the depth buffer without writing to it. */
+export function rasterizeState(format: ColorTarget, depth: RasterizeDepth | null): RenderState {
+  const over = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha', operation: 'add' } as const;
+  const blend = { color: over, alpha: over };
+  const formats = depth?.layerFormat ? [format, depth.layerFormat] : [format];
+  return {
+    topology: 'triangle-strip',
+    targets: formats.map((each) => ({ format: each, blend })),
+    ...(depth && {
+      depth: { format: TESTED_DEPTH_FORMAT, depthCompare: depth.compare, depthWriteEnabled: false },
+    }),
+  };
+}

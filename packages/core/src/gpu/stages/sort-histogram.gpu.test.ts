@@ -1,0 +1,69 @@
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { SortParameters } from '../../data/layout/structs.ts';
+import { sortHistogram as histogramReference } from '../../reference/sort-histogram.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { dispatchSize } from './dispatch.ts';
+import { sortHistogram } from './sort-histogram.ts';
+import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
+
+describe('sort-histogram', () => {
+  gpuTest('counts the digits of each block as the reference does, in every pass', async () => {
+    const device = await createSortDevice();
+    const pipelines = new Pipelines(device);
+    const random = seededRandom(3);
+    const shapes = sortLimitsOf(device).flatMap((bytes) =>
+      [24, 27, 32].map((bits) => sortShapeFor(bits, bytes)),
+    );
+    for (const shape of shapes) {
+      const bits = shape.digitBits * shape.passes;
+      const blockKeys = blockKeysOf(shape);
+      for (const [count, dispatchRow] of [
+        [1, 65_535],
+        [blockKeys, 65_535],
+        [9 * blockKeys + 17, 7],
+      ]) {
+        // Garbage after the keys must not be counted.
+        const keys = Uint32Array.from({ length: count + 100 }, () => random() * 2 ** bits);
+        const blockCount = Math.ceil(count / blockKeys);
+        const radix = 1 << shape.digitBits;
+        for (let pass = 0; pass < shape.passes; pass++) {
+          const digitShift = pass * shape.digitBits;
+          const parameters = SortParameters.pack({
+            digitShift,
+            capacity: keys.length,
+            dispatchRow,
+            makesPayloads: 0,
+            writesKeys: 0,
+            scanLanes: 0,
+          });
+          const digitCounts = storageBuffer(device, new Uint32Array(radix * blockCount).fill(99));
+          const bindings = {
+            parameters: uniformBuffer(device, parameters),
+            plan: storageBuffer(device, [count, blockCount]),
+            keys: storageBuffer(device, keys),
+            digitCounts,
+          };
+          await runStage(
+            device,
+            pipelines,
+            sortHistogram(shape),
+            bindings,
+            dispatchSize(blockCount, dispatchRow),
+          );
+          const expected = histogramReference(keys.subarray(0, count), {
+            digitShift,
+            digitBits: shape.digitBits,
+            blockKeys,
+          });
+          expect(await readWords(device, digitCounts)).toEqual(expected);
+        }
+      }
+    }
+    device.destroy();
+  });
+});

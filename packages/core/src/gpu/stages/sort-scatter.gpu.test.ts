@@ -1,0 +1,114 @@
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SortParameters } from '../../data/layout/structs.ts';
+import { sortHistogram as histogramReference } from '../../reference/sort-histogram.ts';
+import { sortScan } from '../../reference/sort-scan.ts';
+import { sortScatter as scatterReference } from '../../reference/sort-scatter.ts';
+import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { dispatchSize } from './dispatch.ts';
+import { sortScatter } from './sort-scatter.ts';
+import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+beforeAll(async () => {
+  device = await createSortDevice();
+  pipelines = new Pipelines(device);
+});
+afterAll(() => device.destroy());
+
+/** Keys of `bits` bits, and their payloads, in one pass by the GPU and by the reference. */
+async function scatter(options: {
+  readonly bits: number;
+  readonly workgroupBytes: number;
+  readonly isNarrow?: boolean;
+  readonly makesPayloads: boolean;
+  readonly writesKeys: boolean;
+  readonly countOf: (blockKeys: number) => number;
+}) {
+  const { bits, makesPayloads, writesKeys, isNarrow = false } = options;
+  const random = seededRandom(4);
+  const shape = sortShapeFor(bits, options.workgroupBytes, isNarrow);
+  const { digitBits } = shape;
+  const blockKeys = blockKeysOf(shape);
+  const dispatchRow = 2;
+  const count = options.countOf(blockKeys);
+  const pass = { digitShift: digitBits, digitBits, blockKeys };
+  // Few digits in the first half, so that their counts within a block are large; all digits in the second.
+  const keys = Uint32Array.from(
+    { length: count },
+    (_, i) => random() * (i < count / 2 ? 2 ** (digitBits + 2) : 2 ** bits),
+  );
+  const payloads = Uint32Array.from(keys, () => Math.floor(random() * 2 ** 32));
+  const blockCount = Math.ceil(count / blockKeys);
+  const places = sortScan(histogramReference(keys, pass), digitBits);
+  const parameters = SortParameters.pack({
+    digitShift: pass.digitShift,
+    capacity: count,
+    dispatchRow,
+    makesPayloads: Number(makesPayloads),
+    writesKeys: Number(writesKeys),
+    scanLanes: 0,
+  });
+  const keysOut = storageBuffer(device, [], 4 * count);
+  const payloadsOut = storageBuffer(device, [], 4 * count);
+  const bindings = {
+    parameters: uniformBuffer(device, parameters),
+    plan: storageBuffer(device, [count, blockCount]),
+    digitOffsets: storageBuffer(device, places.digitOffsets),
+    digitTotals: storageBuffer(device, places.digitTotals),
+    keysIn: storageBuffer(device, keys),
+    payloadsIn: storageBuffer(device, payloads),
+    payloadsOut,
+    keysOut,
+  };
+  // Workgroups behind the last block must do nothing.
+  const workgroups = dispatchSize(blockCount + 3, dispatchRow);
+  await runStage(device, pipelines, sortScatter(shape), bindings, workgroups);
+  const taken = makesPayloads ? keys.map((_, i) => i) : payloads;
+  const reference = scatterReference(keys, taken, places, pass);
+  return {
+    actual: { keys: await readWords(device, keysOut), payloads: await readWords(device, payloadsOut) },
+    expected: { ...reference, keys: writesKeys ? reference.keys : new Uint32Array(count) },
+  };
+}
+
+describe('sort-scatter', () => {
+  for (const [bits, makesPayloads, writesKeys] of [
+    [24, true, true],
+    [24, false, true],
+    [24, false, false],
+    [16, true, false],
+    [27, false, true],
+  ] as const) {
+    const payloads = makesPayloads ? 'makes payloads' : 'reads payloads';
+    const name = `${bits} bits, ${payloads}, ${writesKeys ? 'writes' : 'drops'} keys`;
+    gpuTest(`${name}: moves keys and payloads to the reference's places`, async () => {
+      for (const workgroupBytes of sortLimitsOf(device)) {
+        for (const isNarrow of [false, true]) {
+          const countOf = (blockKeys: number) => 3 * blockKeys + 1234;
+          const options = { bits, workgroupBytes, isNarrow, makesPayloads, writesKeys, countOf };
+          const { actual, expected } = await scatter(options);
+          const label = `${workgroupBytes} bytes${isNarrow ? ', narrow' : ''}`;
+          expect(actual.payloads, label).toEqual(expected.payloads);
+          expect(actual.keys, label).toEqual(expected.keys);
+        }
+      }
+    });
+  }
+
+  gpuTest('blocks with any number of keys', async () => {
+    for (const countOf of [() => 1, () => 17, (full: number) => full - 1, (full: number) => full, () => 0]) {
+      for (const workgroupBytes of sortLimitsOf(device)) {
+        const options = { bits: 24, workgroupBytes, makesPayloads: false, writesKeys: true, countOf };
+        const { actual, expected } = await scatter(options);
+        expect(actual.payloads.subarray(0, expected.payloads.length)).toEqual(expected.payloads);
+        expect(actual.keys.subarray(0, expected.keys.length)).toEqual(expected.keys);
+      }
+    }
+  });
+});

@@ -1,0 +1,36 @@
+import source from '../../../../../shaders/stages/tile-costs.wgsl?raw';
+import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import { recordConditions } from './format-conditions.ts';
+
+/** Contributions are counted in parts of a pixel of this number: as fine as float32 tells a weight from 1. */
+export const CONTRIBUTION_UNITS = 2 ** 24;
+/** A splat that contributes less, px, cannot change any pixel by as much as a step of 8 bits. */
+export const UNSEEN_PX = 1 / 256;
+
+/** Planes of a word per pixel that the stage writes. */
+export const COST_PLANES = 3;
+
+/** @param pass what is written: counts and sums of contributions, or a map that is made from these sums. */
+export function tileCosts(recordPrecision: RecordPrecision, pass: 'counts' | 'map'): StageDefinition {
+  const isMap = pass === 'map';
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    grid: [1, 'uniform'],
+    binStarts: [2, 'read'],
+    tileMasks: [3, 'read'],
+    sortedRecords: [4, 'read'],
+    records: [5, 'read'],
+    contributions: [6, isMap ? 'read' : 'read-write'],
+    pixels: [7, 'read-write'],
+  };
+  if (!isMap) bindings.tileEntries = [8, 'read-write'];
+  return {
+    stage: 'tile-costs',
+    source,
+    entryPoint: 'tileCosts',
+    constants: { CONTRIBUTION_UNITS, UNSEEN_UNITS: UNSEEN_PX * CONTRIBUTION_UNITS },
+    conditions: { ...recordConditions(recordPrecision), CONTRIBUTIONS: isMap },
+    bindings,
+  };
+}

@@ -1,0 +1,186 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import fc from 'fast-check';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import { binGrid } from '../../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
+import { alphaAt } from '../../reference/tile-rasterize.ts';
+import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
+import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
+import { tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
+import { uniform } from '../../testing/uniform.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { dispatchSize } from './dispatch.ts';
+import { blockKeysOf, pairSortShapeFor } from './sort-shape.ts';
+import { tileCount } from './tile-count.ts';
+import { tileEmit } from './tile-emit.ts';
+import { tileMasks } from './tile-masks.ts';
+import { tilePlan } from './tile-plan.ts';
+
+const { BIN_TILES, MASK_GROUP, TILE_PX } = SHADER_CONSTANTS;
+const MASK_WORDS = (BIN_TILES * BIN_TILES) / 32;
+/** 3×2 bins, 17×9 tiles. */
+const SIZE = { widthPx: 131, heightPx: 70 };
+const GRID = binGrid(SIZE.widthPx, SIZE.heightPx);
+const BINS = GRID.binColumns * GRID.binRows;
+const TILE_COLUMNS = Math.ceil(SIZE.widthPx / TILE_PX);
+const TILE_ROWS = Math.ceil(SIZE.heightPx / TILE_PX);
+/** Splats per run. */
+const BATCH = 64;
+const isFull = process.env.WEBSPLATTER_FULL === '1';
+const RUNS = isFull ? 100 : 50;
+/** Rounding may decide about opacities nearer to the cutoff. */
+const MARGIN = 1e-4;
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+beforeAll(async () => {
+  device = await shareTestDevice();
+  pipelines = new Pipelines(device);
+});
+afterAll(() => device.destroy());
+
+/** Tiles, counted through the layer, that the GPU lists for each of the splats. */
+async function listedTiles(
+  packed: ReturnType<typeof rankedRecords>,
+  options: ListOptions,
+): Promise<Set<number>[]> {
+  const { recordPrecision, alphaCutoff } = options;
+  const count = packed.records.length;
+  const shape = pairSortShapeFor(Math.ceil(Math.log2(BINS + 1)));
+  const mostPairs = count * BINS;
+  const blockPairs = storageBuffer(device, [0]);
+  const plan = storageBuffer(device, [], TilePlan.bytes);
+  const blocks = Math.ceil(mostPairs / blockKeysOf(shape));
+  const pairBins = storageBuffer(device, [], 4 * mostPairs);
+  const pairRecords = storageBuffer(device, [], 4 * mostPairs);
+  const groups = Math.ceil(mostPairs / MASK_GROUP);
+  const masks = storageBuffer(device, [], 4 * groups * MASK_GROUP * MASK_WORDS);
+  const all = {
+    ...tileUniforms(device, { size: SIZE, alphaCutoff, pairCapacity: mostPairs }),
+    ...rankedBuffers(device, packed),
+    pairOffsets: storageBuffer(device, [], 4 * count),
+    blockPairs,
+    tilePlan: plan,
+    sortPlan: storageBuffer(device, [], SortPlan.bytes),
+    drawArguments: storageBuffer(device, [], 16),
+    pairBins,
+    pairRecords,
+    digitCounts: storageBuffer(device, [], 4 * (blocks << shape.digitBits)),
+    // Masks are made pair by pair: whether pairs are sorted makes no difference.
+    sortedBins: pairBins,
+    sortedRecords: pairRecords,
+    tileMasks: masks,
+  };
+  const variant = { recordPrecision, extent: 'opacity' } as const;
+  await runStage(device, pipelines, tileCount(variant), all, [1, 1, 1]);
+  await runStage(device, pipelines, tilePlan(shape), all, [1, 1, 1]);
+  await runStage(device, pipelines, tileEmit(variant, shape), all, dispatchSize(blocks, 65_535));
+  await runStage(device, pipelines, tileMasks(variant), all, dispatchSize(groups, 65_535));
+  const [words, bins, places] = await Promise.all(
+    [masks, pairBins, pairRecords].map((buffer) => readWords(device, buffer)),
+  );
+  const [, pairCount] = await readWords(device, plan);
+  for (const buffer of Object.values(all)) buffer.destroy();
+  const tiles = packed.records.map(() => new Set<number>());
+  const rankOf = new Map(Array.from(packed.places, (place, rank) => [place, rank]));
+  for (let pair = 0; pair < pairCount; pair++) {
+    const [column, row] = [bins[pair] % GRID.binColumns, Math.floor(bins[pair] / GRID.binColumns)];
+    for (const tile of tilesOfPair(words, pair)) {
+      const x = column * BIN_TILES + (tile % BIN_TILES);
+      const y = row * BIN_TILES + Math.floor(tile / BIN_TILES);
+      if (x < TILE_COLUMNS && y < TILE_ROWS) tiles[rankOf.get(places[pair])!].add(y * TILE_COLUMNS + x);
+    }
+  }
+  return tiles;
+}
+
+interface ListOptions {
+  readonly recordPrecision: RecordPrecision;
+  readonly alphaCutoff: number;
+}
+
+/** A pixel where the record is clearly drawn, in a tile that `isLeftOut`, by looking at every pixel; null if there is none. */
+function drawnPixel(
+  record: Parameters<typeof alphaAt>[0],
+  alphaCutoff: number,
+  isLeftOut: (tile: number) => boolean,
+) {
+  for (let tile = 0; tile < TILE_COLUMNS * TILE_ROWS; tile++) {
+    if (!isLeftOut(tile)) continue;
+    const [left, top] = [TILE_PX * (tile % TILE_COLUMNS), TILE_PX * Math.floor(tile / TILE_COLUMNS)];
+    for (let y = top; y < Math.min(top + TILE_PX, SIZE.heightPx); y++)
+      for (let x = left; x < Math.min(left + TILE_PX, SIZE.widthPx); x++)
+        if (alphaAt(record, x, y) >= alphaCutoff * (1 + MARGIN)) return { x, y };
+  }
+  return null;
+}
+
+/** Any angle, and those at which a coordinate of an axis is 0 or nearly so. */
+const angle = fc.oneof(
+  { weight: 3, arbitrary: uniform(0, Math.PI) },
+  { weight: 1, arbitrary: fc.constantFrom(0, Math.PI / 2, Math.PI / 4, 1e-3, 1e-6, Math.PI / 2 + 1e-4) },
+);
+const opacity = fc.oneof(uniform(0, 1), fc.constantFrom(1, 1 / 255, 0.004, 0.02));
+
+/** Points, circles and ellipses in and around the layer. */
+const nearSplat: fc.Arbitrary<DrawnSplat> = fc
+  .record({
+    centerPx: fc.tuple(uniform(-60, 190), uniform(-60, 130)),
+    minorLengthPx: uniform(-2, 7).map((exponent) => 2 ** exponent),
+    slimness: fc.oneof(uniform(0, 8), fc.constant(0)).map((exponent) => 2 ** exponent),
+    angle,
+    opacity,
+  })
+  .map(({ slimness, ...splat }) => ({ ...splat, majorLengthPx: splat.minorLengthPx * slimness }));
+
+/** Needles up to 10⁶ px long through a point of the layer, with centres up to twice as far outside. */
+const needle: fc.Arbitrary<DrawnSplat> = fc
+  .record({
+    through: fc.tuple(uniform(-5, 136), uniform(-5, 75)),
+    along: uniform(-2.3, 2.3),
+    majorLengthPx: uniform(5, 20).map((exponent) => 2 ** exponent),
+    minorLengthPx: uniform(-1, 5).map((exponent) => 2 ** exponent),
+    angle,
+    opacity,
+  })
+  .map(({ through: [x, y], along, ...splat }) => {
+    const distancePx = along * splat.majorLengthPx;
+    const centerPx = [
+      x - distancePx * Math.cos(splat.angle),
+      y - distancePx * Math.sin(splat.angle),
+    ] as const;
+    return { ...splat, centerPx };
+  });
+
+describe('tile-count, tile-plan, tile-emit and tile-masks', () => {
+  gpuTest('leave out no bin and no tile with a pixel where a splat is drawn', async () => {
+    const batch = fc.array(fc.oneof(nearSplat, needle), { minLength: BATCH, maxLength: BATCH });
+    const settings = fc.record({
+      recordPrecision: fc.constantFrom<RecordPrecision[]>('f32', 'f16', 'paper'),
+      alphaCutoff: fc.constantFrom(1 / 255, 0.02, 1e-4),
+    });
+    let [drawn, listed, leftOut] = [0, 0, 0];
+    await fc.assert(
+      fc.asyncProperty(batch, settings, async (ranked, options) => {
+        const packed = rankedRecords(ranked, options.recordPrecision);
+        for (const [rank, tiles] of (await listedTiles(packed, options)).entries()) {
+          const record = packed.records[rank];
+          const missed = drawnPixel(record, options.alphaCutoff, (tile) => !tiles.has(tile));
+          if (missed) expect.fail(`${JSON.stringify({ missed, ...options, splat: ranked[rank], record })}`);
+          if (tiles.size > 0) drawn++;
+          listed += tiles.size;
+          leftOut += TILE_COLUMNS * TILE_ROWS - tiles.size;
+        }
+      }),
+      // Smaller batches show no more than the message.
+      { numRuns: RUNS, seed: 12, endOnFailure: true },
+    );
+    // Neither nothing nor everything is listed.
+    expect(drawn).toBeGreaterThan(isFull ? 2000 : 900);
+    expect(listed).toBeGreaterThan(isFull ? 20_000 : 10_000);
+    expect(leftOut).toBeGreaterThan(isFull ? 200_000 : 100_000);
+  });
+});

@@ -1,0 +1,115 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import { binGrid } from '../../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { TilePlan } from '../../data/layout/structs.ts';
+import { splatEllipse } from '../../reference/splat-ellipse.ts';
+import { touchedTiles } from '../../reference/tile-masks.ts';
+import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
+import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { anySplat, binsOf, mostSlackPx, tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
+import { Pipelines } from '../pipelines.ts';
+import { readWords } from '../read-buffer.ts';
+import { dispatchSize } from './dispatch.ts';
+import { tileMasks } from './tile-masks.ts';
+
+const { BIN_TILES, MASK_GROUP } = SHADER_CONSTANTS;
+const TILES = BIN_TILES * BIN_TILES;
+const GROUP_WORDS = (TILES * MASK_GROUP) / 32;
+const ALPHA_CUTOFF = 1 / 255;
+const SIZE = { widthPx: 330, heightPx: 201 };
+const GRID = binGrid(SIZE.widthPx, SIZE.heightPx);
+const UNWRITTEN = 0x12345678;
+
+let device: GPUDevice;
+let pipelines: Pipelines;
+beforeAll(async () => {
+  device = await shareTestDevice();
+  pipelines = new Pipelines(device);
+});
+afterAll(() => device.destroy());
+
+/** Pairs of splats of every size with the bins that they touch, and with one that they do not; the first `pairCount`. */
+async function mask(pairCount: number, recordPrecision: RecordPrecision) {
+  const random = seededRandom(pairCount);
+  const packed = rankedRecords(
+    Array.from({ length: Math.max(16, pairCount) }, () => anySplat(random, SIZE)),
+    recordPrecision,
+  );
+  const pairs = packed.records
+    .flatMap((record, rank) => {
+      const { most } = binsOf(record, GRID, ALPHA_CUTOFF);
+      const drawn = record.color[3] >= ALPHA_CUTOFF;
+      return (drawn ? [...most, rank % (GRID.binColumns * GRID.binRows)] : []).map((bin) => ({ bin, rank }));
+    })
+    .slice(0, pairCount);
+  expect(pairs).toHaveLength(pairCount);
+  // Pairs of an earlier frame, which touch tiles, lie behind this frame's.
+  const inBuffer = [
+    ...pairs,
+    ...Array<(typeof pairs)[number]>(MASK_GROUP).fill(pairs[0] ?? { bin: 0, rank: 0 }),
+  ];
+  const groups = Math.ceil(pairCount / MASK_GROUP);
+  const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount: pairCount });
+  const words = storageBuffer(device, new Uint32Array(groups * GROUP_WORDS + 1).fill(UNWRITTEN));
+  const dispatchRow = 2;
+  const { records } = rankedBuffers(device, packed);
+  const bindings = {
+    ...tileUniforms(device, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    tilePlan: storageBuffer(device, new Uint32Array(plan)),
+    sortedBins: storageBuffer(
+      device,
+      inBuffer.map(({ bin }) => bin),
+    ),
+    sortedRecords: storageBuffer(
+      device,
+      inBuffer.map(({ rank }) => packed.places[rank]),
+    ),
+    records,
+    tileMasks: words,
+  };
+  const stage = tileMasks({ recordPrecision, extent: 'opacity' });
+  // Workgroups behind the last group must do nothing.
+  await runStage(device, pipelines, stage, bindings, dispatchSize(groups + 3, dispatchRow));
+  const masks = await readWords(device, words);
+  expect(masks.at(-1)).toBe(UNWRITTEN);
+  return { masks, pairs: pairs.map(({ bin, rank }) => ({ bin, record: packed.records[rank] })), groups };
+}
+
+describe('tile-masks', () => {
+  for (const recordPrecision of ['f32', 'f16', 'paper'] as const) {
+    gpuTest(`${recordPrecision}: a bit for each tile that a pair touches, and hardly any other`, async () => {
+      const { masks, pairs } = await mask(5 * MASK_GROUP + 77, recordPrecision);
+      let [clear, bits] = [0, 0];
+      for (const [i, { bin, record }] of pairs.entries()) {
+        const ellipse = splatEllipse(record, ALPHA_CUTOFF)!;
+        const place = { column: bin % GRID.binColumns, row: Math.floor(bin / GRID.binColumns) };
+        const least = touchedTiles(ellipse, place);
+        const most = touchedTiles(ellipse, place, mostSlackPx(ellipse));
+        const found = tilesOfPair(masks, i);
+        expect(found, `pair ${i}`).toEqual(expect.arrayContaining(least));
+        expect(most, `pair ${i}`).toEqual(expect.arrayContaining(found));
+        bits += found.length;
+        if (least.length === most.length) clear++;
+      }
+      // The two bounds are the same for most pairs, which are exact then.
+      expect(clear).toBeGreaterThan(0.8 * pairs.length);
+      expect(bits).toBeGreaterThan(5000);
+    });
+  }
+
+  gpuTest('no bits behind the last pair, whose word may be shared', async () => {
+    for (const pairCount of [1, 31, 33, MASK_GROUP, MASK_GROUP + 1]) {
+      const { masks, groups } = await mask(pairCount, 'f32');
+      for (let pair = pairCount; pair < groups * MASK_GROUP; pair++)
+        expect(tilesOfPair(masks, pair), `${pairCount} pairs, pair ${pair}`).toEqual([]);
+    }
+  });
+
+  gpuTest('writes nothing if there are no pairs', async () => {
+    const { groups } = await mask(0, 'f32');
+    expect(groups).toBe(0);
+  });
+});

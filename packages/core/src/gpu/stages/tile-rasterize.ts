@@ -1,0 +1,63 @@
+import type { ColorTarget, RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import { tileSource } from '../shaders/later-source.ts';
+import { layerConditions, recordConditions } from './format-conditions.ts';
+import type { RasterizeDepth } from './rasterize.ts';
+
+/** Variant of the tile-rasterize stage to link. */
+export interface TileRasterizeVariant {
+  readonly recordPrecision: RecordPrecision;
+  readonly colorTarget: ColorTarget;
+  /** The host's depth; null if nothing can hide a splat. Its layer's format is r32float, or there is none. */
+  readonly depth: RasterizeDepth | null;
+  /** Whether splats come in exact order of depth: a tile then ends at its farthest host depth. */
+  readonly isExactOrder: boolean;
+  /** Whether few threads of the device run in lockstep: each then reads the splats by itself. */
+  readonly isNarrow: boolean;
+}
+
+/** Threads that blend a tile together: as many as most GPUs run in lockstep, so that barriers among them are cheap. */
+export const TILE_THREADS = 32;
+/** Threads that blend a tile where each works alone. */
+const NARROW_TILE_THREADS = 8;
+
+/** Blends the splats of each tile, front to back. */
+export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
+  const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow } = variant;
+  const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
+  const bindings: Record<string, readonly [number, BindingKind]> = {
+    view: [0, 'uniform'],
+    grid: [1, 'uniform'],
+    binStarts: [3, 'read'],
+    binOrder: [4, 'read'],
+    tileMasks: [5, 'read'],
+    sortedRecords: [6, 'read'],
+    records: [7, 'read'],
+    layer: [8, `${colorTarget} writes`],
+  };
+  if (depth) {
+    bindings.hostDepth = [9, 'uniform'];
+    bindings.testedDepth = [10, 'depth-texture'];
+  }
+  const hasDepthLayer = depth !== null && depth.layerFormat !== null;
+  if (hasDepthLayer) bindings.depthLayer = [11, 'r32float writes'];
+  return {
+    stage: 'tile-rasterize',
+    source: tileSource('tile-rasterize'),
+    entryPoint: 'tileRasterize',
+    constants: { TILE_THREADS: threads, TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads },
+    conditions: {
+      NARROW: isNarrow,
+      ...recordConditions(recordPrecision),
+      ...layerConditions(colorTarget),
+      DEPTH_TEST: depth !== null,
+      DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
+      ORTHOGRAPHIC: depth?.isOrthographic === true,
+      REVERSED_DEPTH: depth !== null && depth.compare === 'greater-equal',
+      DEPTH_LAYER: hasDepthLayer,
+      SHORT_KEYS: depth !== null && !isExactOrder,
+    },
+    bindings,
+  };
+}

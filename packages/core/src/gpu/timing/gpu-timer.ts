@@ -1,0 +1,199 @@
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { TilePlan } from '../../data/layout/structs.ts';
+import type { GpuMemory } from '../gpu-memory.ts';
+import {
+  type FrameStatistics,
+  type StageTimings,
+  TIMED_PASSES,
+  type TimedPass,
+  wallClockTimings,
+} from './frame-statistics.ts';
+
+/** Number of read-backs that may be pending at once; if none is free, a frame goes unmeasured instead of waiting. */
+const RING_SIZE = 4;
+
+const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
+const COUNTS_BYTES = 8;
+/** Timestamps, then the numbers of visible chunks and visible splats, a word each, then one `TilePlan`. */
+const READBACK_BYTES = TIMESTAMP_BYTES + COUNTS_BYTES + TilePlan.bytes;
+
+/** Buffers with the counts of a frame. */
+export interface FrameCounts {
+  readonly slotCount: GPUBuffer;
+  readonly visibleCount: GPUBuffer;
+  /** One `TilePlan`; only for shapes with tiles. */
+  readonly tilePlan?: GPUBuffer;
+}
+
+/** Measures frames without ever waiting for the GPU: results are read through a ring of buffers, some frames later. */
+export class GpuTimer {
+  readonly #memory: GpuMemory;
+  readonly #queue: GPUQueue;
+  readonly #hasTimestamps: boolean;
+  /** Null without timestamps, and until it is known to work. */
+  #querySet: GPUQuerySet | null = null;
+  /** That of the frame that is being recorded. */
+  #recorded: GPUQuerySet | null = null;
+  #resolved: GPUBuffer | null = null;
+  /** Made with the first frame, whose memory is checked. */
+  #ring: readonly GPUBuffer[] | null = null;
+  #free: GPUBuffer[] = [];
+  #measuring: GPUBuffer | null = null;
+  #passes = new Set<TimedPass>();
+  #hasPairs = false;
+  #isDestroyed = false;
+
+  constructor(device: GPUDevice, memory: GpuMemory) {
+    this.#memory = memory;
+    this.#queue = device.queue;
+    this.#hasTimestamps = device.features.has('timestamp-query');
+    if (this.#hasTimestamps) void this.#makeQuerySet(device);
+  }
+
+  /** Call first in a frame. */
+  begin(): void {
+    this.#ring ??= this.#makeRing();
+    // Reuse the buffer of a frame that was begun and never drawn.
+    this.#measuring ??= this.#free.pop() ?? null;
+    this.#passes = new Set();
+    this.#recorded = this.#querySet;
+  }
+
+  /** Returns `timestampWrites` for the descriptor of a pass; undefined if this frame or device is not timed. */
+  writes(pass: TimedPass): GPUComputePassTimestampWrites | undefined {
+    this.#passes.add(pass);
+    if (!this.#recorded || !this.#measuring) return undefined;
+    const first = 2 * TIMED_PASSES.indexOf(pass);
+    return { querySet: this.#recorded, beginningOfPassWriteIndex: first, endOfPassWriteIndex: first + 1 };
+  }
+
+  /** Call after the last pass, before the encoder is finished. */
+  record(encoder: GPUCommandEncoder, counts: FrameCounts): void {
+    const target = this.#measuring;
+    if (!target) return;
+    if (this.#recorded && this.#resolved) {
+      encoder.resolveQuerySet(this.#recorded, 0, 2 * TIMED_PASSES.length, this.#resolved, 0);
+      encoder.copyBufferToBuffer(this.#resolved, 0, target, 0, TIMESTAMP_BYTES);
+    }
+    encoder.copyBufferToBuffer(counts.slotCount, 0, target, TIMESTAMP_BYTES, 4);
+    encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
+    this.#hasPairs = counts.tilePlan !== undefined;
+    if (counts.tilePlan)
+      encoder.copyBufferToBuffer(counts.tilePlan, 0, target, TIMESTAMP_BYTES + COUNTS_BYTES, TilePlan.bytes);
+  }
+
+  /**
+   * Call after submitting. Resolves when the frame is done; null if it was not measured.
+   *
+   * @param submittedMs `performance.now()` when the frame's first submission was made.
+   */
+  async read(
+    frame: number,
+    loadedSplats: number,
+    submittedMs = performance.now(),
+  ): Promise<FrameStatistics | null> {
+    const buffer = this.#measuring;
+    const passes = this.#passes;
+    const hasPairs = this.#hasPairs;
+    const isTimed = this.#recorded !== null;
+    this.#measuring = null;
+    if (!buffer) return null;
+    try {
+      const mapped = this.#memory.map(buffer, GPUMapMode.READ);
+      await this.#queue.onSubmittedWorkDone();
+      const wallClockMs = performance.now() - submittedMs;
+      await mapped;
+      if (this.#isDestroyed) return null;
+      const contents = buffer.getMappedRange().slice(0);
+      buffer.unmap();
+      const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);
+      const tilePlan = new Uint32Array(contents, TIMESTAMP_BYTES + COUNTS_BYTES);
+      const neededPairs = tilePlan[TilePlan.offsets.neededPairs / 4];
+      const fits = tilePlan[TilePlan.offsets.fits / 4] === 1;
+      const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
+      const spanMs = isTimed
+        ? spansOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes)
+        : null;
+      const timing = spanMs ? timingsOf(spanMs, passes, wallClockMs) : wallClockTimings(wallClockMs);
+      const quadsSampleMs = spanMs && passes.has('quads-sample') ? spanMs('quads-sample') : null;
+      return {
+        frame,
+        loadedSplats,
+        candidateSplats,
+        visibleSplats,
+        rasterizer: hasPairs && fits ? 'tiles' : 'quads',
+        tilePairs: hasPairs ? neededPairs : null,
+        quadsSampleMs,
+        timing,
+      };
+    } catch (error) {
+      // Destroyed or lost while the read-back was pending: the statistics are not needed any more.
+      if (this.#isDestroyed || buffer.mapState === 'unmapped') return null;
+      throw error;
+    } finally {
+      if (!this.#isDestroyed) this.#free.push(buffer);
+    }
+  }
+
+  destroy(): void {
+    this.#isDestroyed = true;
+    for (const buffer of this.#ring ?? []) this.#memory.destroy(buffer);
+    if (this.#resolved) this.#memory.destroy(this.#resolved);
+    this.#querySet?.destroy();
+  }
+
+  /**
+   * Makes the set of queries, and keeps it only if it works: Metal has 32 for all pages together
+   * (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that failed are not run.
+   */
+  async #makeQuerySet(device: GPUDevice): Promise<void> {
+    device.pushErrorScope('validation');
+    const querySet = device.createQuerySet({ type: 'timestamp', count: 2 * TIMED_PASSES.length });
+    // A lost device answers no more, and times nothing.
+    const error = await device.popErrorScope().catch((reason: Error) => reason);
+    if (error || this.#isDestroyed) querySet.destroy();
+    else this.#querySet = querySet;
+  }
+
+  #makeRing(): readonly GPUBuffer[] {
+    const { QUERY_RESOLVE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
+    const memory = this.#memory;
+    if (this.#hasTimestamps)
+      this.#resolved = memory.createBuffer('timestamps', TIMESTAMP_BYTES, QUERY_RESOLVE | COPY_SRC);
+    const ring: GPUBuffer[] = [];
+    // What exists when one fails is listed, to be freed.
+    this.#ring = ring;
+    for (let i = 0; i < RING_SIZE; i++)
+      ring.push(memory.createBuffer(`statistics ${i}`, READBACK_BYTES, MAP_READ | COPY_DST));
+    this.#free = [...ring];
+    return ring;
+  }
+}
+
+/** Returns the time from the beginning of the first to the end of the last of some passes, ms; 0 if none of them ran. */
+type SpanMs = (...candidates: TimedPass[]) => number;
+
+/** @param passes the passes that the frame ran: queries of the others are stale, or were never written. */
+function spansOf(nanoseconds: BigUint64Array, passes: ReadonlySet<TimedPass>): SpanMs {
+  return (...candidates) => {
+    const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));
+    if (indices.length === 0) return 0;
+    const span = nanoseconds[2 * indices[indices.length - 1] + 1] - nanoseconds[2 * indices[0]];
+    // Some drivers have been seen to write an end before its beginning, or nothing at all.
+    return Math.max(0, Number(span) / 1e6);
+  };
+}
+
+function timingsOf(spanMs: SpanMs, passes: ReadonlySet<TimedPass>, wallClockMs: number): StageTimings {
+  return {
+    source: 'gpu-timestamps',
+    preprocessMs: spanMs('preprocess'),
+    sortMs: spanMs('sort'),
+    // Three spans: a host's own work may lie behind the lists, and a sample of the quads before the tiles.
+    rasterizeMs:
+      spanMs('tile-lists') + spanMs('resolve-depth') + spanMs('tiles', 'rasterize', 'upscale', 'composite'),
+    totalMs: spanMs(...TIMED_PASSES),
+    wallClockMs,
+    passMs: Object.fromEntries([...passes].map((pass) => [pass, spanMs(pass)])),
+  };
+}

@@ -1,8 +1,0 @@
-import type { StageDefinition } from '../gpu/pipelines.ts';
-
-/** Lists the visible chunks of the frame in storage order. */
-export const compactChunks = {
-  stage: 'compact-chunks',
-  entryPoint: 'compactChunks',
-  bindings: { cullParameters: [0, 'uniform'], chunkOffsets: [1, 'read'], visibleChunks: [2, 'read-write'] },
-} as const satisfies StageDefinition;

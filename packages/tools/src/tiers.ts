@@ -1,0 +1,98 @@
+// Who may import whom. import-rule.test.ts enforces it; type-only imports count like any other.
+//
+// A line names what it may import, and only what stands above it, so there can be no circles. `name(types)` allows
+// `import type` only; `name(tests)` allows only tests to import it. The test also fails where a folder has no line and
+// where nothing needs an arrow any more.
+
+export type Arrows = Readonly<Record<string, string>>;
+
+/**
+ * The tiers of packages/core/src: folders, and files at its root; a file `NAME.TIER.ts` belongs to that tier wherever it
+ * lies. Tests and testing/ may import all of them, and nothing else may import those.
+ */
+export const TIERS: Arrows = {
+  /** Splats, cameras, settings and errors: what can be computed and checked without bytes or a GPU. */
+  data: '',
+  /** File formats, and reading them in a worker. */
+  io: 'data',
+  /** The device, its memory, shaders and the host side of each. */
+  gpu: 'data',
+  /** Splats on the GPU: planes, files' rows that become planes there, rays and colliders. */
+  clouds: 'gpu io data',
+  /** One frame: plan, buffers, the order of its stages, and the ledger of its effects. */
+  frame: 'clouds gpu data',
+  /** What people choose of effects: the interface of `@websplatter/core/effect-options`. */
+  options: 'gpu data',
+  /** The references: what every stage must compute, in float64, without a GPU. */
+  reference: 'gpu data',
+  /** Single stages of a frame, read back and held against the references. */
+  inspect: 'reference frame clouds gpu data',
+  /** What settings and effects cost in time, and in error. */
+  measure: 'reference frame clouds gpu data',
+  /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
+  views: 'measure(types) frame clouds gpu data',
+  /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
+  'write.ts': 'io data',
+  /** Splats from arrays, and edits of splats: the interface of `@websplatter/core/own-data`. */
+  'own-data.ts': 'clouds data',
+  /** All workers in one script: the file `@websplatter/core/load-worker`. */
+  'load-worker.ts': 'clouds io',
+  /** What callers give besides requests of frames. */
+  'check-options.ts': 'clouds(types) data',
+  /** The engine: one device, its clouds and its views. */
+  'engine.ts': 'check-options.ts views measure frame clouds gpu io data',
+  /** Checks options, and fetches the engine's code while a device is asked for. */
+  'create-engine.ts': 'engine.ts check-options.ts gpu io data',
+  /** The public interface. */
+  'index.ts': 'create-engine.ts engine.ts(types) views measure frame clouds gpu io data',
+};
+
+/** Packages and apps by folder name. Each line agrees with the dependencies of its package.json. */
+export const PACKAGES: Arrows = {
+  /** Chores of this repository. */
+  tools: '',
+  /** WGSL only. */
+  shaders: '',
+  /** The engine. */
+  core: 'shaders node(tests) scenes(tests)',
+  /** Scenes made by code. */
+  scenes: 'core',
+  /** WebGPU and files in Node. */
+  node: 'core',
+  /** Scenes that break splat renderers, and what is right for each. */
+  hardcases: 'core shaders(tests) node(tests)',
+  /** Splats in three.js. */
+  three: 'core',
+  /** Splats in react-three-fiber. */
+  react: 'three core',
+  /** Charts and tables of what was measured, for the terminal and for pages. */
+  charts: 'core',
+  /** The command line. */
+  cli: 'charts hardcases node scenes core',
+  /** The viewer; nothing imports an app. */
+  viewer: 'charts hardcases scenes core',
+  /** Examples for react-three-fiber. */
+  examples: 'react scenes core',
+  /** The documentation site, with examples that readers edit. */
+  docs: 'react three scenes core',
+  /** Hard cases and benchmark in any browser, and this project beside other renderers. */
+  lab: 'charts hardcases three scenes node core tools',
+  /** Apps and packages in a browser. */
+  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests) node(tests)',
+};
+
+/** Files that reach into another package by path, and why. All others import what a package exports. */
+export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
+  'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
+  'packages/hardcases/src/host-mutations.gpu.test.ts':
+    'replaces modules inside of core, to show that hard cases fail without them',
+  'packages/cli/bin/websplatter.js': 'builds itself where a clone has no build yet',
+  'packages/cli/src/machine.ts':
+    'names version and commit as the builds of apps do, and is bundled: no package that ships imports tools',
+  'apps/viewer/vite.config.ts': "strips shaders as the packages' build does, which no browser runs",
+  'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
+  'apps/docs/src/build/kit.ts': "builds the examples' scenes beside what they import; apps export nothing",
+  'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core does not export",
+  'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
+  'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
+};
