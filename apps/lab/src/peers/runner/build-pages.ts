@@ -48,14 +48,14 @@ export async function buildPages(
 
 /** Builds the page of one adapter into `outDir`, as it would be shipped. Pages share nothing, so that none carries another's code. */
 async function buildPage(adapterPath: string, source: PeerSource | null, outDir: string): Promise<void> {
-  // Adapters import clones by the first name; some of these import themselves by the second.
-  const aliases = source && { 'peer-source': source.folder, '@': join(source.folder, 'src') };
   await build({
     configFile: false,
     root: labFolder,
     base: './',
     logLevel: 'error',
-    resolve: { alias: { 'virtual:peer-adapter': adapterPath, ...aliases } },
+    resolve: {
+      alias: { 'virtual:peer-adapter': adapterPath, ...(source && { 'peer-source': source.folder }) },
+    },
     worker: { format: 'es' },
     build: {
       target: 'es2022',

@@ -24,7 +24,7 @@ interface KnownSource {
   /** That the adapter was written for. */
   readonly commit: string;
   /** What must be there, and how it comes there, where cloning is not enough. */
-  readonly files: readonly string[];
+  readonly file: string;
   readonly preparation?: string;
 }
 
@@ -58,17 +58,7 @@ const KNOWN_PEERS: readonly KnownPeer[] = [
     source: {
       repository: 'https://github.com/antimatter15/splat',
       commit: 'ba182b51b7c2',
-      files: ['main.js'],
-    },
-  },
-  {
-    name: 'gaussian-splatting-webgpu',
-    adapter: 'peers/gaussian-splatting-webgpu.js',
-    source: {
-      repository: 'https://github.com/MarcusAndreasSvensson/gaussian-splatting-webgpu',
-      commit: 'f22ae041e246',
-      preparation: 'run npm install in it',
-      files: ['src/splatting-web/renderer.ts', 'node_modules/wgpu-matrix', 'node_modules/webgpu-radix-sort'],
+      file: 'main.js',
     },
   },
   {
@@ -78,7 +68,7 @@ const KNOWN_PEERS: readonly KnownPeer[] = [
       repository: 'https://github.com/KeKsBoTer/web-splat',
       commit: '959a3ecc2b64',
       preparation: 'compile it by apps/lab/peers/web-splat/build.sh',
-      files: ['lab/web_splat_peer.js'],
+      file: 'lab/web_splat_peer.js',
     },
   },
 ];
@@ -166,10 +156,9 @@ function choosePeer(word: string, folder: string, sources: string): ChosenPeer {
   };
 }
 
-function sourceOf({ repository, commit, files, preparation }: KnownSource, folder: string): PeerSource {
-  const missing = files.filter((file) => !existsSync(resolve(folder, file)));
-  if (missing.length === 0) return { folder, lack: null };
+function sourceOf({ repository, commit, file, preparation }: KnownSource, folder: string): PeerSource {
+  if (existsSync(resolve(folder, file))) return { folder, lack: null };
   const steps = `clone ${repository} (its adapter knows commit ${commit}) there${preparation ? `, ${preparation}` : ''}`;
-  const lack = `${folder} has no ${missing.join(' and no ')}: ${steps}, or name the folder above by --sources.`;
+  const lack = `${folder} has no ${file}: ${steps}, or name the folder above by --sources.`;
   return { folder, lack };
 }
