@@ -59,6 +59,7 @@ export interface DrawnAccuracy {
   readonly rasterizerReason: string;
 }
 
+/** Options of `SplatEngine.create`. */
 export interface EngineOptions extends DeviceOptions {
   /** Device to draw on; by default the engine requests one of its own, see `requestSplatDevice`. */
   readonly device?: GPUDevice;
@@ -97,6 +98,7 @@ const LIKELY_SH_DEGREE = 3;
 /** Few enough for a page to copy without a pause that a person would notice. */
 const PIECE_BYTES = 4 << 20;
 
+/** Options of `engine.load`. */
 export interface LoadOptions extends ReadOptions {
   /** Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. */
   readonly precision?: CloudPrecision;

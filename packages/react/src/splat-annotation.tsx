@@ -9,6 +9,7 @@ import { LabelElement } from './label-element.ts';
 import { useLatest } from './use-latest.ts';
 import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
+/** Props of `<SplatAnnotation>`. */
 export interface SplatAnnotationProps {
   /** The label's point, in the space of the parent in the scene; its content is centred there. */
   position?: ThreeElements['group']['position'];

@@ -39,6 +39,7 @@ export interface SplatBoundsApi {
   fit(margin?: number): boolean;
 }
 
+/** Props of `<SplatBounds>`. */
 export interface SplatBoundsProps extends Omit<ThreeElements['group'], 'ref'> {
   children?: ReactNode;
   /** Whether the camera is fitted when the clouds have been loaded: `once`, or again for `each` that is loaded later. */

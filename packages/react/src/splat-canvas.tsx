@@ -14,6 +14,7 @@ import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
+/** Props of `<SplatCanvas>`. */
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   /** How exactly and how fast to draw splats: settings, or a target such as `{ minPsnrDb: 45 }`; default `balanced`. */
   accuracy?: AccuracyRequest;

@@ -9,6 +9,7 @@ import { placeOnCanvas } from './place-on-canvas.ts';
 import { useLatest } from './use-latest.ts';
 import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
+/** Props of `<SplatMeasure>`. */
 export interface SplatMeasureProps {
   /** How distances are shown: `{ name: 'm', perWorldUnit: 1, digits: 2 }`; default world units, with two digits. */
   unit?: MeasureUnit;

@@ -5,6 +5,7 @@ import type { WebGPURenderer } from 'three/webgpu';
 import type { PanelCorner, TimingsPanel } from './timings-panel.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 
+/** Props of `<SplatStats>`. */
 export interface SplatStatsProps {
   /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
   renderer?: object | null;

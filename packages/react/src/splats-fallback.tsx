@@ -4,6 +4,7 @@ import { Component, type ReactNode } from 'react';
 
 type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 
+/** Props of `<SplatsFallback>`. */
 export interface SplatsFallbackProps {
   children?: ReactNode;
   /** Shown in place of children that cannot draw; default: a sentence for visitors, which says what to try. */

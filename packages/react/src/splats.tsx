@@ -42,6 +42,7 @@ import { useSource } from './use-source.ts';
 /** A source that `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
 
+/** Props of `<Splats>`. */
 export interface SplatsProps
   extends EffectProps,
     Omit<

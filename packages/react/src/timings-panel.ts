@@ -1,5 +1,6 @@
 import { type FrameStatistics, isPlausible } from '@websplatter/core';
 
+/** The corner of the canvas that a panel is in. */
 export type PanelCorner = 'top-left' | 'top-right' | 'bottom-left' | 'bottom-right';
 
 /** Figures that change sixty times a second cannot be read. */

@@ -17,6 +17,7 @@ export interface SplatCollider {
   readonly error: unknown;
 }
 
+/** Options of `useSplatCollider`. */
 export type SplatColliderOptions = Pick<
   ColliderMeshOptions,
   'bounds' | 'cellSize' | 'fewestTriangles' | 'solidAt'

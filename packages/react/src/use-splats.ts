@@ -6,6 +6,7 @@ import { sharedCache } from './shared-cache.ts';
 import { type CacheableSource, requestFor } from './splat-cache.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
+/** Options of `useSplats`. */
 export interface UseSplatsOptions {
   /**
    * Accuracy that the file is packed for if it has not been read yet; default: that of the surrounding Canvas, or `balanced`

@@ -3,9 +3,12 @@ import type { SceneCamera } from './builtin-scenes.ts';
 import { Prng, seedFor } from './prng.ts';
 import { SplatBuilder } from './splat-builder.ts';
 
+/** Fewest splats of a synthetic scene. */
 export const SYNTHETIC_MIN_SPLATS = 10_000;
+/** Most splats of a synthetic scene. */
 export const SYNTHETIC_MAX_SPLATS = 16_000_000;
 
+/** Options of `syntheticPly`. */
 export interface SyntheticOptions {
   /** Exact number of splats, {@link SYNTHETIC_MIN_SPLATS} to {@link SYNTHETIC_MAX_SPLATS}. */
   readonly splats: number;

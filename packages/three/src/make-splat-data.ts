@@ -11,6 +11,7 @@ import { colorDcOf, packSet, type SplatArrays, splatsFromArrays } from '@webspla
 import type { BufferAttribute, BufferGeometry } from 'three/webgpu';
 import { SplatData } from './splat-data.ts';
 
+/** Options of `makeSplatData`. */
 export interface MakeSplatDataOptions {
   /** For messages and labels. Default `splats`. */
   readonly name?: string;

@@ -45,6 +45,7 @@ export interface SplatHit {
   readonly alpha: number;
 }
 
+/** Events of a `SplatCloudObject`, besides those of every object. */
 export interface SplatCloudEventMap extends Object3DEventMap {
   /** The first frame with the current data has been submitted to the GPU; not dispatched for previews. */
   firstframe: object;

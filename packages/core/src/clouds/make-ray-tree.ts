@@ -11,6 +11,7 @@ const MOST_SMALL_BLOBS = 1 << 19;
 /** Splats of a blob in clouds for which that is not enough. */
 const SPLATS_PER_BLOB = 32;
 
+/** Options of `makeRayTree`. */
 export interface MakeRayTreeOptions {
   /** Calls the work off. */
   readonly signal?: AbortSignal;

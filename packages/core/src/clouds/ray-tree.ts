@@ -29,6 +29,7 @@ export interface RayView {
   readonly heightPx?: number;
 }
 
+/** The image that a ray belongs to, and how far it goes. */
 export interface RayOptions {
   /**
    * What the ray belongs to: it then meets splats as they are drawn there, which is how `pick` meets them. Rays of a perspective

@@ -29,6 +29,7 @@ export interface FilePlace {
   readonly line?: number;
 }
 
+/** Why a file cannot be read, for programs. */
 export type SplatFileErrorCode =
   /** The bytes are in no supported format. */
   | 'unknown-format'

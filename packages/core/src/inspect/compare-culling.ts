@@ -18,6 +18,7 @@ export interface CullingMismatch {
   readonly got: 'drawn' | 'culled';
 }
 
+/** Splats that a frame drew or culled otherwise than the reference does. */
 export interface CullingComparison {
   readonly visibleCount: number;
   /** Splats so close to a threshold that rounding may decide either way. */

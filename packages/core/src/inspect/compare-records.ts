@@ -30,6 +30,7 @@ export const RECORD_FIELDS = [
   'alpha at 1σ minor',
   'alpha at 2σ minor',
 ] as const;
+/** Name of a value of a record that is compared. */
 export type RecordField = (typeof RECORD_FIELDS)[number];
 
 const u = FLOAT32_ROUNDING;

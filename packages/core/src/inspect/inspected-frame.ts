@@ -29,6 +29,7 @@ import type { EffectReference } from '../reference/effects/effect-reference.ts';
 import { referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
 
+/** The frame whose stages are read back. */
 export interface InspectOptions {
   readonly clouds: readonly {
     readonly set: SplatSet<Harmonics>;

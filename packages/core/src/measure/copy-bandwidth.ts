@@ -4,6 +4,7 @@ import { COPY_ROW, COPY_WORKGROUP, copyWords } from '../gpu/stages/copy-words.ts
 import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { timeSpread } from './time-spread.ts';
 
+/** Options of `measureCopyBandwidth`. */
 export interface CopyBandwidthOptions {
   /** Bytes of each copy, a multiple of 16; default 256 MiB, which is more than the caches of today's GPUs hold. */
   readonly bytes?: number;

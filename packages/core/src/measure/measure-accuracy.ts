@@ -21,6 +21,7 @@ import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
+/** What `measureAccuracy` draws, and which settings it tries. */
 export interface MeasureAccuracyOptions {
   /** The clouds to draw, in a frame's order. Views may show them at the same time: measuring draws its own frames. */
   readonly clouds: readonly CloudInstance[];
@@ -51,6 +52,7 @@ export interface MeasureAccuracyOptions {
   readonly onTable?: (table: AccuracyTable) => void;
 }
 
+/** How far a measurement has come. */
 export interface MeasureProgress {
   /** Number of finished steps, each of about the same length; `total` may shrink. */
   readonly done: number;
@@ -84,6 +86,7 @@ export interface AccuracyPoint {
   readonly notes: readonly string[];
 }
 
+/** What `measureAccuracy` found: error, time and memory of each setting tried. */
 export interface AccuracyTable {
   /** The base first, then presets, single changes and combinations. */
   readonly points: readonly AccuracyPoint[];

@@ -9,6 +9,7 @@ import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
+/** What `measureEffects` draws, and how often. */
 export interface MeasureEffectsOptions {
   /**
    * Pairs of counted frames per effect, with it and without, default 15; half as many again are drawn and not counted. Fewer

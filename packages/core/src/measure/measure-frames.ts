@@ -13,6 +13,7 @@ import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
 
+/** What `measureFrames` draws, and how often. */
 export interface MeasureFramesOptions
   extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'sortBy'> {
   /** One camera per measured frame, each unlike the one before: see `orbitCameras`. */

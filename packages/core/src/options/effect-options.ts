@@ -14,6 +14,7 @@ export type HexColor = `#${string}`;
 
 /** What is chosen for an option: a number, a word, a colour, or x, y and z. */
 export type OptionValue = number | string | Vec3;
+/** What is chosen for all options of an effect, by their names. */
 export type OptionValues = Readonly<Record<string, OptionValue>>;
 
 interface OptionFacts<Values> {
@@ -37,6 +38,7 @@ export interface NumberOption<Values = OptionValues> extends OptionFacts<Values>
   readonly below?: keyof Values & string;
 }
 
+/** A colour in sRGB. */
 export interface ColorOption<Values = OptionValues> extends OptionFacts<Values> {
   readonly kind: 'color';
   readonly first: HexColor;
@@ -66,6 +68,7 @@ export interface OriginOption<Values = OptionValues> extends OptionFacts<Values>
   readonly kind: 'origin';
 }
 
+/** What people choose one option of an effect by. */
 export type EffectOption<Values = OptionValues> =
   | NumberOption<Values>
   | ColorOption<Values>

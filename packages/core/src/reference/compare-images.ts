@@ -10,6 +10,7 @@ export interface ImageDifference {
   readonly ssim: number;
 }
 
+/** Options of `compareImages`. */
 export interface CompareOptions {
   readonly widthPx: number;
   readonly heightPx: number;

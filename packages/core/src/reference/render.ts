@@ -22,6 +22,7 @@ import { splatColor } from './project.ts';
 import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 import { upscale } from './upscale.ts';
 
+/** What `renderReference` draws. */
 export interface ReferenceFrame {
   readonly clouds: readonly {
     readonly set: SplatSet<Harmonics>;

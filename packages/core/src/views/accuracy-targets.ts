@@ -11,6 +11,7 @@ import type { TargetOptions } from '../measure/measure-target.ts';
 /** A scene counts as still loading until nothing has changed for this long. */
 const SETTLED_AFTER_MS = 500;
 
+/** Options of `view.chooseAccuracy`. */
 export interface ChooseAccuracyOptions {
   /** Cancels the measurement: the settings stay. */
   readonly signal?: AbortSignal;

@@ -8,6 +8,7 @@ import type { GridPlan } from './collider-grid.ts';
 import type { ColliderPlan } from './collider-plan.ts';
 import type { Triangles } from './collider-surface.ts';
 
+/** How fine a collider is, and of which splats. */
 export interface ColliderMeshOptions {
   /**
    * Length of a cell's edge in the cloud's own space; default a ninety-sixth of the longest side of `bounds`. Half of it, an eighth

@@ -60,6 +60,7 @@ export interface PossibleAccuracy {
   readonly notices: readonly string[];
 }
 
+/** Name of a preset, from the most exact to the fastest; `paper` is the precision of the paper. */
 export type AccuracyPreset = 'reference' | 'high' | 'balanced' | 'fast' | 'paper';
 
 /** One setting: its values and their origin, the stage that it acts on, and the cost of changing it. */
@@ -251,6 +252,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   },
 };
 
+/** The preset of an engine that is asked for none. */
 export const DEFAULT_ACCURACY: AccuracyPreset = 'balanced';
 
 /** A preset, or settings that differ from one (from `balanced` if none is named). */

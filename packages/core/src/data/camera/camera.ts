@@ -23,6 +23,7 @@ export interface Camera {
   readonly far: number;
 }
 
+/** Where a camera stands and looks, in world units, and how much of depth it shows. */
 export interface LookAtOptions {
   readonly position: Vec3;
   readonly target: Vec3;

@@ -1,6 +1,7 @@
 /** A 4×4 matrix of float64, column-major: element (row r, column c) is at 4c + r. */
 export type Mat4 = Float64Array;
 
+/** x, y and z. */
 export type Vec3 = readonly [number, number, number];
 
 export function identity4(): Mat4 {

@@ -37,6 +37,7 @@ export interface PackedCloud {
   readonly facts: CloudFacts;
 }
 
+/** Precisions in which `packCloud` packs. */
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
   /**

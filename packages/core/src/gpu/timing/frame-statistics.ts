@@ -12,6 +12,7 @@ export const TIMED_PASSES = [
   'upscale',
   'composite',
 ] as const;
+/** Name of a pass of a frame that has timestamps of its own. */
 export type TimedPass = (typeof TIMED_PASSES)[number];
 
 /** Times of one frame, in milliseconds. */

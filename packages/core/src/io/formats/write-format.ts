@@ -3,6 +3,7 @@ import type { Harmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { Turns } from '../../data/turns.ts';
 
+/** How a scene is written: an end, and what is told meanwhile. */
 export interface WriteOptions {
   /** Ends the writing, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;

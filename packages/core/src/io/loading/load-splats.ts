@@ -18,6 +18,7 @@ import { endWorker } from './try-worker.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 import type { WORKERS } from './workers.ts';
 
+/** Options of `loadSplats`. */
 export interface LoadSplatsOptions extends ReadSplatsOptions {
   /** How positions, rotations and scales are stored; default `packed`. */
   readonly geometryPrecision?: GeometryPrecision;

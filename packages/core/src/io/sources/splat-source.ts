@@ -70,6 +70,7 @@ export interface SourceOptions extends ReadLimits {
   readonly request?: RequestOptions;
 }
 
+/** How a source is read: its name, an end, and what is told meanwhile. */
 export interface ReadOptions extends SourceOptions {
   /** Name for messages; by default the file's name or the URL. */
   readonly name?: string;

@@ -12,6 +12,7 @@ interface ClipSide {
   readonly keep?: 'inside' | 'outside';
 }
 
+/** A box, turned about its centre. */
 export interface ClipBox extends ClipSide {
   readonly shape: 'box';
   readonly center: Vec3;
@@ -21,6 +22,7 @@ export interface ClipBox extends ClipSide {
   readonly rotation?: Quaternion;
 }
 
+/** A sphere. */
 export interface ClipSphere extends ClipSide {
   readonly shape: 'sphere';
   readonly center: Vec3;
@@ -28,6 +30,7 @@ export interface ClipSphere extends ClipSide {
   readonly radius: number;
 }
 
+/** A half-space. */
 export interface ClipPlane extends ClipSide {
   readonly shape: 'plane';
   /** Any point of the plane. */
@@ -39,6 +42,7 @@ export interface ClipPlane extends ClipSide {
 /** A volume in world space. */
 export type ClipVolume = ClipBox | ClipSphere | ClipPlane;
 
+/** Options of `clip`. */
 export interface ClipOptions {
   /** One to eight volumes; splats on the kept side of all of them stay. */
   readonly volumes: readonly ClipVolume[];

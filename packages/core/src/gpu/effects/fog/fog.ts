@@ -22,6 +22,7 @@ export interface FogOfDensity extends FogColor {
   readonly density: number;
 }
 
+/** Options of `fog`. */
 export type FogOptions = FogBetween | FogOfDensity;
 
 /**

@@ -4,6 +4,7 @@ import { defineEffect } from '../effect.ts';
 import { checkOptions, checkRange, checkVector, invalidOption } from '../option-checks.ts';
 import wgsl from './highlight.wgsl?raw';
 
+/** Options of `highlight`. */
 export interface HighlightOptions {
   /** The selection to show; kept by reference, changes show in the next frame. */
   readonly selection: SplatSelection;

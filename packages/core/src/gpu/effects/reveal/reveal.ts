@@ -3,6 +3,7 @@ import { defineEffect } from '../effect.ts';
 import { checkLength, checkOptions, checkVector, invalidOption } from '../option-checks.ts';
 import wgsl from './reveal.wgsl?raw';
 
+/** Options of `reveal`. */
 export interface RevealOptions {
   /** Where the cloud appears from: a point in world space, or the camera's position. */
   readonly from: Vec3 | 'camera';
