@@ -3,6 +3,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { frameStages } from '../frame/frame.ts';
 import { failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
@@ -86,8 +87,9 @@ describe('measureFrames', () => {
         if (bytesPerSecond !== null) expect(bytesPerSecond).toBeCloseTo(moved / (timeMs.median / 1000), -3);
       }
       const project = passes!.find(({ stage }) => stage === 'project')!;
-      // By splat: its number, 32 bytes of geometry, 2 + 24 of harmonics in 7 words; a record of 32 and a key.
-      expect(project.bytes!.read).toBe(visibleSplats.median * (4 + 32 + 28));
+      // By splat: its number, 32 bytes of geometry, 2 + 24 of harmonics in 7 words; a record of 32 and a key. By chunk: 8 bytes.
+      const chunkBytes = 8 * Math.ceil(900 / CHUNK_SPLATS);
+      expect(project.bytes!.read).toBe(visibleSplats.median * (4 + 32 + 28) + chunkBytes);
       expect(project.bytes!.written).toBe(visibleSplats.median * (32 + 4));
       const last = passes!.findLast(({ stage }) => stage.endsWith('rasterize'))!;
       expect(last.part).toBe('rasterize');

@@ -9,9 +9,6 @@ const FRAMES = process.env.WEBSPLATTER_FULL === '1' ? 2000 : 150;
 /** Another one soaks otherwise: WEBSPLATTER_SEED=7. */
 const seed = Number(process.env.WEBSPLATTER_SEED ?? 1);
 
-/** A seed, and the frame before which it loses its device for the first time. */
-const LOSS = { seed: 36, frame: 2 };
-
 /** Adapters whose devices are put on a list. */
 function keeping(devices: GPUDevice[]): Pick<GPU, 'requestAdapter'> {
   return {
@@ -60,11 +57,10 @@ describe('a soak', () => {
   gpuTest('notices that there is no device after a loss', async () => {
     let adapters = 1;
     const scarce = { requestAdapter: async () => (adapters-- > 0 ? gpu.requestAdapter() : null) };
-    const { failures } = await soak({ gpu: scarce, seed: LOSS.seed, frames: LOSS.frame });
+    // Ends at the first loss, of which there is one in 50 frames or so.
+    const { failures } = await soak({ gpu: scarce, seed: 3, frames: 1000 });
     expect(failures).toEqual([
-      expect.stringMatching(
-        `^seed ${LOSS.seed}, frame ${LOSS.frame} \\(lose the device\\): WebGpuUnavailableError: `,
-      ),
+      expect.stringMatching(/^seed 3, frame \d+ \(lose the device\): WebGpuUnavailableError: /),
     ]);
   });
 
