@@ -84,6 +84,8 @@ export const PACKAGES: Arrows = {
 /** Files that reach into another package by path, and why. All others import what a package exports. */
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
+  'apps/lab/src/benchmark/request.ts': 'reads addresses as the viewer does; apps export nothing',
+  'apps/lab/src/benchmark/scene.ts': 'looks at scenes as the viewer does; apps export nothing',
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
   'packages/cli/bin/websplatter.js': 'builds itself where a clone has no build yet',

@@ -1,11 +1,11 @@
 import {
-  type Accuracy,
   type AccuracySettings,
   DEFAULT_ACCURACY,
   InvalidArgumentError,
   isAccuracyTarget,
   resolveAccuracy,
 } from '@websplatter/core';
+import { splitAccuracy } from '../../../viewer/src/formatting/accuracy-address.ts';
 
 /** What the address asks the benchmark to do: the same on every device, whatever its window. */
 export interface BenchmarkRequest {
@@ -54,19 +54,13 @@ export function benchmarkRequest(query: URLSearchParams): BenchmarkRequest {
 
 /** Reads `fast,sortKeyBits:32`: a preset, or none, and changes of it. */
 function readAccuracy(text: string): AccuracySettings {
-  const parts = text.split(',').map((part) => part.trim());
-  const preset = parts[0].includes(':') ? DEFAULT_ACCURACY : parts.shift();
-  const changes = parts.map((part) => {
-    const [name, value = ''] = part.split(':');
-    return [name, value !== '' && Number.isFinite(Number(value)) ? Number(value) : value];
-  });
-  const asked = Object.fromEntries(changes);
+  const { preset, asked } = splitAccuracy(text);
   if (isAccuracyTarget(asked)) {
     const message = `accuracy is ${text}; a benchmark needs settings that are the same on every device, such as accuracy=balanced.`;
     throw new InvalidArgumentError('accuracy', message);
   }
   // Names and values may be wrong: resolveAccuracy checks them.
-  return resolveAccuracy({ ...asked, preset } as Accuracy);
+  return resolveAccuracy({ ...asked, preset });
 }
 
 function readSize(text: string): Pick<BenchmarkRequest, 'widthPx' | 'heightPx'> {

@@ -10,6 +10,8 @@ import {
 } from '@websplatter/core';
 import { chooseCases } from '@websplatter/hardcases';
 import { builtinScenes, type SceneCamera } from '@websplatter/scenes';
+import { verticalFov } from '../../../viewer/src/camera/framing.ts';
+import { isProbablyZUp } from '../../../viewer/src/camera/up-axis.ts';
 import { VIEWER } from '../page.tsx';
 
 /** A scene on the GPU. */
@@ -90,11 +92,6 @@ const FOV_DEGREES = 50;
 const DIRECTION: Vec3 = [0.325, 0.315, 0.891];
 /** As a part of the scene's radius. */
 const NEAR = 0.005;
-/** A scene whose height is below this part of both its width and its length is a piece of ground. */
-const GROUND_FLATNESS = 0.25;
-/** Ground is at most so many times as long as it is wide; what is longer may be a wall. */
-const GROUND_LENGTH = 3;
-
 /** A camera that sees all of a cloud that came without any. */
 export function cameraAround(
   { bounds, robustBounds, facts }: Pick<SplatCloud, 'bounds' | 'robustBounds' | 'facts'>,
@@ -106,9 +103,7 @@ export function cameraAround(
   const radius = Math.hypot(...sizes) / 2;
   const isGltf = facts.fileFacts?.format === 'gltf';
   // Captures mostly have y pointing down, and surveys of ground z up.
-  const [narrower, wider] = sizes.slice(0, 2).sort((a, b) => a - b);
-  const isGround = sizes[2] < GROUND_FLATNESS * narrower && wider < GROUND_LENGTH * narrower;
-  const isZUp = !isGltf && isGround && sizes[2] > 0;
+  const isZUp = !isGltf && isProbablyZUp(robustBounds);
   const [x, y, z] = DIRECTION;
   const direction = isZUp ? [z, x, y] : isGltf ? DIRECTION : [-x, -y, z];
   const up: Vec3 = isZUp ? [0, 0, 1] : [0, isGltf ? 1 : -1, 0];
@@ -127,12 +122,6 @@ export function cameraAround(
     near: NEAR * radius,
     far: Math.hypot(...farthest),
   });
-}
-
-/** Of an image that shows `fovDegrees` over its shorter side: an upright phone then shows as much as a wide window. */
-function verticalFov(fovDegrees: number, aspect: number): number {
-  const halfTangent = Math.tan((fovDegrees * Math.PI) / 360) / Math.min(1, aspect);
-  return (Math.atan(halfTangent) * 360) / Math.PI;
 }
 
 function vec3([x, y, z]: readonly number[]): Vec3 {

@@ -31,14 +31,7 @@ export function encodeAccuracy(
  */
 export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyTarget {
   if (text === null) return resolveAccuracy();
-  const parts = text.split(',').map((part) => part.trim());
-  // A first part with a colon is a change already: `sortKeyBits:16` alone is a change of the default.
-  const preset = parts[0].includes(':') ? DEFAULT_ACCURACY : parts.shift();
-  const changes = parts.map((part) => {
-    const [name, value = ''] = part.split(':');
-    return [name, value !== '' && Number.isFinite(Number(value)) ? Number(value) : value];
-  });
-  const asked = Object.fromEntries(changes);
+  const { preset, asked } = splitAccuracy(text);
   if (!text.includes(',') && isAccuracyTarget(asked)) {
     // Text that is no finite number stays text, whatever it compares as.
     const [amount] = Object.values<unknown>(asked);
@@ -47,5 +40,20 @@ export function decodeAccuracy(text: string | null): AccuracySettings | Accuracy
     throw new InvalidArgumentError('accuracy', message);
   }
   // Names and values may be wrong: resolveAccuracy checks them.
-  return resolveAccuracy({ ...asked, preset: preset as AccuracyPreset });
+  return resolveAccuracy({ ...asked, preset });
+}
+
+/** The preset and the changes of `fast,sortKeyBits:32`. Names and values may be wrong. */
+export function splitAccuracy(text: string): {
+  readonly preset: AccuracyPreset;
+  readonly asked: Readonly<Record<string, unknown>>;
+} {
+  const parts = text.split(',').map((part) => part.trim());
+  // A first part with a colon is a change already: `sortKeyBits:16` alone is a change of the default.
+  const preset = parts[0].includes(':') ? DEFAULT_ACCURACY : (parts.shift() as AccuracyPreset);
+  const changes = parts.map((part) => {
+    const [name, value = ''] = part.split(':');
+    return [name, value !== '' && Number.isFinite(Number(value)) ? Number(value) : value];
+  });
+  return { preset, asked: Object.fromEntries(changes) };
 }

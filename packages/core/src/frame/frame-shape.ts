@@ -91,7 +91,6 @@ export function isSameShape(a: FrameShape, b: FrameShape): boolean {
     a.dispatchRow === b.dispatchRow &&
     a.workgroupBytes === b.workgroupBytes &&
     a.hasNarrowSubgroups === b.hasNarrowSubgroups &&
-    a.ballots === b.ballots &&
     a.output === b.output &&
     a.rasterizer === b.rasterizer &&
     a.binCount === b.binCount &&
