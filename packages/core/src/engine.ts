@@ -83,9 +83,9 @@ export interface EngineOptions extends DeviceOptions {
    * would exceed them is refused with a GpuLimitError before it is allocated.
    */
   readonly memoryBudgetBytes?: number;
-  /** @internal Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
+  /** Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
   readonly ingestMinRows?: number;
-  /** @internal For tests only: see ShaderMutation. */
+  /** A fault in one shader, for tests that must fail with it; see `ShaderMutation` of `@websplatter/core/inspect`. */
   readonly mutation?: ShaderMutation;
 }
 

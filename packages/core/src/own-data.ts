@@ -2,7 +2,7 @@
  * Splats of your own, and edits of any splats (`@websplatter/core/own-data`), apart from the engine: who only shows files does not
  * download it.
  */
-export { followEdits } from './clouds/cloud-editor.ts';
+export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 export { packSet } from './data/packing/pack-set.ts';
 export { colorDcOf } from './data/splats/color-values.ts';
@@ -10,6 +10,7 @@ export {
   EDITED,
   type EditedRows,
   type EditedValues,
+  type EditsFollower,
   type RowRange,
   SplatEdits,
 } from './data/splats/splat-edits.ts';

@@ -27,6 +27,8 @@ export interface DataEdits {
    * @param packed the splats as they were uploaded; the cloud follows at once then.
    */
   follow(cloud: SplatCloud, packed?: PackedCloud): Promise<void>;
+  /** Uploads the edits that `cloud` follows now instead of before its next frame. */
+  flush(cloud: SplatCloud): void;
   /** Sets `center`, of the splat of a row, to where edits have moved it, if they have. */
   move(row: number, center: Vector3): void;
 }

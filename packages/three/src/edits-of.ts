@@ -5,7 +5,7 @@ import {
   type SplatSet,
   SplatSourceError,
 } from '@websplatter/core';
-import { EDITED, followEdits, SplatEdits } from '@websplatter/core/own-data';
+import { EDITED, flushEdits, followEdits, SplatEdits } from '@websplatter/core/own-data';
 import type { Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -58,6 +58,10 @@ class EditedData implements DataEdits {
     if (this.edits.version > 0) this.#announce();
   }
 
+  flush(cloud: SplatCloud): void {
+    flushEdits(cloud);
+  }
+
   move(row: number, center: Vector3): void {
     if (this.edits.maskOf(row) & EDITED.positions) center.fromArray(this.edits.valuesOf(row, 'positions'));
   }
@@ -85,7 +89,7 @@ class EditedData implements DataEdits {
   }
 
   #bound(cloud: SplatCloud): void {
-    cloud.editing?.flush();
+    flushEdits(cloud);
     const { bounds, robustBounds } = this.#data;
     bounds.min.fromArray(cloud.bounds.min);
     bounds.max.fromArray(cloud.bounds.max);

@@ -32,7 +32,7 @@ export async function rowsIn(
       throw new SplatSourceError(cloud.name, 'it is still loading: its rows are not known yet.');
     users.set(user, null);
     // What was drawn last may lack edits.
-    cloud.editing?.flush();
+    edits?.flush(cloud);
     return rowsOnGpu(cloud, volume);
   }
   if (otherwise === null)

@@ -51,7 +51,7 @@ export class SplatData {
   readonly bounds: Box3;
   /** Bounds without the outermost splats, which enclose the scene itself. */
   readonly robustBounds: Box3;
-  /** @internal Keeps the last upload until `dispose`, because a cache may hand the splats to another user. */
+  /** Whether the last upload stays until `dispose`, because a cache may hand the splats to another user. */
   isCached = false;
   /** @internal What the splats were packed from, for other precisions. */
   set: SplatSet | null = null;

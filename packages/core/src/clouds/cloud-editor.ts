@@ -54,6 +54,14 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
   cloud.editing = new CloudEditor(cloud, edits, geometry);
 }
 
+/**
+ * Uploads the edits that `cloud` follows now instead of before its next frame, which brings its bounds up to date. A cloud that
+ * follows none stays as it is.
+ */
+export function flushEdits(cloud: SplatCloud): void {
+  cloud.editing?.flush();
+}
+
 function checkAlive({ name, isDestroyed }: SplatCloud): void {
   if (isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
 }

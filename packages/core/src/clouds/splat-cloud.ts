@@ -97,7 +97,7 @@ export class SplatCloud {
   readonly planes: CloudPlanes;
   /** @internal */
   readonly leases: CloudLeases;
-  /** @internal Device that holds the cloud. */
+  /** Device that holds the cloud. */
   readonly device: GPUDevice;
   /** Whether this is a part of a cloud that is loading: see `LoadOptions`. */
   readonly isPreview: boolean;

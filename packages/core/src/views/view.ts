@@ -237,7 +237,7 @@ export abstract class View {
     return this.context.memory.report();
   }
 
-  /** @internal Shape of the last frame; null before the first. */
+  /** Shape of the last frame: its clouds, their effects and the passes that drew them; null before the first. */
   get shape(): FrameShape | null {
     return this.parts.shape;
   }

@@ -122,7 +122,7 @@ const WRITERS: Readonly<Record<Column, Writer>> = {
   },
 };
 
-/** @internal Told of each change. */
+/** Is told of each change of `SplatEdits`. */
 export interface EditsFollower {
   /** @param changed bits of `EDITED` that may have changed. */
   rowsChanged(rows: RowRange | Uint32Array, changed: number): void;
@@ -245,19 +245,19 @@ export class SplatEdits {
     return this.#blocks[row >>> BLOCK_BITS];
   }
 
-  /** @internal What has been edited of a row: bits of `EDITED`. */
+  /** The edited columns of a row as bits of `EDITED`; 0 for a row without edits. */
   maskOf(row: number): number {
     return this.blockOf(row)?.masks[placeInBlock(row)] ?? 0;
   }
 
-  /** @internal The edited values of a row, as splats are trained. The mask must have the column's bit. */
+  /** The edited values of a row in one column, as splats are trained; `maskOf(row)` must have the bit of `column`. */
   valuesOf(row: number, column: Column): Float64Array | Float32Array {
     const width = WIDTHS[column];
     const at = width * placeInBlock(row);
     return this.blockOf(row)![column]!.subarray(at, at + width);
   }
 
-  /** @internal Tells `follower` of each change from now on, until the returned function is called. */
+  /** Tells `follower` of each change from now on, until the returned function is called. */
   follow(follower: EditsFollower): () => void {
     this.#followers.add(follower);
     return () => this.#followers.delete(follower);
