@@ -1,5 +1,5 @@
-// `npm run docs:build`: builds the documentation site into apps/docs/dist. `-- --base /some/path/` is the path under which it
-// will be served, `-- --out FOLDER` another folder to build it into.
+// `npm run docs:build`: builds the documentation site into apps/docs/dist. `-- --base /some/path/`
+// is the path under which it will be served, `-- --out FOLDER` another folder to build it into.
 import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';

@@ -5,12 +5,12 @@ import { SIDEBARS } from './build/contents.ts';
 import type { SiteContents } from './build/site-contents.ts';
 import { slug } from './build/slug.ts';
 
-// What the build has found out about the pages that it has made.
+// Contents of the pages that the build has made.
 const { sections } = JSON.parse(
   readFileSync(fileURLToPath(new URL('../.site/contents.json', import.meta.url)), 'utf8'),
 ) as SiteContents;
 
-/** Path under which the site is served, which VitePress adds to links in pages, but not to those in `head`. */
+/** Path that the site is served under; VitePress adds it to links in pages, but not in `head`. */
 const base = process.env.WEBSPLATTER_DOCS_BASE ?? '/';
 
 function sidebarSection(name: string): DefaultTheme.SidebarItem {
@@ -40,7 +40,8 @@ export default defineConfig({
   markdown: {
     anchor: { slugify: slug },
     config({ renderer, utils }) {
-      // Pages become Vue templates, in which double braces are expressions. Blocks of code are left alone already.
+      // Pages become Vue templates, with expressions in double braces. VitePress spares code
+      // blocks.
       for (const rule of ['text', 'code_inline'] as const) {
         const render = renderer.rules[rule] ?? ((tokens, index) => utils.escapeHtml(tokens[index].content));
         renderer.rules[rule] = (...args) => render(...args).replaceAll('{{', '&#123;&#123;');

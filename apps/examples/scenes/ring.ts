@@ -9,7 +9,7 @@ const GOLDEN_RATIO = (1 + Math.sqrt(5)) / 2;
 
 export const ringPly = (): Uint8Array => encodePly(ring());
 
-/** Returns a torus of translucent splats about the z axis, whose colour goes once around the wheel. */
+/** Returns a torus of translucent splats about the z axis, coloured once around the wheel. */
 export function ring(): SplatSet {
   const positions = new Float32Array(3 * COUNT);
   const logScales = new Float32Array(3 * COUNT).fill(Math.log(0.022));

@@ -14,7 +14,7 @@ function builtinFile(name: string): Promise<Uint8Array> {
   return readFile(createRequire(import.meta.url).resolve(`@websplatter/scenes/files/${name}`));
 }
 
-/** Makes it by the packages' sources, which run in the page, too: otherwise these would have to be built. */
+/** Makes it by the packages' sources, as the page does: the packages need not be built. */
 async function madeRing(): Promise<Uint8Array> {
   const path = fileURLToPath(new URL('./ring.ts', import.meta.url));
   const resolve = { conditions: ['@websplatter/source'], noExternal: [/^@websplatter\//] };

@@ -32,7 +32,10 @@ describe.runIf(isInstalled || process.env.WEBSPLATTER_FULL === '1')(
       world.createCollider(RAPIER.ColliderDesc.trimesh(positions, indices));
     });
 
-    /** Drops a ball, by steps between which it cannot pass the hollow mesh, and returns where it is after some seconds, and how fast. */
+    /**
+     * Drops a ball, in steps too short to pass the hollow mesh; returns its place and speed after
+     * some seconds.
+     */
     function dropped(x: number, y: number, z: number) {
       const description = RAPIER.RigidBodyDesc.dynamic()
         .setTranslation(x, y, z)

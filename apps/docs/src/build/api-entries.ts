@@ -1,14 +1,14 @@
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-/** Packages in the order of the sidebar. What one exports again is documented with the first that exports it. */
+/** Packages in the order of the sidebar. The first that exports a name documents it. */
 const API_PACKAGES = ['core', 'three', 'react', 'scenes'] as const;
 
 /** Entry points without an interface: scripts to be served. */
 const SCRIPTS = new Set(['core/load-worker']);
 
 export interface ApiEntry {
-  /** What follows `@websplatter/` where it is imported, e.g. `core/effects`. */
+  /** Name after `@websplatter/` in an import, e.g. `core/effects`. */
   readonly name: string;
   /** Its source, from the root of the repository. */
   readonly source: string;

@@ -23,7 +23,7 @@ export async function writeApi(root: string, folder: string): Promise<void> {
     excludeExternals: true,
     excludePrivate: true,
     excludeInternal: true,
-    // What a signature mentions and no entry point exports is named without a link.
+    // Names in signatures that no entry point exports stay without a link.
     validation: { notExported: false, invalidLink: false, rewrittenLink: false },
     logLevel: 'Error',
     outputs: [{ name: 'markdown', path: folder }],
@@ -54,7 +54,7 @@ export async function writeApi(root: string, folder: string): Promise<void> {
   if (app.logger.hasErrors()) throw new DocsError('TypeDoc has reported errors.');
 }
 
-/** Gives modules the names by which they are imported; TypeDoc takes them from the paths of their sources. */
+/** Renames modules to their import names; TypeDoc names them by the paths of their sources. */
 function nameEntries(project: ProjectReflection, entries: readonly ApiEntry[]): void {
   const modules = project.children ?? [];
   if (modules.length !== entries.length)

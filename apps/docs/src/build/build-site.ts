@@ -27,7 +27,8 @@ export interface BuildSiteOptions {
 /**
  * Builds the documentation site: files for any web server.
  *
- * @throws DocsError for links, includes and anchors that lead nowhere; what VitePress, TypeDoc and Vite throw
+ * @throws DocsError for links, includes and anchors that lead nowhere; errors of VitePress, TypeDoc
+ * and Vite
  */
 export async function buildSite({
   base = '/',
@@ -76,7 +77,8 @@ function assembleSite(): void {
 }
 
 /**
- * All pages but those of the API, as they stand in the repository now. Quick, and finds links, includes and anchors that lead nowhere.
+ * All pages but those of the API, from the repository as it stands. Quick, and finds dead links,
+ * includes and anchors.
  *
  * @throws DocsError that names them
  */
@@ -108,7 +110,7 @@ function write(path: string, text: string): void {
   writeFileSync(file, text);
 }
 
-/** What a module imports of drei by name. */
+/** Names that modules import from drei. */
 function dreiNamesOf(files: Readonly<Record<string, string>>): string[] {
   return Object.values(files).flatMap((text) =>
     [...text.matchAll(/import \{([^}]*)\} from '@react-three\/drei'/g)].flatMap(([, names]) =>

@@ -19,7 +19,7 @@ export function linkProblems(files: BuiltFiles, base: string): string[] {
   };
   return [...files].flatMap(([path, html]) => {
     if (html === null) return [];
-    // What a page can only say at its own address is relative to that: 404.html is shown at any.
+    // A relative target is right at the page's own address only; 404.html is shown at any.
     const targets = new Set(attributes(html, /\s(?:href|src)="([^"]*)"/g));
     return [...targets].flatMap((target) => {
       if (/^(?:https?|mailto|data|blob):/.test(target)) return [];

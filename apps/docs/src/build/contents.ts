@@ -1,6 +1,6 @@
-// What the site consists of, and in which order: the sidebar, and which documents of the repository are pages.
+// Contents of the site, in order: the sidebar, and the documents of the repository that are pages.
 
-/** Documents of the repository that are pages as a whole, by path in the repository; a link to one leads to its page. */
+/** Documents of the repository that are pages as a whole, by path; links to them lead there. */
 export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'README.md': 'project/overview.md',
   'ARCHITECTURE.md': 'project/architecture.md',
@@ -36,7 +36,7 @@ export interface Section {
   readonly pages: readonly { readonly text: string; readonly page: string }[];
 }
 
-/** What sidebars list, but for examples and API, whose pages follow from the examples and the exports. */
+/** Contents of the sidebars, without examples and API, which follow from examples and exports. */
 export const SECTIONS: readonly Section[] = [
   {
     text: 'Guide',
@@ -109,7 +109,7 @@ export const SECTIONS: readonly Section[] = [
   },
 ];
 
-/** Sections of the sidebar, by the folder of the page beside it. Groups that fold would be buttons within buttons. */
+/** Sections of the sidebar by the folder of a page. Foldable groups would nest buttons. */
 export const SIDEBARS: Readonly<Record<string, readonly string[]>> = {
   '/guide/': ['Guide', 'Recipes', 'Packages'],
   '/recipes/': ['Guide', 'Recipes', 'Packages'],

@@ -65,7 +65,7 @@ export function packagesOf(files: SourceFiles): string[] {
   );
 }
 
-/** The page of an example: its sources as text, which scripts turn into an editor beside a running picture. */
+/** The page of an example: its sources as text, which scripts turn into an editor and a picture. */
 export function examplePage({ name, title, about, files }: EditableExample): string {
   const sources = Object.entries(files).map(
     ([path, text]) => `\`\`\`${posix.extname(path).slice(1)}\n${text.trimEnd()}\n\`\`\``,

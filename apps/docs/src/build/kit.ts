@@ -6,7 +6,7 @@ import { sceneFiles } from '../../../examples/scenes/scene-files.ts';
 import { type KitManifest, MEASURE_ENTRY, MOUNT_ENTRY } from '../playground/kit-manifest.ts';
 import { DocsError } from './markdown.ts';
 
-/** What readers may import besides what the examples do. */
+/** Packages that readers may import besides those of the examples. */
 const ALWAYS = [
   'react',
   'react/jsx-runtime',
@@ -32,8 +32,8 @@ const ALWAYS = [
 const COMMONJS = new Set(['react', 'react/jsx-runtime', 'react-dom', 'react-dom/client']);
 
 /**
- * Of drei, what draws or measures nothing by WebGL: the whole of it is several times as much as everything else here. What the
- * examples import is added.
+ * The parts of drei that draw and measure nothing by WebGL, besides those that the examples import:
+ * the whole of drei is several times as large as everything else here.
  */
 const DREI = [
   'Billboard',
@@ -58,11 +58,12 @@ const DREI = [
 const ENTRY = 'websplatter-kit:';
 
 /**
- * Builds the packages, and what they need, into files that examples import: `kit.json` says which. All lie in one folder.
+ * Builds the packages and their dependencies into files of one folder, for examples to import:
+ * `kit.json` lists them.
  *
  * @param docs folder of apps/docs
  * @param packages entry points that the examples import
- * @param dreiNames what the examples import of drei
+ * @param dreiNames names that the examples import from drei
  * @throws DocsError if something cannot be bundled
  */
 export async function buildKit(
@@ -115,7 +116,8 @@ function common(docs: string, outDir: string): InlineConfig & { build: object } 
     logLevel: 'error',
     publicDir: false,
     define: { 'process.env.NODE_ENV': '"production"' },
-    // As for a server, so that Vite leaves workers and dynamic imports alone; but for browsers, and with everything in it.
+    // Vite builds for a server, to leave workers and dynamic imports alone; but for browsers, and
+    // with everything bundled.
     ssr: { target: 'webworker', noExternal: true },
     resolve: { conditions: ['module', 'browser', 'production'] },
     build: { ssr: true, target: 'es2022', minify: true, outDir, emptyOutDir: false, copyPublicDir: false },

@@ -1,7 +1,7 @@
 import { posix } from 'node:path';
 import { slug } from './slug.ts';
 
-// Markdown as the pages and the repository's documents use it: ATX headings, fenced code, inline links.
+// Markdown of the pages and the repository's documents: ATX headings, fenced code, inline links.
 
 /** Says which text of the documentation cannot be used, and why. */
 export class DocsError extends Error {
@@ -53,10 +53,10 @@ export function headingsOf(text: string): Heading[] {
 }
 
 /**
- * What stands under a heading, without the heading itself.
+ * Returns the text under a heading, without the heading itself.
  *
  * @param heading its text without markup
- * @param underLevel level of the heading that the section will stand under: its own headings begin one below that
+ * @param underLevel level of the heading above the result, whose own headings begin one level below
  * @throws DocsError if there is no such heading
  */
 export function sectionOf(path: string, text: string, heading: string, underLevel: number): string {
@@ -78,7 +78,7 @@ export function sectionOf(path: string, text: string, heading: string, underLeve
   );
 }
 
-/** Replaces the targets of links and images by what `map` returns; null leaves only a link's text. */
+/** Replaces the targets of links and images by results of `map`; null leaves only a link's text. */
 export function mapLinks(text: string, map: (target: string, isImage: boolean) => string | null): string {
   // A link's text may be an image or code, and code may hold brackets.
   const link = /(`+)[^`]*\1|(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^()\s]+)\)/g;
@@ -91,7 +91,7 @@ export function mapLinks(text: string, map: (target: string, isImage: boolean) =
   return mapLines(text, mapped);
 }
 
-/** A link's path from the root of its folder tree, and its anchor without #; null for links that lead elsewhere. */
+/** A link's path from the root of its tree, and its anchor without #; null for external links. */
 export function resolveLink(from: string, target: string): { path: string; anchor: string } | null {
   if (/^[a-z][a-z\d+.-]*:|^\/\//i.test(target)) return null;
   const [path, anchor = ''] = target.split('#');

@@ -9,15 +9,17 @@ export type ReadRepository = (path: string) => string;
 export interface Assembled {
   /** Markdown by path in the site. */
   readonly pages: ReadonlyMap<string, string>;
-  /** Images of the repository that pages show, by path in the repository; the site has them under `images/`. */
+  /** Images of the repository that pages show, by path; the site has them under `images/`. */
   readonly images: ReadonlySet<string>;
 }
 
 /**
- * Pages of their own, with what they include of the repository's documents, and the documents that are pages as a whole. All
- * links lead to pages of the site; those to other files of the repository, which the site does not have, become plain text.
+ * Assembles the site's own pages, with the parts of the repository's documents that they include,
+ * and the documents that are pages as a whole. Links lead to pages of the site; links to other
+ * files of the repository become plain text.
  *
- * `<!-- include PATH#Heading -->` in a line of its own is replaced by what stands under that heading of the document.
+ * `<!-- include PATH#Heading -->` in a line of its own is replaced by the text under that heading
+ * of the document.
  *
  * @param own markdown of the site's own pages, by path in the site
  * @param generated whether the site has a page at that path which is made later, e.g. of the API
@@ -33,7 +35,7 @@ export function assemblePages(
   const pages = new Map<string, string>();
 
   const anchorsOf = (text: string) => new Set(headingsOf(text).map(({ slug }) => slug));
-  /** What the text of a document of the repository looks like on `page`. */
+  /** Text of a document of the repository, with links and images as `page` needs them. */
   const fromRepository = (text: string, path: string, page: string) =>
     mapLinks(text, (target, isImage) => {
       const link = resolveLink(path, target);

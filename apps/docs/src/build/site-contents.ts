@@ -2,7 +2,7 @@ import type { ApiEntry } from './api-entries.ts';
 import { SECTIONS, type Section } from './contents.ts';
 import type { EditableExample } from './examples.ts';
 
-/** What the site's configuration has to know of the pages that the build makes. */
+/** Data of the pages that the site's configuration needs. */
 export interface SiteContents {
   readonly sections: readonly Section[];
 }

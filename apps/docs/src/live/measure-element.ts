@@ -11,7 +11,7 @@ type MeasureModule = Record<
   (options: MeasureHereOptions) => Promise<Measured>
 >;
 
-/** `<ws-measure kind="accuracy|performance">`: a button that measures on this device, and what it found. */
+/** `<ws-measure kind="accuracy|performance">`: a button that measures this device, and results. */
 export function defineMeasure(kitUrl: URL): void {
   if (customElements.get('ws-measure')) return;
   const kit = new KitFiles(kitUrl);

@@ -30,7 +30,7 @@ const SWEEP_DEGREES = 60;
 /**
  * Error and time of each preset, for the built-in scene from its front.
  *
- * @throws WebGpuUnavailableError; what measuring throws; the signal's reason
+ * @throws WebGpuUnavailableError; errors of the measurement; the signal's reason
  */
 export function measureAccuracyHere(options: MeasureHereOptions): Promise<Measured> {
   return withScene(async ({ engine, clouds, camera, widthPx, heightPx, kind }) =>
@@ -54,7 +54,7 @@ export function measureAccuracyHere(options: MeasureHereOptions): Promise<Measur
 /**
  * Time of each stage, over frames of a camera that goes around the built-in scene.
  *
- * @throws WebGpuUnavailableError; what measuring throws; the signal's reason
+ * @throws WebGpuUnavailableError; errors of the measurement; the signal's reason
  */
 export function measurePerformanceHere(options: MeasureHereOptions): Promise<Measured> {
   return withScene(async ({ engine, clouds, camera, widthPx, heightPx, kind }) => {

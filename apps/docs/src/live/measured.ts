@@ -1,6 +1,6 @@
 /** A measurement as the page shows it: all in words. */
 export interface Measured {
-  /** What was measured, where and how: the adapter first. */
+  /** Subject, place and method of the measurement: the adapter first. */
   readonly facts: readonly string[];
   /** Titles of the columns; the first names the rows. */
   readonly columns: readonly string[];

@@ -28,15 +28,17 @@ export class CompileError extends Error {
 }
 
 /**
- * The specifier of a file, and its name in stack traces. Relative paths would mean nothing: the modules come from memory.
+ * The specifier of a file, and its name in stack traces; modules from memory have no relative
+ * paths.
  */
 const specifierOf = (path: string): string => `app:/${path}`;
 
 /**
- * Turns TypeScript and JSX into modules for a browser. Lines stay where they are. An import with `?raw` gives the file's text.
+ * Turns TypeScript and JSX into modules for a browser; lines stay where they are. An import with
+ * `?raw` gives the file's text.
  *
  * @param available packages' entry points that can be imported
- * @throws CompileError for text that does not parse, and for imports of what is not there
+ * @throws CompileError for text that does not parse, and for imports that are not available
  */
 export function compile(files: SourceFiles, available: ReadonlySet<string>): CompiledModules {
   const modules: Record<string, string> = {};

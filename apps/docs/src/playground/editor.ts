@@ -48,7 +48,7 @@ export class SourceEditor {
   readonly #extensionsOf: (path: string) => Extension;
   #path: string;
 
-  /** `run` is called for Ctrl+Enter, and ⌘ Enter; Tab leaves the editor, as everywhere on a page. */
+  /** `run` is called for Ctrl+Enter and ⌘ Enter; Tab leaves the editor, as everywhere on a page. */
   constructor(parent: HTMLElement, path: string, text: string, run: () => void) {
     const runs = () => {
       run();
@@ -70,7 +70,7 @@ export class SourceEditor {
         ...defaultKeymap,
         ...historyKeymap,
       ]),
-      // What scrolls must hold something that the keyboard reaches by Tab.
+      // An area that scrolls must hold something that the keyboard reaches by Tab.
       EditorView.contentAttributes.of({ 'aria-label': `Source of ${each}`, tabindex: '0' }),
     ];
     this.#path = path;

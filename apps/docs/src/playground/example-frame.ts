@@ -3,10 +3,10 @@ import type { KitFiles } from './kit-files.ts';
 import { MOUNT_ENTRY } from './kit-manifest.ts';
 import type { RunMessage, RunReport } from './run-messages.ts';
 
-/** What an example reports while it runs. */
+/** Receives the reports of a running example. */
 export type OnReport = (report: RunReport) => void;
 
-/** A frame that runs examples, each in a page of its own, which can reach neither this page nor its server. */
+/** A frame that runs each example in its own page, which reaches neither this nor its server. */
 export class ExampleFrame {
   readonly #kit: KitFiles;
   readonly #title: string;

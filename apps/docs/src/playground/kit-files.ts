@@ -30,7 +30,7 @@ export class KitFiles {
     return kept(this.#scenes, name, () => this.#read(name).then((response) => response.arrayBuffer()));
   }
 
-  /** The texts of all files that `packages` may import, at once or later, which name one another by `kitSpecifier`. */
+  /** Texts of all files that `packages` may import, which name one another by `kitSpecifier`. */
   async modules(packages: readonly string[]): Promise<Record<string, string>> {
     const { entries, imports } = await this.manifest();
     const files = reachable(
@@ -49,7 +49,7 @@ export class KitFiles {
   }
 }
 
-/** What was begun for `key` before, unless it has failed. */
+/** Returns the promise of an earlier call for `key`, unless it has failed. */
 function kept<Value>(
   map: Map<string, Promise<Value>>,
   key: string,

@@ -1,4 +1,4 @@
-/** What the build tells of the packages' built files, which examples run with; it is `kit/kit.json` of the site. */
+/** Built files of the packages that examples run with; written to `kit/kit.json` of the site. */
 export interface KitManifest {
   /** File by the specifier under which it is imported, e.g. `three/webgpu`. */
   readonly entries: Readonly<Record<string, string>>;
@@ -8,7 +8,7 @@ export interface KitManifest {
   readonly scenes: readonly string[];
 }
 
-/** The specifier by which files of the kit import one another: relative paths would mean nothing to modules from memory. */
+/** Specifier between files of the kit: modules from memory have no relative paths. */
 export const kitSpecifier = (file: string): string => `kit:${file}`;
 
 /** Entry of the kit that shows a component on the page. */

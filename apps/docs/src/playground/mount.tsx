@@ -1,10 +1,10 @@
-// Part of the kit: what the page of an example needs of the packages themselves.
+// Part of the kit: the code of the packages themselves that the page of an example needs.
 import { setWorkerUrl } from '@websplatter/core';
 import { SplatsFallback } from '@websplatter/react';
 import { type ComponentType, StrictMode, Suspense } from 'react';
 import { createRoot } from 'react-dom/client';
 
-/** Reads files in the worker at `url`: the package's own are not beside modules that come from memory. */
+/** Reads files in the worker at `url`: the package's own is not beside modules from memory. */
 export function hostWorker(url: string): void {
   setWorkerUrl(url);
 }

@@ -1,4 +1,4 @@
-/** What the page of an example is asked to run. Everything is handed to it: its origin is none, so it can fetch nothing here. */
+/** Request to run an example. It carries everything: a page of opaque origin fetches nothing. */
 export interface RunMessage {
   readonly kind: 'run';
   /** Texts of the kit's files that the example may need, by name. */
@@ -13,7 +13,7 @@ export interface RunMessage {
   readonly scenes: Readonly<Record<string, ArrayBuffer>>;
 }
 
-/** What the page of an example tells. */
+/** Report of the page of an example. */
 export type RunReport =
   | { readonly kind: 'ready' }
   /** The modules have run, and a component, if there is one, is on the page. */

@@ -1,5 +1,5 @@
-// The script of the page that an example runs in: a frame with an origin of its own, which reaches nothing of the site. All
-// modules and files come in one message; they are imported from memory.
+// The script of the page that an example runs in: a frame with an origin of its own, which reaches
+// nothing of the site. All modules and files come in one message; they are imported from memory.
 import { kitSpecifier, MOUNT_ENTRY } from './kit-manifest.ts';
 import type { RunMessage, RunReport } from './run-messages.ts';
 
@@ -46,19 +46,22 @@ function blobUrl(content: string | ArrayBuffer, type = 'application/octet-stream
 }
 
 /**
- * Answers requests for the addresses of `urls` with what lies at the others, which are in memory. It runs in the worker too, as text:
- * it may use nothing from outside.
+ * Answers requests for the addresses of `urls` with what lies at the others, which are in memory.
+ * It runs in the worker too, as text: it may use nothing from outside.
  */
 function readFromMemory(urls: Readonly<Record<string, string>>): void {
   const { fetch } = globalThis;
   globalThis.fetch = async (input, options) => {
-    // The page's own address, about:srcdoc, and the worker's are nothing that others are relative to.
+    // Nothing is relative to the page's own address, about:srcdoc, nor to the worker's.
     const address = input instanceof Request ? input.url : new URL(input, globalThis.document?.baseURI).href;
     return fetch(Object.hasOwn(urls, address) ? urls[address] : input, options);
   };
 }
 
-/** Chromium starts no module workers from memory where a page's origin is none; the kit's workers are scripts without imports. */
+/**
+ * Chromium starts no module workers from memory in a page of opaque origin; the kit's workers are
+ * scripts without imports.
+ */
 function allowWorkersFromMemory(): void {
   const { Worker } = globalThis;
   globalThis.Worker = class extends Worker {

@@ -4,7 +4,7 @@ import { defineComponent, h, onMounted, watch } from 'vue';
 import './theme.css';
 import './playground.css';
 
-/** The theme gives a landmark to documents, but not to the first page and the one for pages that do not exist. */
+/** The theme gives a landmark to documents, but not to the first page and that for missing ones. */
 function markMain(): void {
   const content = document.getElementById('VPContent');
   if (content?.querySelector('main')) content.removeAttribute('role');

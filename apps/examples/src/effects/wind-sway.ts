@@ -56,7 +56,7 @@ export const windSway = defineEffect<
     const wave = scaled(direction, turn / waveLength);
     return {
       up,
-      // Positions in shaders are relative to the cloud's origin. Other values far from 0 are computed here, in float64.
+      // Positions in shaders are relative to the cloud's origin. Values far from 0 need float64.
       upOffset: dot(up, origin) - ground,
       wave,
       phase: (dot(wave, origin) - (turn * timeS) / periodS) % turn,

@@ -16,7 +16,7 @@ export default function DepthWrite() {
         <Suspense>
           <Splats src="still-life.sog" depthWrite={depthWrite} />
         </Suspense>
-        {/* Transparent objects are drawn after opaque ones, and this one after the splats: only their depth can hide it. */}
+        {/* Transparent, and drawn after opaque objects and splats: only depth can hide it. */}
         <mesh position={[-0.2, 0.16, -0.12]} rotation-x={-1.2} renderOrder={1}>
           <torusGeometry args={[0.17, 0.018, 24, 96]} />
           <meshBasicMaterial color="#2d7dff" transparent opacity={0.75} />

@@ -16,7 +16,7 @@ export default function Labels() {
         <Splats ref={splats} src="still-life.sog" />
         {LABELS.map(({ text, position }) => (
           <Float key={text} speed={1} rotationIntensity={0} floatIntensity={0.1}>
-            {/* With `eps`, drei looks in every frame, and not only when the label has moved on the screen. */}
+            {/* With `eps`, drei looks in every frame, not only after the label has moved. */}
             <Html position={position} occlude={[splats as RefObject<SplatCloudObject>]} eps={-1} center>
               <span className="label">{text}</span>
             </Html>

@@ -15,7 +15,7 @@ export default function Picking() {
         {hit && (
           <mesh position={hit.point} renderOrder={1}>
             <sphereGeometry args={[0.012 * hit.depthView]} />
-            {/* Drawn after the splats and over all of them: the centre of the picked splat may lie behind others. */}
+            {/* Drawn after the splats and over all: others may hide the picked splat's centre. */}
             <meshBasicMaterial color="#ff2d87" transparent depthTest={false} />
           </mesh>
         )}

@@ -25,7 +25,7 @@ export default function Reveal() {
         camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
       >
         <Suspense>
-          {/* A new key starts again. Splats request the frames that this needs, and none afterwards. */}
+          {/* A new key starts again. Splats request the frames that this needs, and no more. */}
           <Splats key={times} src="still-life.sog" reveal={reveal} />
         </Suspense>
         <OrbitControls />

@@ -27,8 +27,9 @@ export default function SeveralViews() {
 }
 
 /**
- * Draws the scene once per camera. A priority above 0 takes drawing over from the Canvas. (drei's `<View>` does the same,
- * but measures from the bottom, as WebGL does: with a WebGPURenderer, views meant for the top appear below.)
+ * Draws the scene once per camera. A priority above 0 takes drawing over from the Canvas. (drei's
+ * `<View>` does the same, but measures from the bottom, as WebGL does: with a WebGPURenderer, views
+ * meant for the top appear below.)
  */
 function Views() {
   useFrame(({ gl, scene, size }) => {
