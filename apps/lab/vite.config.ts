@@ -15,7 +15,7 @@ export default defineConfig({
   define: { ...definedBuildFacts() },
   worker: { format: 'es' },
   server: { fs: { allow: [repositoryRoot] } },
-  // The runner builds the page of a peer by itself. Dependencies that turn up late would make the server reload the page.
+  // The runner builds peers' pages by itself. Dependencies found late would reload the page.
   optimizeDeps: {
     entries: 'index.html',
     include: ['react', 'react-dom/client', 'react/jsx-dev-runtime'],

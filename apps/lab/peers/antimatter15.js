@@ -1,17 +1,18 @@
-// main.js of antimatter15/splat, unmodified, as a script of the page. It drives itself by frames of the browser, which are
-// stepped from here, and takes view and focal length from variables of its own.
+// main.js of antimatter15/splat, unmodified, as a script of the page. It drives itself by frames of
+// the browser, which are stepped from here, and takes view and focal length from variables of its
+// own.
 import mainScript from 'peer-source/main.js?raw';
 import { colmapView, nextTask } from '../src/peers/adapter.ts';
 
 export const formats = ['ply', 'splat'];
 
 const ROW_BYTES = 32;
-/** The script's own test of whether an order is good enough for a view, by the directions of both. */
+/** The script's own test of whether an order suits a view, by the directions of both. */
 const GOOD_ENOUGH = 0.01;
 /** Elements that the script writes to. */
 const ELEMENTS = ['fps', 'camid', 'progress', 'spinner', 'message'];
 
-/** What the script's worker, which it keeps to itself, was sent and has answered. */
+/** Messages to and from the script's worker, which it keeps to itself. */
 const watched = { view: null, order: null, orders: 0, splats: Number.POSITIVE_INFINITY };
 const PlainWorker = globalThis.Worker;
 globalThis.Worker = class extends PlainWorker {

@@ -3,7 +3,7 @@ import { cameraAxes, nextTask } from '../src/peers/adapter.ts';
 
 export const formats = ['ply', 'splat'];
 
-/** While its worker may still answer an earlier view, this many times its usual time without an answer mean that it rests. */
+/** The worker rests after this many times its usual time without an answer to an earlier view. */
 const REST = 2;
 const MIN_REST_MS = 20;
 
@@ -77,7 +77,7 @@ export default async function loadGsplat({ canvas, url, fileName }) {
       view = JSON.stringify(by);
     },
     draw,
-    // Drawing posts the view to the worker. When that has been at rest, its next order is for this view.
+    // Drawing posts the view to the worker. After a rest, its next order is for this view.
     order: async () => {
       if (orderedView === view) return;
       if (!isPrepared) await prepare();

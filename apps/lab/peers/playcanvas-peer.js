@@ -7,7 +7,8 @@ export const formats = ['ply', 'compressed-ply', 'sog'];
 const MAX_FRAMES_TO_LOAD = 600;
 
 /**
- * `?exact` turns off what the engine leaves out by default: small and faint splats, and colours of small turns.
+ * `?exact` draws all that the engine leaves out by default: small and faint splats, and colours of
+ * small turns.
  *
  * @param renderer one of the engine's constants GSPLAT_RENDERER_…; by default its own choice
  * @type {(pc: any, renderer?: string) => import('../src/peers/adapter.ts').LoadPeer}

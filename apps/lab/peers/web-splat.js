@@ -1,4 +1,4 @@
-// The renderer of KeKsBoTer/web-splat, which web-splat/build.sh compiles with what a page needs to drive it.
+// The renderer of KeKsBoTer/web-splat; web-splat/build.sh compiles it with an interface for pages.
 
 import init, { CanvasRenderer } from 'peer-source/lab/web_splat_peer.js';
 import { cameraAxes } from '../src/peers/adapter.ts';

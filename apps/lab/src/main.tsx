@@ -1,4 +1,4 @@
-// The address chooses the page: `?conformance`, `?bench` or `?peers`, each with options of its own; without one, what there is.
+// The address chooses the page and options: `?conformance`, `?bench` or `?peers`; else the index.
 import { createRoot } from 'react-dom/client';
 import { PAGES, type PageName } from './page.tsx';
 

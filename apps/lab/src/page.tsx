@@ -56,7 +56,7 @@ export function LabPage(props: {
   );
 }
 
-/** A table of cells, the heading first, that scrolls by itself; in its first `wordColumns` are words, in the others figures. */
+/** A table that scrolls by itself: headings, then `wordColumns` columns of words, then figures. */
 export function CellTable(props: {
   readonly label: string;
   readonly rows: readonly (readonly ReactNode[])[];
@@ -67,7 +67,7 @@ export function CellTable(props: {
   const [heading, ...body] = rows;
   const classOf = (column: number) => (column < wordColumns ? 'word' : undefined);
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls by itself must be reachable by keys.
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: keys must reach a box that scrolls.
     <section className="table" tabIndex={0} aria-label={label}>
       <table data-testid={testId}>
         <thead>
@@ -118,17 +118,17 @@ export function Progress(props: {
 
 /** A report that a person can take along. */
 export interface TakenReport {
-  /** What it is copied as: `text`, `JSON`. */
+  /** Format of the copy: `text`, `JSON`. */
   readonly format: string;
   readonly text: () => string;
-  /** Where it can be saved too: what the file's name is made of. */
+  /** Parts of the file's name, if the report can be saved too. */
   readonly fileName?: readonly string[];
 }
 
-/** Buttons that copy reports and save them; where the browser does not let the page copy, shows the text to be copied by hand. */
+/** Buttons that copy and save reports; shows the text if the browser forbids copying. */
 export function TakeReports({ reports }: { readonly reports: readonly TakenReport[] }) {
   const [said, setSaid] = useState('');
-  /** What the browser does not let the page copy. */
+  /** Text that the browser does not let the page copy. */
   const [uncopied, setUncopied] = useState('');
   const area = useRef<HTMLTextAreaElement>(null);
   const copy = async ({ format, text }: TakenReport) => {

@@ -23,7 +23,7 @@ const FIRST: BenchmarkState = { kind: 'running', progress: { label: 'Starting', 
 /** Drawing the progress takes the GPU's time too: it must not be drawn with every frame. */
 const PROGRESS_INTERVAL_MS = 500;
 
-/** The benchmark (`?bench`): runs at once, and shows a report. `data-state` of the document tells how far it is. */
+/** The benchmark (`?bench`): runs at once and reports. The document's `data-state` is its state. */
 export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
   const [state, setState] = useState<BenchmarkState>(FIRST);
   const running = useRef<AbortController | null>(null);

@@ -1,4 +1,4 @@
-/** What a browser tells about the machine that it runs on; what it keeps to itself is null. */
+/** Facts that a browser tells about its machine; those that it keeps to itself are null. */
 export interface BrowserMachine {
   /** The browser, as it calls itself. */
   readonly browser: string;

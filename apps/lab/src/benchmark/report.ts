@@ -3,7 +3,7 @@ import { InvalidArgumentError } from '@websplatter/core';
 import type { FrameMeasurement } from '@websplatter/core/measure';
 import type { BrowserMachine } from './machine.ts';
 
-/** What reports of this page and of `websplatter bench --json` have in common. */
+/** The common part of reports of this page and of `websplatter bench --json`. */
 export interface FrameReport {
   readonly scene: string;
   /** Angle that the camera covered. */
@@ -28,7 +28,7 @@ export interface BenchmarkReport extends FrameReport {
   readonly loadMs: number;
 }
 
-/** What was measured, where and how, by name. */
+/** Subject, place and method of the measurement, by name. */
 export function reportFacts(report: BenchmarkReport): [name: string, value: string][] {
   const { machine, scene, measurement, shDegree, loadMs, version, commit } = report;
   const { image, visible, memory, copies } = frameFacts(report, measurement);
@@ -79,7 +79,7 @@ export function reportText(report: BenchmarkReport): string {
 export function readReport(text: string, name: string): FrameReport {
   try {
     const report: FrameReport = JSON.parse(text);
-    // What can be shown is a report.
+    // Anything that can be shown is a report.
     if (pathOf(report).includes('undefined')) throw new RangeError('It has no path.');
     timeTable(report.measurement);
     return report;
@@ -89,7 +89,7 @@ export function readReport(text: string, name: string): FrameReport {
   }
 }
 
-/** What two reports measured differently: their times cannot be compared then. */
+/** Facts in which two reports differ, so that their times cannot be compared. */
 export function differencesOf(report: FrameReport, other: FrameReport): string[] {
   const facts = (each: FrameReport) => ({
     scene: each.measurement.loadedSplats,

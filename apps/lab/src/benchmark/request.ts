@@ -7,7 +7,7 @@ import {
 } from '@websplatter/core';
 import { splitAccuracy } from '../../../viewer/src/formatting/accuracy-address.ts';
 
-/** What the address asks the benchmark to do: the same on every device, whatever its window. */
+/** The benchmark that the address asks for: the same on every device, in a window of any size. */
 export interface BenchmarkRequest {
   readonly widthPx: number;
   readonly heightPx: number;
@@ -30,10 +30,10 @@ const MOST_PX = 32_768;
 const MOST_FRAMES = 10_000;
 
 /**
- * Reads `?bench&size=1920x1080&frames=100&orbit=15&accuracy=balanced`. What is not given is always the same, so that reports of
- * several devices can be compared.
+ * Reads `?bench&size=1920x1080&frames=100&orbit=15&accuracy=balanced`. Defaults are the same on all
+ * devices, so that their reports can be compared.
  *
- * @throws InvalidArgumentError that names what cannot be read.
+ * @throws InvalidArgumentError that names the part that cannot be read.
  */
 export function benchmarkRequest(query: URLSearchParams): BenchmarkRequest {
   const accuracyLabel = query.get('accuracy') ?? DEFAULT_ACCURACY;

@@ -6,10 +6,10 @@ import type { BenchmarkReport } from './report.ts';
 import { benchmarkRequest } from './request.ts';
 import { loadScene, type MeasuredScene } from './scene.ts';
 
-/** Bytes of the copies that tell the memory's bandwidth: more than most caches hold, and no more than a phone can spare. */
+/** Bytes of copies that show the memory's bandwidth: above most caches, bearable for a phone. */
 const COPY_BYTES = 64 * 2 ** 20;
 
-/** What a benchmark is doing. */
+/** The current step of a benchmark. */
 export interface BenchmarkProgress {
   readonly label: string;
   /** How much is done, 0…1; undefined where that is not known. */
@@ -19,8 +19,8 @@ export interface BenchmarkProgress {
 /**
  * Measures the scene of an address on an engine of its own, which is freed at the end.
  *
- * @throws InvalidArgumentError where the address asks for what there is not; what loading and measuring throw; the reason of
- * `signal`.
+ * @throws InvalidArgumentError where the address asks for a thing that does not exist; errors of
+ * loading and measuring; the reason of `signal`.
  */
 export async function runBenchmark(
   query: URLSearchParams,

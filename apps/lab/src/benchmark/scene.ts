@@ -27,10 +27,10 @@ const FILE_NAMES = ['src', 'url', 'file'];
 const HARD_CASE = 'hard:';
 
 /**
- * Loads what the address asks for: `?src=ADDRESS`, once or several times, relative to the viewer's page, `?scene=NAME` or
- * `?scene=hard:NAME`; the larger still life where it says nothing, however slow the device is.
+ * Loads the scene of the address: `?src=ADDRESS`, once or several times, relative to the viewer's
+ * page, `?scene=NAME` or `?scene=hard:NAME`; by default the larger still life, on slow devices too.
  *
- * @throws InvalidArgumentError for names that there are not; what loading throws.
+ * @throws InvalidArgumentError for names that do not exist; errors of loading.
  */
 export async function loadScene(
   engine: SplatEngine,

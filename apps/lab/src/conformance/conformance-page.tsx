@@ -30,8 +30,9 @@ type RunState =
   | { readonly kind: 'failed'; readonly message: string };
 
 /**
- * Runs the hard cases on this device (`?conformance`, or `?conformance&cases=scale-unit,sort-0-keys` for some), and gives a report.
- * `data-state` of the document tells how far it is.
+ * Runs the hard cases on this device, all by `?conformance`, some by
+ * `?conformance&cases=scale-unit,sort-0-keys`, and reports. `data-state` of the document tells its
+ * state.
  */
 export default function ConformancePage({ query }: { query: URLSearchParams }) {
   const { cases, problem } = useMemo(() => chosenCases(query.get('cases')), [query]);
@@ -144,7 +145,7 @@ function Report({ report }: { report: HardCaseReport }) {
       <h2 ref={heading} id="headline" tabIndex={-1} className={isGood ? '' : 'bad'} data-testid="headline">
         {headline}
       </h2>
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls by itself must be reachable by keys. */}
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: keys must reach a box that scrolls. */}
       <pre tabIndex={0} data-testid="report-text">
         {lines.join('\n')}
       </pre>

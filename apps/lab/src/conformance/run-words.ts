@@ -27,7 +27,7 @@ export function reportByCase(report: HardCaseReport): string {
   return [textReport(report), resultHeading(nameWidth), ...lines, ''].join('\n');
 }
 
-/** What a case reached by preset `reference`, dB: drawn by quads, and by tiles; `–` where it has no image. */
+/** PSNR of a case with preset `reference`, dB: by quads, then by tiles; `–` without an image. */
 export function referenceDecibels({
   images,
 }: Pick<HardCaseResult, 'images'>): [quads: string, tiles: string] {

@@ -1,45 +1,53 @@
 import type { SceneCamera } from '@websplatter/scenes';
 
-/** What the page gives to an adapter. */
+/** The page's side of an adapter. */
 export interface PeerHost {
-  /** In the page, of the picture's size in CSS pixels and in device pixels. All drawing goes to it. */
+  /** In the page, of the picture's size in CSS and device pixels. All drawing goes to it. */
   readonly canvas: HTMLCanvasElement;
-  /** Address of the scene, a single file of one of the adapter's {@link PeerFormats}; where there is a file, a `blob:` address. */
+  /**
+   * Address of the scene, a single file in one of the adapter's {@link PeerFormats}; of a file on
+   * the page, a `blob:` address.
+   */
   readonly url: string;
-  /** The scene's own name, without folders: its end tells the format, which a `blob:` address does not. */
+  /** The scene's name without folders: its end tells the format, which a `blob:` address hides. */
   readonly fileName: string;
-  /** What somebody dropped onto the page, where the scene is not fetched. */
+  /** The file that was dropped onto the page, if the scene is not fetched. */
   readonly file: File | null;
   /** The one that `setCamera` gets first, for what is drawn while the scene loads. */
   readonly camera: SceneCamera;
-  /** What stands behind the peer's name on the command line: `websplatter?accuracy=fast`. */
+  /** Options behind the peer's name on the command line: `websplatter?accuracy=fast`. */
   readonly options: URLSearchParams;
-  /** Only where a part is shown while the rest loads: to be called when a frame with the first splats has been submitted. */
+  /**
+   * For peers that show a part while the rest loads: to be called once a frame with the first
+   * splats is submitted.
+   */
   shown(): void;
 }
 
 /**
- * The export `formats` of an adapter: what its renderer reads, by the names of `SPLAT_FORMATS`, each with a variant where not all
- * are read (`spz 3`); `any` for whatever this repository reads. Without it, PLY alone.
+ * The export `formats` of an adapter: the formats that its renderer reads, by the names of
+ * `SPLAT_FORMATS`, each with a variant if not all are read (`spz 3`); `any` for all that this
+ * repository reads. Without it, PLY alone.
  */
 export type PeerFormats = readonly string[] | 'any';
 
 /**
- * The default export of an adapter: loads the scene and prepares to draw it over black. Resolves when everything is there
- * that a frame needs, and rejects if the scene cannot be drawn; the page times it together with the first frame.
+ * The default export of an adapter: loads the scene and prepares to draw it over black. Resolves
+ * when everything is there that a frame needs, and rejects if the scene cannot be drawn; the page
+ * times it together with the first frame.
  */
 export type LoadPeer = (host: PeerHost) => Promise<Peer>;
 
-/** A renderer with a scene. The page waits for the GPU, keeps the time and takes the pictures, alike for all. */
+/** A renderer with a scene. The page waits for the GPU, keeps the time and takes the pictures. */
 export interface Peer {
-  /** What is set otherwise than by default, or is not drawn. */
+  /** Settings that differ from the defaults, and things that are not drawn. */
   readonly note: string;
   setCamera(camera: SceneCamera): void;
   /** Submits one frame by the newest camera, even if nothing has changed. */
   draw(): void | Promise<void>;
   /**
-   * Only where the order is made outside of the frame, by a worker or the CPU: resolves when there is an order for the
-   * newest camera, which the next frame shows.
+   * Only where the order is made outside of the frame, by a worker or the CPU: resolves when there
+   * is an order for the newest camera, which the next frame shows.
    */
   order?(): Promise<void>;
   /** With {@link order}: how many orders have been made so far. */
@@ -50,7 +58,7 @@ export interface Peer {
 
 type Vector = readonly [number, number, number];
 
-/** The camera's axes in the world as COLMAP and the first splat renderers have them: right, down and forward. */
+/** The camera's axes in the world as COLMAP and 3DGS have them: right, down and forward. */
 export function cameraAxes({ position, target, up }: SceneCamera): {
   readonly right: Vector;
   readonly down: Vector;
@@ -69,7 +77,7 @@ export function colmapView(camera: SceneCamera): number[] {
   return [...[0, 1, 2].flatMap((i) => [...axes.map((axis) => axis[i]), 0]), ...shift, 1];
 }
 
-/** Resolves in the next task, so that messages of workers are handled in between; unlike timers, without a delay. */
+/** Resolves in the next task, after workers' messages; unlike timers, without a delay. */
 export function nextTask(): Promise<void> {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();

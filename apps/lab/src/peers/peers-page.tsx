@@ -3,7 +3,7 @@ import { CellTable, LabPage } from '../page.tsx';
 import type { Report } from './runner/report.ts';
 import { reportFacts, reportLegend, reportParts } from './runner/table.ts';
 
-/** This project beside other renderers (`?peers`): how to measure, and the tables of a report that `--json` has written. */
+/** This project beside other renderers (`?peers`): how to measure, and tables of a report. */
 export default function PeersPage() {
   const [report, setReport] = useState<Report | null>(null);
   const [problem, setProblem] = useState('');
@@ -13,7 +13,7 @@ export default function PeersPage() {
     setProblem('');
     try {
       const read: Report = JSON.parse(await file.text());
-      // What can be shown is a report.
+      // Anything that can be shown is a report.
       reportParts(read);
       setReport(read);
     } catch {
@@ -34,7 +34,7 @@ export default function PeersPage() {
           The renderers are no part of this page: a command of the repository fetches them and measures each
           in a browser of its own.
         </p>
-        {/* biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls by itself must be reachable by keys. */}
+        {/* biome-ignore lint/a11y/noNoninteractiveTabindex: keys must reach a box that scrolls. */}
         <pre tabIndex={0}>npm run bench:peers -- --synthetic 1000000 --json peers.json</pre>
       </section>
       <section aria-labelledby="report">

@@ -1,4 +1,4 @@
-//! The renderer of KeKsBoTer/web-splat on a page's canvas, which its own entry for the web keeps to a window of its own.
+//! The renderer of KeKsBoTer/web-splat on a page's canvas; its own web entry keeps to a window.
 
 use cgmath::{Matrix3, Point3, Quaternion, Rad, Vector2};
 use std::{io::Cursor, time::Duration};
@@ -51,7 +51,7 @@ impl CanvasRenderer {
         Ok(CanvasRenderer { context, surface, renderer, cloud, viewport, camera })
     }
 
-    /// `rotation`: from the world to right, down and forward, column-major; fields of view in radians.
+    /// `rotation`: world to right, down and forward, column-major; fields of view in radians.
     pub fn set_camera(
         &mut self,
         position: &[f32],

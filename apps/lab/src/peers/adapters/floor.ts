@@ -3,8 +3,8 @@ import type { LoadPeer, PeerFormats } from '../adapter.ts';
 export const formats: PeerFormats = 'any';
 
 /**
- * Draws nothing: fetches the file, throws its bytes away and clears the canvas. What it takes is the floor under all others.
- * `?api=webgl2` clears by WebGL.
+ * Draws nothing: fetches the file, throws its bytes away and clears the canvas. Its times are the
+ * floor under all others. `?api=webgl2` clears by WebGL.
  */
 const loadFloor: LoadPeer = async ({ canvas, url, options }) => {
   const clear = options.get('api') === 'webgl2' ? webglClear(canvas) : await webgpuClear(canvas);

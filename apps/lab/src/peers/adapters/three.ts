@@ -23,7 +23,7 @@ const GEOMETRY_LOADERS = {
 const loadThree: LoadPeer = async ({ canvas, url, fileName }) => {
   const renderer = new THREE.WebGPURenderer({ canvas, antialias: false });
   await renderer.init();
-  // Splats are blended in the space that they were trained in; three would encode them a second time.
+  // Splats are blended in the space of their training; three would encode them a second time.
   renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
   const { scene, setCamera, draw } = threeScene(renderer, canvas);
   const splats = await loadSplats(url, fileName);

@@ -5,8 +5,8 @@ import type { LoadPeer, PeerFormats } from '../adapter.ts';
 export const formats: PeerFormats = 'any';
 
 /**
- * This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while the rest loads; `?undivided`
- * submits every frame at once, however long it may take.
+ * This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while
+ * the rest loads; `?undivided` submits every frame at once, however long it may take.
  */
 const loadWebsplatter: LoadPeer = async (host) => {
   const { canvas, options } = host;

@@ -1,4 +1,4 @@
-/** Adds up what objects of a graphics API hold. Objects that are dropped without being destroyed stay in the sum. */
+/** Adds up bytes of a graphics API's objects. Objects dropped without `destroy` stay in the sum. */
 export class ByteLedger {
   bytes = 0;
   peakBytes = 0;

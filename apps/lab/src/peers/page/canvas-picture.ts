@@ -3,8 +3,9 @@ import type { Picture } from './protocol.ts';
 import type { WebGpuWatch } from './watch-webgpu.ts';
 
 /**
- * Draws a frame and takes what the canvas then holds. The picture is taken in the task that drew it: the browser clears a
- * WebGL canvas that it has shown, and in headless Chromium `drawImage` finds a WebGPU canvas empty later.
+ * Draws a frame and takes what the canvas then holds. The picture is taken in the task that drew
+ * it: the browser clears a WebGL canvas that it has shown, and in headless Chromium `drawImage`
+ * finds a WebGPU canvas empty later.
  */
 export async function canvasPicture(drawn: DrawnPeer, webgpu: WebGpuWatch, camera: string): Promise<Picture> {
   const { canvas } = drawn;

@@ -1,16 +1,17 @@
 import { nextTask } from '../adapter.ts';
 
 /**
- * How the end of WebGPU's work is awaited: `done`, by onSubmittedWorkDone; `poke`, the same with empty submissions in
- * between, so that the GPU process looks at its fences sooner; `map`, by mapping four bytes that are copied behind the frame.
- * Which is quickest depends on browser and driver.
+ * How the end of WebGPU's work is awaited: `done`, by onSubmittedWorkDone; `poke`, the same with
+ * empty submissions in between, so that the GPU process looks at its fences sooner; `map`, by
+ * mapping four bytes that are copied behind the frame. Which is quickest depends on browser and
+ * driver.
  */
 export const WAITS = ['done', 'poke', 'map'] as const;
 export type Wait = (typeof WAITS)[number];
 
 const POKE_EVERY_MS = 0.2;
 
-/** What draws to a canvas. */
+/** The API that draws to a canvas. */
 export type Drawer =
   | { readonly api: 'webgpu'; readonly device: GPUDevice }
   | { readonly api: 'webgl2'; readonly gl: WebGL2RenderingContext };

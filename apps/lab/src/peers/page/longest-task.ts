@@ -1,4 +1,7 @@
-/** Watches for tasks that block the page; the function returned ends that and tells the longest, ms, 0 for none above 50 ms. */
+/**
+ * Watches for tasks that block the page; the returned function ends that and tells the longest, ms,
+ * 0 for none above 50 ms.
+ */
 export function watchLongTasks(): () => number {
   let longestMs = 0;
   const note = (entries: PerformanceEntryList) => {

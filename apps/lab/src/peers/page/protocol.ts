@@ -2,9 +2,9 @@ import type { SceneCamera } from '@websplatter/scenes';
 import type { PeerFormats } from '../adapter.ts';
 import type { Wait } from './completion.ts';
 
-/** What the runner calls in a page, as `window.bench`. Everything is timed in the page: no message falls in between. */
+/** Calls of the runner, on `window.bench`. The page times everything, undisturbed by messages. */
 export interface BenchPage {
-  /** What the peer reads. */
+  /** Formats that the peer reads. */
   formats(): PeerFormats;
   load(request: LoadRequest): Promise<Loaded>;
   measure(request: MeasureRequest): Promise<Measured>;
@@ -27,9 +27,9 @@ export interface LoadRequest {
 export interface Loaded {
   /** From the call of the adapter to the end of the first frame in the right order. */
   readonly loadMs: number;
-  /** From there to the end of the first frame with any splats: the same, unless a part is shown while the rest loads. */
+  /** To the end of the first frame with any splats: `loadMs`, unless a part is shown before. */
   readonly firstSplatsMs: number;
-  /** Longest time that the page's thread was blocked meanwhile; 0 below the 50 ms that browsers report. */
+  /** Longest time that the page's thread was blocked; 0 below the 50 ms that browsers report. */
   readonly longestTaskMs: number;
   readonly api: 'webgpu' | 'webgl2';
   readonly note: string;
@@ -48,7 +48,7 @@ export interface MeasureRequest {
 
 /** Times are from the change of the camera to the end of the GPU's work, one per frame. */
 export interface Measured {
-  /** Frames of a steady turn; where the order is made outside of the frame, by the newest order that there is. */
+  /** Frames of a steady turn, in the newest order if orders are made outside of the frame. */
   readonly turnMs: readonly number[];
   /** How many orders were made in the turn; null where every frame makes its own. */
   readonly orders: number | null;

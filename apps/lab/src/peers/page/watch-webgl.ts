@@ -34,7 +34,7 @@ export function watchWebGl(ledger: ByteLedger): void {
   };
   const buffer = (context: Gl, target: number) =>
     context.getParameter(bufferBindings.get(target) ?? gl.ARRAY_BUFFER_BINDING);
-  // What is left are the cube map and its faces.
+  // All other targets are the cube map and its faces.
   const texture = (context: Gl, target: number) =>
     context.getParameter(textureBindings.get(target) ?? gl.TEXTURE_BINDING_CUBE_MAP);
 
@@ -57,7 +57,7 @@ export function watchWebGl(ledger: ByteLedger): void {
     (texImage2D) =>
       function (this: Gl, ...args: number[]) {
         const [target, level, format, width, height, , , type] = args;
-        // The short forms take their size from an image; splat renderers do not use them for splats.
+        // Short forms take their size from an image; splat renderers do not use them for splats.
         if (args.length >= 9)
           note(
             texture(this, target),

@@ -1,4 +1,4 @@
-/** The command line, or a file that it names, is not what the bench takes: its message is for the caller. */
+/** The bench cannot use the command line, or a file that it names: a message for the caller. */
 export class BenchError extends Error {
   override readonly name = 'BenchError';
 }

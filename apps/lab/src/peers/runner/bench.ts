@@ -17,7 +17,7 @@ import { type BenchScene, readScene, sceneFiles } from './scenes.ts';
 import { serve } from './serve.ts';
 import { type OpenPage, Visitor } from './visit.ts';
 
-/** What a bench works with, besides its options. */
+/** Everything that a bench needs besides its options. */
 export interface BenchSetup {
   /** Chromium's program. */
   readonly executablePath: string;
@@ -105,7 +105,7 @@ class SceneBench {
   readonly #sceneUrl: string;
   readonly #visitor: Visitor;
   readonly #pageOf: (peer: BuiltPeer) => string;
-  /** What peers read, as their pages have said so far. */
+  /** Formats that peers read, as their pages have said so far. */
   readonly #formatsOf: Map<BuiltPeer, PeerFormats>;
   readonly #say: (line: string) => void;
 
@@ -127,7 +127,7 @@ class SceneBench {
     this.#say = say;
   }
 
-  /** Finds the wait that takes the least when nothing is drawn, not even loaded: all peers get it. */
+  /** Finds the quickest wait when nothing is drawn, not even loaded: all peers get it. */
   async quickestWait(floor: BuiltPeer, emptyUrl: string): Promise<{ wait: Wait; adapter: string | null }> {
     const { size } = this.#options;
     const floors = await this.#visitor.visit(this.#pageOf(floor), size, async (page) => {
@@ -147,7 +147,7 @@ class SceneBench {
     return quickest;
   }
 
-  /** Before anything is timed: who draws less than the others is seen first. Meanwhile threads draw in float64. */
+  /** Runs first, so that missing splats show before times. Threads draw in float64 meanwhile. */
   async takePictures(rows: readonly Row[], peers: readonly BuiltPeer[], wait: Wait): Promise<void> {
     const { pictureSize } = this.#options;
     const { cameras } = this.#scene;
@@ -201,7 +201,7 @@ class SceneBench {
     }
   }
 
-  /** Visits a peer's page; resolves with null for a peer that does not read the scene's format, and says so in its row. */
+  /** Visits a peer's page; notes a peer that does not read the format, and resolves with null. */
   async #visitReader<Result>(
     row: Row,
     peer: BuiltPeer,

@@ -34,7 +34,7 @@ export async function buildPages(
       say(`Building the page of ${name} …`);
       await buildPage(adapterPath, source, join(folder, subfolder));
     }
-    // What was unpacked within this working copy has this one's commit.
+    // Git takes a folder unpacked within this working copy for a part of it, and gives its commit.
     const isClone = source && existsSync(join(source.folder, '.git'));
     const commitOfClone = (isClone && commitOf(source.folder)?.slice(0, 12)) || null;
     const version = packageFile ? JSON.parse(await readFile(packageFile, 'utf8')).version : commitOfClone;
@@ -46,7 +46,7 @@ export async function buildPages(
   return pages;
 }
 
-/** Builds the page of one adapter into `outDir`, as it would be shipped. Pages share nothing, so that none carries another's code. */
+/** Builds one adapter's page into `outDir`, as it would be shipped, sharing no code with others. */
 async function buildPage(adapterPath: string, source: PeerSource | null, outDir: string): Promise<void> {
   await build({
     configFile: false,

@@ -62,7 +62,7 @@ const FAR = 50;
 /** How many cameras stand around a scene. */
 const VIEWS = 4;
 
-/** Cameras around splats that came without any: y up, about their median, so that few far splats do not matter. */
+/** Cameras for splats without any: y up, about the median, which few far splats do not move. */
 export function camerasAround({ positions, count, origin }: Splats): SceneCamera[] {
   const target = [0, 1, 2].map((axis) => {
     const values = Float32Array.from({ length: count }, (_, i) => positions[3 * i + axis]).sort();

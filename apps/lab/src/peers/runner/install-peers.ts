@@ -1,6 +1,6 @@
 import type { ChosenPeer } from './peer-list.ts';
 
-/** What the repository's setup does for the peers' packages. */
+/** The repository's setup of the peers' packages. */
 export interface PeersInstallation {
   /** Whether they are there, in the versions of their lock. */
   readonly isInstalled: () => boolean;
@@ -9,7 +9,7 @@ export interface PeersInstallation {
 }
 
 /**
- * Installs the packages of those `peers` that have some, unless they are there. Clones are made by who compares.
+ * Installs the missing packages of those `peers` that have some. Clones are left to the caller.
  *
  * @returns the peers that can be measured.
  */

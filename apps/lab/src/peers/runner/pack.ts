@@ -8,7 +8,7 @@ import { PACK_COMMAND, PAGES_FOLDER, PAGES_LIST } from './pack-layout.ts';
 import type { ChosenPeer } from './peer-list.ts';
 
 const runnerFolder = fileURLToPath(new URL('.', import.meta.url));
-/** Parts of playwright-core that a run does not need, two thirds of it: pages of its own tools, and types. */
+/** Parts of playwright-core that no run needs, two thirds of it: its own tools, and types. */
 const NOT_NEEDED = ['lib/vite', 'types'];
 
 /**

@@ -10,7 +10,7 @@ interface KnownPeer {
   readonly adapter: string;
   /** For the adapter, as in an address. */
   readonly options?: string;
-  /** Folder of the peer's package: below apps/lab/peers, which is installed on demand, or the repository's root. */
+  /** Folder of the peer's package: below apps/lab/peers, installed on demand, or the root. */
   readonly package?: { readonly at: 'peers' | 'root'; readonly folder: string };
   /** A peer that is no package. */
   readonly source?: KnownSource;
@@ -23,7 +23,7 @@ interface KnownSource {
   readonly repository: string;
   /** That the adapter was written for. */
   readonly commit: string;
-  /** What must be there, and how it comes there, where cloning is not enough. */
+  /** The file that must be there, and how it comes there if cloning is not enough. */
   readonly file: string;
   readonly preparation?: string;
 }
@@ -100,16 +100,17 @@ export interface ChosenPeer {
 /** A clone of a peer's repository. */
 export interface PeerSource {
   readonly folder: string;
-  /** What to put there; null where all is there. */
+  /** Says how to complete the folder; null if it is complete. */
   readonly lack: string | null;
 }
 
 /**
- * Reads names of peers: `NAME` of {@link PEER_NAMES}, `NAME=ADAPTER` with a path from `folder` for a peer of one's own, each
- * with `?OPTIONS` for its adapter at the end, or `all`.
+ * Reads names of peers: `NAME` of {@link PEER_NAMES}, `NAME=ADAPTER` with a path from `folder` for
+ * a peer of one's own, each with `?OPTIONS` for its adapter at the end, or `all`.
  *
  * @param sources folder of the clones of peers that are no packages.
- * @throws BenchError for names that are unknown or double, and for peers named whose clones are not there.
+ * @throws BenchError for names that are unknown or double, and for peers named whose clones are not
+ * there.
  */
 export function choosePeers(text: string, folder: string, sources = sourcesFolder): ChosenPeer[] {
   const words = text.split(',').flatMap((word) => (word === 'all' ? PEER_NAMES : [word]));

@@ -1,4 +1,4 @@
-// A thread that draws a scene by one camera in float64. JavaScript, because Node runs it as it is, and so does a pack.
+// A thread that draws a scene by one camera in float64. JavaScript: Node and packs run it as it is.
 import { parentPort, workerData } from 'node:worker_threads';
 import { perspectiveCamera, readSplats } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';

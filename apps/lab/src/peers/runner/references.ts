@@ -4,20 +4,20 @@ import type { SceneCamera } from '@websplatter/scenes';
 import type { SizePx } from './options.ts';
 import type { BenchScene } from './scenes.ts';
 
-/** What a thread is asked for. */
+/** Request to a thread. */
 export interface ReferenceRequest extends SizePx {
   readonly file: string;
   readonly camera: SceneCamera;
 }
 
-/** Memory that a thread needs at most, in terms of its splats: themselves, the same in Morton order, and those that are seen. */
+/** Most memory of a thread, in copies of its splats: as read, in Morton order, and visible. */
 const COPIES = 4;
 /** Of a splat in float32. */
 const SPLAT_BYTES = 4 * 62;
 /** Node's own limit is too low for the splats that are seen of the largest scenes. */
 const MAX_HEAP_MB = 16_384;
 
-/** Draws a scene by each camera in float64, as many at once as this machine can: premultiplied RGBA. */
+/** Draws a scene by each camera in float64, in as many threads as fit: premultiplied RGBA. */
 export async function drawReferences(
   { file, splats, cameras }: Pick<BenchScene, 'file' | 'splats' | 'cameras'>,
   { widthPx, heightPx }: SizePx,

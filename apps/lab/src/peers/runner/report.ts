@@ -46,7 +46,7 @@ export interface SceneReport {
 /** Everything that one run found. */
 export interface Report {
   readonly date: string;
-  /** What was called. */
+  /** The command line that was called. */
   readonly command: string;
   readonly commit: string | null;
   readonly machine: string;

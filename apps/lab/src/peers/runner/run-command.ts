@@ -6,7 +6,7 @@ import { type BenchOptions, USAGE } from './options.ts';
 import type { Report } from './report.ts';
 import { reportText } from './table.ts';
 
-/** What was called. */
+/** The command line that was called. */
 export interface CommandLine {
   /** Before the arguments. */
   readonly name: string;
@@ -24,7 +24,7 @@ interface Outcome {
   readonly report: Report;
 }
 
-/** Runs a command of the bench and prints its report, if it makes one; returns the process's exit status. */
+/** Runs a command of the bench and prints its report, if any; returns the process's exit status. */
 export async function runCommand(
   { name, args }: CommandLine,
   work: (surroundings: Surroundings) => Promise<Outcome | null>,

@@ -21,7 +21,7 @@ export interface BenchScene {
   readonly cameras: readonly SceneCamera[];
 }
 
-/** What a file is, as its reader says. */
+/** Format of a file, as its reader says. */
 export interface SceneFormat {
   /** One of `SPLAT_FORMATS`. */
   readonly name: string;
@@ -30,7 +30,8 @@ export interface SceneFormat {
 }
 
 /**
- * Writes the synthetic scenes into `folder`; returns the paths of all scenes' files, those of folders by their names.
+ * Writes the synthetic scenes into `folder`; returns paths of all scenes' files, those of folders
+ * by name.
  *
  * @throws BenchError for numbers of splats that cannot be made, and for folders without scenes.
  */
@@ -69,7 +70,8 @@ function synthesize(splats: number): ReturnType<typeof syntheticPly> {
 }
 
 /**
- * Reads a scene and takes its cameras from `camerasFile`, else from the file beside it, else from its bounds.
+ * Reads a scene and takes its cameras from `camerasFile`, else from the file beside it, else from
+ * its bounds.
  *
  * @throws BenchError if a file cannot be read.
  */

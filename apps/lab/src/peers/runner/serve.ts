@@ -28,7 +28,7 @@ export interface FileServer {
 /**
  * Serves files on a free port of this machine.
  *
- * @param folder what is below `/`
+ * @param folder served as `/`
  * @param files paths of single files elsewhere, by address, e.g. `/scenes/0.ply`
  */
 export async function serve(folder: string, files: ReadonlyMap<string, string>): Promise<FileServer> {

@@ -8,7 +8,7 @@ const BASE = 'websplatter';
 /** This project, in whatever way. */
 const OWN = /^websplatter(?:[-?]|$)/;
 
-/** What a row is held against. */
+/** The rows that a row is compared with. */
 interface Others {
   readonly base: Row | undefined;
   /** The floor that draws by the same API. */
@@ -117,7 +117,7 @@ export function reportParts({ scenes, widthPx, heightPx, isLoads }: Report): Rep
   return isLoads ? [...parts, { heading: 'Loads of all formats', rows: loadsOf(scenes), notes: [] }] : parts;
 }
 
-/** What was called, and on what. */
+/** The command, and the machine that ran it. */
 export function reportFacts({ date, commit, command, adapter, browser, machine }: Report): string[] {
   return [
     `${date}, commit ${commit ?? 'unknown'}: ${command}`,
@@ -125,7 +125,7 @@ export function reportFacts({ date, commit, command, adapter, browser, machine }
   ];
 }
 
-/** What the columns mean. */
+/** Meaning of the columns. */
 export function reportLegend(report: Report): string[] {
   const { pictureWidthPx, pictureHeightPx, frames, jumps, wait, isFromFile, isLoads } = report;
   const source = isFromFile ? 'dropped file' : 'address';
@@ -247,7 +247,7 @@ function medianCorrectMs({ measured }: Round): number {
   return spreadOf(measured!.correctMs)!.median;
 }
 
-/** Ratio of what rounds took, and how far they differ, in the rounds in which both peers were measured. */
+/** Median and range of the ratio of times, over the rounds in which both peers were measured. */
 function ratioCell(row: Row, base: Row, roundMs: (round: Round) => number): string {
   const ratios = row.rounds.flatMap((own) => {
     const other = base.rounds.find(({ round }) => round === own.round);

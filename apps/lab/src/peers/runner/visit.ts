@@ -13,7 +13,7 @@ import type {
 } from '../page/protocol.ts';
 import type { SizePx } from './options.ts';
 
-/** Besides what any headless browser here gets: nothing in it may slow down a page in the background. */
+/** Besides the arguments of any headless browser here: no page slows down in the background. */
 const BROWSER_ARGS = [
   '--disable-renderer-backgrounding',
   '--disable-backgrounding-occluded-windows',
@@ -134,8 +134,9 @@ const SETTLE_ATTEMPTS = 12;
 const SETTLED_AFTER_MS = 600;
 
 /**
- * Waits on a blank page until a device and a WebGL context have lived for a while: on an NVIDIA H200 the GPU process can die
- * once, soon after the browser's start, and takes the first of both with it.
+ * Waits on a blank page until a device and a WebGL context have lived for a while: on an NVIDIA
+ * H200 the GPU process can die once, soon after the browser's start, and takes the first of both
+ * with it.
  */
 async function settleGpu(browser: Browser, blankUrl: string): Promise<void> {
   const context = await browser.newContext();
