@@ -6,7 +6,7 @@ import type {
   TimeSpread,
 } from '@websplatter/core/measure';
 
-/** What frames were measured and what they drew, in words. */
+/** The measured frames and their contents, in words. */
 export function frameFacts(
   { orbitDegrees, accuracyLabel }: { readonly orbitDegrees: number; readonly accuracyLabel: string },
   measurement: FrameMeasurement,

@@ -7,8 +7,9 @@ export interface LabelBox {
 }
 
 /**
- * The space for labels in a chart, with the places that points, lines and labels have taken. Each chart has its own places
- * to try and its own way to choose among them; this class computes what a place would cover.
+ * The space for labels in a chart, with the places that points, lines and labels have taken. Each
+ * chart has its own places to try and its own way to choose among them; this class computes what a
+ * place would cover.
  */
 export class LabelSpace {
   readonly #area: LabelBox;
@@ -27,7 +28,7 @@ export class LabelSpace {
     this.#taken.push(box);
   }
 
-  /** Area of `box` that covers taken boxes, summed over them, or lies outside; 0 if the place is free. */
+  /** Area of `box` that covers taken boxes, summed over them, or lies outside; 0 if free. */
   conflict(box: LabelBox): number {
     const covered = this.#taken.reduce((sum, other) => sum + overlapArea(box, other), 0);
     const outside = (box.right - box.left) * (box.bottom - box.top) - overlapArea(box, this.#area);

@@ -1,4 +1,4 @@
-/** Joins rows to lines, the cells of each column at one width: the first `leftAligned` columns begin in line, the others end. */
+/** Joins rows to lines, in columns: the first `leftAligned` to the left, others to the right. */
 export function alignedColumns(rows: readonly (readonly string[])[], leftAligned: number): string[] {
   const widths = rows[0].map((_, column) => Math.max(...rows.map((row) => row[column].length)));
   return rows.map((row) =>

@@ -24,7 +24,7 @@ export interface BuiltinScene {
 }
 
 const UP = [0, 1, 0] as const;
-/** Far plane beyond the sky, which is 110 m from the table, wherever the camera stands on the terrace. */
+/** Far plane beyond the sky, 110 m from the table, for cameras anywhere on the terrace. */
 const FAR_M = 400;
 const NEAR_M = 0.02;
 
@@ -51,9 +51,10 @@ export const stillLifeCameras: readonly SceneCamera[] = [
 ];
 
 /**
- * A table laid outdoors on a late afternoon: a glazed vase of pampas plumes, a jade bowl of fruit, a glass bottle, a steel ball, a
- * loaf and a linen runner, with hills and sky around. Metres, y up, the table's top at y = 0, about 1.2 m across; the sky is 110 m
- * away. Light is baked into spherical harmonics of degree 3. The small one is for software adapters, which need seconds for a
+ * A table laid outdoors on a late afternoon: a glazed vase of pampas plumes, a jade bowl of fruit,
+ * a glass bottle, a steel ball, a loaf and a linen runner, with hills and sky around. Metres, y up,
+ * the table's top at y = 0, about 1.2 m across; the sky is 110 m away. Light is baked into
+ * spherical harmonics of degree 3. The small one is for software adapters, which need seconds for a
  * frame of the other.
  */
 export const builtinScenes: readonly BuiltinScene[] = [

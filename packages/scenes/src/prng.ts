@@ -1,6 +1,7 @@
 /**
- * A small seeded random-number generator: a 32-bit Weyl sequence through an avalanche mix. `Math.random` cannot be
- * seeded, and a scene has to be the same on every machine for its images to be compared.
+ * A small seeded random-number generator: a 32-bit Weyl sequence through an avalanche mix.
+ * `Math.random` cannot be seeded, and a scene has to be the same on every machine for its images to
+ * be compared.
  */
 export class Prng {
   #state: number;
@@ -22,8 +23,8 @@ export class Prng {
   }
 
   /**
-   * Approximately normal, mean 0 and standard deviation 1, never beyond ±3.5: a sum of four uniforms, whose bounded
-   * tails keep a log-normal scale from producing a stray giant.
+   * Approximately normal, mean 0 and standard deviation 1, never beyond ±3.5: a sum of four
+   * uniforms, whose bounded tails keep a log-normal scale from producing a stray giant.
    */
   gaussian(): number {
     const sum = this.next() + this.next() + this.next() + this.next();
@@ -39,7 +40,7 @@ function mix32(value: number): number {
   return (bits ^ (bits >>> 16)) >>> 0;
 }
 
-/** A seed for one named part, so that changing one part of a scene leaves the random numbers of the others alone. */
+/** A seed for one named part: a change of one part leaves the random numbers of others alone. */
 export function seedFor(seed: number, name: string): number {
   let hash = mix32(seed);
   for (let i = 0; i < name.length; i++) hash = mix32(hash ^ Math.imul(name.charCodeAt(i) + i, 0x01000193));

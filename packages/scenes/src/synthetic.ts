@@ -18,7 +18,7 @@ export interface SyntheticOptions {
   readonly shDegree?: ShDegree;
 }
 
-/** From where the measured frames of a synthetic scene are seen; nothing stands in the way of an orbit from here. */
+/** Camera of a synthetic scene's measured frames; nothing stands in the way of an orbit. */
 export const syntheticCamera: SceneCamera = {
   name: 'front',
   position: [0.6, 2.2, 6.4],
@@ -33,9 +33,10 @@ export const syntheticCamera: SceneCamera = {
 const PIECE_SPLATS = 16_384;
 
 /**
- * Streams a PLY of random splats that costs a renderer what a captured scene of as many would: for measurements, not for the eye.
- * Only the piece that is being read is held in memory, so that the largest scene needs no more than the smallest. Metres, y up:
- * an object 2.4 m across, clumps around it, ground out to 12 m, and a dome at 40 to 80 m.
+ * Streams a PLY of random splats that costs a renderer what a captured scene of as many would: for
+ * measurements, not for the eye. Only the piece that is being read is held in memory, so that the
+ * largest scene needs no more than the smallest. Metres, y up: an object 2.4 m across, clumps
+ * around it, ground out to 12 m, and a dome at 40 to 80 m.
  *
  * @throws RangeError if `splats` is not a whole number in range.
  */
@@ -186,7 +187,7 @@ const KINDS: readonly Kind[] = [
   },
 ];
 
-/** Standard deviation of the coefficients by band from 1 on; most of it is common to red, green and blue. */
+/** Standard deviation of the coefficients by band from 1; mostly common to all colours. */
 const BAND_DEVIATIONS = [0.14, 0.07, 0.035] as const;
 /** Natural logarithm of a splat's width, in terms of what its share of the surface needs. */
 const COVERAGE = Math.log(0.5);
@@ -276,7 +277,7 @@ function direction(prng: Prng, out: Vector): void {
   set(out, radius * Math.cos(angle), y, radius * Math.sin(angle));
 }
 
-/** Writes axes for a flat splat that faces `normal`, turned about it by `angle`: x and y in its plane, z across. */
+/** Writes axes for a flat splat that faces `normal`, turned about it by `angle`: z along it. */
 function orient(normal: Vector, angle: number, frame: Float64Array): void {
   const length = Math.hypot(...normal);
   const [nx, ny, nz] = [normal[0] / length, normal[1] / length, normal[2] / length];

@@ -2,7 +2,7 @@ import type { Camera } from '../data/camera/camera.ts';
 import { type Mat4, multiply4 } from '../data/math/mat4.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
 
-/** View depth of the pivot: the middle of the bounds, but never nearer than a fifth of their extent. */
+/** View depth of the pivot: the middle of the bounds, at least a fifth of their extent away. */
 export function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds): number {
   const middle = [0, 1, 2].map((axis) => (min[axis] + max[axis]) / 2);
   const extent = Math.hypot(...[0, 1, 2].map((axis) => max[axis] - min[axis]));
@@ -11,8 +11,9 @@ export function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds
 }
 
 /**
- * Turns the scene in front of `camera` about the point of its line of sight at view depth `depth`: about the image's y axis, then
- * about its x axis, in radians. The camera ends up at `distanceFactor` times its distance from that point.
+ * Turns the scene in front of `camera` about the point of its line of sight at view depth `depth`:
+ * about the image's y axis, then about its x axis, in radians. The camera ends up at
+ * `distanceFactor` times its distance from that point.
  */
 export function turnedAboutPivot(
   camera: Camera,

@@ -38,8 +38,8 @@ const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
 };
 
 /**
- * Lists the base, the presets, the paper's ablations if `withAblations`, and the base with one setting of `names` changed at
- * a time. Equal settings occur once, under the first of their names.
+ * Lists the base, the presets, the paper's ablations if `withAblations`, and the base with one
+ * setting of `names` changed at a time. Equal settings occur once, under the first of their names.
  *
  * @param withPalettes whether harmonics as a palette are one of them.
  * @throws InvalidArgumentError for an unknown setting.

@@ -24,12 +24,14 @@ export interface AccuracyChoice {
 const KEPT_OVERRUN = 0.05;
 
 /**
- * Measures, and chooses the settings that meet the target: the fastest that are accurate enough, or the most accurate that are
- * fast enough. If none meets it, chooses the closest.
+ * Measures, and chooses the settings that meet the target: the fastest that are accurate enough, or
+ * the most accurate that are fast enough. If none meets it, chooses the closest.
  *
- * @param options as for `measureAccuracy`: with `sampleCameras` the target is met from all sides, since the worst camera
- * counts. `previous`: the last choice; it stays unless the measurement shows that another is better.
- * @throws InvalidArgumentError for a target that is no positive number; errors of `measureAccuracy`.
+ * @param options as for `measureAccuracy`: with `sampleCameras` the target is met from all sides,
+ * since the worst camera counts. `previous`: the last choice; it stays unless the measurement shows
+ * that another is better.
+ * @throws InvalidArgumentError for a target that is no positive number; errors of
+ * `measureAccuracy`.
  */
 export async function chooseAccuracy(
   engine: MeasuredEngine,
@@ -43,7 +45,7 @@ export async function chooseAccuracy(
 /**
  * Chooses settings from a finished measurement, as `chooseAccuracy` does.
  *
- * @param previous the last choice, if it should stay unless the measurement shows that another is better.
+ * @param previous the last choice, if it should stay unless the measurement shows a better one.
  */
 export function chooseFrom(
   table: AccuracyTable,
@@ -64,7 +66,7 @@ export function chooseFrom(
 }
 
 function meets({ error, timeMs }: AccuracyPoint, target: AccuracyTarget): boolean {
-  // The whole interval must meet the time: with the median alone, the verdict would flip in every other measurement.
+  // The whole interval must meet the time: by the median, the verdict would flip half the time.
   return 'minPsnrDb' in target ? error.psnrDb >= target.minPsnrDb : timeMs.total.high <= target.maxFrameMs;
 }
 
@@ -75,7 +77,7 @@ function closest(points: readonly AccuracyPoint[], target: AccuracyTarget): Accu
   return points.filter(({ error }) => error.psnrDb === highest);
 }
 
-/** Returns the most accurate of the `indistinguishable` points: errors, unlike times, are the same in every measurement. */
+/** Returns the most accurate `indistinguishable` point: errors, unlike times, do not vary. */
 function fastest(points: readonly AccuracyPoint[]): AccuracyPoint {
   return mostAccurate(indistinguishable(points));
 }

@@ -16,9 +16,10 @@ export const MAX_COMBINATIONS = MAX_FASTER + MAX_FINER;
 const MIN_SAVING = 0.02;
 
 /**
- * Combines changes of single settings if the result promises to lie on the front: one after the other, those that save the
- * most time for their error, and likewise those that gain the most accuracy for their time. Assumes that squared errors and
- * times add up; the combinations themselves are measured afterwards.
+ * Combines changes of single settings if the result promises to lie on the front: one after the
+ * other, those that save the most time for their error, and likewise those that gain the most
+ * accuracy for their time. Assumes that squared errors and times add up; the combinations
+ * themselves are measured afterwards.
  *
  * @param singles candidates that differ from the base in one setting.
  * @returns the changes of each combination: two settings or more, no combination twice.
@@ -40,7 +41,7 @@ export function combineChanges(base: FirstLook, singles: readonly FirstLook[]): 
   return [...cumulated(faster, MAX_FASTER), ...cumulated(finer, MAX_FINER)];
 }
 
-/** Joins the best change with the next best of another setting, and so on; the best alone has been measured already. */
+/** Joins the best change, measured already, with the next best of another setting, and so on. */
 function cumulated(
   changes: readonly { readonly look: FirstLook; readonly merit: number }[],
   limit: number,

@@ -32,8 +32,9 @@ export interface CompareContext {
 }
 
 /**
- * Compares two layers of premultiplied RGBA on the GPU. The result is that of `compareImages` for the two layers read back,
- * as `raw`, except for the rounding of float32. The percentile lies within 1/256 of its own value.
+ * Compares two layers of premultiplied RGBA on the GPU. The result is that of `compareImages` for
+ * the two layers read back, as `raw`, except for the rounding of float32. The percentile lies
+ * within 1/256 of its own value.
  *
  * Submits before it returns, so that later drawing into the textures makes no difference.
  *
@@ -90,7 +91,7 @@ export async function compareTextures(
   }
 }
 
-/** @param tiles a `CompareTile` per tile; @param counts number of errors by size, except errors of 0. */
+/** @param tiles a `CompareTile` per tile; @param counts number of errors by size, without zeros. */
 function differenceOf(
   tiles: DataView,
   counts: Uint32Array,

@@ -6,11 +6,12 @@ import { compareTextures } from './compare-textures.ts';
 import type { ComparedView } from './measured-engine.ts';
 
 /**
- * Compares the last images of two views of the same engine on the GPU: only numbers are read back, so it takes milliseconds
- * at any size.
+ * Compares the last images of two views of the same engine on the GPU: only numbers are read back,
+ * so it takes milliseconds at any size.
  *
  * @param background colour behind both, 0…1; default black.
- * @throws InvalidArgumentError if a view has no image yet or the sizes differ, NonFiniteImageError, DestroyedError.
+ * @throws InvalidArgumentError if a view has no image yet or the sizes differ, NonFiniteImageError,
+ * DestroyedError.
  */
 export async function compareViews(
   actual: ComparedView,

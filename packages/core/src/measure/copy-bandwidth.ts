@@ -6,7 +6,7 @@ import { timeSpread } from './time-spread.ts';
 
 /** Options of `measureCopyBandwidth`. */
 export interface CopyBandwidthOptions {
-  /** Bytes of each copy, a multiple of 16; default 256 MiB, which is more than the caches of today's GPUs hold. */
+  /** Bytes of each copy, a multiple of 16; default 256 MiB, more than caches of today's GPUs. */
   readonly bytes?: number;
   /** Samples whose median counts; default 7. */
   readonly samples?: number;
@@ -14,14 +14,16 @@ export interface CopyBandwidthOptions {
 
 const DEFAULT_BYTES = 256 * 2 ** 20;
 const DEFAULT_SAMPLES = 7;
-/** A sample repeats the copy until it takes this long: far longer than a submission and the answer to it vary. */
+/** A sample repeats the copy for this long: far longer than submissions and their answers vary. */
 const SAMPLE_MS = 50;
 const MOST_COPIES = 2 ** 13;
 
 /**
- * Measures how many bytes per second the device moves when a shader copies one large buffer into another: bytes read plus bytes
- * written. The device's own command for copies moved a quarter of that on an H200. Allocates two buffers of that size and frees them. Measured by the wall clock, so that devices without timestamps
- * can be compared: a sample of one copy is taken off each sample of many, and what both spend besides copying drops out.
+ * Measures how many bytes per second the device moves when a shader copies one large buffer into
+ * another: bytes read plus bytes written. The device's own command for copies moved a quarter of
+ * that on an H200. Allocates two buffers of that size and frees them. Measured by the wall clock,
+ * so that devices without timestamps can be compared: a sample of one copy is taken off each sample
+ * of many, and what both spend besides copying drops out.
  *
  * @throws GpuLimitError if there is no memory for them.
  */

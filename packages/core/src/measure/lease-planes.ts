@@ -9,15 +9,16 @@ export interface LeasedPlanes {
   /** Sentences that say why precisions are missing. */
   readonly notes: readonly string[];
   /**
-   * Releases the measurement's leases. Each cloud's own lease then also claims `kept`, or the nearest precision to it among
-   * the measured planes.
+   * Releases the measurement's leases. Each cloud's own lease then also claims `kept`, or the
+   * nearest precision to it among the measured planes.
    */
   release(kept: CloudPrecision | null): Promise<void>;
 }
 
 /**
- * Leases the precisions of all `settings`, the finest first, since the others are made of it. Precisions that cannot be made,
- * because a cloud's source is gone or memory does not suffice, are skipped and get a note.
+ * Leases the precisions of all `settings`, the finest first, since the others are made of it.
+ * Precisions that cannot be made, because a cloud's source is gone or memory does not suffice, are
+ * skipped and get a note.
  *
  * @throws DestroyedError, the reason of `signal`; on failure nothing stays leased.
  */

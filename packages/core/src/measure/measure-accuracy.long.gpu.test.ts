@@ -21,7 +21,7 @@ import { measureTarget } from './measure-target.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
-// As small as possible: SwiftShader takes a second for some frames of the whole scene, and a measurement draws hundreds.
+// Small: SwiftShader takes a second for frames of the whole scene, and hundreds are measured.
 const SIZE = { widthPx: 24, heightPx: 24 };
 const SPLATS = 1000;
 
@@ -113,17 +113,18 @@ describe('measureAccuracy', () => {
 
   gpuTest('two measurements rank points alike if their intervals do not overlap', async ({ skip }) => {
     if (!isFull) skip('set WEBSPLATTER_FULL=1');
-    // A hundred of the splats are in sight, so that drawing all that are near takes three times as long: there is a
-    // difference to find, and a frame takes milliseconds.
+    // A hundred of the splats are in sight, so that drawing all that are near takes three times as
+    // long: there is a difference to find, and a frame takes milliseconds.
     const camera = perspectiveCamera({ ...stillLifeCameras[0], fovYDegrees: 4, aspect: 1 });
     const options = {
       ...common,
       cameras: [camera],
       settings: ['culling'],
       combinations: false,
-      // Six visits. Other work of this machine slows the frames of a visit together, so with few visits it could set points
-      // apart that take equally long. With six it has to slow five of one point and spare five of the other, and then, in
-      // the second measurement, the other way round.
+      // Six visits. Other work of this machine slows the frames of a visit together, so with few
+      // visits it could set points apart that take equally long. With six it has to slow five of
+      // one point and spare five of the other, and then, in the second measurement, the other way
+      // round.
       frames: 18,
     };
     const [first, second] = [await measureAccuracy(engine, options), await measureAccuracy(engine, options)];
@@ -137,7 +138,7 @@ describe('measureAccuracy', () => {
         .map((b) => `${a.name} before ${b.name}, then after it`),
     );
     expect(contradictions).toEqual([]);
-    // Nor do they miss every difference: slower points have longer times. A busy machine moves the lower ends least.
+    // They find differences too: slower points take longer. Load moves the lower ends least.
     const leastMs = (name: string) =>
       Math.min(
         ...[first, second].map(({ points }) => points.find((each) => each.name === name)!.timeMs.total.low),

@@ -21,16 +21,22 @@ import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
-/** What `measureAccuracy` draws, and which settings it tries. */
+/** Scene and settings of `measureAccuracy`. */
 export interface MeasureAccuracyOptions {
-  /** The clouds to draw, in a frame's order. Views may show them at the same time: measuring draws its own frames. */
+  /**
+   * The clouds to draw, in a frame's order. Views may show them at the same time: measuring draws
+   * its own frames.
+   */
   readonly clouds: readonly CloudInstance[];
-  /** At least one. If there are several, the worst counts: the largest error, and the time of the slowest. */
+  /** At least one. The worst of several counts: the largest error, and the time of the slowest. */
   readonly cameras: readonly Camera[];
   /** Whole numbers from 1, pixels. */
   readonly widthPx: number;
   readonly heightPx: number;
-  /** What splats are sorted by, as in `FrameRequest`: give what the frames have that are measured for. Default `auto`. */
+  /**
+   * Sort key of splats, as in `FrameRequest`: give that of the frames that this measures for.
+   * Default `auto`.
+   */
   readonly sortBy?: FrameRequest['sortBy'];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
@@ -40,14 +46,18 @@ export interface MeasureAccuracyOptions {
   readonly ablations?: boolean;
   /** Whether to also combine changes that pay; default true. */
   readonly combinations?: boolean;
-  /** Measured frames per point and camera, default 15. Fewer than 6 give no 95 % interval: it then spans all values. */
+  /**
+   * Measured frames per point and camera, default 15. Fewer than 6 give no 95 % interval: it then
+   * spans all values.
+   */
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
   /**
-   * Takes the points that have been timed so far, each time that there is more to tell: what to keep of a measurement that is
-   * ended. Times of few frames have wide intervals, and points may leave the front as others are timed.
+   * Takes the points that have been timed so far, whenever there are more: the results to keep of a
+   * cancelled measurement. Times of few frames have wide intervals, and points may leave the front
+   * as others are timed.
    */
   readonly onTable?: (table: AccuracyTable) => void;
 }
@@ -68,7 +78,10 @@ export interface AccuracyPoint {
   readonly settings: AccuracySettings;
   /** Names of the settings that differ from the base. */
   readonly changed: readonly SettingName[];
-  /** Error against the reference, over black, values clamped to 0…1; `psnrDb` is Infinity for equal images. */
+  /**
+   * Error against the reference, over black, values clamped to 0…1; `psnrDb` is Infinity for equal
+   * images.
+   */
   readonly error: ImageDifference;
   readonly timeMs: {
     /** Null if only the wall clock is known. */
@@ -77,21 +90,21 @@ export interface AccuracyPoint {
     readonly rasterize: TimeSpread | null;
     readonly total: TimeSpread;
   };
-  /** What drew the measured frames: both, if it changed meanwhile or differs between cameras. */
+  /** Rasterisers of the measured frames: both, if it changed or differs between cameras. */
   readonly rasterizers: readonly FrameRasterizer[];
-  /** Whether no other point is both more accurate and faster, as far as the times can be told apart. */
+  /** Whether no other point is both more accurate and faster, as far as times can be told apart. */
   readonly isOnFront: boolean;
   /** GPU memory of the clouds in these precisions and of one view. */
   readonly bytes: number;
   readonly notes: readonly string[];
 }
 
-/** What `measureAccuracy` found: error, time and memory of each setting tried. */
+/** Result of `measureAccuracy`: error, time and memory of each setting tried. */
 export interface AccuracyTable {
   /** The base first, then presets, single changes and combinations. */
   readonly points: readonly AccuracyPoint[];
   readonly base: AccuracySettings;
-  /** What errors are measured against: the preset `reference`, as far as the device and the clouds support it. */
+  /** The images behind the errors: preset `reference`, as far as device and clouds support it. */
   readonly reference: { readonly settings: AccuracySettings; readonly notes: readonly string[] };
   /** Notes about settings that were skipped, and about all points. */
   readonly notes: readonly string[];
@@ -114,17 +127,18 @@ const DEFAULT_FRAMES = 15;
 const FRAMES_PER_VISIT = 3;
 
 /**
- * Measures cost and error of settings, for these clouds and cameras: milliseconds per stage, and the error against the
- * reference, computed on the GPU at full size.
+ * Measures cost and error of settings, for these clouds and cameras: milliseconds per stage, and
+ * the error against the reference, computed on the GPU at full size.
  *
- * Points take turns, a few frames each (A B C, C B A, …), so that a GPU that warms up or is shared slows all of them
- * alike. One view at a time is measured, next to one that holds the reference: the memory needed does not grow with the
- * number of points. The clouds are leased in every precision that is compared, which may require reading their sources
- * again; afterwards they hold the same planes as before. Other work of the page goes on between frames; its GPU work is
+ * Points take turns, a few frames each (A B C, C B A, …), so that a GPU that warms up or is shared
+ * slows all of them alike. One view at a time is measured, next to one that holds the reference:
+ * the memory needed does not grow with the number of points. The clouds are leased in every
+ * precision that is compared, which may require reading their sources again; afterwards they hold
+ * the same planes as before. Other work of the page goes on between frames; its GPU work is
  * measured with the rest.
  *
- * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the reference; the reason of
- * `signal`.
+ * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the
+ * reference; the reason of `signal`.
  */
 export async function measureAccuracy(
   engine: MeasuredEngine,
@@ -139,9 +153,9 @@ export async function measureAccuracy(
 }
 
 /**
- * Returns how many steps `measureAccuracy` takes with these options, at most: `total` of its first progress. Settings that the
- * device or the clouds cannot show take none. From the time of one measurement, that of another follows, roughly: steps are of
- * about the same length.
+ * Returns how many steps `measureAccuracy` takes with these options, at most: `total` of its first
+ * progress. Settings that the device or the clouds cannot show take none. From the time of one
+ * measurement, that of another follows, roughly: steps are of about the same length.
  *
  * @throws InvalidArgumentError for an unknown setting.
  */
@@ -154,7 +168,7 @@ export function countMeasureSteps(
   return stepsOf(options, candidatesFor(options).length);
 }
 
-/** Steps for this number of presets, ablations and single changes, and the most for combinations of them. */
+/** Steps for these presets, ablations and single changes, and the most for combinations. */
 function stepsOf(
   { cameras, combinations = true, frames = DEFAULT_FRAMES }: Parameters<typeof countMeasureSteps>[0],
   candidates: number,
@@ -183,7 +197,8 @@ function candidatesFor({
  * Measures as `measureAccuracy` does, but lets the clouds keep a precision.
  *
  * @param conclude makes the result from the table.
- * @param keep returns the precision that the clouds keep of those made for the measurement; null: none.
+ * @param keep returns the precision that the clouds keep of those made for the measurement; null
+ * for none.
  */
 export async function measureThen<Result>(
   engine: MeasuredEngine,
@@ -290,7 +305,7 @@ class Measurement {
     };
   }
 
-  /** Whether the device and the clouds can show what the candidate changes; if not, a note says why. */
+  /** Whether the device and the clouds can show the candidate's change; if not, a note says why. */
   #isPossible({ name, settings, changed }: Candidate): boolean {
     const leaveOut = (why: string) => {
       this.#notes.push(`${name} is left out: ${why}`);
@@ -306,7 +321,7 @@ class Measurement {
     return true;
   }
 
-  /** Measures errors over all cameras, the worst of each kind; leaves out candidates with non-finite images, with a note. */
+  /** Measures the worst error of each kind over all cameras; notes and omits non-finite images. */
   async #measureErrors(candidates: readonly Candidate[]): Promise<Measured[]> {
     const errors = new Map<Candidate, ImageDifference[]>(candidates.map((each) => [each, []]));
     const bytes = new Map<Candidate, number>();

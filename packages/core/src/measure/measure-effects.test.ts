@@ -21,7 +21,7 @@ const PLACE_MS = 5;
 /** Additional time of the first frame with other effects. */
 const CHANGE_MS = 7;
 
-/** An engine whose frames take the time of their effects, and additional time that does not depend on them. */
+/** An engine whose frames take the time of their effects, and more that does not depend on them. */
 function fakeEngine(): SplatEngine {
   let framesDrawn = 0;
   let viewsMade = 0;

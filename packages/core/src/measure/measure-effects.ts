@@ -9,11 +9,11 @@ import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
-/** What `measureEffects` draws, and how often. */
+/** Frame and repetitions of `measureEffects`. */
 export interface MeasureEffectsOptions {
   /**
-   * Pairs of counted frames per effect, with it and without, default 15; half as many again are drawn and not counted. Fewer
-   * than 6 pairs give no 95 % interval: see `TimeSpread`.
+   * Pairs of counted frames per effect, with it and without, default 15; half as many again are
+   * drawn and not counted. Fewer than 6 pairs give no 95 % interval: see `TimeSpread`.
    */
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
@@ -26,8 +26,9 @@ export interface EffectCost {
   /** The effect's name in the ledger. */
   readonly name: string;
   /**
-   * Time of a frame with the effect minus that of one without it, in milliseconds of the whole frame; below 0 if the effect
-   * saves more than it takes. If `low` and `high` are on either side of 0, the two cannot be told apart.
+   * Time of a frame with the effect minus that of one without it, in milliseconds of the whole
+   * frame; below 0 if the effect saves more than it takes. If `low` and `high` are on either side
+   * of 0, the two cannot be told apart.
    */
   readonly costMs: Pick<TimeSpread, 'median' | 'low' | 'high'>;
 }
@@ -35,14 +36,17 @@ export interface EffectCost {
 const DEFAULT_FRAMES = 15;
 
 /**
- * Measures the cost of each effect in `frame` by drawing the frame with the effect and without, A B, B A, A B, …, in one view
- * of its own; other work of the page goes on between frames. Where buffers and textures lie in memory can change the time of
- * a frame by more than an effect does, so both kinds use the same ones and only other shaders. The first frame after each
- * change is not counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame has read.
+ * Measures the cost of each effect in `frame` by drawing the frame with the effect and without, A
+ * B, B A, A B, …, in one view of its own; other work of the page goes on between frames. Where
+ * buffers and textures lie in memory can change the time of a frame by more than an effect does, so
+ * both kinds use the same ones and only other shaders. The first frame after each change is not
+ * counted: its parameters may be in a new buffer, and caches hold data that the other kind of frame
+ * has read.
  *
- * Measures, in the ledger's order, the requested effects, and the automatic features that a frame can do without (`harmonics`,
- * `isotropic`). If `frame` has a target, the engine's settings are measured. An effect
- * that moves splats may lengthen sort keys, which takes new buffers: only then do the two kinds of frames not share theirs.
+ * Measures, in the ledger's order, the requested effects, and the automatic features that a frame
+ * can do without (`harmonics`, `isotropic`). If `frame` has a target, the engine's settings are
+ * measured. An effect that moves splats may lengthen sort keys, which takes new buffers: only then
+ * do the two kinds of frames not share theirs.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */
@@ -70,7 +74,7 @@ export async function measureEffects(
         signal?.throwIfAborted();
         const done = index * frames + pair;
         onProgress?.({ done, total: comparisons.length * frames, label: `Timing ${entry.label}` });
-        // Alternate the order, so that drift slows the first and the second of a pair equally often.
+        // Alternate the order, so that drift slows first and second of a pair equally often.
         let withoutMs = pair % 2 === 0 ? null : await frameTimer.timeMs(comparison.without);
         const withMs = await frameTimer.timeMs(comparison.with);
         withoutMs ??= await frameTimer.timeMs(comparison.without);

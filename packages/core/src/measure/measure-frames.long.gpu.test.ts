@@ -87,7 +87,8 @@ describe('measureFrames', () => {
         if (bytesPerSecond !== null) expect(bytesPerSecond).toBeCloseTo(moved / (timeMs.median / 1000), -3);
       }
       const project = passes!.find(({ stage }) => stage === 'project')!;
-      // By splat: its number, 32 bytes of geometry, 2 + 24 of harmonics in 7 words; a record of 32 and a key. By chunk: 8 bytes.
+      // By splat: its number, 32 bytes of geometry, 2 + 24 of harmonics in 7 words; a 32-byte
+      // record and a key. By chunk: 8 bytes.
       const chunkBytes = 8 * Math.ceil(900 / CHUNK_SPLATS);
       expect(project.bytes!.read).toBe(visibleSplats.median * (4 + 32 + 28) + chunkBytes);
       expect(project.bytes!.written).toBe(visibleSplats.median * (32 + 4));

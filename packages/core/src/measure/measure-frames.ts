@@ -13,7 +13,7 @@ import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
 
-/** What `measureFrames` draws, and how often. */
+/** Scene and repetitions of `measureFrames`. */
 export interface MeasureFramesOptions
   extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'sortBy'> {
   /** One camera per measured frame, each unlike the one before: see `orbitCameras`. */
@@ -32,7 +32,7 @@ export interface FrameSpread extends TimeSpread {
   readonly standardDeviation: number;
 }
 
-/** What one stage of a part of a frame takes. */
+/** Cost of one stage of a part of a frame. */
 export interface PassCost {
   /** Label of the pass that it belongs to in frames that are not profiled, e.g. `pre-process`. */
   readonly part: string;
@@ -42,9 +42,15 @@ export interface PassCost {
   readonly dispatches: number;
   /** Milliseconds of all of them, per frame. */
   readonly timeMs: TimeSpread;
-  /** Bytes per frame that they must move at the least, medians over the frames: see `leastBytes`. Null where nothing is known. */
+  /**
+   * Least bytes per frame that they must move, medians over the frames: see `leastBytes`. Null if
+   * unknown.
+   */
   readonly bytes: PassBytes | null;
-  /** Those bytes per second of the median time; null where none are counted, or the time is too short for the GPU's clock. */
+  /**
+   * Those bytes per second of the median time; null if unknown, or if the time is too short for the
+   * GPU's clock.
+   */
   readonly bytesPerSecond: number | null;
 }
 
@@ -55,7 +61,7 @@ export interface CountSpread {
   readonly most: number;
 }
 
-/** What frames of a scene take on one device. */
+/** Times, bytes and memory of a scene's frames on one device. */
 export interface FrameMeasurement {
   readonly adapter: string;
   readonly settings: AccuracySettings;
@@ -70,21 +76,22 @@ export interface FrameMeasurement {
   readonly visibleSplats: CountSpread;
   /** Pairs of a visible splat and a bin; null where quads draw. */
   readonly tilePairs: CountSpread | null;
-  /** What timed the frames; by the wall clock, only `wallClockMs` is known. */
+  /** The clock of the frames; by the wall clock, only `wallClockMs` is known. */
   readonly timing: FrameStatistics['timing']['source'];
   /** GPU time from the first pass of a frame to the last; null without timestamps. */
   readonly gpuMs: FrameSpread | null;
-  /** From submission to completion, by the CPU's clock; no frame begins before the last is complete. */
+  /** From submission to completion, by the CPU's clock; frames never overlap. */
   readonly wallClockMs: FrameSpread;
   /** GPU time of each stage; null without timestamps. */
   readonly stageMs: Readonly<Record<'preprocess' | 'sort' | 'rasterize', FrameSpread>> | null;
   /**
-   * Each stage by itself, in the order of the frame, from as many further frames of the same cameras; null without timestamps.
-   * The GPU pauses between passes: their sum exceeds the time of the undivided frame. Browsers round timestamps, to about a
-   * tenth of a millisecond, unless they are told not to.
+   * Each stage by itself, in the order of the frame, from as many further frames of the same
+   * cameras; null without timestamps. The GPU pauses between passes: their sum exceeds the time of
+   * the undivided frame. Browsers round timestamps, to about a tenth of a millisecond, unless they
+   * are told not to.
    */
   readonly passes: readonly PassCost[] | null;
-  /** Bytes per second, read and written together, that the device moves when it copies large buffers. */
+  /** Bytes per second, read plus written, that the device moves when it copies large buffers. */
   readonly copyBytesPerSecond: number;
   /** Memory of the engine while it held the whole frames. */
   readonly memory: GpuMemoryReport;
@@ -98,12 +105,13 @@ const WARM_UP_FRAMES = 3;
 const CHOICE_FRAMES = 30;
 
 /**
- * Measures what frames take on this device: whole, and each pass by itself with the bytes that it must move. Draws in a view of
- * its own, one frame after another; each is complete before the next begins, and other tasks of the thread run in between.
- * Every frame is culled, sorted and drawn anew.
+ * Measures what frames take on this device: whole, and each pass by itself with the bytes that it
+ * must move. Draws in a view of its own, one frame after another; each is complete before the next
+ * begins, and other tasks of the thread run in between. Every frame is culled, sorted and drawn
+ * anew.
  *
- * Where the settings leave the rasteriser open, the faster one is found first, and draws all measured frames. All cameras are
- * drawn once before any is measured.
+ * Where the settings leave the rasteriser open, the faster one is found first, and draws all
+ * measured frames. All cameras are drawn once before any is measured.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */
@@ -192,7 +200,7 @@ async function drawFrames(
   }
   const { rasterizer, reason } = view.rasterizer;
   settings = engine.resolveAccuracy({ ...settings, rasterizer }).settings;
-  // Once around with the settled choice: what grows on the way has grown then.
+  // Once around with the settled choice, so that all buffers have grown.
   for (const camera of cameras) {
     step('Going around');
     await drawMeasured(engine, view, frame(camera));
@@ -230,7 +238,7 @@ async function withProfile(view: MeasuredView, use: (profile: FrameProfile) => P
 
 type BytesOfFrame = ReturnType<typeof leastBytes>;
 
-/** Profiled frames have no statistics of their own: those of the same camera's whole frame hold for them too. */
+/** Profiled frames have no statistics of their own: the camera's whole frame has them. */
 function bytesOfFrames(
   view: MeasuredView,
   drawn: readonly FrameStatistics[],

@@ -8,9 +8,9 @@ import { type MeasureProgress, measureThen } from './measure-accuracy.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
 
-/** The fewest frames that give a 95 % interval: an application is waiting, and its own frames alternate with these. */
+/** The fewest frames with a 95 % interval: an application waits, and draws in between. */
 const FRAMES = 6;
-/** The paper's ablations draw the same image more slowly, so they never meet a target that other settings miss. */
+/** The paper's ablations draw the same image more slowly: no target needs them. */
 const ABLATED: readonly string[] = ['extent', 'culling'];
 const SETTINGS = Object.keys(ACCURACY_SETTINGS).filter((name) => !ABLATED.includes(name));
 
@@ -27,8 +27,9 @@ export interface TargetOptions {
 }
 
 /**
- * Measures the frame of a request, from its camera and from around it, and chooses the settings that meet the target or come
- * closest. Afterwards the clouds hold the planes for the choice in addition to those that they held before.
+ * Measures the frame of a request, from its camera and from around it, and chooses the settings
+ * that meet the target or come closest. Afterwards the clouds hold the planes for the choice in
+ * addition to those that they held before.
  *
  * @throws errors of `measureAccuracy`.
  */

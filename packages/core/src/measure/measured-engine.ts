@@ -26,7 +26,10 @@ export interface MeasuredEngine {
 /** The parts of a view that comparing needs; every `SplatView` has them. */
 export interface ComparedView {
   whenDrawn(): Promise<void>;
-  /** Returns the splats of its last image, in the space they were blended in; throws if the view cannot draw any more. */
+  /**
+   * Returns the splats of its last image, in the space of their blending; throws if the view can
+   * draw no more.
+   */
   blended(): { readonly context: CompareContext; readonly color: GPUTexture | null };
 }
 
@@ -37,7 +40,7 @@ export interface MeasuredView extends ComparedView {
   profile: FrameProfile | null;
   /** Shape of the last frame; null before the first. */
   readonly shape: FrameShape | null;
-  /** What draws, and why. */
+  /** The rasteriser, and the reason for it. */
   readonly rasterizer: { readonly rasterizer: FrameRasterizer; readonly reason: string };
   render(frame: FrameRequest): boolean;
   effects(): readonly EffectEntry[];

@@ -22,9 +22,10 @@ export async function withView<Result>(
 }
 
 /**
- * Draws `frame`, which must differ from the last one or be forced, and waits until it has been drawn and measured. Other
- * tasks of the thread run in the meantime. A frame that also drew a sample of the quads, which is no part of its image, is
- * drawn again, and so is one that quads drew because the tiles had no room yet.
+ * Draws `frame`, which must differ from the last one or be forced, and waits until it has been
+ * drawn and measured. Other tasks of the thread run in the meantime. A frame that also drew a
+ * sample of the quads, which is no part of its image, is drawn again, and so is one that quads drew
+ * because the tiles had no room yet.
  *
  * @throws DestroyedError if the engine or the device ends first.
  */

@@ -4,12 +4,15 @@ import type { Bounds } from '../data/packing/packed-cloud.ts';
 import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
 
 /**
- * Returns the cameras of `count` successive frames that go around the scene in front of `camera`, in even steps of less than the
- * `sweepDegrees` that they cover together, with `camera` in their middle. They look at one point of its line of sight, and turn
- * about the image's vertical. At 360° the last step leads back to the first camera.
+ * Returns the cameras of `count` successive frames that go around the scene in front of `camera`,
+ * in even steps of less than the `sweepDegrees` that they cover together, with `camera` in their
+ * middle. They look at one point of its line of sight, and turn about the image's vertical. At 360°
+ * the last step leads back to the first camera.
  *
- * @param bounds bounds of the scene, world space; for a single cloud without a model matrix `cloud.robustBounds`.
- * @throws InvalidArgumentError if `count` is not a whole number of at least 1, or `sweepDegrees` is not above 0 and at most 360.
+ * @param bounds bounds of the scene, world space; for a single cloud without a model matrix
+ * `cloud.robustBounds`.
+ * @throws InvalidArgumentError if `count` is not a whole number of at least 1, or `sweepDegrees` is
+ * not above 0 and at most 360.
  */
 export function orbitCameras(
   camera: Camera,

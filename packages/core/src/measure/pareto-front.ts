@@ -7,9 +7,9 @@ export interface Tradeoff {
 }
 
 /**
- * Returns the points that no other point beats in both accuracy and time, as far as the times can be told apart: from the
- * most accurate to the fastest, every further point must save time beyond the intervals. A saving that drowns in the spread
- * has not been measured.
+ * Returns the points that no other point beats in both accuracy and time, as far as the times can
+ * be told apart: from the most accurate to the fastest, every further point must save time beyond
+ * the intervals. A saving that drowns in the spread has not been measured.
  *
  * @returns the points on the front, most accurate first.
  */

@@ -1,7 +1,9 @@
 /** Spread of repeated measurements of one time, in milliseconds. */
 export interface TimeSpread {
   readonly median: number;
-  /** An interval that holds the true median with 95 % confidence, or all values if there are too few. */
+  /**
+   * An interval that holds the true median with 95 % confidence; all values if they are too few.
+   */
   readonly low: number;
   readonly high: number;
   /** 99th percentile, nearest rank. */
@@ -11,8 +13,9 @@ export interface TimeSpread {
 const CONFIDENCE = 0.95;
 
 /**
- * Returns median and spread of `values`, at least one. The interval runs between two of the sorted values and assumes nothing
- * about their distribution: the number of values below the true median is always binomial.
+ * Returns median and spread of `values`, at least one. The interval runs between two of the sorted
+ * values and assumes nothing about their distribution: the number of values below the true median
+ * is always binomial.
  */
 export function timeSpread(values: readonly number[]): TimeSpread {
   const sorted = [...values].sort((a, b) => a - b);
@@ -34,8 +37,9 @@ export function standardDeviation(values: readonly number[]): number {
 }
 
 /**
- * Returns how many of the least, and of the greatest, of `count` values lie outside the interval: as many as keep the chance
- * below (1 − CONFIDENCE)/2 that no more values than these lie below the true median.
+ * Returns how many of the least, and of the greatest, of `count` values lie outside the interval:
+ * as many as keep the chance below (1 − CONFIDENCE)/2 that no more values than these lie below the
+ * true median.
  */
 function outerRank(count: number): number {
   let chance = 0.5 ** count;
