@@ -27,11 +27,14 @@ export type HardCloud = HardSplats & {
   readonly modelMatrix?: ArrayLike<number>;
 };
 
-/** Bound on the difference from float64 for cases that the usual bound does not fit, and the reason. */
+/** Bound on the difference from float64 for cases unfit for the usual bound, and the reason. */
 export interface BoundException {
   /** PSNR of raw values over black, dB. */
   readonly minPsnrDb: number;
-  /** The same where the device blends halves by truncation (`truncatesHalves`), for cases that this tells in; dB. */
+  /**
+   * The same if the device blends halves by truncation (`truncatesHalves`), for cases where that
+   * shows; dB.
+   */
   readonly minPsnrTruncatedDb?: number;
   /** Why precision or definition allows no better; one sentence. */
   readonly cause: string;
@@ -55,15 +58,21 @@ export interface SceneCase extends HardCaseBase {
   readonly size?: { readonly widthPx: number; readonly heightPx: number };
   /** Splats that reading must drop, by reason, for cases given as files. */
   readonly dropped?: DropCounts;
-  /** Bounds in place of the usual ones, by preset. By default `reference` must reach 55 dB, and others are only reported. */
+  /**
+   * Bounds in place of the usual ones, by preset. By default `reference` must reach 55 dB, and
+   * others are only reported.
+   */
   readonly bounds?: Partial<Record<AccuracyPreset, BoundException>>;
   /** Most workgroups in one dimension of a dispatch; default the device's limit. */
   readonly maxWorkgroupsPerDimension?: number;
-  /** Number of frames that must agree in every bit, default 2; cases of ties use 100, and a second device with it. */
+  /**
+   * Number of frames that must agree in every bit, default 2; cases of ties use 100, and a second
+   * device too.
+   */
   readonly identicalFrames?: number;
   /**
-   * The threshold at which rounding may decide either way. Stages of such a case are checked apart from that decision,
-   * and its images are not compared.
+   * The threshold at which rounding may decide either way. Stages of such a case are checked apart
+   * from that decision, and its images are not compared.
    */
   readonly decidesAtThreshold?: string;
 }
@@ -85,14 +94,14 @@ export interface SortCase extends HardCaseBase {
   readonly maxWorkgroupsPerDimension?: number;
 }
 
-/** A scene on a device with fewer features and limits than it could have, checked like any scene case. */
+/** A scene on a device with fewer features and limits than possible, checked like a scene case. */
 export interface DeviceCase extends Omit<SceneCase, 'kind'> {
   readonly kind: 'device';
   /** Features that are not requested for the device, whose limits are WebGPU's defaults. */
   readonly without: readonly string[];
 }
 
-/** Arithmetic on offsets that would take more memory to run than there is: null if it holds, or a description of the flaw. */
+/** Arithmetic on offsets beyond a run's memory: null if it holds, or a description of the flaw. */
 export interface ArithmeticCase extends HardCaseBase {
   readonly kind: 'arithmetic';
   readonly check: () => string | null;

@@ -51,8 +51,8 @@ describe('hard case', () => {
 
   gpuTest('all of them within the budget on a software adapter', ({ skip }) => {
     if (!runner.isSoftware || casesRun < HARD_CASES.length) skip('needs every case, on a software adapter');
-    // Other programs on the machine lengthen the elapsed time, but not the processor time: left alone, the cases take no
-    // longer than either.
+    // Other programs on the machine lengthen the elapsed time, but not the processor time: left
+    // alone, the cases take no longer than either.
     expect(Math.min(elapsedMs, processorMs)).toBeLessThan(BUDGET_MS);
   });
 });

@@ -68,7 +68,7 @@ describe('without a remedy of the host, its case fails', () => {
   for (const { remedy, module, replace, caseName } of HOST_MUTATIONS) {
     gpuTest(remedy, async () => {
       const hardCase = HARD_CASES.find(({ name }) => name === caseName)!;
-      // Load the engine and the runner anew with the module replaced, but keep the reference renderer as it is.
+      // Load engine and runner anew with the module replaced, but keep the reference renderer.
       vi.resetModules();
       vi.doMock(module, async (importOriginal) => {
         const original = await importOriginal<Exports>();

@@ -10,7 +10,7 @@ export interface SplatValues {
   readonly opacityLogit?: number;
   /** r, g, b without the view-dependent part, sRGB-encoded, 0…1. */
   readonly color?: readonly number[];
-  /** 3K coefficients above degree 0 in ascending (degree, order), each as r, g, b; missing ones are 0. */
+  /** 3K coefficients above degree 0 in ascending (degree, order), each r, g, b; 0 if missing. */
   readonly shRest?: readonly number[];
 }
 
@@ -66,8 +66,8 @@ const WALL_ROWS = 8;
 const LOOSE_SPLATS = 16;
 
 /**
- * Makes the splats that surround a scene's hard splat, so that an error shows against their colours. No two have equal
- * depths for any camera, and all lie within ±6.
+ * Makes the splats that surround a scene's hard splat, so that an error shows against their
+ * colours. No two have equal depths for any camera, and all lie within ±6.
  */
 export function ordinarySplats(seed = 1): SplatValues[] {
   const random = seededRandom(seed);

@@ -3,7 +3,7 @@ import { CASE_RASTERIZERS, type HardCaseResult } from './run-result.ts';
 
 /** The program and the version of WebSplatter that run hard cases. */
 export interface ReportPlace {
-  /** What provides WebGPU: a browser's user agent, or `Node 20.20.2`. */
+  /** Provider of WebGPU: a browser's user agent, or `Node 20.20.2`. */
   readonly program: string;
   /** Version of `@websplatter/core`. */
   readonly version: string;
@@ -71,7 +71,7 @@ export function summaryLine(report: HardCaseReport): string {
   return `${passedLine(report)} in ${secondsOf(results).toFixed(1)} s (${places.join(', ')})`;
 }
 
-/** Formats a short report that people can paste: where the cases ran, how many passed, the worst figures, all failures. */
+/** Formats a short report to paste: where cases ran, how many passed, worst figures, failures. */
 export function textReport(report: HardCaseReport): string {
   const { adapter, isSoftware, isTruncating, features, program, version, commit, date, sizePx, results } =
     report;

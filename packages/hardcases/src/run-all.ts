@@ -18,7 +18,7 @@ export interface HardCasesOptions extends HardCaseRunnerOptions, Omit<HardCaseRu
 }
 
 /**
- * Runs hard cases one after the other on one GPU, in browsers, Node and Deno alike, and reports on them.
+ * Runs hard cases one by one on one GPU, in browsers, Node and Deno alike, and reports on them.
  *
  * @throws WebGpuUnavailableError if there is no adapter or no device.
  */

@@ -21,7 +21,7 @@ export async function requestAdapter(gpu: Pick<GPU, 'requestAdapter'>): Promise<
   return adapter;
 }
 
-/** A device that records its errors and loss, with its engines: all cases share what they have compiled. */
+/** A device that records its errors and loss, with its engines: cases share its pipelines. */
 export class WatchedDevice {
   readonly device: GPUDevice;
   readonly #errors: string[] = [];
@@ -80,7 +80,7 @@ export class WatchedDevice {
     return Math.min(limit, maxWorkgroupsPerDimension ?? limit);
   }
 
-  /** Waits until all submitted work is done, since errors are reported with it, and returns the errors since the last call. */
+  /** Waits for all submitted work, whose errors come with it; returns those since the last call. */
   async takeErrors(): Promise<string[]> {
     await Promise.race([this.device.queue.onSubmittedWorkDone(), this.device.lost]).catch(() => {});
     return this.#errors.splice(0);

@@ -12,8 +12,8 @@ import { type ImageResult, MIN_REFERENCE_PSNR_DB, type ResultBuilder } from './r
 import type { CaseFrame } from './run-stages.ts';
 
 /**
- * Presets whose images are compared with float64, the most exact first. Settings that only other presets have are covered
- * by tests of their own, so that the catalogue stays within its time.
+ * Presets whose images are compared with float64, the most exact first. Settings that only other
+ * presets have are covered by tests of their own, so that the catalogue stays within its time.
  */
 export const COMPARED_PRESETS: readonly AccuracyPreset[] = ['reference', 'high', 'balanced'];
 
@@ -68,7 +68,7 @@ export function firstDifference(a: Float32Array, b: Float32Array): number {
   return wordsA.findIndex((word, i) => word !== wordsB[i]);
 }
 
-/** Compares an image with the float64 one: it must be finite and, but for null, reach `minPsnrDb`. */
+/** Compares an image with float64's: it must be finite and reach `minPsnrDb`, unless null. */
 export function checkImage(
   minPsnrDb: number | null,
   preset: AccuracyPreset,
@@ -109,8 +109,8 @@ export function minPsnrOf(
   { kind, bounds }: Pick<SceneCase | DeviceCase, 'kind' | 'bounds'>,
   { preset, rasterizer, colorTarget, isTruncating }: ImageTarget,
 ): number | null {
-  // Where float32 cannot be blended, quads draw `reference` in halves, as they do `high`; tiles blend in registers. Cases
-  // about such devices are made so that halves suffice.
+  // Where float32 cannot be blended, quads draw `reference` in halves, as they do `high`; tiles
+  // blend in registers. Cases about such devices are made so that halves suffice.
   const isInHalves = rasterizer === 'quads' && colorTarget !== 'rgba32float' && kind === 'scene';
   const demanded = preset === 'reference' && isInHalves ? 'high' : preset;
   const bound = bounds?.[demanded];

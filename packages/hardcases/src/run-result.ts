@@ -5,7 +5,7 @@ import type { HardCaseGroup } from './hard-case.ts';
 /** Least PSNR against float64 at preset `reference`, dB on raw values over black. */
 export const MIN_REFERENCE_PSNR_DB = 55;
 
-/** Every image that has a bound is drawn by each of them and must keep it; images without one are drawn by the first. */
+/** Each draws every image with a bound, and must keep it; the first draws images without one. */
 export const CASE_RASTERIZERS: readonly FrameRasterizer[] = ['quads', 'tiles'];
 
 /** A field's largest error in proportion to its bound, and where it was found. */
@@ -16,7 +16,7 @@ export interface StageError extends FieldError<RecordField> {
 
 type StageErrors = Partial<Record<AccuracyPreset, Partial<Record<RecordField, StageError>>>>;
 
-/** Error of a case's images, of one preset and rasteriser, against float64: that of the worst camera. */
+/** Error of a case's images, of one preset and rasteriser, against float64: the worst camera's. */
 export interface ImageResult {
   readonly camera: string;
   /** Infinity if the images are equal after clamping. */
@@ -34,13 +34,14 @@ export interface HardCaseResult {
   readonly name: string;
   readonly group: HardCaseGroup;
   readonly verdict: 'pass' | 'fail';
-  /** One line per failure: case, camera, preset, rasteriser, splat, expected and got, as far as they apply. */
+  /** One line per failure: case, camera, preset, rasteriser, splat, expected and got, if any. */
   readonly failures: readonly string[];
   /** Worst error per preset and field of a splat's record; empty if no splat is drawn. */
   readonly stages: StageErrors;
   /**
-   * The worst of `stages` at preset `reference`, or at any preset if it exceeds its bound. Others do not count: rounding
-   * to float16 takes half of its bound in every frame, and would hide what float32 does.
+   * The worst of `stages` at preset `reference`, or at any preset if it exceeds its bound. Others
+   * do not count: rounding to float16 takes half of its bound in every frame, and would hide
+   * float32's errors.
    */
   readonly worstStage: StageError | null;
   /** Number of splats, over all cameras, so close to a threshold that rounding may decide. */

@@ -123,12 +123,12 @@ async function checkImages(
         colorTarget,
         isTruncating: run.isTruncating,
       });
-      // Images without a bound are only reported: those of one rasteriser suffice, and take half the time.
+      // Images without a bound are only reported: one rasteriser's suffice, in half the time.
       if (minPsnrDb === null && rasterizer !== run.rasterizers[0]) continue;
       const where = [caseFrame.caseName, `camera ${caseFrame.cameraName}`, preset, rasterizer];
       const fail = (what: string) => result.fail(where, what);
-      // Ties come out differently for the same reasons at every preset and, since both rasterisers draw in the order of one
-      // sort, with each of them: many frames of one suffice.
+      // Ties come out differently for the same reasons at every preset and, since both rasterisers
+      // draw in the order of one sort, with each of them: many frames of one suffice.
       const isFirst = preset === run.presets[0] && rasterizer === run.rasterizers[0];
       const most = isFirst ? identicalFrames : DEFAULT_FRAMES;
       const frames = run.repeats === 'all' ? most : Math.min(most, isFirst ? FEW_FRAMES : 1);

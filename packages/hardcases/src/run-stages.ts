@@ -32,17 +32,20 @@ export interface StageCheck {
   readonly keyBits: number;
 }
 
-/** One pass of the sort leaves the keys as `project` wrote them, so that records are compared with it. */
+/** One pass of the sort leaves the keys as `project` wrote them, for comparison with records. */
 const ONE_PASS_KEY_BITS = 8;
 
-/** With float32 and with packed geometry, and the order of keys that all passes of the sort have moved. */
+/** With float32 and with packed geometry, and the order of keys that all sort passes have moved. */
 export const STAGE_CHECKS: readonly StageCheck[] = [
   { preset: 'reference', keyBits: ONE_PASS_KEY_BITS },
   { preset: 'balanced', keyBits: ONE_PASS_KEY_BITS },
   { preset: 'reference', keyBits: 32 },
 ];
 
-/** Compares every stage of a frame with its float64 reference; of keys with more bits than one pass sorts, their order alone. */
+/**
+ * Compares each stage of a frame with its float64 reference; keys of several passes by their order
+ * alone.
+ */
 export async function checkStages(
   watched: WatchedDevice,
   variant: RunVariant,

@@ -16,9 +16,12 @@ import { runScene } from './run-scene.ts';
 import { truncatesHalves } from './truncates-halves.ts';
 
 export interface HardCaseRunnerOptions {
-  /** `navigator.gpu`, or anything that returns a fresh adapter at each request; an adapter gives one device. */
+  /** `navigator.gpu`, or another source of a fresh adapter per request, for one device each. */
   readonly gpu: Pick<GPU, 'requestAdapter'>;
-  /** Renders the images to compare with, default the float64 reference; for tests that the runner notices errors. */
+  /**
+   * Renders the images to compare with, default the float64 reference; for tests that errors are
+   * noticed.
+   */
   readonly renderReference?: typeof renderReference;
 }
 
@@ -30,16 +33,18 @@ export interface HardCaseRunOptions {
   /** Default `CASE_RASTERIZERS`. */
   readonly rasterizers?: readonly FrameRasterizer[];
   /**
-   * Which images are drawn again, to see that they do not differ: those of all presets and rasterisers, which is the default, or
-   * `few`, those of the first in cases that ask for it, and no more often than 20 times.
+   * Which images are drawn again, to see that they do not differ: those of all presets and
+   * rasterisers, which is the default, or `few`, those of the first in cases that ask for it, and
+   * no more often than 20 times.
    */
   readonly repeats?: 'all' | 'few';
   /**
-   * For a short run: the stages of each camera are checked in one of the ways of `STAGE_CHECKS`, and its images with one
-   * rasteriser, in turns from camera to camera and from one number to the next. Default: each camera is checked in all ways.
+   * For a short run: the stages of each camera are checked in one of the ways of `STAGE_CHECKS`,
+   * and its images with one rasteriser, in turns from camera to camera and from one number to the
+   * next. Default: each camera is checked in all ways.
    */
   readonly turn?: number;
-  /** Whether the rest is left out once something has failed, for tests that something does; default false. */
+  /** Whether the rest is left out after a failure, for tests that there is one; default false. */
   readonly endsAtFailure?: boolean;
   /** A remedy of the shaders to switch off, for tests that the cases notice it. */
   readonly mutation?: ShaderMutation;
@@ -158,7 +163,7 @@ export class HardCaseRunner {
     );
   }
 
-  /** Runs a case on a device of its own, with WebGPU's default limits and without the features that the case names. */
+  /** Runs a case on its own device, with default limits, without the features that it names. */
   async #runDevice(hardCase: DeviceCase, options: HardCaseRunOptions, result: ResultBuilder): Promise<void> {
     const adapter = await requestAdapter(this.#options.gpu);
     const requiredFeatures = ENGINE_FEATURES.filter(

@@ -1,4 +1,4 @@
-/** Between 1 and the next half, three quarters of the way: the nearest half is the next, and 1 is what truncation leaves. */
+/** Three quarters of the way from 1 to the next half: rounding gives the next, and truncation 1. */
 const ADDED = 0.75 * 2 ** -10;
 const ONE_AS_HALF = 0x3c00;
 
@@ -11,8 +11,8 @@ const SHADER = `
 }`;
 
 /**
- * Measures whether the device rounds towards zero when it blends in rgba16float; WebGPU lets it. Sums of many layers then
- * stall twice as early as where it rounds to the nearest.
+ * Measures whether the device rounds towards zero when it blends in rgba16float; WebGPU lets it.
+ * Sums of many layers then stall twice as early as where it rounds to the nearest.
  */
 export async function truncatesHalves(device: GPUDevice): Promise<boolean> {
   const label = 'rounding of halves';

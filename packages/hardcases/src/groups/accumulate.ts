@@ -14,7 +14,7 @@ interface Layers {
   readonly color?: (i: number) => readonly number[];
 }
 
-/** Layers wider than the image at dyadic depths from 1 on, stored in no order of depth, in front of ordinary splats. */
+/** Layers wider than the image at dyadic depths from 1, unordered, before ordinary splats. */
 function layers({ count, alpha, color = () => WHITE }: Layers): SplatValues[] {
   const nearestFirst = Array.from({ length: count }, (_, i) => ({
     position: [0, 0, -1 - i * 2 ** -12],
@@ -41,8 +41,8 @@ const layered = (name: string, breaks: string, what: Layers, bounds?: SceneCase[
 const FAINT = 1.5 / 255;
 
 /**
- * In rgba16float a layer adds nothing once it is less than half an ulp of the sum so far or, on devices that round towards
- * zero, less than an ulp.
+ * In rgba16float a layer adds nothing once it is less than half an ulp of the sum so far or, on
+ * devices that round towards zero, less than an ulp.
  */
 const stalled = (minPsnrDb: number, minPsnrTruncatedDb?: number): SceneCase['bounds'] => {
   const cause =

@@ -13,7 +13,7 @@ import {
 
 const scene = scenesOf('counts');
 
-/** Small splats at random in a ball that `front` sees whole, so that the first and the last are in the image. */
+/** Small splats at random in a ball that `front` sees whole, the first and the last included. */
 function manySplats(count: number): SplatValues[] {
   const random = seededRandom(count);
   const within = (low: number, high: number) => low + (high - low) * random();
@@ -42,7 +42,7 @@ const counted = (count: number, breaks: string, maxWorkgroupsPerDimension?: numb
     maxWorkgroupsPerDimension,
   });
 
-/** Workgroups per row for large dispatches: with WebGPU's 65,535 they would need millions of splats. */
+/** Workgroups per row of large dispatches: with WebGPU's 65,535 they need millions of splats. */
 const ROW = 7;
 
 const CHUNK_BREAKS =
@@ -51,7 +51,7 @@ const BLOCK_BREAKS =
   'The block of a sort or scan that is full, or has a single key, counts one too many or too few.';
 const ROW_BREAKS = 'A dispatch of more workgroups than one dimension takes is cut off, or runs past its end.';
 
-/** Writes and reads back the SH coefficients of a splat whose words start past 2^`exponent` bytes. */
+/** Writes and reads back a splat's SH coefficients, whose words start past 2^`exponent` bytes. */
 const offsetCase = (exponent: number): ArithmeticCase => ({
   kind: 'arithmetic',
   group: 'counts',
@@ -61,7 +61,7 @@ const offsetCase = (exponent: number): ArithmeticCase => ({
     const degree = 3;
     const wordsPerSplat = shWordsPerSplat(degree, 'f32');
     const index = Math.ceil(2 ** exponent / (4 * wordsPerSplat));
-    // A sparse object holds only what is written: the check needs no buffer as large as the offsets.
+    // A sparse object holds only written words: the check needs no buffer as large as the offsets.
     const written: Record<number, number> = {};
     const words = written as unknown as Uint32Array;
     const values = Float32Array.from(randomShRest(degree, 1, exponent));
@@ -79,10 +79,10 @@ const offsetCase = (exponent: number): ArithmeticCase => ({
   },
 });
 
-/** Bytes per splat of the planes: packed and float32 geometry, harmonics of degree 3 in bytes and in float32. */
+/** Bytes per splat: packed and float32 geometry, harmonics of degree 3 in bytes and float32. */
 const BYTES_PER_SPLAT = [32, 64, 48, 180];
 
-/** Checks that a binding of `mebibytes` holds as many whole chunks as fit, with words numbered in 32 bits. */
+/** Checks that a binding of `mebibytes` is full of whole chunks, with words numbered in 32 bits. */
 const bindingCase = (mebibytes: number): ArithmeticCase => ({
   kind: 'arithmetic',
   group: 'counts',

@@ -48,7 +48,7 @@ const byDistance = (splats: readonly SplatValues[], modelMatrix?: ArrayLike<numb
   modelMatrix,
 });
 
-/** A view full of large splats, many of them nearer by their depths than others that are nearer by their distances. */
+/** A view full of large splats, many nearer by depth than others that are nearer by distance. */
 const crossing = (): SplatValues[] =>
   Array.from({ length: 96 }, (_, i) => {
     const [x, y] = [((i % 12) - 5.5) / 3, (Math.floor(i / 12) - 3.5) / 3];
@@ -269,7 +269,7 @@ export const DEPTH_CASES: readonly HardCase[] = [
     clouds: () => [
       byDistance([
         ...backdrop(),
-        // Four of each distance, at the corners of a rectangle: the same numbers are squared and added.
+        // Four of each distance, at a rectangle's corners: the same numbers are squared and added.
         ...Array.from({ length: 32 }, (_, i) => {
           const k = i >> 2;
           const [x, y] = [(0.25 + k / 16) * (i & 1 ? 1 : -1), (0.5 - k / 32) * (i & 2 ? 1 : -1)];

@@ -19,7 +19,7 @@ const HARD: SplatValues = {
   opacityLogit: logitOf(0.85),
 };
 
-/** `splats` with the palette `entries`, each of 3K coefficients; `indexOf` tells the entry of each splat. */
+/** `splats` with the palette `entries`, each of 3K coefficients; `indexOf` is a splat's entry. */
 function withPalette(
   splats: readonly SplatValues[],
   degree: ShDegree,

@@ -21,7 +21,7 @@ const uniform = (logScale: number) => [logScale, logScale, logScale];
 /** Log scale of a splat at the origin whose standard deviation is `sizePx` for `front`. */
 const logScaleOfPx = (sizePx: number) => Math.log(sizePx / FRONT_PX_PER_UNIT);
 
-/** Opaque points in a grid whose step is no multiple of a pixel; their only size is the dilation. */
+/** Opaque points in a grid with a step of no whole number of pixels, sized by dilation alone. */
 const starField = (): SplatValues[] =>
   Array.from({ length: 400 }, (_, i) => ({
     position: [((i % 20) - 9.5) * 0.2813, (Math.floor(i / 20) - 9.5) * 0.2793, 0],

@@ -4,7 +4,7 @@ import { logitOf, moved, ordinarySplats, type SplatValues, seededRandom, splatsO
 
 const scene = scenesOf('tiles');
 
-/** Renderers in compute shaders list splats by tiles of 8 to 64 px: the images here have several of the largest. */
+/** Compute renderers list splats by tiles of 8 to 64 px: images have several of the largest. */
 const SIZE = { widthPx: 200, heightPx: 136 };
 
 const NEEDLES = 24;

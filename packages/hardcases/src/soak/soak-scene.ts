@@ -20,12 +20,12 @@ import { antialias, brightness, clip, type EffectUse, fog, reveal, tint } from '
 import { ordinarySplats, resized, splatsOf, withRandomSh } from '../make-splats.ts';
 import type { Chance } from './chance.ts';
 
-/** What making a cloud takes. */
+/** Everything that a cloud is made from. */
 export interface CloudRecipe {
   readonly set: SplatSet;
   /** Whether its splats come from the bytes of a PLY, or from memory. */
   readonly isFile: boolean;
-  /** Precisions that it was given, in order: planes that are made from others may differ by a step from those of a file. */
+  /** Precisions in order: planes made from others may differ by a step from those of a file. */
   readonly precisions: readonly CloudPrecision[];
 }
 
@@ -39,7 +39,7 @@ export interface SoakCloud {
   placing: Placing;
 }
 
-/** What a frame shows, besides its clouds. */
+/** Camera and settings of a frame, besides its clouds. */
 export interface SoakView {
   camera: { readonly position: Vec3; readonly target: Vec3; readonly isOrthographic: boolean };
   readonly size: { readonly widthPx: number; readonly heightPx: number };

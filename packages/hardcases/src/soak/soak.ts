@@ -19,14 +19,14 @@ import {
 } from './soak-scene.ts';
 
 export interface SoakOptions {
-  /** `navigator.gpu`, or anything that returns a fresh adapter at each request; an adapter gives one device. */
+  /** `navigator.gpu`, or another source of a fresh adapter per request, for one device each. */
   readonly gpu: Pick<GPU, 'requestAdapter'>;
   /** Whole number that decides everything that happens. */
   readonly seed: number;
   readonly frames: number;
   /** Compares the picture with that of a fresh engine at every so many frames; default 20. */
   readonly compareEvery?: number;
-  /** Bytes of JavaScript objects in use, after garbage has been collected, if the caller can tell. */
+  /** Bytes of JavaScript objects in use, after a garbage collection, if the caller can tell. */
   readonly heapBytes?: () => number;
   readonly signal?: AbortSignal;
   readonly onFrame?: (frame: number) => void;
@@ -45,9 +45,9 @@ export interface SoakReport {
   readonly pictures: number;
   /** Bytes at most, and when there were neither clouds nor views the last time. */
   readonly gpuBytes: { readonly most: number; readonly atRest: number };
-  /** Bytes in use once the first tenth of the frames was drawn, and in the end; null where the caller cannot tell. */
+  /** Bytes in use after the first tenth of the frames, and in the end; null if unknown. */
   readonly heapBytes: { readonly early: number; readonly end: number } | null;
-  /** What went wrong, with the number of the frame. */
+  /** Faults, with the number of the frame. */
   readonly failures: readonly string[];
 }
 
@@ -57,8 +57,8 @@ const MOST_CLOUDS = 3;
 const INGEST_MIN_ROWS = 200;
 
 /**
- * Most by which JavaScript objects in use may grow after the first tenth of the frames. Code and shaders that only some steps
- * need took up to 5 MiB in soaks of 150 frames.
+ * Most by which JavaScript objects in use may grow after the first tenth of the frames. Code and
+ * shaders that only some steps need took up to 5 MiB in soaks of 150 frames.
  */
 const HEAP_GROWTH_BYTES = 16 * 2 ** 20;
 
@@ -118,9 +118,10 @@ const STEPS: readonly Step[] = [
 ];
 
 /**
- * Draws frames while cameras, clouds, sizes, settings and effects change at random and devices are lost, and checks that
- * nothing remains of it: pictures equal those of a fresh engine bit for bit, memory returns to where it started, JavaScript's
- * stays bounded, and the GPU reports no error. Everything follows from the seed. The first failure ends it.
+ * Draws frames while cameras, clouds, sizes, settings and effects change at random and devices are
+ * lost, and checks that nothing remains of it: pictures equal those of a fresh engine bit for bit,
+ * memory returns to where it started, JavaScript's stays bounded, and the GPU reports no error.
+ * Everything follows from the seed. The first failure ends it.
  *
  * @throws the signal's reason if it aborts, WebGpuUnavailableError.
  */
@@ -137,7 +138,7 @@ export async function soak(options: SoakOptions): Promise<SoakReport> {
       const step = chance.weighted(STEPS);
       steps[step.name] = (steps[step.name] ?? 0) + 1;
       await run.take(frame, step, chance);
-      // What failed may have left neither device nor engine.
+      // A failure may have left neither device nor engine.
       if (run.failures.length > 0) break;
       if (frame % compareEvery === 0) await run.compare();
       if (frame === Math.ceil(frames / 10)) earlyHeapBytes = heapBytes?.() ?? 0;

@@ -1,7 +1,7 @@
 import type { FrameRasterizer } from '@websplatter/core';
 import type { ShaderMutation } from '@websplatter/core/inspect';
 
-/** A remedy of the shaders, switched off: the shader as a renderer without the remedy would have it. */
+/** A remedy of the shaders, switched off: the shader of a renderer without the remedy. */
 export interface Mutation extends ShaderMutation {
   /** Name of the remedy: kebab-case, unique. */
   readonly remedy: string;
