@@ -1,5 +1,5 @@
-// `npm run bench:peers`: this project beside other renderers, in one browser; see apps/lab. The runner is TypeScript, which
-// Vite loads.
+// `npm run bench:peers`: this project beside other renderers, in one browser; see apps/lab. The
+// runner is TypeScript, which Vite loads.
 import { join } from 'node:path';
 import { ensureChromium, ensureInstalled, fail, install, isInstalled, repositoryRoot } from './setup.mjs';
 

@@ -1,5 +1,6 @@
-// `npm run build`: builds the packages that run outside of this repository, and the viewer, into their dist folders:
-// JavaScript by Vite, declarations by tsc. Skips what has not changed. `--packages` leaves out the viewer.
+// `npm run build`: builds the packages that run outside of this repository, and the viewer, into
+// their dist folders: JavaScript by Vite, declarations by tsc. Skips what has not changed.
+// `--packages` leaves out the viewer.
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import {
@@ -18,9 +19,9 @@ import { fail, repositoryRoot } from './setup.mjs';
 import { slimShaders } from './slim-shaders.mjs';
 
 /**
- * Packages in order of dependence. `entries` are the modules that may be imported, and the workers, which must be files of
- * their own. `hosted` are scripts that others serve as they are: each is one minified file without imports. `inputs` are bundled
- * besides the package's own sources.
+ * Packages in order of dependence. `entries` are the modules that may be imported, and the workers,
+ * which must be files of their own. `hosted` are scripts that others serve as they are: each is one
+ * minified file without imports. `inputs` are bundled besides the package's own sources.
  */
 const PACKAGES = [
   {
@@ -84,7 +85,7 @@ const VIEWER_INPUTS = [
 
 const cacheFolder = join(repositoryRoot, 'node_modules/.cache/websplatter-build');
 
-/** What every build depends on. */
+/** Inputs of every build. */
 const TOOLS = [
   'packages/tools/build.mjs',
   'packages/tools/slim-shaders.mjs',
@@ -115,7 +116,7 @@ export async function build() {
   }
 }
 
-/** Builds the viewer if it has changed: files for any web server, under any path, with the lab beside them, and the viewer as one file. */
+/** Builds a changed viewer: for any web server, under any path, with the lab; and as one file. */
 async function buildViewer() {
   const hash = hashOf([...TOOLS, ...VIEWER_INPUTS, 'package-lock.json']);
   if (
@@ -169,7 +170,7 @@ async function buildPackage(item) {
   }
 }
 
-/** Writes `entries` of the package in `folder` into `outDir`; minified, each is one file with all that it imports. */
+/** Writes `entries` of the package in `folder` to `outDir`; minified, each is one file. */
 async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
   const vite = await import('vite');
   const input = Object.fromEntries(Object.entries(entries).map(([name, path]) => [name, join(folder, path)]));
@@ -177,8 +178,8 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
     configFile: false,
     root: folder,
     logLevel: 'warn',
-    // Vite's build for Node leaves `new URL(…, import.meta.url)` alone; its build for browsers would make the worker's
-    // address one that only a web server's root can resolve.
+    // Vite's build for Node leaves `new URL(…, import.meta.url)` alone; its build for browsers
+    // would make the worker's address one that only a web server's root can resolve.
     build: {
       ssr: true,
       target: 'es2022',
@@ -204,8 +205,8 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
 }
 
 /**
- * Points `new URL('./some-worker.ts', import.meta.url)` at the built file. All built files lie in one folder, so that other
- * bundlers still recognise the expression as a worker.
+ * Points `new URL('./some-worker.ts', import.meta.url)` at the built file. All built files lie in
+ * one folder, so that other bundlers still recognise the expression as a worker.
  */
 function workerFiles(entries) {
   return {
@@ -246,7 +247,7 @@ function emitDeclarations(folder, outDir) {
   });
   if (status !== 0) throw new Error(`No declarations for ${relative(repositoryRoot, folder)}: tsc failed.`);
   for (const path of filesIn(outDir).filter((file) => file.endsWith('.d.ts'))) {
-    // tsc keeps the sources' extension in import specifiers, but consumers need that of the built files.
+    // tsc keeps the sources' extension in import specifiers; consumers need the built files'.
     const text = readFileSync(path, 'utf8');
     writeFileSync(
       path,

@@ -1,5 +1,6 @@
-// `npm run compare-checkouts -- A B`: whether two checkouts of this repository draw the same images, bit by bit, and what their
-// frames take. Both run in turns on this machine, so that what else it does meets them alike.
+// `npm run compare-checkouts -- A B`: whether two checkouts of this repository draw the same
+// images, bit by bit, and what their frames take. Both run in turns on this machine, so that what
+// else it does meets them alike.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, realpathSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -79,7 +80,7 @@ function websplatter(folder, args) {
   return execFileSync(process.execPath, [bin, ...args], {
     encoding: 'utf8',
     maxBuffer: 2 ** 28,
-    // What it says of its progress is part of an error alone.
+    // Messages on its progress appear only in an error.
     stdio: 'pipe',
   });
 }

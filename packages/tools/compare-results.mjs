@@ -1,8 +1,8 @@
 /**
- * Compares two images, bit by bit: −0 is not 0, and a NaN is another NaN only where its bits are others.
+ * Compares two images, bit by bit: −0 is not 0, and NaNs are equal if their bits are.
  *
  * @param a, b Float32Array, or null where there is none.
- * @returns whether all is well, and in words what was found.
+ * @returns whether all is well, and the finding in words.
  */
 export function compareImages(a, b) {
   const differs = (finding) => ({ isSame: false, finding });
@@ -32,7 +32,7 @@ export function compareImages(a, b) {
 /**
  * Compares the times of two checkouts: a line for each stage, each pass and whole frames.
  *
- * @param a, b `FrameMeasurement`s, one per round; each of A was made next to that of B in the same round.
+ * @param a, b `FrameMeasurement`s, one per round; those of one round were made next to each other.
  */
 export function timeRatios(a, b) {
   const [first, second] = [a, b].map((rounds) => rounds.map(spreadsOf));

@@ -1,5 +1,6 @@
-// Draws what the command line cannot ask for, or only in hundreds of processes: every effect, preset and setting, and sheared
-// clouds. `node draw-cases.mjs CHECKOUT FOLDER` writes raw float32 images, drawn by the built packages of that checkout.
+// Draws what the command line cannot ask for, or only in hundreds of processes: every effect,
+// preset and setting, and sheared clouds. `node draw-cases.mjs CHECKOUT FOLDER` writes raw float32
+// images, drawn by the built packages of that checkout.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -134,7 +135,7 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: ComparedSway) -> Splat {
   });
 }
 
-/** Every preset, and every other value of every setting; of ranges both ends and a value between. */
+/** Every preset, and every other value of every setting; of ranges, both ends and one between. */
 function accuracyCases() {
   const standard = core.resolveAccuracy('balanced');
   const presets = Object.keys(core.ACCURACY_PRESETS).map((preset) => [preset, { preset }]);

@@ -1,5 +1,5 @@
-// Packs the published packages into a folder, as npm would publish them: `node packages/tools/pack.mjs FOLDER` prints a
-// line per package with its name and the tarball's path.
+// Packs the published packages into a folder, as npm would publish them: `node
+// packages/tools/pack.mjs FOLDER` prints a line per package with its name and the tarball's path.
 import { execFile } from 'node:child_process';
 import { mkdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
@@ -8,10 +8,10 @@ import { promisify } from 'node:util';
 import { build } from './build.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 
-/** Published packages (folders in packages/) in order of dependence. The others serve this repository only. */
+/** Published packages (folders in packages/) in order of dependence. Others are internal. */
 export const PUBLISHED = ['core', 'scenes', 'three', 'react'];
 
-/** Builds the packages and packs them into `folder`. Resolves with the name and the tarball's path of each. */
+/** Builds the packages and packs them into `folder`. Resolves with each name and tarball's path. */
 export async function pack(folder) {
   await build();
   mkdirSync(folder, { recursive: true });

@@ -1,8 +1,9 @@
 import type { Reporter, SerializedError, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
 
 /**
- * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests count too: a file that
- * does not load, a hook of a suite, an unhandled rejection, an interrupted run.
+ * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests
+ * count too: a file that does not load, a hook of a suite, an unhandled rejection, an interrupted
+ * run.
  */
 export default class PlainLineReporter implements Reporter {
   private isWatching = false;

@@ -18,8 +18,9 @@ function checkNodeVersion() {
 }
 
 /**
- * What has a manifest and a lock of its own, outside of the workspaces, so that the repository is installed quickly. Its packages
- * of which there may be one copy only, such as React and three, are links to the root's.
+ * Folders with a manifest and a lock of their own, outside of the workspaces, so that the
+ * repository is installed quickly. Their packages of which there may be one copy only, such as
+ * React and three, are links to the root's.
  */
 export const PROJECTS = {
   'apps/lab/peers': 'the renderers that the lab compares with',
@@ -30,7 +31,7 @@ export const PROJECTS = {
   'packages/tools/second-webgpu': 'Deno, and what drives Firefox',
 };
 
-/** Whether the packages of a lock are there, and not older than it. `folder` is a path from the repository's root. */
+/** Whether a lock's packages are there, and not older. `folder` is relative to the root. */
 export function isInstalled(folder) {
   // npm writes this file at the end of an installation.
   const installed = resolve(repositoryRoot, folder, 'node_modules/.package-lock.json');
@@ -46,7 +47,7 @@ export function install(folder) {
   console.error(`Installing ${what} (npm ci${where}), from npm’s registry or its cache …`);
   const npm = process.env.npm_execpath;
   const args = isRoot ? ['ci'] : ['ci', '--ignore-scripts'];
-  // What the command prints that needs them goes to stdout.
+  // stdout is for the output of the command that needs them.
   const options = { cwd: join(repositoryRoot, folder), stdio: ['inherit', 2, 2] };
   const { status } = npm
     ? spawnSync(process.execPath, [npm, ...args], options)
@@ -54,7 +55,7 @@ export function install(folder) {
   return status === 0;
 }
 
-/** Installs the repository's packages, and those of `projects`, where they are missing or older than their lock. */
+/** Installs the repository's packages, and those of `projects`, if missing or outdated. */
 export function ensureInstalled(...projects) {
   checkNodeVersion();
   for (const folder of ['.', ...projects]) {
@@ -66,8 +67,9 @@ export function ensureInstalled(...projects) {
 }
 
 /**
- * Returns the path of a Chromium for the end-to-end tests. Its package also contains SwiftShader, on which GPU tests run
- * without a GPU. Installs it if that needs no confirmation, and otherwise prints how to and exits.
+ * Returns the path of a Chromium for the end-to-end tests. Its package also contains SwiftShader,
+ * on which GPU tests run without a GPU. Installs it if that needs no confirmation, and otherwise
+ * prints how to and exits.
  */
 export function ensureChromium() {
   const found = findChromium();
@@ -87,9 +89,10 @@ export function ensureChromium() {
 }
 
 /**
- * Installs Firefox and a Vulkan driver for the CPU, for the tests of a second WebGPU, and returns whether they must run. Where
- * that would need a confirmation, another system or a network that is not there, prints what will be skipped. In CI, where
- * it would not be read, a failed installation ends the process.
+ * Installs Firefox and a Vulkan driver for the CPU, for the tests of a second WebGPU, and returns
+ * whether they must run. Where that would need a confirmation, another system or a network that is
+ * not there, prints what will be skipped. In CI, where it would not be read, a failed installation
+ * ends the process.
  *
  * @param {object} machine what this machine lacks and may do, for tests.
  */
@@ -135,12 +138,12 @@ const SECOND_WEBGPU_PACKAGES = [
   },
 ];
 
-/** Whether Debian's packages, or those of a system that is made from it, can be installed without a confirmation. */
+/** Whether packages of Debian, or of a derived system, can be installed without a confirmation. */
 function isDebianRoot() {
   return existsSync('/etc/debian_version') && process.getuid?.() === 0;
 }
 
-/** Installs Debian packages, by default with those that they recommend, and returns whether that worked. */
+/** Installs Debian packages, by default with those they recommend; returns whether it worked. */
 function installPackages(names, options = '') {
   console.log(`Installing ${names.join(' and ')} (apt-get) …`);
   const { status } = spawnSync(`apt-get update && apt-get install -y ${options} ${names.join(' ')}`, {

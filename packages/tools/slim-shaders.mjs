@@ -1,8 +1,8 @@
 import { readFileSync } from 'node:fs';
 
 /**
- * A plugin for Vite that strips comments and indentation from the shaders: a third of their bytes, which no bundler can remove
- * later.
+ * A plugin for Vite that strips comments and indentation from the shaders: a third of their bytes,
+ * which no bundler can remove later.
  */
 export function slimShaders() {
   return {

@@ -1,5 +1,6 @@
-// `npm test`: sets up a fresh clone, then runs the tests of the first tier. `--full` (npm run test:full) runs all tests. Other
-// arguments go to Vitest, e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`.
+// `npm test`: sets up a fresh clone, then runs the tests of the first tier. `--full` (npm run
+// test:full) runs all tests. Other arguments go to Vitest, e.g. `npm test -- packages/cli` or `npm
+// run test:full -- --project full:viewer`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';
@@ -7,7 +8,7 @@ import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRo
 const isFull = process.argv.includes('--full');
 const args = process.argv.slice(2).filter((arg) => arg !== '--full');
 
-/** What the full run needs besides the root's packages; a test takes esbuild from npm's cache, into which the checks bring it. */
+/** Projects of the full run besides the root; esbuild comes from npm's cache, which checks fill. */
 const projects = isFull
   ? [
       'apps/docs',

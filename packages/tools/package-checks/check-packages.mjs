@@ -1,7 +1,8 @@
-// `npm run check:packages`: packs the published packages and checks the tarballs. publint, attw and a publication that npm
-// only pretends must report nothing, not even suggestions; README and LICENSE must be there, and manifests complete; no
-// script, nor any of the viewer's, may make code from text; sizes must stay within .size-limit.json, and those of the viewer's scripts
-// within VIEWER_LIMITS.
+// `npm run check:packages`: packs the published packages and checks the tarballs. publint, attw and
+// a publication that npm only pretends must report nothing, not even suggestions; README and
+// LICENSE must be there, and manifests complete; no script, nor any of the viewer's, may make code
+// from text; sizes must stay within .size-limit.json, and those of the viewer's scripts within
+// VIEWER_LIMITS.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -15,12 +16,12 @@ import { codeFromText } from './code-from-text.mjs';
 import { manifestProblems } from './manifests.mjs';
 import { scriptSizes } from './script-sizes.mjs';
 
-/** Most bytes of the viewer's scripts, compressed by gzip: what runs before a GPU is asked for, what the first picture needs, all. */
+/** Most gzip bytes of the viewer's scripts: before asking for a GPU, for the first picture, all. */
 const VIEWER_LIMITS = { start: 125_000, initial: 180_000, all: 320_000 };
 
 /**
- * Not counted among all of them: the hard cases, pages in place of the viewer, which it never loads, and the readers that these use, and
- * that stand in for workers where none can be started.
+ * Not counted among all of them: the hard cases, pages in place of the viewer, which it never
+ * loads, and the readers that these use, and that stand in for workers where none can be started.
  */
 const VIEWER_APART = [
   'apps/viewer/src/hard-cases/all-cases.ts',
@@ -95,7 +96,7 @@ function changelogProblems(name) {
   return hasSection ? [] : [`${path}: there is no section for ${version}`];
 }
 
-/** Lets npm do all of a publication but the last step, from the packages' folders, without asking a registry. */
+/** Lets npm publish from the packages' folders but for the last step, without asking a registry. */
 async function publishProblems() {
   const workspaces = PUBLISHED.flatMap((name) => ['--workspace', `packages/${name}`]);
   const args = ['publish', '--dry-run', '--offline', '--ignore-scripts', '--loglevel', 'warn', ...workspaces];
@@ -158,13 +159,13 @@ async function sizeProblems() {
   return [];
 }
 
-/** Runs a tool that is installed in this folder, from here: size-limit looks for its plugins in the nearest manifest. */
+/** Runs a tool of this folder, here: size-limit finds its plugins by the nearest manifest. */
 function runTool(script, args) {
   const cwd = import.meta.dirname;
   return run(process.execPath, [join(cwd, 'node_modules', script), ...args], { cwd });
 }
 
-/** Runs a program at the repository's root. Resolves with its exit status and what it has printed. */
+/** Runs a program at the repository's root. Resolves with its exit status and its output. */
 function run(program, args, options = {}) {
   const child = spawn(program, args, {
     cwd: repositoryRoot,

@@ -1,8 +1,8 @@
 import { parseSync, Visitor } from 'oxc-parser';
 
 /**
- * Finds the places in a script that make code from text, which a content security policy without 'unsafe-eval' forbids:
- * `eval`, `Function`, and timers that are given a string.
+ * Finds the places in a script that make code from text, which a content security policy without
+ * 'unsafe-eval' forbids: `eval`, `Function`, and timers that are given a string.
  *
  * @param {string} path for messages; its ending says how to parse.
  * @param {string} text

@@ -1,13 +1,13 @@
 import { isDeepStrictEqual } from 'node:util';
 
-/** What a published package's manifest must say besides its name and exports. */
+/** Fields of a published package's manifest besides its name and exports. */
 const REQUIRED = ['description', 'keywords', 'license', 'engines', 'files', 'type', 'sideEffects'];
-/** Published from CI only, with a statement that npm signs about the commit and the workflow that built the package. */
+/** Published from CI only, with npm's signed statement of the package's commit and workflow. */
 const PUBLISH_CONFIG = { access: 'public', provenance: true };
 
 /**
- * Checks the manifests of all packages: those that are published say what npm and its readers need, with one version, and
- * the others cannot be published by mistake.
+ * Checks the manifests of all packages: those that are published say what npm and its readers need,
+ * with one version, and the others cannot be published by mistake.
  *
  * @param {object} root the repository's own manifest.
  * @param {Record<string, object>} manifests by folder, e.g. `packages/core`.

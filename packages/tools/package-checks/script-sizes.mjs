@@ -3,12 +3,16 @@ import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 /**
- * Bytes of a built page's scripts, each compressed by gzip as web servers do. Workers are not among them: they are built apart.
+ * Bytes of a built page's scripts, each compressed by gzip as web servers do. Workers are not among
+ * them: they are built apart.
  *
  * @param {string} folder what Vite built, with its manifest.
- * @param {readonly string[]} first names of scripts that the page fetches at once, although it imports them dynamically.
- * @param {readonly string[]} apart modules, as the manifest names them, whose dynamic imports are not followed.
- * @returns {{ initial: number, all: number }} of what `index.html` names and of `first`, static imports included, and with all that these
+ * @param {readonly string[]} first names of scripts that the page fetches at once, although it
+ * imports them dynamically.
+ * @param {readonly string[]} apart modules, as the manifest names them, whose dynamic imports are
+ * not followed.
+ * @returns {{ initial: number, all: number }} of what `index.html` names and of `first`, static
+ * imports included, and with all that these
  *   may fetch later.
  */
 export function scriptSizes(folder, first, apart) {

@@ -4,8 +4,9 @@ import { parseSync, Visitor } from 'oxc-parser';
 const TEST_FUNCTION = /^(?:test|it|describe|\w+Test)$/;
 
 /**
- * Returns the names of the tests in a script, and of groups of them, as they are written; where tests are called `$name`, also
- * the names of their cases. Tests that are skipped whatever happens are left out.
+ * Returns the names of the tests in a script, and of groups of them, as they are written; where
+ * tests are called `$name`, also the names of their cases. Tests that are skipped whatever happens
+ * are left out.
  *
  * @param {string} path for messages; its ending says how to parse.
  * @param {string} text
@@ -34,7 +35,7 @@ export function testNames(path, text) {
   return names.includes('$name') ? [...names, ...caseNames] : names;
 }
 
-/** What stands after `test` in `test.skip()` and `test.each([])()`; null if it is no test. */
+/** Names behind `test` in `test.skip()` and `test.each([])()`; null if it is no test. */
 function membersOf(callee) {
   switch (callee.type) {
     case 'Identifier':

@@ -2,7 +2,8 @@ import { lstatSync, readdirSync } from 'node:fs';
 import { join, posix } from 'node:path';
 
 /**
- * Lists what the packages and apps of this repository need at run time from others: `dependencies` and `peerDependencies`.
+ * Lists what the packages and apps of this repository need at run time from others: `dependencies`
+ * and `peerDependencies`.
  *
  * @param {Record<string, object>} locks each package-lock.json, by its folder.
  * @returns {Map<string, string[]>} folders that need it, sorted, by the dependency's name.
@@ -37,7 +38,7 @@ export function installedBytes(lock, root, name) {
   return [...counted].reduce((sum, path) => sum + folderBytes(join(root, path)), 0);
 }
 
-/** Where npm has put the `name` that the package at `from` finds; undefined if it is left out, or a link to another folder's. */
+/** Where npm put the `name` that `from` finds; undefined for none, or a link elsewhere. */
 function locked(lock, from, name) {
   for (let at = from; ; at = at.slice(0, Math.max(0, at.lastIndexOf('/node_modules/')))) {
     const path = `${at === '' ? '' : `${at}/`}node_modules/${name}`;

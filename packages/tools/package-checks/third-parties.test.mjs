@@ -11,7 +11,7 @@ const rootLock = lockOf('.');
 /** Of the repository, and of the apps that are not among its workspaces. */
 const locks = { '.': rootLock, 'apps/docs': lockOf('apps/docs'), 'apps/examples': lockOf('apps/examples') };
 
-/** Rows of the table: the dependency, the folders that need it, why, and the megabytes that it takes. */
+/** Rows of the table: the dependency, the folders that need it, the reason, and its megabytes. */
 const rows = [
   ...read('docs/dependencies.md').matchAll(/^\| `([^`]+)` \| ([^|]+) \| ([^|]+) \| ([\d.]+) \|$/gm),
 ].map(([, name, folders, reason, megabytes]) => ({

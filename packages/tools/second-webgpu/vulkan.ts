@@ -4,7 +4,7 @@ import { join } from 'node:path';
 /** Where distributions install the descriptions (ICDs) of Vulkan drivers. */
 const DRIVER_FOLDER = '/usr/share/vulkan/icd.d';
 
-/** Path of the description of lavapipe, Mesa's driver for the CPU; undefined where it is not installed. */
+/** Path of the description of lavapipe, Mesa's driver for the CPU; undefined if not installed. */
 export function findLavapipe(): string | undefined {
   try {
     const name = readdirSync(DRIVER_FOLDER).find((each) => each.startsWith('lvp_icd'));

@@ -12,9 +12,10 @@ export interface BrowserOptions {
 }
 
 /**
- * What Playwright leaves out, too, where it matters here: of several such arguments, Chromium heeds the last one. For each page,
- * Chromium would load two of its own for the address bar, which is not shown, and start a process for a page that may come: half
- * as much work again as a page of ours takes.
+ * What Playwright leaves out, too, where it matters here: of several such arguments, Chromium heeds
+ * the last one. For each page, Chromium would load two of its own for the address bar, which is not
+ * shown, and start a process for a page that may come: half as much work again as a page of ours
+ * takes.
  */
 const DISABLED_FEATURES = [
   'WebUIOmniboxPopup',
@@ -48,18 +49,18 @@ const COMMON_ARGS = [
   `--disable-features=${DISABLED_FEATURES.join()}`,
 ];
 
-/** WebGPU and canvases on SwiftShader: unless canvases use Vulkan too, the first `getCurrentTexture` ends WebGPU. */
+/** WebGPU and canvases on SwiftShader: both by Vulkan, or `getCurrentTexture` ends WebGPU. */
 const SWIFTSHADER_ARGS = [
   '--use-webgpu-adapter=swiftshader',
   '--use-gl=angle',
   '--use-vulkan=swiftshader',
-  // SwiftShader takes most of a second to compile a shader that zeroes 16 KiB of workgroup memory in this way.
+  // SwiftShader takes most of a second to compile zeroing of 16 KiB of workgroup memory this way.
   '--disable-dawn-features=use_vulkan_zero_initialize_workgroup_memory_extension',
-  // What surrounds canvases would be drawn by shaders, which take SwiftShader a second to compile in each browser.
+  // SwiftShader takes a second in each browser to compile shaders for the page around canvases.
   '--disable-gpu-rasterization',
 ];
 
-/** Without a display there is no Vulkan surface, and the sandbox of the GPU process hides the driver's files. */
+/** Without a display there is no Vulkan surface; the GPU process's sandbox hides driver files. */
 const GPU_ARGS = [
   '--use-webgpu-adapter=default',
   '--ignore-gpu-blocklist',
@@ -68,8 +69,8 @@ const GPU_ARGS = [
 ];
 
 /**
- * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says. Without a GPU the only driver is Chromium's
- * SwiftShader, which the loader finds through this variable alone.
+ * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says. Without a GPU the
+ * only driver is Chromium's SwiftShader, which the loader finds through this variable alone.
  */
 function vulkanEnvironment(executablePath: string): Record<string, string> {
   const folders = [dirname(realpathSync(executablePath)), '/usr/lib/chromium'];

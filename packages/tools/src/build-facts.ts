@@ -2,7 +2,7 @@ import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { commitOf } from './commit.ts';
 
-/** What an app that is built says about itself. */
+/** Facts of a built app about itself. */
 export interface BuildFacts {
   /** Of `@websplatter/core`. */
   readonly version: string;
@@ -12,7 +12,7 @@ export interface BuildFacts {
 
 const repositoryRoot = fileURLToPath(new URL('../../..', import.meta.url));
 
-/** For `define` in an app's configuration: `WEBSPLATTER_BUILD` stands for the `BuildFacts` in its code. */
+/** For `define` in an app's configuration: `WEBSPLATTER_BUILD` is the `BuildFacts` in its code. */
 export function definedBuildFacts(): { readonly WEBSPLATTER_BUILD: string } {
   const { version } = JSON.parse(readFileSync(`${repositoryRoot}/packages/core/package.json`, 'utf8'));
   return {

@@ -1,6 +1,6 @@
 import { execFileSync } from 'node:child_process';
 
-/** Commit of the working copy that `folder` belongs to, with `+changes` if files differ; null outside of git. */
+/** Commit of `folder`'s working copy, with `+changes` if files differ; null outside of git. */
 export function commitOf(folder: string): string | null {
   const git = (...args: string[]) =>
     execFileSync('git', args, { cwd: folder, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();

@@ -33,7 +33,7 @@ const CORE = 'packages/core/src/';
 /**
  * Returns each breach of the rule in words, imports as `FILE → FILE: WHY`.
  *
- * @param files what each file refers to, by path from the repository's root: every file that a module may import.
+ * @param files references of each file, by path from the root: every file that a module may import.
  */
 export function importViolations(files: RepositoryFiles, rule: ImportRule): string[] {
   const dependencies = dependenciesOf(files);

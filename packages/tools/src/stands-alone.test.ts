@@ -8,7 +8,7 @@ const root = fileURLToPath(new URL('../../..', import.meta.url));
 /** Put together, since this file names nothing outside, either. */
 const SHARED = ['..', 'shared'].join('/');
 
-/** Paths in `text` that climb out of the repository from the folder of the file at `path`, and any that name a shared folder beside it. */
+/** Paths in `text` that climb out of the repository from `path`, or name a shared folder. */
 function pathsOutside(path: string, text: string): string[] {
   const depth = path.split('/').length - 1;
   const climbs = text.match(/(?<![\w./-])(?:\.\/)?\.\.(?:\/\.\.)*(?![\w.])[^\s'"`)]*/g) ?? [];

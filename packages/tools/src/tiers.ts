@@ -1,17 +1,18 @@
 // Who may import whom. import-rule.test.ts enforces it; type-only imports count like any other.
 //
-// A line names what it may import, and only what stands above it, so there can be no circles. `name(types)` allows
-// `import type` only; `name(tests)` allows only tests to import it. The test also fails where a folder has no line and
-// where nothing needs an arrow any more.
+// A line names what it may import, and only what stands above it, so there can be no circles.
+// `name(types)` allows `import type` only; `name(tests)` allows only tests to import it. The test
+// also fails where a folder has no line and where nothing needs an arrow any more.
 
 export type Arrows = Readonly<Record<string, string>>;
 
 /**
- * The tiers of packages/core/src: folders, and files at its root; a file `NAME.TIER.ts` belongs to that tier wherever it
- * lies. Tests and testing/ may import all of them, and nothing else may import those.
+ * The tiers of packages/core/src: folders, and files at its root; a file `NAME.TIER.ts` belongs to
+ * that tier wherever it lies. Tests and testing/ may import all of them, and nothing else may
+ * import those.
  */
 export const TIERS: Arrows = {
-  /** Splats, cameras, settings and errors: what can be computed and checked without bytes or a GPU. */
+  /** Splats, cameras, settings and errors: computed and checked without bytes or a GPU. */
   data: '',
   /** File formats, and reading them in a worker. */
   io: 'data',
@@ -21,15 +22,15 @@ export const TIERS: Arrows = {
   clouds: 'gpu io data',
   /** One frame: plan, buffers, the order of its stages, and the ledger of its effects. */
   frame: 'clouds gpu data',
-  /** What people choose of effects: the interface of `@websplatter/core/effect-options`. */
+  /** People's choices of effects: the interface of `@websplatter/core/effect-options`. */
   options: 'gpu data',
-  /** The references: what every stage must compute, in float64, without a GPU. */
+  /** The references: the right result of every stage, in float64, without a GPU. */
   reference: 'gpu data',
   /** Single stages of a frame, read back and held against the references. */
   inspect: 'reference frame clouds gpu data',
-  /** What settings and effects cost in time, and in error. */
+  /** Costs of settings and effects, in time and in error. */
   measure: 'reference frame clouds gpu data',
-  /** Views: frames on a canvas or inside of another renderer. What measures is loaded only when it is asked for. */
+  /** Views: frames on a canvas or in another renderer. Measuring code is loaded on demand. */
   views: 'measure(types) frame clouds gpu data',
   /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
   'write.ts': 'io data',
@@ -37,7 +38,7 @@ export const TIERS: Arrows = {
   'own-data.ts': 'clouds data',
   /** All workers in one script: the file `@websplatter/core/load-worker`. */
   'load-worker.ts': 'clouds io',
-  /** What callers give besides requests of frames. */
+  /** Arguments of callers besides requests of frames. */
   'check-options.ts': 'clouds(types) data',
   /** The engine: one device, its clouds and its views. */
   'engine.ts': 'check-options.ts views measure frame clouds gpu io data',
@@ -81,7 +82,7 @@ export const PACKAGES: Arrows = {
   e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests) node(tests)',
 };
 
-/** Files that reach into another package by path, and why. All others import what a package exports. */
+/** Files that reach into another package by path, and why. Others import a package's exports. */
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'apps/lab/src/benchmark/request.ts': 'reads addresses as the viewer does; apps export nothing',
