@@ -7,7 +7,7 @@ import { expect } from 'vitest';
 /** axe-core, to be evaluated in a page before what uses it. */
 export const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-/** What axe-core finds wrong with the page as it is, in words. */
+/** Faults that axe-core finds in the page as it is, in words. */
 async function violations(page: Page): Promise<string[]> {
   const { violations: found } = await page.evaluate(() => {
     const { axe } = window as unknown as { axe: { run: (options: object) => Promise<AxeResults> } };

@@ -29,7 +29,7 @@ const TINY = { viewport: { width: 160, height: 120 } };
 const ATTACHED = { state: 'attached' } as const;
 /** The end of a measurement. */
 const MEASURED = { state: 'attached', timeout: LONG_PATIENCE_MS } as const;
-/** Steps of 255 that images of the same settings may differ by where each rasteriser may draw: presets leave that to times. */
+/** Most steps of 255 between images of equal settings: presets choose the rasteriser by times. */
 const ROUNDING = 1;
 const WITHOUT_LINE = '.split-line { visibility: hidden !important; }';
 

@@ -1,7 +1,7 @@
 import { isDeepStrictEqual } from 'node:util';
 import type { Page } from 'playwright-core';
 
-/** Long enough for whatever a page has asked for in one of its frames to be drawn in the next ones. */
+/** Long enough for requests of one of a page's frames to be drawn in the next ones. */
 const QUIET_TURNS = 15;
 
 /** Lets `page` run for `turns` animation frames, whether or not it draws in them. */
@@ -20,7 +20,7 @@ export async function passTurns(page: Page, turns = QUIET_TURNS): Promise<void> 
   );
 }
 
-/** Waits until `read` gives the same before and after 15 animation frames of `page`; returns that. */
+/** Waits until `read` gives the same before and after 15 animation frames of `page`; returns it. */
 export async function atRest<T>(page: Page, read: () => Promise<T>): Promise<T> {
   for (;;) {
     const before = await read();

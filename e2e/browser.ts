@@ -2,7 +2,7 @@ import { launchBrowser as launch } from '@websplatter/tools/browser';
 import { PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 
-/** `WEBSPLATTER_BROWSER_GPU=1` runs the tests on this machine's GPU; by default they run on the CPU, alike everywhere. */
+/** `WEBSPLATTER_BROWSER_GPU=1` tests on this machine's GPU; the default is the CPU. */
 export function launchBrowser(): Promise<Browser> {
   return launch({
     executablePath: process.env.CHROMIUM_PATH ?? '/usr/bin/chromium',
@@ -21,7 +21,7 @@ const WEBGPU_WARNING = /webgpu|\bGPU|Instance reference|WGSL/i;
 /** @react-three/fiber 9 always requests a kind of shadow that three no longer has. */
 const WARNING_OF_FIBER = /^THREE\.WebGPURenderer: PCFSoftShadowMap has been removed/;
 
-/** What a test must not see of a page's console; null for all other messages. `type`: as the browser's driver calls it. */
+/** The fault in a console message; null for harmless ones. `type`: the browser driver's word. */
 export function consoleProblem(type: string, text: string): string | null {
   const isWarning = type.startsWith('warn') && WEBGPU_WARNING.test(text) && !WARNING_OF_FIBER.test(text);
   return type === 'error' || isWarning ? `console ${type}: ${text}` : null;

@@ -17,7 +17,7 @@ declare module 'vitest' {
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** Builds each app that a test file asks for, once for all of them: each file runs in a process of its own. */
+/** Builds each requested app once for all test files, which run in processes of their own. */
 export default async function provideBuiltApps(project: TestProject): Promise<() => Promise<void>> {
   const root = await mkdtemp(join(tmpdir(), 'websplatter-apps-'));
   const builds = new Map<string, Promise<string>>();
@@ -42,14 +42,14 @@ export default async function provideBuiltApps(project: TestProject): Promise<()
   };
 }
 
-/** Path of the configuration of an app: the one in its folder, or a file; both relative to the repository's root. */
+/** Path of an app's configuration: in its folder, or a file; both relative to the root. */
 export function configFileOf(app: string): string {
   return join(repositoryRoot, app.endsWith('.ts') ? app : `${app}/vite.config.ts`);
 }
 
 /**
- * Builds an app into `outDir` and returns that, in a process of its own: NODE_ENV and the export conditions of Vitest's
- * process change the build.
+ * Builds an app into `outDir` and returns that, in a process of its own: NODE_ENV and the export
+ * conditions of Vitest's process change the build.
  */
 async function buildApp(appFolder: string, outDir: string): Promise<string> {
   const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');

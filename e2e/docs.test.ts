@@ -31,7 +31,7 @@ const KINDS = [
   '404.html',
 ];
 
-/** Ends a build that hangs: on a machine that does much else, it has taken longer than a test may. */
+/** Ends a build that hangs: on a busy machine, it has taken longer than a test may. */
 const BUILD_TIMEOUT_MS = 1_800_000;
 const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
 
@@ -39,7 +39,7 @@ let folder: string;
 let host: StaticHost;
 let browser: Browser;
 
-// It takes a minute of processor time to build; the short run has the tests of its pages below apps/docs.
+// The build takes a minute of processor time; the short run tests the site's pages below apps/docs.
 describe('the documentation site', () => {
   beforeAll(async () => {
     folder = await mkdtemp(join(tmpdir(), 'websplatter-docs-'));
@@ -186,7 +186,7 @@ async function open(path: string, viewport = DESKTOP): Promise<WatchedPage> {
 async function violations(page: Page): Promise<string[]> {
   const { violations: found } = await page.evaluate(() => {
     const { axe } = window as unknown as { axe: { run: (options: object) => Promise<AxeResults> } };
-    // What examples draw is theirs, and tested there.
+    // Contents of examples are tested with them.
     return axe.run({ resultTypes: ['violations'], iframes: false });
   });
   return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);

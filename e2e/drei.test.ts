@@ -114,7 +114,7 @@ describe('splats in front of and behind something else', () => {
     return page;
   }
 
-  /** Along the line of sight of each pixel: the point at the depth that `pick` finds, and the hit of a ray, if any. */
+  /** Along each pixel's line of sight: the point at `pick`'s depth, and a ray's hit, if any. */
   const seenAt = (page: Page) =>
     page.evaluate(async (pixels) => {
       const { canvas, splats } = window.trialPage;

@@ -42,7 +42,7 @@ async function openExample(
   return page;
 }
 
-/** Takes a screenshot of the canvas without its controls, even before the canvas has its final size. */
+/** Takes a screenshot of the canvas without its controls, even before it has its final size. */
 function image(page: Page): Promise<Screenshot> {
   return screenshot(page.locator('.stage'), '.panel, .view-names { visibility: hidden !important; }');
 }
@@ -60,7 +60,7 @@ type Size = Pick<Screenshot, 'widthPx' | 'heightPx'>;
 
 const sizeOf = async (page: Page): Promise<Size> => image(page);
 
-/** The reference over the page's colour: clouds without transforms from `position`, by default that of most examples. */
+/** The reference over the page's colour, without transforms; by default from the usual position. */
 function drawnFrom(
   position: Vec3,
   { widthPx, heightPx }: Size,
@@ -305,7 +305,7 @@ describe('examples', () => {
 });
 
 describe('examples of effects', () => {
-  /** Opens an example with the test scene and returns the PSNR of its canvas against the scene with these effects. */
+  /** Opens an example with the test scene; returns its PSNR against the scene with effects. */
   async function openWithTestScene(name: string) {
     const page = await openExample(name, testScene());
     const size = await sizeOf(page);

@@ -10,7 +10,7 @@ import { testScene } from './test-scene.ts';
 export interface ExpectSplatsOptions {
   /** Goes on with the page once it shows the right image. */
   readonly goOn?: (page: Page) => Promise<void>;
-  /** Whether a worker reads the scene. If it does not start, the page reads the file itself and looks just the same. */
+  /** Whether a worker reads the scene. Without one, the page reads the file and looks the same. */
   readonly hasWorker?: boolean;
   /** Warnings that the page must log, each once. */
   readonly warnings?: readonly RegExp[];
@@ -20,7 +20,7 @@ export interface ExpectSplatsOptions {
 
 let compare: ReturnType<typeof referenceImage> | undefined;
 
-/** Compares screenshots with float64's image of `testScene` as a Canvas shows it by default; drawn once, it serves all pages. */
+/** Compares screenshots with `testScene` on a default Canvas in float64, drawn once for all. */
 function psnrOfCanvas(shot: Screenshot): number {
   compare ??= referenceOfCanvas();
   return compare(shot);
@@ -46,7 +46,10 @@ function referenceOfCanvas(): ReturnType<typeof referenceImage> {
   return referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
 }
 
-/** Checks that the page at `url` shows `testScene` as a Canvas does by default: the right image, read by a worker, without errors. */
+/**
+ * Checks that the page at `url` shows `testScene` as a Canvas does by default: the right image,
+ * read by a worker, without errors.
+ */
 export async function expectSplats(
   browser: Browser,
   url: string,

@@ -5,7 +5,7 @@ import { decodePng } from './png.ts';
 import type { Screenshot } from './screenshot.ts';
 import { firefox, lavapipe } from './second-webgpu.ts';
 
-/** A page in Firefox with its errors and warnings of WebGPU, of which a passing test must have none. */
+/** A page in Firefox with its errors and WebGPU warnings: a passing test has none. */
 export interface FirefoxPage {
   readonly page: Page;
   readonly problems: readonly string[];
@@ -16,8 +16,8 @@ export function launch(): Promise<Browser> {
 }
 
 /**
- * Opens a page at `url`. Firefox reports neither WebGPU's errors that no scope has caught nor lost devices, so the page
- * itself does.
+ * Opens a page at `url`. Firefox reports neither WebGPU's errors that no scope has caught nor lost
+ * devices, so the page itself does.
  *
  * @param scripts run in the page before its own.
  */

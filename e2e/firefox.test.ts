@@ -1,4 +1,4 @@
-// The main paths of the viewer and of React, and hard cases, in Firefox: one browser, and a page for each.
+// The main paths of the viewer and of React, and hard cases, in Firefox: one browser, a page each.
 
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
@@ -203,8 +203,8 @@ firefoxTest('React draws, changes and leaves nothing behind', async () => {
 });
 
 /**
- * One with images: Firefox tells every tenth of a second whether the GPU is done, so that a case takes seconds. Deno, whose WebGPU
- * is the same, runs all.
+ * One with images: Firefox tells every tenth of a second whether the GPU is done, so that a case
+ * takes seconds. Deno, whose WebGPU is the same, runs all.
  */
 const CASES = ['tiles-splats-in-all'];
 

@@ -12,7 +12,7 @@ const OURS = ['@websplatter/react', '@websplatter/three'];
 /** At the versions of this repository's lockfile. */
 const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
 
-/** What an app is made of besides React, three and our packages. */
+/** Parts of an app besides React, three and our packages. */
 export interface FreshAppParts {
   /** Packages at the versions of this repository's lockfiles: the root's, and that of esbuild. */
   readonly lockedPackages?: readonly string[];
@@ -29,7 +29,7 @@ export interface FreshAppParts {
 export interface FreshApp {
   /** Runs a tool of the app's node_modules; rejects with its output if it fails. */
   run(script: string, args: readonly string[]): Promise<void>;
-  /** Replaces a piece of one of the app's files, as an editor that saves safely: no reader finds it empty or half written. */
+  /** Replaces a piece of one of the app's files atomically: readers find no half-written file. */
   edit(path: string, find: string, replacement: string): Promise<void>;
   /** Starts a server of a tool of the app's node_modules, which prints its address. */
   serve(
@@ -42,8 +42,8 @@ export interface FreshApp {
 }
 
 /**
- * Makes an app outside of this repository, as a newcomer would: installs the published packages from packed tarballs, and
- * everything else in versions that are told exactly.
+ * Makes an app outside of this repository, as a newcomer would: installs the published packages
+ * from packed tarballs, and everything else in versions that are told exactly.
  */
 export async function makeFreshApp({
   lockedPackages = [],
@@ -125,8 +125,9 @@ export async function makeFreshApp({
       const file = join(folder, path);
       const text = await readFile(file, 'utf8');
       if (!text.includes(find)) throw new Error(`There is no ${find} in ${path}.`);
-      // Written in place, the file is empty for as long as this process waits for a core. Vite then serves an empty module, and
-      // drops the second change if it comes within 50 ms of the first. No server watches node_modules.
+      // Written in place, the file is empty for as long as this process waits for a core. Vite then
+      // serves an empty module, and drops the second change if it comes within 50 ms of the first.
+      // No server watches node_modules.
       const beside = join(folder, 'node_modules', '.edited');
       await writeFile(beside, text.replace(find, replacement));
       await rename(beside, file);
@@ -174,7 +175,7 @@ function toolEnvironment(): NodeJS.ProcessEnv {
     ...env,
     NO_COLOR: '1',
     NEXT_TELEMETRY_DISABLED: '1',
-    // npm records the compilers of this system alone, and Next would ask a registry for the others, in each of its processes.
+    // npm records this system's compilers alone; Next would ask a registry for the others.
     NEXT_IGNORE_INCORRECT_LOCKFILE: '1',
   };
 }

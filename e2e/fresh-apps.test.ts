@@ -120,7 +120,7 @@ import { isSupported } from '@websplatter/three';
 
 export const all = [countCosts, measureFrames, perspectiveCamera, renderReference, SPLAT_FORMATS, tint, writeSplats];
 setWorkerUrl('/load-worker.js');
-// @ts-expect-error: no address. What is not found has any type.
+// @ts-expect-error: no address. A missing type would be any.
 setWorkerUrl(5);
 // @ts-expect-error: a promise.
 export const supported: boolean = isSupported();

@@ -37,7 +37,7 @@ export const html = (script: string) => `<!doctype html>
 </html>
 `;
 
-/** The script of an app after the statements `ahead`; without JSX, so that bundlers need nothing to translate it. */
+/** The script of an app after the statements `ahead`; without JSX, which bundlers translate. */
 export const main = (ahead = '') => `import { Canvas } from '@react-three/fiber';
 import { createSplatRenderer, setWorkerUrl, Splats } from '@websplatter/react';
 import { createElement } from 'react';
@@ -98,7 +98,7 @@ const COPY_WORKER = `import { copyFileSync } from 'node:fs';
 copyFileSync('node_modules/@websplatter/core/dist/load-worker.js', 'built/load-worker.js');
 `;
 
-/** Pages of Next in `folder`: one that shows splats, and one that itself uses them, and so suspends on the server. */
+/** Pages of Next in `folder`: one shows splats, one uses them and so suspends on the server. */
 const nextPages = (folder: string, settings = '') => ({
   [`app/${folder}page.jsx`]: `import { View } from '@/view.jsx';
 

@@ -8,12 +8,13 @@ export interface Harness {
   readonly server: AppServer;
   /** Opens a blank page. */
   newPage(options?: BrowserContextOptions): Promise<Page>;
-  /** Opens a page at `address`, e.g. `?scene=still-life-small`, without waiting for what it shows. */
+  /** Opens a page at `address`, e.g. `?scene=still-life-small`, without waiting for its content. */
   open(address: string, options?: BrowserContextOptions): Promise<Page>;
   /**
-   * Loads `address` in a window that all tests with these `options` share, which is quicker than a window of their own. Nothing
-   * of the test before is left: the page is a new one, and so is its storage. Tests that route requests, add scripts to pages, or
-   * listen to a page longer than they last take `open`.
+   * Loads `address` in a window that all tests with these `options` share, which is quicker than a
+   * window of their own. Nothing of the test before is left: the page is a new one, and so is its
+   * storage. Tests that route requests, add scripts to pages, or listen to a page longer than they
+   * last take `open`.
    */
   openShared(address: string, options?: BrowserContextOptions): Promise<Page>;
   /** Expects a warning or error that matches `pattern` from the pages of this test. */
@@ -21,8 +22,8 @@ export interface Harness {
 }
 
 /**
- * Starts a browser, and a server of the app in `appFolder` (relative to the repository's root; see `startAppServer`), for the
- * tests of a file. A test fails if its pages log warnings or errors.
+ * Starts a browser, and a server of the app in `appFolder` (relative to the repository's root; see
+ * `startAppServer`), for the tests of a file. A test fails if its pages log warnings or errors.
  *
  * @param initScript runs in each page before the page's own scripts.
  */
@@ -53,7 +54,7 @@ export function appHarness(
     watchedPages = [];
     expectedProblems = [];
     for (const { page } of watched) await page.context().close();
-    // What a page still does, and complains about, would fall to the next test. Pages that have crashed say so themselves.
+    // A page's later complaints would fall to the next test. Crashed pages say so themselves.
     for (const { page } of sharedPages.values()) await page.goto('about:blank').catch(() => {});
     const ofShared = [...sharedPages.values()].flatMap((each) => each.problems);
     const problems = [...watched.flatMap((each) => each.problems), ...ofShared.slice(problemsOfShared)];

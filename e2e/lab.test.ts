@@ -9,7 +9,7 @@ import { clickInTurn, textOf, waitForState } from './viewer-page.ts';
 
 const harness = appHarness('apps/lab', { 'scene.ply': encodePly(testScene()) });
 
-/** What the page has copied, in place of the clipboard, which a test's browser withholds. */
+/** Text copied by the page, in place of the clipboard, which a test's browser withholds. */
 async function catchCopies(page: Page): Promise<() => Promise<string>> {
   await page.addInitScript(() => {
     navigator.clipboard.writeText = async (text) => {

@@ -5,7 +5,7 @@ import { testScene } from './test-scene.ts';
 import type { FramePose } from './three/post-cases.ts';
 import type { Pixels } from './three/stage.ts';
 
-/** What the page's case `motion` returns. */
+/** Result of the page's case `motion`. */
 interface Moved {
   readonly before: FramePose;
   readonly after: FramePose;
@@ -24,8 +24,9 @@ export interface MotionErrors {
 }
 
 /**
- * Compares motion with that of float64: where the splat that makes a pixel more than half covered, or the wall, was in the frame
- * before. A place left of the middle belongs to the first of two clouds.
+ * Compares motion with that of float64: where the splat that makes a pixel more than half covered,
+ * or the wall, was in the frame before. A place left of the middle belongs to the first of two
+ * clouds.
  */
 export function motionErrors({ before, after, velocity, near, far, wallZ }: Moved): MotionErrors {
   const { widthPx, heightPx } = velocity;

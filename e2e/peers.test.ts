@@ -22,7 +22,7 @@ const camera = {
   far: 100,
 };
 
-/** What the JSON has of a scene. */
+/** A scene in the JSON. */
 interface SceneReport {
   readonly scene: string;
   readonly format: { readonly name: string };
@@ -106,7 +106,7 @@ test('what was packed measures this project beside a peer that draws less, whose
       expect(pictures[0].psnrDb, peer).toBeGreaterThan(MIN_PSNR_DB);
       expect(state.gpuBytes, peer).toBeGreaterThan(0);
     }
-    // What the calls of the API add up to is what the engine knows of itself.
+    // The calls of the API add up to the engine's own figure, or more.
     if (peer === 'websplatter')
       expect(state.gpuBytes).toBeGreaterThanOrEqual(state.figures.memory.totalBytes);
   }

@@ -13,7 +13,8 @@ const SIGNATURE_BYTES = 8;
 const CHANNELS: Readonly<Record<number, number>> = { 2: 3, 6: 4 };
 
 /**
- * Decodes a PNG as browsers write them: 8 bits per channel, not interlaced. Much faster than to have a page do it.
+ * Decodes a PNG as browsers write them: 8 bits per channel, not interlaced. Much faster than in a
+ * page.
  *
  * @throws Error if it is of another kind.
  */
@@ -48,7 +49,7 @@ function readChunks(png: Uint8Array): { header: DataView; compressed: Uint8Array
   return { header, compressed: Buffer.concat(parts) };
 }
 
-/** Undoes the filter that each row names in its first byte: https://www.w3.org/TR/png-3/#9Filters. */
+/** Undoes the filter that each row's first byte names: https://www.w3.org/TR/png-3/#9Filters */
 function unfiltered(
   filtered: Uint8Array,
   heightPx: number,

@@ -11,7 +11,7 @@ import { changedPart, screenshot } from './screenshot.ts';
 import { slowScene, testScene } from './test-scene.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
-/** What a mount leaves is seen after two; every fifth is unmounted while it loads. */
+/** Two mounts show any leftovers; every fifth is unmounted while it loads. */
 const MOUNTS = 50;
 
 /** Rows of `dots.ply`: small opaque splats, far enough apart for each to have pixels of its own. */
@@ -58,7 +58,7 @@ const BY_TILES = { rasterizer: 'tiles' } as const;
 
 const SPLATS: SplatsDescription = { id: 'a', src: 'a.ply' };
 
-/** The Canvas of most tests. One that drew frame after frame would keep the processor from what a test waits for. */
+/** The Canvas of most tests, on demand: constant frames would keep the processor from tests. */
 function canvas(changes: Partial<CanvasDescription> = {}): CanvasDescription {
   return { id: 'canvas', kind: 'splats', frameloop: 'demand', splats: [SPLATS], ...changes };
 }
@@ -98,7 +98,7 @@ async function openShared(changes: Partial<CanvasDescription>): Promise<Page> {
 const countersOf = (page: Page, id = 'canvas') =>
   page.evaluate((name) => window.page.engine(name).counters(), id);
 
-/** Number of the Canvas's frames so far, counted by the engine and by three, which draws two passes for each. */
+/** Frames of the Canvas so far, by the engine and by three, which draws two passes for each. */
 async function framesOf(page: Page): Promise<{ splats: number; passes: number }> {
   return page.evaluate(() => {
     const { render } = window.page.canvases.get('canvas')!.gl.info as { render: { calls: number } };
@@ -137,7 +137,7 @@ function projected(page: Page, point: readonly number[]): Promise<[number, numbe
   );
 }
 
-/** What the reference needs to know of the Canvas's camera. */
+/** Data of the Canvas's camera that the reference needs. */
 const cameraOf = (page: Page) =>
   page.evaluate(() => {
     const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
@@ -234,7 +234,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   expect((await countersOf(page)).uploads, 'uploads').toBe(uploads);
 
   await waitForLog(page, 'frame true');
-  // Measurements arrived and rendered only text: the two renders are those of the props above, doubled by StrictMode.
+  // Measurements rendered only text: two renders are of the props above, doubled by StrictMode.
   expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 4);
   const overlay = overlayOf(page);
   const text = await overlay.innerText();
@@ -246,7 +246,10 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   expect(text).toContain('GPU timestamps');
 });
 
-/** Points in and about the scene, each in a pixel of its own, that are covered clearly or not, with the opacity in front in float64. */
+/**
+ * Points in and about the scene, each in a pixel of its own and clearly covered or uncovered, with
+ * the opacity in front of them in float64.
+ */
 function labelPoints(
   camera: Omit<DrawnCamera, 'background'>,
   size: { widthPx: number; heightPx: number },
@@ -639,7 +642,7 @@ it('aborts the fetch of what is unmounted', async () => {
     await harness.server.whenEndlessFileIsDropped();
   };
   await expectAborted(canvas({ splats: endless }), canvas({ splats: [] }));
-  // Without a Suspense boundary inside, the whole Canvas suspends, and accepts no other children until it is unmounted.
+  // Without a Suspense inside, the whole Canvas suspends, with no new children until unmounted.
   await expectAborted(canvas({ splats: endless, hasSuspense: false }));
   expect(await logOf(page)).toContain('canvas suspended');
 });
@@ -687,7 +690,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   await waitForLog(page, 'b devicelost');
   await waitForLog(page, 'a firstframe', 2);
   await expect.poll(async () => changedPart(before, await image(page), 0)).toBe(0);
-  // Memory holds no splats: what was on the device is read again, once.
+  // Memory holds no splats: those on the device are read again, once.
   expect(harness.server.requests('a.ply')).toBe(requests[0] + 1);
   const log = await logOf(page);
   const times = (entry: string) => log.filter((each) => each === entry).length;

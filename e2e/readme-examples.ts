@@ -1,4 +1,4 @@
-/** Names that examples use without importing them, since the text around them or an example before says what they are. */
+/** Names without imports in examples: the text around, or an example before, introduces them. */
 const MODULES: Readonly<Record<string, readonly string[]>> = {
   '@react-three/fiber': ['Canvas', 'invalidate', 'useFrame'],
   '@websplatter/react': [
@@ -33,9 +33,10 @@ export function examplesIn(text: string): ReadmeExample[] {
 }
 
 /**
- * Returns an example as a module, with one line of imports and declarations for the names that it leaves out before its first.
+ * Returns an example as a module, after one line of imports and declarations for the names that it
+ * leaves out.
  *
- * @param prefers the package whose README it is: where several export a name, its own counts.
+ * @param prefers the package whose README it is: if several export a name, its own counts.
  * @param declared further names with their types.
  */
 export function completedExample(

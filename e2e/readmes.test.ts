@@ -17,7 +17,7 @@ interface Examples {
   readonly given: Readonly<Record<string, string>>;
 }
 
-/** What a frame of the engine is drawn with. */
+/** Names that draw a frame of the engine, with their types. */
 const FRAME = {
   view: "import('@websplatter/core').SplatView",
   camera: "import('@websplatter/core').Camera",
@@ -63,7 +63,10 @@ const READMES: Readonly<Record<string, Examples>> = {
   },
 };
 
-/** What pages of the documentation site take as given, by their path there; their other text is that of READMEs. */
+/**
+ * Names that pages of the documentation site presuppose, by their path; the rest of their text
+ * comes from READMEs.
+ */
 const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
   'guide/camera.md': {},
   'guide/effects.md': FRAME,
@@ -88,7 +91,7 @@ function compile(modules: Readonly<Record<string, string>>): string {
     for (const [name, text] of Object.entries(modules)) writeFileSync(join(folder, name), text);
     const ofExamples = join(repositoryRoot, 'apps/examples/node_modules');
     const compilerOptions = {
-      // What examples take besides has an installation of its own.
+      // Further packages of examples have an installation of their own.
       paths: Object.fromEntries(
         ['@react-three/drei', '@react-three/rapier'].map((name) => [name, [join(ofExamples, name)]]),
       ),

@@ -10,9 +10,10 @@ import type { Screenshot } from './screenshot.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
 /**
- * Least PSNR of a screenshot against float64, both rounded to the screen's 8 bits. Packed geometry, 8-bit spherical
- * harmonics and half-float blending flip the rounding of single pixels: 68 dB were measured on SwiftShader. Another GPU
- * may filter and round otherwise, hence the margin; the same scene the other way up reaches 15 dB.
+ * Least PSNR of a screenshot against float64, both rounded to the screen's 8 bits. Packed geometry,
+ * 8-bit spherical harmonics and half-float blending flip the rounding of single pixels: 68 dB were
+ * measured on SwiftShader. Another GPU may filter and round otherwise, hence the margin; the same
+ * scene the other way up reaches 15 dB.
  */
 export const MIN_PSNR_DB = 45;
 
@@ -25,8 +26,8 @@ export interface ReferenceEffects {
 }
 
 /**
- * Draws `sets` in float64, with the camera and the matrices that a page reports. Returns a function that computes the PSNR
- * of a screenshot of that size against the result.
+ * Draws `sets` in float64, with the camera and the matrices that a page reports. Returns a function
+ * that computes the PSNR of a screenshot of that size against the result.
  */
 export function referenceImage(
   drawn: DrawnCamera,

@@ -12,9 +12,10 @@ function sessionOf(page: Page): Promise<CDPSession> {
 }
 
 /**
- * Captures a page, or an element of it, as shown on the screen; `style` (CSS) may hide parts. Adopted style sheets, because a
- * strict content security policy blocks style elements. Chromium is asked directly: Playwright would have the PNG compressed as
- * well as can be, which takes longer than all else.
+ * Captures a page, or an element of it, as shown on the screen; `style` (CSS) may hide parts.
+ * Adopted style sheets, because a strict content security policy blocks style elements. Chromium is
+ * asked directly: Playwright would have the PNG compressed as well as can be, which takes longer
+ * than all else.
  */
 export async function screenshot(shown: Page | Locator, style = ''): Promise<Screenshot> {
   const page = 'page' in shown ? shown.page() : shown;

@@ -1,4 +1,4 @@
-// The WebGPU of Firefox: wgpu, with naga as compiler. Tests of it run on lavapipe, alike everywhere.
+// The WebGPU of Firefox: wgpu, with naga as compiler. Its tests run on lavapipe, alike everywhere.
 import { existsSync } from 'node:fs';
 import { findDeno } from '@websplatter/tools/deno';
 import { findPuppeteer } from '@websplatter/tools/firefox';
@@ -11,12 +11,12 @@ export const puppeteer = findPuppeteer() ?? '';
 export const firefox =
   process.env.FIREFOX_PATH ?? ['/usr/bin/firefox-esr', '/usr/bin/firefox'].find(existsSync) ?? '';
 
-/** Whether a missing program fails tests, which `npm test` asks for where it can install what is missing. */
+/** Whether missing programs fail tests, as `npm test` asks if it can install them. */
 const isRequired = process.env.WEBSPLATTER_REQUIRE_SECOND_WEBGPU === '1';
 
 /**
- * `test` for tests that need `programs`, given as paths by name. Where one is missing they are skipped with a printed reason;
- * under `WEBSPLATTER_REQUIRE_SECOND_WEBGPU` the file fails instead.
+ * `test` for tests that need `programs`, given as paths by name. Where one is missing they are
+ * skipped with a printed reason; under `WEBSPLATTER_REQUIRE_SECOND_WEBGPU` the file fails instead.
  */
 export function testWith(programs: Readonly<Record<string, string>>): typeof test | typeof test.skip {
   const missing = Object.keys(programs).filter((name) => programs[name] === '');

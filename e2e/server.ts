@@ -5,9 +5,7 @@ import { inject } from 'vitest';
 import { configFileOf } from './built-apps.ts';
 import { slowScene } from './test-scene.ts';
 
-/**
- * Sent with every page. What breaks it is logged as an error, and so fails the test.
- */
+/** Sent with every page. A breach of it is logged as an error, and so fails the test. */
 export const CONTENT_SECURITY_POLICY =
   "default-src 'self'; script-src 'self'; worker-src 'self'; style-src 'self'";
 
@@ -29,10 +27,11 @@ export interface AppServer {
 }
 
 /**
- * Serves an app as it is shipped on a free port. Its file `endless.ply` begins like a splat file and never continues; its
- * file `slow.ply` pauses after three fifths of `slowScene`.
+ * Serves an app as it is shipped on a free port. Its file `endless.ply` begins like a splat file
+ * and never continues; its file `slow.ply` pauses after three fifths of `slowScene`.
  *
- * @param appFolder folder of the app's `vite.config.ts`, relative to the repository's root, e.g. `apps/viewer`
+ * @param appFolder folder of the app's `vite.config.ts`, relative to the repository's root, e.g.
+ * `apps/viewer`
  */
 export async function startAppServer(appFolder: string, files: ServedFiles = {}): Promise<AppServer> {
   const outDir = await builtApp(appFolder);

@@ -1,6 +1,7 @@
 /**
- * For `addInitScript`: gives the page frames as a display of about 20 Hz does. A page that draws all the time would otherwise keep
- * SwiftShader, and with it the machine, busy while its test waits or computes.
+ * For `addInitScript`: gives the page frames as a display of about 20 Hz does. A page that draws
+ * all the time would otherwise keep SwiftShader, and with it the machine, busy while its test waits
+ * or computes.
  */
 export function slowDisplay(): void {
   const betweenFramesMs = 35;

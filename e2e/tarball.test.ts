@@ -127,9 +127,9 @@ describe('the packed tarballs in a fresh Vite app', () => {
   it('show splats under the development server, without any configuration, and as they are edited', async () => {
     await expectVite('dev', async (page) => {
       const messages = async () => (await page.consoleMessages()).map((message) => message.text());
-      // What is edited before is not sent.
+      // Edits before the connection are not sent.
       await expect.poll(messages).toContain('[vite] connected.');
-      // Fast Refresh keeps the Canvas and its renderer; if an effect ran anew, it would read the file again.
+      // Fast Refresh keeps Canvas and renderer; an effect run anew would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
       await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
       await expect.poll(messages).toContain('[vite] hot updated: /src/app.tsx');

@@ -6,8 +6,9 @@ const COUNT = 400;
 const MOST_DRAWN = 10_000;
 
 /**
- * Makes a small cloud of colourful splats that looks different from every side: on one side there are many more of them,
- * larger and redder. Deterministic; off the origin, so that turning about the wrong point shows.
+ * Makes a small cloud of colourful splats that looks different from every side: on one side there
+ * are many more of them, larger and redder. Deterministic; off the origin, so that turning about
+ * the wrong point shows.
  */
 export function testScene(count = COUNT): SplatSet {
   const random = randomNumbers(7);

@@ -26,8 +26,9 @@ beforeAll(async () => {
 afterAll(() => browser?.close());
 
 /**
- * A page with the release of three in `appFolder`, where `run` runs a case. All tests in a block share it, with its devices
- * and shaders. `heldBytes` are those of the arrays that the page holds after garbage was collected.
+ * A page with the release of three in `appFolder`, where `run` runs a case. All tests in a block
+ * share it, with its devices and shaders. `heldBytes` are those of the arrays that the page holds
+ * after garbage was collected.
  */
 function threePage(appFolder: string, filesToServe: () => Promise<ServedFiles> = async () => ({})) {
   let server: AppServer;
@@ -69,7 +70,7 @@ function threePage(appFolder: string, filesToServe: () => Promise<ServedFiles> =
     name: Name,
     ...args: Parameters<Cases[Name]>
   ): Promise<Awaited<ReturnType<Cases[Name]>>> {
-    // three's renderers share the camera of their output pass; reversed depth spoils it for all others on a page.
+    // Renderers share their output pass's camera; reversed depth spoils it for others on a page.
     const kind = args.some((arg) => JSON.stringify(arg)?.includes('reversed')) ? 'reversed' : 'other';
     const { page } = pages.get(kind) ?? (await open(kind));
     const call: [string, unknown[]] = [name, args];
@@ -133,7 +134,7 @@ function decoded(value: number): number {
 /** White splats of half opacity over a pixel, blended as in training. */
 const underHalfWhite = ([r, g, b, a]: Rgba): Rgba => [(r + 255) / 2, (g + 255) / 2, (b + 255) / 2, a];
 
-/** Compares an image of the test scene over black with that of float64, both rounded as in PNG files. */
+/** Compares an image of the test scene over black with float64's, both rounded as in PNG files. */
 function psnrOfTestScene(
   { widthPx, heightPx, data }: Pixels,
   camera: Pick<Camera, 'viewMatrix' | 'projectionMatrix' | 'near' | 'far'>,
@@ -183,7 +184,7 @@ function neighborhood(pixel: number, widthPx: number, heightPx: number): number[
   return near(row, heightPx).flatMap((y) => near(column, widthPx).map((x) => y * widthPx + x));
 }
 
-/** What rays are tested against, for a cloud of this size: see the README of three. */
+/** Bytes of a ray tree for a cloud of this size: see the README of three. */
 const RAY_BYTES = 1_638_000;
 /** Enough for the GPU to pack them. */
 const KEPT_SPLATS = 70_000;
@@ -281,7 +282,7 @@ describe('three 0.187', () => {
       const images = await run('multisampledEdge');
       const values = images.without.data.filter((_, i) => i % 4 === 0);
       expect(values.filter((value) => value > 30 && value < 225).length).toBeGreaterThan(20);
-      // White before black under black splats of half opacity: the light is the mesh's part of the pixel.
+      // White before black, under black splats of half opacity: the light is the mesh's part.
       const underHalfBlack = (value: number) => encoded(decoded(value) * decoded(127.5));
       expectEachPixel(images.with, images.without, ([r, g, b, a]) => [
         underHalfBlack(r),
@@ -378,7 +379,7 @@ describe('three 0.187', () => {
       async (moves, parameters) => {
         const { splats, wall, largestPx } = motionErrors(await run('motion', moves, parameters));
         expect(largestPx).toBeGreaterThan(2);
-        // A splat that reaches out of its cloud's bounds may be taken for one of another cloud, with another motion.
+        // A splat out of its cloud's bounds may be taken for another cloud's, with another motion.
         expect(splats.filter((px) => px > 0.01).length).toBeLessThan(
           moves === 'everything' ? 0.02 * splats.length : 1,
         );
@@ -686,7 +687,7 @@ describe('three 0.187', () => {
         psnrOfTestScene(image, camera),
       );
       expect(balancedDb).toBeGreaterThan(MIN_PSNR_DB);
-      // Both are shown through rgba16float, whose rounding hides most of what is between them: on one GPU 0.07 dB the wrong way.
+      // rgba16float hides most of their difference: on one GPU, 0.07 dB the wrong way.
       expect(referenceDb).toBeGreaterThan(balancedDb - 0.2);
       expect(errors).toEqual([]);
       expect(otherErrors).toEqual([expect.stringMatching(/^SplatsPrecisionError: .*no source/)]);
@@ -745,7 +746,7 @@ describe('three 0.187', () => {
       // Shows that the bytes are seen: 32 of geometry, and at degree 3 more than 45 of harmonics.
       ['from a buffer, which cannot be read again', 'buffer', 77, 100],
     ] as const)('hold on the page, %s, some bytes each', async (_, how, least, most) => {
-      // What any load leaves.
+      // The remains of any load.
       await run('keepShown', how, 'kept.ply');
       await run('letGo');
       const before = await heldBytes();
@@ -838,7 +839,7 @@ describe('three 0.187', () => {
       expect(atOnce).toEqual(alone);
       expectPixel(pixelAt(both, 0.27, 0.5), [252, 252, 252, 255], 8);
       expect(pixelAt(both, 0.73, 0.5)[0]).toBeGreaterThan(200);
-      // What it was before stays as well.
+      // The former picture stays as well.
       expect(replacedAtOnce).toEqual(both);
       expect(pixelAt(replaced, 0.5, 0.5)[0]).toBeGreaterThan(200);
       expect(pixelAt(replaced, 0.73, 0.5)[0]).toBeLessThan(50);

@@ -77,7 +77,7 @@ describe('files that the address of the viewer names', () => {
   });
 });
 
-/** For `addInitScript`: a picker whose handles are those of the origin's own file system, which need no permission. */
+/** For `addInitScript`: a picker of the origin's own files, which need no permission. */
 function pickFromOwnFiles(): void {
   Object.assign(window, {
     showOpenFilePicker: async () => {
@@ -87,7 +87,7 @@ function pickFromOwnFiles(): void {
   });
 }
 
-/** Waits until the viewer has kept the file of this name, or none: a reload that came before would not find it so. */
+/** Waits until the viewer has kept the file `name`, or none: earlier reloads do not find it. */
 async function waitForKept(page: Page, name: string | null): Promise<void> {
   await page.waitForFunction(async (expected) => {
     const ask = <T>(request: IDBRequest<T>) =>
@@ -105,7 +105,7 @@ async function waitForKept(page: Page, name: string | null): Promise<void> {
   }, name);
 }
 
-/** Opens the viewer in a window whose picker gives `mine.ply`, 50 splats, and whose next scene is to be kept. */
+/** Opens the viewer with a picker that gives `mine.ply`, 50 splats; the next scene is kept. */
 async function openKeeping(): Promise<Page> {
   const page = await harness.newPage();
   await page.addInitScript(pickFromOwnFiles);
@@ -129,7 +129,7 @@ async function expectMine(page: Page): Promise<void> {
   await waitForKept(page, 'mine.ply');
 }
 
-/** Drops `dropped.ply` and loads the page anew, which offers it then. A drop that a script makes has no handles. */
+/** Drops `dropped.ply` and reloads the page, which offers it. Scripted drops have no handles. */
 async function reloadAfterDrop(page: Page): Promise<void> {
   await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }]);
   await waitForScene(page, 'dropped.ply');

@@ -2,7 +2,7 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
-/** What draws by few passes, each of which has a name. */
+/** Quads draw by few passes, each with a name. */
 const BY_QUADS = CHEAP.replace('rasterizer:tiles', 'rasterizer:quads');
 const harness = viewerHarness();
 const { openViewer } = harness;
@@ -12,7 +12,7 @@ const SIZE = { width: 660, height: 490 };
 const WRITES_PER_MS = 1 / 120;
 const WRITES_AT_ENDS = 2;
 
-/** What a page counts: React's commits, and how often anything in the figures changes. */
+/** Counts of a page: React's commits, and changes of the figures. */
 interface Counts {
   commits: number;
   writes: number;
@@ -51,7 +51,7 @@ async function makeLarge(page: Page): Promise<void> {
   await page.getByTestId('left-peak').waitFor();
 }
 
-/** Waits until a figure matches `pattern`: frames are measured, and figures written, after they have been drawn. */
+/** Waits until a figure matches `pattern`: measurements and figures follow their frames. */
 const waitForFigure = (page: Page, testId: string, pattern: RegExp) =>
   expect.poll(() => textOf(page, testId), { message: testId }).toMatch(pattern);
 
@@ -101,7 +101,7 @@ describe('the figures of the viewer', () => {
     await waitForFigure(page, 'memory-total', /^[\d.]+ MB$/);
     await waitForFigure(page, 'memory-limit', /^[\d.]+ [MG]B$/);
     for (const name of ['own-ms', 'render-ms']) await waitForFigure(page, name, /^[\d.,]+$/);
-    // What quads run, tiles do not.
+    // Tiles do not run the passes of quads.
     const passes = page.getByTestId('hud-passes');
     expect(await page.getByTestId('pass-rasterize').isVisible()).toBe(false);
     await passes.locator('summary').focus();

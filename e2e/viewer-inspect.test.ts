@@ -9,7 +9,7 @@ const { shareViewer } = viewerHarness();
 /** Splats of the scene. */
 const COUNT = 10_000;
 
-/** What is drawn over the image, by its places. */
+/** Places of marks over the image. */
 const marks = (page: Page, selector: string) =>
   page
     .getByTestId('inspect-marks')

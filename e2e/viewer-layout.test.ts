@@ -29,8 +29,8 @@ const SWEPT =
     : SIZES.filter(({ width, height }) => width !== 600 || height !== 420);
 
 /**
- * Which of the elements that match `selectors` a person cannot see or touch: their middle, and what lies within 2 px of their
- * corners, is outside of the window or covered by something else.
+ * Which of the elements that match `selectors` a person cannot see or touch: their middle, and what
+ * lies within 2 px of their corners, is outside of the window or covered by something else.
  */
 function hiddenAmong(page: Page, selectors: readonly string[]): Promise<string[]> {
   return page.evaluate((list) => {
@@ -41,7 +41,7 @@ function hiddenAmong(page: Page, selectors: readonly string[]): Promise<string[]
     return list.filter((selector) => {
       const element = document.querySelector<HTMLElement>(selector);
       if (!element) return true;
-      // What lets pointers through is not found by its place.
+      // Elements that let pointers through are not found by their place.
       element.style.pointerEvents = 'auto';
       const { left, right, top, bottom, width, height } = element.getBoundingClientRect();
       const points = [

@@ -24,7 +24,7 @@ const harness = viewerHarness();
 
 const isSame = (a: Screenshot, b: Screenshot) => Buffer.from(a.data).equals(Buffer.from(b.data));
 
-/** For `addInitScript`: notes on the document that an image was shown before there was a picture. */
+/** For `addInitScript`: notes on the document that an image was shown before any picture. */
 function notePoster(): void {
   new MutationObserver(() => {
     if (document.querySelector('.poster')) document.documentElement.dataset.poster = 'seen';

@@ -24,7 +24,7 @@ function expectClose(actual: readonly number[], expected: readonly number[]): vo
   expect(Math.max(...errors), `[${actual}] against [${expected}]`).toBeLessThan(1e-9);
 }
 
-/** The part of the picture that a panel leaves free, and where the camera shows there what it turns around. */
+/** The part of the picture that panels leave free, and the place there of the camera's target. */
 async function freeArea(page: Page, { projectionMatrix: p }: DrawnCamera) {
   const free = await page.locator('.free-area').evaluate((e) => e.getBoundingClientRect().toJSON());
   const { width, height } = page.viewportSize()!;

@@ -52,7 +52,7 @@ function solid(factor: number, opacity: (dilationPx2: number) => number): Effect
   };
 }
 
-/** What each mode says that it shows, in float64 and from what its legend says. */
+/** Each mode in float64, by the words of its legend. */
 const REFERENCES = {
   ellipsoids: () => ({
     ...solid(ELLIPSOID_SHRINKING, () => 0.5 / Math.exp(-0.5 * (ELLIPSOID_EDGE / ELLIPSOID_SHRINKING) ** 2)),
@@ -90,7 +90,7 @@ const USES: Readonly<Record<keyof typeof REFERENCES, EffectUse>> = {
   overdraw: overdraw(),
 };
 
-/** Draws the frame on the screen as `mode` shows it, in float64; returns a function that gives the PSNR of a screenshot. */
+/** Draws the screen's frame in `mode`, in float64; returns a function for screenshots' PSNR. */
 async function reference(page: Page, mode: keyof typeof REFERENCES, size: Screenshot) {
   const ticks = await page.getByTestId('mode-scale').locator('li').allTextContents();
   const ofMode: ReferenceFunction = () => REFERENCES[mode](ticks.map((text) => Number.parseFloat(text)));
@@ -99,7 +99,7 @@ async function reference(page: Page, mode: keyof typeof REFERENCES, size: Screen
   return referenceImage(await drawnCamera(page), [SCENE], size, effects);
 }
 
-/** What legends of maps must say, with numbers of a scene of so many splats. */
+/** Notes that legends of maps must have, with numbers of a scene of so many splats. */
 const NOTES = {
   'tile-cost': /^At most (\d+), (\d+) on average in a list\.$/,
   'pixel-cost': /^At most (\d+), (\d+) on average at a pixel; (\d+) % of them are blended/,

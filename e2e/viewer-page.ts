@@ -4,8 +4,9 @@ import { type Screenshot, screenshot } from './screenshot.ts';
 import type { ServedFiles } from './server.ts';
 
 /**
- * For pages whose picture is not what is tested, in an address: few pixels to draw, by few shaders. By tiles: quads take SwiftShader
- * half as much again for a frame of some thousand splats, however few its pixels are.
+ * For pages whose picture is not tested, in an address: few pixels to draw, by few shaders. By
+ * tiles: for some thousand splats, quads take SwiftShader half as much again, however few the
+ * pixels.
  */
 export const CHEAPLY = 'accuracy=fast,resolutionScale:0.25,rasterizer:tiles';
 /** Address of a small scene, drawn so. */
@@ -15,7 +16,7 @@ export const SMALL = { viewport: { width: 240, height: 160 } } as const;
 
 /** A harness that serves the viewer. */
 export interface ViewerHarness extends Harness {
-  /** Opens a page at the viewer's `address`, by default a small scene, and waits for its first image. */
+  /** Opens a page at the viewer's `address`, by default a small scene; awaits its first image. */
   openViewer(address?: string, options?: BrowserContextOptions): Promise<Page>;
   /** The same in a window that tests share (`openShared`). */
   shareViewer(address: string, options?: BrowserContextOptions): Promise<Page>;
@@ -49,7 +50,7 @@ export interface DrawnCamera {
   readonly background: [number, number, number];
 }
 
-/** For `addInitScript`: keeps the texts of all notices, each of which is gone again after eight seconds. */
+/** For `addInitScript`: keeps the texts of all notices, which go away after eight seconds. */
 export function noteNotices(): void {
   const notices: string[] = [];
   let last: string | null = null;
@@ -94,8 +95,9 @@ export function frameCount(page: Page): Promise<number> {
 }
 
 /**
- * For any browser's `waitForFunction`: whether the viewer has drawn more than `frames` frames and is at rest. What a test has
- * done before by keys or mouse has ended the rest already, so that no image before that counts, however late its frame was.
+ * For any browser's `waitForFunction`: whether the viewer has drawn more than `frames` frames and
+ * is at rest. A test's keys and mouse have ended the rest before already: no earlier image counts,
+ * however late its frame.
  */
 export function isAtRestAfter(frames: number): boolean {
   const canvas = document.querySelector('canvas');
@@ -108,8 +110,8 @@ async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
 }
 
 /**
- * Does what changes the picture in one step, and waits until the new one is at rest. What opens a file changes it in several:
- * `waitForScene`.
+ * Changes the picture in one step by `act`, and waits until the new one is at rest. A file changes
+ * it in several steps: use `waitForScene` then.
  */
 export async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
   // Frames are counted when they rest: those of what was done before belong to that.
@@ -119,20 +121,20 @@ export async function redraw(page: Page, act: () => Promise<unknown>): Promise<v
   await waitForFrameAfter(page, frames);
 }
 
-/** Waits for the first picture of a page that has just been opened, and until nothing is being loaded. */
+/** Waits for the first picture of a page that was just opened, and until no file is loading. */
 export async function waitForImage(page: Page): Promise<void> {
   const selector = 'html[data-state=ready] canvas[data-resting]';
   await awaited(page, 'A picture', page.waitForSelector(selector, { state: 'attached' }));
 }
 
-/** Waits until the picture at rest shows the scene with this title, and the viewer is in `state`. */
+/** Waits until the picture at rest shows the scene of this title, with the viewer in `state`. */
 export async function waitForScene(page: Page, title: string, state = 'ready'): Promise<void> {
   const selector = `html[data-state=${state}] canvas[data-resting][data-scene=${JSON.stringify(title)}]`;
   const wait = page.waitForSelector(selector, { state: 'attached' });
   await awaited(page, `A picture of “${title}” in the state “${state}”`, wait);
 }
 
-/** Waits for a notice with this text, after those that were awaited before; it may be gone again by then. */
+/** Waits for a notice with this text, after those awaited before; it may be gone again by then. */
 export async function waitForNotice(page: Page, text: string): Promise<void> {
   const isNoted = (wanted: string) => {
     const { notices } = window as unknown as { notices: string[] };
@@ -143,16 +145,16 @@ export async function waitForNotice(page: Page, text: string): Promise<void> {
   await awaited(page, `A notice “${text}”`, page.waitForFunction(isNoted, text));
 }
 
-/** What is there and takes clicks: those of scripts are lost where a button is disabled. */
+/** The element, once it takes clicks: disabled buttons lose those of scripts. */
 const enabled = (page: Page, testId: string) => page.locator(`[data-testid=${testId}]:not(:disabled)`);
 
-/** Clicks from a script, since in a window as small as those of tests the button may be out of sight. */
+/** Clicks from a script: the button may be out of sight in a window as small as those of tests. */
 export const press = (page: Page, testId: string): Promise<void> =>
   enabled(page, testId).evaluate((button: HTMLElement) => button.click());
 
 /**
- * Clicks on `first`, and by the page itself on `second` as soon as that is there: it is gone again once what `first` has begun is
- * over.
+ * Clicks on `first`, and by the page itself on `second` as soon as that is there: it is gone again
+ * once what `first` has begun is over.
  */
 export async function clickInTurn(page: Page, first: string, second: string): Promise<void> {
   await enabled(page, first).waitFor();
@@ -187,7 +189,7 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
 export const IMAGE_ALONE =
   '.overlay, .drop-overlay, .place-gizmo { visibility: hidden !important; } canvas { outline: none !important; }';
 
-/** Captures the image as shown on the screen, without the interface over it; `style` (CSS) may hide more. */
+/** Captures the image on the screen without the interface over it; `style` (CSS) may hide more. */
 export function viewerScreenshot(page: Page, style = ''): Promise<Screenshot> {
   return screenshot(page, `${IMAGE_ALONE} ${style}`);
 }

@@ -140,7 +140,7 @@ describe('the toolbar of small windows', () => {
     await page.getByTestId('save').waitFor();
     await more.tap();
     expect(await page.getByTestId('command-save').getAttribute('aria-checked')).toBe('true');
-    // What lies beside it closes it.
+    // A tap beside it closes it.
     await page.touchscreen.tap(180, 40);
     expect(await menu.isVisible()).toBe(false);
     await waitForImage(page);

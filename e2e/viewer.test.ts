@@ -55,7 +55,7 @@ async function openFile(page: Page, name: string, bytes: Uint8Array): Promise<vo
 /** Columns of a set whose bits are compared. */
 const COLUMNS = ['positions', 'logScales', 'rotations', 'opacityLogits', 'colorDc'] as const;
 
-/** Has the browser decode the images of a SOG, and Node, by our own decoder; all values must be the same. */
+/** Decodes the images of a SOG in the browser, and in Node by our decoder; values must agree. */
 async function expectSameSplats(page: Page, sog: Uint8Array<ArrayBuffer>): Promise<void> {
   await page.route('**/core-dist/*', (route) => {
     const file = basename(new URL(route.request().url()).pathname);
@@ -86,7 +86,7 @@ async function expectSameSplats(page: Page, sog: Uint8Array<ArrayBuffer>): Promi
   expect(found).toEqual({ decoded: 8, digests });
 }
 
-/** Waits for the first measurement. A busy machine takes more than a second for a frame, which is written with a comma. */
+/** Waits for the first measurement. A slow frame takes over a second, written with a comma. */
 async function waitForTimes(page: Page): Promise<void> {
   await page.waitForFunction(() => {
     const text = document.querySelector('[data-testid=total-ms]')?.textContent ?? '';
@@ -94,14 +94,14 @@ async function waitForTimes(page: Page): Promise<void> {
   });
 }
 
-/** What has the keyboard; undefined where it is nothing that tests know. */
+/** The holder of the keyboard; undefined for elements that tests do not know. */
 const focusedTestId = (page: Page) =>
   page.evaluate(() => (document.activeElement as HTMLElement | null)?.dataset.testid);
 
 const send = (page: Page, event: string) =>
   page.evaluate((type) => void dispatchEvent(new Event(type)), event);
 
-/** For `addInitScript`: between the events `adapters-go` and `adapters-come-back` the page finds no GPU. */
+/** For `addInitScript`: between `adapters-go` and `adapters-come-back` there is no GPU. */
 function loseAdaptersOnDemand(): void {
   const { requestAdapter } = GPU.prototype;
   addEventListener('adapters-go', () => {
@@ -120,8 +120,8 @@ interface HeldGpu {
 }
 
 /**
- * For `addInitScript`: the queue keeps back that its work is done, and the device its pipelines, until they are released.
- * Workers get their jobs when somebody has begun to wait for the queue.
+ * For `addInitScript`: the queue keeps back that its work is done, and the device its pipelines,
+ * until they are released. Workers get their jobs when somebody has begun to wait for the queue.
  */
 function holdBackGpu(): void {
   const barrier = () => {
@@ -194,7 +194,7 @@ describe('viewer', () => {
     const page = await newPage(SMALL);
     await page.addInitScript(holdBackGpu);
     await page.goto(`${harness.server.url}?scene=still-life-small`);
-    // The wait of a page that has nothing to show yet goes on until the first frame has been asked for.
+    // The wait of an empty page goes on until the first frame is requested.
     await page.waitForFunction(() => (window as unknown as HeldGpu).heldPipelines > 0);
     await page.evaluate(() => (window as unknown as HeldGpu).releaseWork());
     expect(await frameCount(page)).toBe(0);
@@ -284,7 +284,7 @@ describe('viewer', () => {
     await waitForState(page, 'loading');
     expect(await page.getByTestId('load').isVisible()).toBe(true);
     await expect.poll(async () => colorsIn(await viewerScreenshot(page))).toBeGreaterThan(50);
-    // What has arrived comes in several parts.
+    // The file arrives in several parts.
     const early = await atRest(page, () => viewerScreenshot(page));
     expect(changedPart(before, early)).toBeGreaterThan(0.1);
     await page.keyboard.press('ArrowRight');
@@ -445,7 +445,7 @@ describe('viewer', () => {
 
   it('moves the view by keys, mouse and wheel, and goes back', async () => {
     const page = await openViewer(BY_TILES);
-    // Figures reach nearly to the middle of so small a window, and further where a frame takes a second.
+    // Figures nearly reach the middle of so small a window, and further in frames above a second.
     await page.keyboard.press('h');
     await page.getByTestId('hud').waitFor({ state: 'detached' });
     const start = await viewerScreenshot(page);
@@ -555,7 +555,8 @@ describe('viewer', () => {
 
     // By itself, with what was being opened.
     await page.evaluate(() => {
-      // The device goes when a worker is to read the file, and the worker gets its job when there is another device.
+      // The device goes when a worker is to read the file; the worker gets its job with the next
+      // device.
       const { postMessage } = Worker.prototype;
       Worker.prototype.postMessage = () => void dispatchEvent(new Event('lose-device'));
       const { requestDevice } = GPUAdapter.prototype;

@@ -6,7 +6,7 @@ import { splatSet } from '../three/splats.ts';
 
 const text = (content: string): Uint8Array => new TextEncoder().encode(content);
 
-/** What the trials load, as small as it can be. */
+/** Files that the trials load, as small as can be. */
 export function trialFiles(): ServedFiles {
   const red = { color: [1, 0, 0], opacity: 0.99, scale: [0.35, 0.35, 0.35] } as const;
   return {

@@ -3,7 +3,7 @@ import { type SplatCloudObject, Splats } from '@websplatter/react';
 import { type ReactNode, useRef } from 'react';
 import type { Vector3Tuple } from 'three';
 
-/** What is shown with the still life. */
+/** Objects beside the still life. */
 export interface StillLife {
   /** Places of labels, in world space. */
   readonly labels: readonly Vector3Tuple[];
@@ -11,7 +11,7 @@ export interface StillLife {
   readonly hasMesh?: boolean;
 }
 
-/** Splats, with labels that they may hide, and a mesh in front of them that may take their clicks. */
+/** Splats, labels that they may hide, and a mesh in front that may take their clicks. */
 export function StillLifeScene({
   labels,
   hasMesh = false,

@@ -1,4 +1,4 @@
-// A page that shows splats, and beside them one component of drei, or labels and a mesh that splats hide.
+// A page of splats beside one component of drei, or beside labels and a mesh that splats hide.
 import { type RootState, useFrame } from '@react-three/fiber';
 import { SplatCanvas, type SplatCloudObject, Splats } from '@websplatter/react';
 import { type ReactNode, Suspense, useRef } from 'react';
@@ -17,7 +17,7 @@ const page = {
   splats: null as SplatCloudObject | null,
   /** Frames of the newest Canvas since what it shows has been loaded. */
   frames: 0,
-  /** What has been thrown outside of every `try`, in rendering and in frames. */
+  /** Errors thrown outside of every `try`, in rendering and in frames. */
   thrown: null as string | null,
   /** Shows a trial by name, `''` for splats alone. */
   show: (name: string) => {
@@ -26,7 +26,7 @@ const page = {
     page.thrown = null;
     root.render(<TrialCanvas key={name} {...TRIALS[name]} />);
   },
-  /** What clicks have hit. */
+  /** Objects that clicks have hit. */
   clicked: [] as string[],
   showStillLife: (shown: StillLife) => root.render(<StillLifeCanvas {...shown} />),
   /** Whether what a trial shows otherwise than by pixels is so. */

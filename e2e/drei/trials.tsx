@@ -1,4 +1,4 @@
-// Components of drei that applications of react-three-fiber use most, beside splats under three's WebGPURenderer.
+// Components of drei that applications use most, beside splats under three's WebGPURenderer.
 import {
   Bounds,
   CameraControls,
@@ -11,12 +11,12 @@ import type { RootState } from '@react-three/fiber';
 import type { SplatCloudObject } from '@websplatter/react';
 import type { ComponentProps, ComponentType, ReactNode } from 'react';
 
-/** Something that stands on the right of a Canvas of 240 × 160 pixels, whose left shows a red ball of splats. */
+/** Stands on the right of a Canvas of 240 × 160 pixels, whose left shows a red ball of splats. */
 export interface Trial {
   readonly element: ComponentType<SceneProps>;
   /**
-   * What is to happen: pixels change; the camera, or the object named `target`, moves when the mouse is dragged across the
-   * middle of the right half; or what `holds` says becomes so.
+   * What is to happen: pixels change; the camera, or the object named `target`, moves when the
+   * mouse is dragged across the middle of the right half; or what `holds` says becomes so.
    */
   readonly expects: 'pixels' | 'camera' | 'target' | 'holds';
   readonly holds?: (state: RootState) => boolean;
@@ -29,7 +29,7 @@ export interface SceneProps {
 }
 
 const RIGHT = [1.5, 0, 0] as const;
-/** As far as rays through the red ball are from its middle when they are twice as far away as that from the camera. */
+/** On the ray through the red ball's middle, twice and half as far from the camera. */
 const BEHIND = [-3, 0, -5] as const;
 const BEFORE = [-0.75, 0, 2.5] as const;
 

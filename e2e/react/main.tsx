@@ -54,7 +54,7 @@ export interface LabelDescription {
 export interface CanvasDescription {
   /** Another id is another Canvas. */
   readonly id: string;
-  /** `splats`: SplatCanvas; `bare`: Canvas with createSplatRenderer; `webgl`: Canvas as it is by default. */
+  /** `splats`: SplatCanvas; `bare`: Canvas with createSplatRenderer; `webgl`: Canvas by default. */
   readonly kind: 'splats' | 'bare' | 'webgl';
   readonly frameloop?: 'always' | 'demand';
   readonly background?: string;
@@ -82,14 +82,14 @@ export interface CanvasDescription {
 }
 
 const page = {
-  /** What has happened, in order: the id of what it happened to, and its name. */
+  /** Events in order: the id of their subject, and their name. */
   log: [] as string[],
   /** By id, the newest of each Canvas. */
   canvases: new Map<string, RootState>(),
   objects: new Map<string, SplatCloudObject>(),
   statistics: [] as FrameStatistics[],
   measurements: [] as Measurement[],
-  /** What useStageTimings has returned. */
+  /** Last result of useStageTimings. */
   timings: null as StageTimingsSource | null,
   /** Times that a component has rendered whose only interest is in measurements. */
   timingRenders: 0,

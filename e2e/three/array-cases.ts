@@ -165,7 +165,7 @@ export const arrayCases = {
     return shots;
   },
 
-  /** Splats that write depth before a wall that is drawn after them, by both cameras: from a canvas and from layers. */
+  /** Splats that write depth before a wall drawn later, by both cameras: canvas and layers. */
   arrayDepth: async () => {
     const stage = await newStage();
     const { renderer, scene } = stage;
@@ -186,7 +186,7 @@ export const arrayCases = {
     return { onCanvas, layers };
   },
 
-  /** What a cloud is told where three cannot be interrupted in a pass with layers. */
+  /** The error of a cloud if three cannot be interrupted in a pass with layers. */
   arrayLayersRefused: async () => {
     const stage = await newStage();
     const { renderer, scene } = stage;

@@ -136,7 +136,7 @@ function lookAtTestScene(camera: PerspectiveCamera): void {
   camera.lookAt(0.5, 0, 0);
 }
 
-/** What the tests draw their references with. */
+/** The camera of the tests' references. */
 function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: PerspectiveCamera) {
   const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
   return { camera: { viewMatrix: [...viewMatrix], projectionMatrix: [...projection], near, far } };
@@ -183,7 +183,7 @@ export const cases = {
     return shotOf(stage, () => stage.renderer.render(stage.scene, camera));
   },
 
-  /** Tone mapping of the splat's image, and of a background that has the colour `linear` from the start. */
+  /** Tone mapping of the splat's image, and of a background of the colour `linear`. */
   toneMapped: async (background: number, linear: number) => {
     const stage = await newStage();
     stage.renderer.toneMapping = ACESFilmicToneMapping;
@@ -202,7 +202,7 @@ export const cases = {
     return shot(stage);
   },
 
-  /** Straight onto the canvas: three needs no output pass where it neither tone-maps nor encodes. */
+  /** Straight onto the canvas: three needs no output pass if it neither tone-maps nor encodes. */
   withoutOutputPass: async (parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     stage.renderer.outputColorSpace = LinearSRGBColorSpace;
@@ -244,8 +244,9 @@ export const cases = {
   },
 
   /**
-   * Checkered splats on the left and stripes of a mesh on the right, equally far: as they are, in three's depth of field with the
-   * focus on them and before them, and view depths as red, in parts of `depthRange`.
+   * Checkered splats on the left and stripes of a mesh on the right, equally far: as they are, in
+   * three's depth of field with the focus on them and before them, and view depths as red, in parts
+   * of `depthRange`.
    */
   depthOfField: async (depthRange: number) => {
     const stage = await newStage();
@@ -278,7 +279,10 @@ export const cases = {
     return { ...images, unfocused: await shown(blurred), ...cameraOf(camera) };
   },
 
-  /** Own splats, red on the left and a hidden one on the right, as they are edited; then in another renderer. */
+  /**
+   * Own splats as they are edited, red on the left and one hidden on the right; then in another
+   * renderer.
+   */
   ownData: async () => {
     const stage = await newStage();
     const data = makeSplatData({
@@ -361,7 +365,7 @@ export const cases = {
   },
 
   /**
-   * The walls and the splat between them, with a near plane that leans to the left, as mirrors use it.
+   * The walls and the splat between them, with a near plane that leans to the left, as in mirrors.
    *
    * @param distance of that plane along the line of sight.
    */
@@ -369,7 +373,7 @@ export const cases = {
     const stage = await newStage(parameters);
     const { renderer, scene, camera } = stage;
     scene.add(rightHalf(wall(0xff0000, 0.5)), wall(0x0000ff, -0.5), splatCloud({}));
-    // three makes the matrix for the kind of clip space when it renders with the camera for the first time.
+    // three makes the matrix for its kind of clip space at the first rendering with the camera.
     renderer.render(scene, camera);
     const [normalX, normalZ, scale] = [0.5, -0.866, 0.8];
     const row = [normalX, 0, normalZ, normalZ * distance];
@@ -380,7 +384,7 @@ export const cases = {
     return shot(stage);
   },
 
-  /** A mirror on the right, at an angle; a yellow splat before a blue box, and a magenta splat behind the mirror. */
+  /** A slanted mirror on the right, a magenta splat behind it; a yellow splat before a blue box. */
   mirror: async (parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     const { scene } = stage;
@@ -402,7 +406,7 @@ export const cases = {
     return shot(stage, 2);
   },
 
-  /** Half-transparent walls in front and behind by their own place among the transparent objects. */
+  /** Half-transparent walls in front and behind by their own place among transparent objects. */
   transparentMeshes: async (frontZ: number, backZ: number) => {
     const stage = await newStage();
     const half = { transparent: true, opacity: 0.5 };
@@ -504,7 +508,7 @@ export const cases = {
     return { shown, faint, gone, hidden, otherLayer };
   },
 
-  /** Red splats on the left and a red wall on the right, equally far, in fog; and splats that are to be none the fainter. */
+  /** Red splats left and a red wall right, equally far, in fog; then the splats without fog. */
   fog: async (fog: { near: number; far: number; isNode?: boolean } | { density: number }) => {
     const stage = await newStage();
     const color = 0x8090b0;
@@ -537,7 +541,7 @@ export const cases = {
     return { plain, tintedAndClipped };
   },
 
-  /** A valid cloud on the left beside one on the right, one option of which is invalid: errors and images by option. */
+  /** A valid cloud left, one with an invalid option right: errors and images by option. */
   invalidOptions: async () => {
     const stage = await newStage();
     const small = (x: number) => splatCloud({ scale: [0.3, 0.3, 0.3], opacity: 0.99, position: [x, 0, 0] });
@@ -608,7 +612,10 @@ export const cases = {
     return { whole, parts };
   },
 
-  /** A cloud; and, at once and in the end, when another with shaders of its own joins it, and when that becomes yet another. */
+  /**
+   * A cloud; at once and in the end, as another with shaders of its own joins it, and as that
+   * becomes yet another.
+   */
   joining: async () => {
     const stage = await newStage();
     const small = (x: number) => splatData({ scale: [0.3, 0.3, 0.3], opacity: 0.99, position: [x, 0, 0] });
@@ -652,7 +659,10 @@ export const cases = {
     return { shown, hidden, frames, revealed: await shot(stage) };
   },
 
-  /** Whether splats look for what may hide them, as things are added that cannot and then one that does. */
+  /**
+   * Whether splats look for occluders as objects are added: some that cannot hide them, then one
+   * that does.
+   */
   occluders: async () => {
     const stage = await newStage();
     const { renderer, scene, camera } = stage;
@@ -765,7 +775,7 @@ export const cases = {
     };
   },
 
-  /** What is uploaded and freed while clouds come and go. */
+  /** Uploads and frees while clouds come and go. */
   uploads: async () => {
     const stage = await newStage();
     const { renderer, scene, camera } = stage;
@@ -804,8 +814,9 @@ export const cases = {
   },
 
   /**
-   * A file with as many rows as the GPU packs: loaded for a renderer and drawn by it, drawn again after it was freed, and
-   * drawn by another renderer; and the same file packed on the CPU. `packedOnCpu` counts what was packed there for the first.
+   * A file with as many rows as the GPU packs: loaded for a renderer and drawn by it, drawn again
+   * after it was freed, and drawn by another renderer; and the same file packed on the CPU.
+   * `packedOnCpu` counts what was packed there for the first.
    */
   loadedForRenderer: async () => {
     const stages = [await newStage(BY_TILES), await newStage({ ...BY_TILES, antialias: false })];
@@ -869,7 +880,7 @@ export const cases = {
     kept = null;
   },
 
-  /** Loads for a renderer that fail, are aborted or are never shown, and the bytes that each leaves. */
+  /** Loads for a renderer that fail, are aborted or are never shown, and the bytes that remain. */
   failedLoads: async () => {
     const { renderer } = await newStage();
     const engine = splatEngineOf(renderer);
@@ -945,7 +956,10 @@ export const cases = {
     return { errors, inTarget: await targetPixels(renderer, target), after: await shot(stage) };
   },
 
-  /** A white splat on the right of a cube camera, and a red wall that hides half of another on its left; both faces. */
+  /**
+   * Two faces of a cube camera: a white splat on the right; on the left a red wall that hides half
+   * of another splat.
+   */
   cubeCamera: async () => {
     const stage = await newStage();
     const { renderer, scene } = stage;

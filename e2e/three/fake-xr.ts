@@ -2,8 +2,9 @@ import { splatEngineOf } from '@websplatter/three';
 import type { PerspectiveCamera, WebGPURenderer } from 'three/webgpu';
 
 /**
- * An XR session as three's WebGPURenderer uses one, without a headset: `XRGPUBinding` hands out one texture with a layer for
- * each view, and the page says when a frame is due. Only what three 0.187 calls is here.
+ * An XR session as three's WebGPURenderer uses one, without a headset: `XRGPUBinding` hands out one
+ * texture with a layer for each view, and the page says when a frame is due. Only what three 0.187
+ * calls is here.
  */
 export class FakeXrSession extends EventTarget {
   readonly enabledFeatures = ['webgpu'];
@@ -85,7 +86,7 @@ export class FakeXrSession extends EventTarget {
     delete (globalThis as Record<string, unknown>).XRGPUBinding;
   }
 
-  // What three calls.
+  // The interface that three calls.
 
   requestAnimationFrame(callback: (timeMs: number, frame: unknown) => void): number {
     this.#frameCallback = callback;

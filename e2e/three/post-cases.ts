@@ -45,7 +45,7 @@ import {
   targetPixels,
 } from './stage.ts';
 
-/** What moves between two frames. */
+/** Moving objects between two frames. */
 type MotionKind = 'nothing' | 'camera' | 'cloud' | 'everything';
 
 /** From where a frame is seen, and where its clouds are. */
@@ -70,7 +70,7 @@ function cloudOfTestScene(): SplatCloudObject {
 }
 
 export const postCases = {
-  /** Two clouds before a wall, and what an output for three's velocity has after something has moved. */
+  /** Two clouds before a wall, and the output for three's velocity after something has moved. */
   motion: async (moves: MotionKind, parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     const { renderer, scene, camera } = stage;
@@ -114,7 +114,7 @@ export const postCases = {
     return { before, after: pose(), velocity: found, near: camera.near, far: camera.far, wallZ: WALL_Z };
   },
 
-  /** Splats behind a tilted pane that fills the image, the pane, and splats before it: by two objects, one on each side of it. */
+  /** Splats behind a tilted pane that fills the image, the pane, splats before it: two objects. */
   paneInCloud: async (cameraZ: number) => {
     const stage = await newStage();
     const { scene, camera } = stage;
@@ -172,8 +172,9 @@ export const postCases = {
   },
 
   /**
-   * The test scene in three's TRAA after `frames` frames in which the camera moves by `step` each, with the motion of splats or as
-   * if nothing moved; the same without TRAA; and as the mean of more pixels.
+   * The test scene in three's TRAA after `frames` frames in which the camera moves by `step` each,
+   * with the motion of splats or as if nothing moved; the same without TRAA; and as the mean of
+   * more pixels.
    */
   temporal: async (frames: number, step: number, hasMotion: boolean) => {
     const stage = await newStage();
@@ -206,7 +207,7 @@ export const postCases = {
   },
 };
 
-/** The canvas after `pipeline` has drawn splats, each time in another frame of the page: three draws a pass once in each. */
+/** The canvas after `pipeline` drew splats, in a new frame: three draws a pass once in each. */
 async function passShot({ renderer }: Stage, pipeline: RenderPipeline, hasSplats = true): Promise<Pixels> {
   const engine = splatEngineOf(renderer);
   const before = engine.counters().framesDrawn;

@@ -35,7 +35,7 @@ export function splatSet(splats: readonly SplatDescription[]): SplatSet {
   };
 }
 
-/** Coloured splats of many sizes and opacities in a cube about the origin, the same in every call. */
+/** Coloured splats of many sizes and opacities in a cube about the origin, always the same. */
 export function manySplats(count: number): SplatDescription[] {
   let state = 1;
   // Numerical Recipes' generator.
@@ -52,7 +52,7 @@ export function manySplats(count: number): SplatDescription[] {
   }));
 }
 
-/** Small black and white splats in rows across the line of sight on the left, over a sky far behind that shows through. */
+/** Small black and white splats in rows across the view on the left, over a sky far behind. */
 export function checkeredSplats(): SplatDescription[] {
   const checkered: SplatDescription[] = [];
   for (let row = -12; row <= 12; row++)

@@ -31,7 +31,7 @@ export interface Stage {
 
 const renderers = new Map<string, Promise<WebGPURenderer>>();
 
-/** Renderers are kept, one for each set of parameters, since a device and its shaders take long to make. */
+/** Renderers are kept by their parameters, since a device and its shaders take long to make. */
 export async function newStage(parameters: RendererParameters = {}): Promise<Stage> {
   const key = JSON.stringify(parameters);
   if (!renderers.has(key)) renderers.set(key, makeRenderer(parameters));
@@ -68,7 +68,7 @@ function reset(renderer: WebGPURenderer): void {
   renderer.shadowMap.enabled = false;
 }
 
-/** Calls `draw` until it has drawn splats `splatPasses` times: their shaders are compiled when they are first needed. */
+/** Calls `draw` until it has drawn splats `splatPasses` times: first uses compile their shaders. */
 export async function drawn(
   renderer: WebGPURenderer,
   scene: Object3D,
@@ -81,7 +81,7 @@ export async function drawn(
     draw();
     if (engine.counters().framesDrawn - before >= splatPasses) return;
     await nextNeededFrame(scene);
-    // three renders a pass() once in a frame of the page: an attempt in the same frame would draw nothing, and need no other.
+    // three renders a pass() once per frame of the page: another try would draw nothing.
     await nextFrame();
   }
   throw new Error('The splats were never drawn.');
@@ -112,8 +112,8 @@ function nextNeededFrame(scene: Object3D): Promise<void> {
 }
 
 /**
- * What has been drawn on the canvas in this task: premultiplied RGBA. A 2D canvas that copies it is now and then given
- * nothing by Chromium on SwiftShader, so the texture itself is read.
+ * What has been drawn on the canvas in this task: premultiplied RGBA. A 2D canvas that copies it is
+ * now and then given nothing by Chromium on SwiftShader, so the texture itself is read.
  */
 export async function canvasPixels(renderer: WebGPURenderer): Promise<Pixels> {
   const texture = renderer.domElement.getContext('webgpu')!.getCurrentTexture();
@@ -146,13 +146,14 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
 }
 
 /**
- * The same when effects are on or off as `expected`, by name: until their shaders are compiled the image stays as it was.
+ * The same when effects are on or off as `expected`, by name: the image changes once shaders are
+ * compiled.
  */
 export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
   const endMs = performance.now() + PATIENCE_MS;
   // Many times, because what is animated asks for frames while shaders compile.
   while (performance.now() < endMs) {
-    // Listens before: shaders may be ready while the pixels are read, and nothing would tell so again.
+    // Listens before: shaders may be ready while the pixels are read, and nothing would tell again.
     const needed = nextNeededFrame(stage.scene);
     needed.catch(() => {});
     const pixels = await shot(stage);

@@ -1,11 +1,11 @@
-// For Deno: compiles every variant of every stage by naga, and makes pipelines of those of compute stages.
+// For Deno: compiles every variant of every stage by naga, and makes pipelines of compute stages.
 import process from 'node:process';
 import { requestSplatDevice } from '@websplatter/core';
 import { Pipelines, type StageDefinition } from '../../packages/core/src/gpu/pipelines.ts';
 import { linkShader } from '../../packages/core/src/gpu/shaders/link-shader.ts';
 import { allStageVariants } from '../../packages/core/src/testing/stage-variants.ts';
 
-/** What became of the shaders. */
+/** Results of the shaders' compilation. */
 export interface CompiledShaders {
   readonly stageNames: readonly string[];
   readonly moduleCount: number;

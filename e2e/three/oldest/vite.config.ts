@@ -4,7 +4,7 @@ import newest from '../vite.config.ts';
 
 const three = fileURLToPath(new URL('node_modules/three', import.meta.url));
 
-/** The same page with the oldest release of three that is supported, in the packages too, which lie beside another. */
+/** The same page with the oldest supported release of three, in the packages beside another too. */
 export default mergeConfig(newest, {
   resolve: {
     alias: [
