@@ -5,10 +5,10 @@ import type { FoundFile } from './found-file.ts';
 /** So many scenes are opened at once: a dropped folder may have thousands. */
 const MOST_SCENES = 32;
 
-/** What SuperSplat calls the camera and the background that go with a scene. */
+/** SuperSplat's name for the camera and the background of a scene. */
 const SETTINGS_NAME = 'settings.json';
 
-/** Opens every scene among the files, one by itself, or one that several of them make, with the settings that are among them. */
+/** Opens every scene among the files, of one file or several, with the settings among them. */
 export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
   const isSettings = ({ path }: FoundFile) => nameOf(path).toLowerCase() === SETTINGS_NAME;
   const [settings] = found.filter(isSettings).toSorted((a, b) => a.path.length - b.path.length);
@@ -47,7 +47,7 @@ function leadingFiles(found: readonly FoundFile[]): FoundFile[] {
   );
 }
 
-/** Whether a file may be one that `lead` leads to: it lies in its folder and is no scene by itself, or lies deeper. */
+/** Whether `lead` may refer to a file: one of its folder that is no scene, or a deeper one. */
 function isCompanion({ path }: FoundFile, lead: FoundFile): boolean {
   const [folder, leadFolder] = [folderOf(path), folderOf(lead.path)];
   if (isInside(folder, leadFolder)) return isLeadingFile(nameOf(path)) || !formatByName(nameOf(path));

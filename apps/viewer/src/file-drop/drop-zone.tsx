@@ -3,7 +3,7 @@ import { decide } from './decide.ts';
 import { droppedFiles, type FileDropDecision, READABLE_FORMATS } from './file-drop.ts';
 import { droppedHandles } from './file-handles.ts';
 
-/** What a drop does: opens the files in place of what is shown, or adds them to it. */
+/** Opens dropped files in place of the scene, or adds them to it. */
 type DropAim = 'open' | 'add';
 
 /**
@@ -28,7 +28,8 @@ export function DropZone({
   useEffect(() => {
     const listeners = new AbortController();
     const { signal } = listeners;
-    // Every element that the pointer crosses sends an enter and a leave; the files are gone when they balance.
+    // Every element under the pointer sends an enter and a leave; the files are gone once they
+    // balance.
     let depth = 0;
     const aimOf = ({ shiftKey, clientX, clientY }: DragEvent): DropAim => {
       const area = addArea.current?.getBoundingClientRect();

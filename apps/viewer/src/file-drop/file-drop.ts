@@ -9,7 +9,7 @@ export interface OpenedFiles {
   readonly source: File | SceneFiles;
 }
 
-/** The answer to dropped or chosen files: what to open, a reason why not, or both. */
+/** The answer to dropped or chosen files: scenes to open, a reason why not, or both. */
 export interface FileDropDecision {
   /** Each is shown as a part of one scene; none where there is nothing to open. */
   readonly opened: readonly OpenedFiles[];
@@ -40,10 +40,10 @@ export const ACCEPTED_FILES = [
   '.gz',
 ].join();
 
-/** What people may drop, e.g. `PLY, SPZ or SOG`. */
+/** Formats that people may drop, e.g. `PLY, SPZ or SOG`. */
 export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format(FORMAT_TITLES);
 
-/** Lists the files of a drop, those in folders too. Call it within the event, after which the browser empties the items. */
+/** Lists the files of a drop, also in folders. Call it within the event, which empties items. */
 export async function droppedFiles(items: Iterable<DroppedItem>): Promise<FoundFile[]> {
   const found: (FoundFile | DroppedEntry)[] = [];
   for (const item of items) {

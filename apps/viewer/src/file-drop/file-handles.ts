@@ -1,6 +1,6 @@
 import { type FoundFile, MOST_FILES } from './found-file.ts';
 
-/** A handle of the File System Access API, as Chromium has it; TypeScript's library knows a part of it. */
+/** A handle of Chromium's File System Access API, of which TypeScript's library knows a part. */
 export interface AskedHandle {
   readonly kind: 'file' | 'directory';
   readonly name: string;
@@ -23,7 +23,7 @@ export async function pickHandles(): Promise<readonly AskedHandle[] | null> {
   }
 }
 
-/** Handles of what is dropped, where the browser gives them. Call it within the event, after which the items are empty. */
+/** Handles of a drop, if the browser gives them. Call it within the event, which empties items. */
 export async function droppedHandles(items: Iterable<DataTransferItem>): Promise<readonly AskedHandle[]> {
   const asked = Array.from(items, (item) =>
     (item as unknown as { getAsFileSystemHandle?: () => Promise<AskedHandle | null> })

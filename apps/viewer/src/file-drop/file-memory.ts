@@ -3,7 +3,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { FileDropDecision } from './file-drop.ts';
 import type { AskedHandle } from './file-handles.ts';
 
-/** What is kept of the files of a scene from one load of the page to the next. */
+/** A file of a scene as kept from one load of the page to the next. */
 export interface KeptFile {
   readonly name: string;
   /** Where the browser has such: of the file, its folder, or all files of the scene. */
@@ -27,7 +27,7 @@ export class FileMemory {
   readonly #store: ViewerStore;
   readonly #kept: FileStore;
   #offered: KeptFile | null = null;
-  /** What has been opened since the page was loaded, and what has been added to that. */
+  /** Files opened and added since the page was loaded. */
   #opened: OpenedNames = { names: [], handles: [] };
 
   constructor(store: ViewerStore, kept: FileStore) {
@@ -44,7 +44,7 @@ export class FileMemory {
     this.#store.setState({ lastFile: { name: file.name, isReachable: file.handles.length > 0 } });
   }
 
-  /** Files have been opened: they are the ones to offer from now on, with those that they were added to. */
+  /** Files were opened: offers them from now on, with those that they were added to. */
   remember(opened: OpenedNames, isAdded: boolean): void {
     this.#offered = null;
     const before = isAdded ? this.#opened : { names: [], handles: [] };
@@ -61,7 +61,7 @@ export class FileMemory {
     void this.#kept.clear().catch(() => {});
   }
 
-  /** Reads the offered file again; call it by a person's click, who may be asked. Null where that did not come about. */
+  /** Reads the offered file again; call it by a click: the browser may ask. Null if that fails. */
   async reopen(): Promise<FileDropDecision | null> {
     const file = this.#offered;
     if (!file) return null;

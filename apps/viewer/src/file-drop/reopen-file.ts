@@ -3,7 +3,10 @@ import { decideFiles } from './decide-files.ts';
 import type { FileDropDecision } from './file-drop.ts';
 import { type AskedHandle, filesOf } from './file-handles.ts';
 
-/** Reads the scene `name` that was opened before the page was loaded anew; null, and the reason in `store`, where that did not come about. */
+/**
+ * Reads the scene `name` that was opened before the page was reloaded; null, with the reason in
+ * `store`, if that fails.
+ */
 export async function reopenFile(
   name: string,
   handles: readonly AskedHandle[],

@@ -3,12 +3,12 @@ import type { Viewer } from '../viewer/viewer.ts';
 import { linkedViewOf } from './linked-view.ts';
 import { pageAddress } from './page-address.ts';
 
-/** The address is written this long after the last change: browsers limit how often it may be written. */
+/** The address is written this long after the last change: browsers limit how often it may be. */
 const ADDRESS_DELAY_MS = 250;
 
 /**
- * Keeps what is shown in the page's address, so that it can be shared and a reload brings it back; returns what stops that.
- * The camera is written once it is at rest.
+ * Keeps what is shown in the page's address, so that it can be shared and a reload brings it back;
+ * returns what stops that. The camera is written once it is at rest.
  */
 export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;

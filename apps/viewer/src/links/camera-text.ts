@@ -12,9 +12,9 @@ const FORM =
   'write camera=x,y,z,distance,azimuth,polar, then any of up:x:y:z, fov:50, parallel:1, flipped:1, zup:1 and own:0';
 
 /**
- * For the address: the target, the distance from it, and both angles in radians, then by name what is not as usual:
- * `0,0.1,0,2.5,0.35,1.25,fov:40,flipped:1`. Numbers are the shortest that read back as the same float64, so that the same
- * picture is drawn, bit for bit.
+ * For the address: the target, the distance from it, and both angles in radians, then by name what
+ * is not as usual: `0,0.1,0,2.5,0.35,1.25,fov:40,flipped:1`. Numbers are the shortest that read
+ * back as the same float64, so that the same picture is drawn, bit for bit.
  */
 export function encodeCamera(camera: LinkedCamera): string {
   const { pose, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp } = camera;

@@ -10,7 +10,10 @@ export interface LinkedComparison {
 
 const FORM = 'write compare=error, or compare=current/fast/0.5 for two accuracies and the line between them';
 
-/** For the address: `error`, or both sides of a split image and its line: `current/fast,resolutionScale:0.5/0.5`. */
+/**
+ * For the address: `error`, or both sides of a split image and its line:
+ * `current/fast,resolutionScale:0.5/0.5`.
+ */
 export function encodeComparison({ comparison, splitPart }: LinkedComparison): string {
   if (comparison.kind === 'error') return 'error';
   return [sideText(comparison.left), sideText(comparison.right), splitPart].join('/');

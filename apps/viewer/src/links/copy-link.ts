@@ -10,12 +10,12 @@ export function noLink(viewer: Viewer): string {
     : 'Only files on servers can be linked together (?src=…&src=…): this scene has another one.';
 }
 
-/** The whole address that shows this picture elsewhere; null where an address cannot name its files. */
+/** The whole address that shows this picture elsewhere; null if no address can name its files. */
 export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
   return linkTo(new URL(location.href), linkedViewOf(viewer, store.getState()));
 }
 
-/** Copies the link, and says so. Where the browser does not allow that, opens the panel where it can be read. */
+/** Copies the link and says so. If the browser forbids it, opens the panel that shows the link. */
 export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void> {
   const link = linkOf(viewer, store);
   if (link === null) {

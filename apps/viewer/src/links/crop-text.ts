@@ -3,8 +3,8 @@ import type { Vec3 } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
 
 /**
- * For the address: both corners of the box in the scene's own space, and which splats stay: `-1:0:-1:1:2:1:inside`. Numbers are the
- * shortest that read back as the same float64.
+ * For the address: both corners of the box in the scene's own space, and which splats stay:
+ * `-1:0:-1:1:2:1:inside`. Numbers are the shortest that read back as the same float64.
  */
 export function encodeCrop({ min, max, keep }: Crop): string {
   return [...min, ...max, keep].join(':');

@@ -9,9 +9,10 @@ import { optionsBeside } from '../effects/effect-values.ts';
 import type { EffectChoices } from '../state/requested-effects.ts';
 
 /**
- * For the address, the effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null if none is. After the name
- * come the values of the options that have a meaning, in their order. Lengths are in the units of the scene. Numbers are the
- * shortest that read back as the same float64.
+ * For the address, the effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null
+ * if none is. After the name come the values of the options that have a meaning, in their order.
+ * Lengths are in the units of the scene. Numbers are the shortest that read back as the same
+ * float64.
  */
 export function encodeEffects(choices: EffectChoices): string | null {
   const parts = Object.keys(EFFECT_OPTIONS).flatMap((name) => {
@@ -29,8 +30,8 @@ function textOf(value: OptionValue): string {
 }
 
 /**
- * Reads what `encodeEffects` wrote, by the effect's name: of a clip, say, nothing about the shapes that it does not have. Whether
- * an effect can have these numbers is for the engine to say.
+ * Reads what `encodeEffects` wrote, by the effect's name: of a clip, say, nothing about the shapes
+ * that it does not have. Whether an effect can have these numbers is for the engine to say.
  *
  * @throws InvalidArgumentError naming the effect or the part that cannot be, and how it is written.
  */

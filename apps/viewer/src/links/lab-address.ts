@@ -1,12 +1,12 @@
 import { ADDRESS_NAMES } from '../scene/addressed-scene.ts';
 
-/** The lab beside the viewer; null for the viewer as one file, beside which there may be nothing. */
+/** The lab beside the viewer; null for the viewer as one file, which has nothing beside it. */
 const LAB: string | null = import.meta.env.WEBSPLATTER_ALONE ? null : 'lab/';
 
-/** What the viewer and the benchmark both read of an address. */
+/** Parts of an address that the viewer and the benchmark both read. */
 const SHARED_NAMES: readonly string[] = [...ADDRESS_NAMES, 'scene', 'accuracy'];
 
-/** The benchmark of the scene, and with the accuracy, that the viewer's address asks for; null where there is no lab. */
+/** The benchmark of the scene and the accuracy of the viewer's address; null without a lab. */
 export function benchmarkAddress(query: URLSearchParams): string | null {
   const shared = [...query].filter(([name]) => SHARED_NAMES.includes(name));
   return LAB && [`${LAB}?bench`, ...(shared.length > 0 ? [new URLSearchParams(shared)] : [])].join('&');

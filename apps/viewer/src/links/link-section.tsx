@@ -5,7 +5,7 @@ import { copyLink, linkOf, noLink } from './copy-link.ts';
 
 /** A link to what is shown: to be read, and to be copied. */
 export function LinkSection({ store, viewer }: PanelProps) {
-  // What the link tells changes with these; a camera that moves is told of when it is at rest.
+  // The link changes with these; a moving camera is told when it is at rest.
   useStore(store, ({ restedFrames }) => restedFrames);
   useStore(store, ({ scene }) => scene);
   useStore(store, ({ splitPart }) => splitPart);

@@ -11,8 +11,8 @@ import { decodeEffects } from './effects-text.ts';
 import { canLink, isFallback } from './page-address.ts';
 
 /**
- * Draws the first scene with the effects and the crop that the address asks for, unless another scene is shown than it names:
- * lengths would be those of another scene. What cannot be read is said.
+ * Draws the first scene with the effects and the crop of the address, unless it is another scene
+ * than the address names: lengths would be those of another scene. Unreadable parts are told.
  */
 export function followLinkedEffects(panel: PanelProps, query: URLSearchParams): void {
   const { store, viewer } = panel;
@@ -40,7 +40,7 @@ function cropTo(panel: PanelProps, crop: Crop): void {
   drawCrop(panel);
 }
 
-/** What the address does not tell is as an effect begins with. */
+/** Fills in an effect's first values where the address tells none. */
 function completed(linked: ReturnType<typeof decodeEffects>, { viewer }: PanelProps): EffectChoices {
   const place = scenePlaceOf(viewer);
   return Object.fromEntries(

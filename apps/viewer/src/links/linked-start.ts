@@ -13,13 +13,13 @@ export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
-  /** How each file of the scene is drawn, in their order, as `encodeLook` writes it; none where they are drawn as they come. */
+  /** Looks of the scene's files, in their order, by `encodeLook`; none if all are as saved. */
   readonly looks: readonly string[];
-  /** What of that could not be read, in words; null if nothing. */
+  /** The unreadable parts, in words; null if none. */
   readonly notice: string | null;
 }
 
-/** Reads what `linkTo` wrote; what it cannot read is left out. */
+/** Reads an address of `linkTo`; leaves unreadable parts out. */
 export function linkedStart(query: URLSearchParams): LinkedStart {
   const notices: string[] = [];
   const read = <T>(name: string, decode: (text: string) => T): T | null => {

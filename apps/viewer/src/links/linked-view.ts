@@ -4,7 +4,7 @@ import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { LinkedView } from './page-address.ts';
 
-/** What an address has to tell so that what is shown now is shown again. */
+/** Contents of an address that shows the present view again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
   const { target, accuracy, comparison, splitPart, requested, viewMode, inspecting } = state;
   const parts = viewer.scenes.newest?.parts ?? [];

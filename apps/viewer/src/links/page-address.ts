@@ -12,11 +12,11 @@ import { encodeCrop } from './crop-text.ts';
 import { LOOK_NAME } from './linked-start.ts';
 import { encodeViewMode } from './view-mode-text.ts';
 
-/** What an address tells of the viewer. */
+/** The viewer's state in an address. */
 export interface LinkedView {
   /** Of the files of the scene; none before there is one. */
   readonly sources: readonly SceneSource[];
-  /** How each of them is drawn, as `encodeLook` writes it; none where all are drawn as they come. */
+  /** Look of each of them, by `encodeLook`; none if all are drawn as saved. */
   readonly looks: readonly string[];
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyTarget;
@@ -27,24 +27,24 @@ export interface LinkedView {
   readonly viewMode: ViewModeName;
 }
 
-/** What this device and this window begin with, which the address of the page need not mention. */
+/** First state on this device and in this window, which the page's address need not mention. */
 export interface UnmentionedView {
   /** The first view of the scene. */
   readonly camera: LinkedCamera | null;
   readonly accuracy: AccuracySettings;
 }
 
-/** Names in the query of what belongs to the scene that it was chosen for, at that scene's scale. */
+/** Names in the query that belong to the scene they were chosen for, at that scene's scale. */
 const OF_ONE_SCENE = ['camera', 'effects', 'crop'];
 
-/** `page` as it is to be while `view` is shown: path, query and fragment. What it says besides stays. */
+/** Address of `page` while it shows `view`: path, query and fragment. Other parameters stay. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
   const query = new URLSearchParams(page.search);
   const camera = encodeCamera(view.camera);
   const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
   if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
-    // No other device has a file of this one: its camera, effects and crop would be those of another scene.
+    // Other devices lack this one's files: camera, effects and crop would be another scene's.
     const isShared = canLink(view.sources);
     const isMentioned = isShared && !isFirstView;
     const effects = isShared ? view.effects : null;
@@ -61,8 +61,8 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
 }
 
 /**
- * A whole address that shows the same picture on any device, in a window of the same size; null where there is none: see
- * `canLink`.
+ * A whole address that shows the same picture on any device, in a window of the same size; null
+ * where there is none: see `canLink`.
  */
 export function linkTo(page: URL, view: LinkedView): string | null {
   if (!canLink(view.sources)) return null;
@@ -77,7 +77,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   return page.origin + addressWith(page, query);
 }
 
-/** Whether a built-in scene is shown in place of what the address names, which could not be opened. */
+/** Whether a built-in scene is shown because the scene of the address could not be opened. */
 export function isFallback(sources: readonly SceneSource[], query: URLSearchParams): boolean {
   const { addresses = [], scene } = addressedScene(query);
   return (

@@ -22,7 +22,7 @@ it('answers about the scene that it was told to read before, however early it is
   expect(replies).toContainEqual({ kind: 'read' });
   expect(replies).toContainEqual({ kind: 'answer', id: 1, answer: expect.objectContaining({ count: 1 }) });
   expect(replies).toContainEqual({ kind: 'answer', id: 2, answer: null });
-  // What cannot be answered is told.
+  // A question without an answer is told.
   worker.onmessage?.({ data: { kind: 'ask', id: 3, about: 'splat', question: { cloudIndex: 9, row: 5 } } });
   await expect.poll(() => replies.at(-1)?.kind).toBe('failed');
 });

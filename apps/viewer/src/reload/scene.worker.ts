@@ -1,6 +1,7 @@
 /**
- * Reads a scene again, off the main thread, and writes it as a file or answers questions about its splats. Both in one script, so
- * that the readers of all formats are downloaded once. Ending the worker calls everything off.
+ * Reads a scene again, off the main thread, and writes it as a file or answers questions about its
+ * splats. Both in one script, so that the readers of all formats are downloaded once. Ending the
+ * worker calls everything off.
  */
 import type { InspectRequest } from '../inspecting/inspect-messages.ts';
 import type { SaveReply, SaveRequest } from '../saving/save-messages.ts';
@@ -17,8 +18,8 @@ self.onmessage = async ({ data }: MessageEvent<SceneRequest>) => {
     );
     return;
   }
-  // One promise for all: callbacks of two imports of the same module need not come in their order, and what is asked about a scene
-  // comes after the request to read it.
+  // One promise for all: callbacks of two imports of the same module need not come in their order,
+  // and what is asked about a scene comes after the request to read it.
   answering ??= import('../inspecting/answer-in-worker.ts');
   const { answer } = await answering;
   await answer(data, (message) => self.postMessage(message));

@@ -3,13 +3,13 @@ import { findHardCase, loadHardCases } from '../hard-cases/catalogue.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import { type LastingScene, lastingScene } from './lasting-scene.ts';
 
-/** What a cloud is read from again; can be sent to a worker. */
+/** Source from which a cloud is read again; can be sent to a worker. */
 export type StoredSource =
   | LastingScene
   | { readonly kind: 'bytes'; readonly bytes: Uint8Array<ArrayBuffer> }
   | { readonly kind: 'set'; readonly set: SplatSet<Harmonics> };
 
-/** What each cloud of a file, or of a hard case, is read from, in their order. */
+/** Source of each cloud of a file, or of a hard case, in their order. */
 export async function cloudSources(source: SceneSource): Promise<readonly StoredSource[]> {
   if (source.kind === 'hard-case') {
     const hardCase = findHardCase(await loadHardCases(), source.name);

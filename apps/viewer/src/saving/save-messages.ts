@@ -30,7 +30,7 @@ export interface SaveRequest {
   readonly formatName: string;
   /** The axis of the scene's own that is shown upwards. */
   readonly up: UpAxis;
-  /** What of the scene is saved, in its own space; null: all of it. */
+  /** The part of the scene to save, in its own space; null: all of it. */
   readonly crop: CropBox | null;
 }
 

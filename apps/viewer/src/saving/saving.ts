@@ -21,7 +21,7 @@ export class Saving {
     this.#partsOf = partsOf;
   }
 
-  /** Writes the scene in another format and hands the file to the browser. Does nothing where there is nothing to save. */
+  /** Writes the scene in another format and hands the browser the file, if there is a scene. */
   start(format: WritableFormat): void {
     const state = this.#store.getState();
     const { crop, selecting } = state.inspecting;
@@ -83,7 +83,7 @@ function savedPart(
   selecting: Selecting,
 ): SavedPart | null {
   const source = lastingScene(shown);
-  // What lasts has one cloud each.
+  // Sources that last have one cloud each.
   return source && { source, opacity, placement, rows: savedRows(cloudKey(key, 0), selecting) };
 }
 

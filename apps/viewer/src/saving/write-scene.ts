@@ -16,7 +16,7 @@ import type { SavedRows, SaveRequest } from './save-messages.ts';
 
 export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
 
-/** Reads a scene again and writes it as a file, turned so that other viewers show it the way up that this one does. */
+/** Reads a scene again and writes it as a file that other viewers show the same way up. */
 export async function writeScene(
   { parts, formatName, up, crop }: Omit<SaveRequest, 'kind'>,
   onProgress: OnSaving,

@@ -1,4 +1,4 @@
-/** The scene that the page's address asks for: `?src=ADDRESS`, once or several times, `?scene=NAME` and `?scene=hard:NAME`. */
+/** The address's scene: `?src=ADDRESS`, once or more often, `?scene=NAME`, `?scene=hard:NAME`. */
 export interface AddressedScene {
   /** Of files, relative to the page or whole; they are shown together. */
   readonly addresses?: readonly string[];
@@ -11,7 +11,7 @@ export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
 /** `?scene=hard` is the gallery, `?scene=hard:NAME` a case. */
 export const GALLERY_SCENE = 'hard';
 
-/** What the query of the page's address asks for. */
+/** Reads the query of the page's address. */
 export function addressedScene(query: URLSearchParams): AddressedScene {
   const addresses = ADDRESS_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
   return { addresses, scene: query.get('scene') };

@@ -38,7 +38,7 @@ export function mergedDrops(drops: readonly DropCounts[]): DropCounts {
   return merged;
 }
 
-/** A warning if at least half of the rows were left out, so that the image is not that of the file; null otherwise. */
+/** A warning if at least half of the rows were left out, which changes the image; else null. */
 export function droppedWarning(name: string, kept: number, dropped: DropCounts): SceneWarning | null {
   const left = droppedTotal(dropped);
   const rows = kept + left;

@@ -4,7 +4,7 @@ import type { FailureReport } from '../state/failure.ts';
 import type { AddressedScene } from './addressed-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 
-/** What to open first. */
+/** The scene to open first. */
 export interface FirstSource {
   /** One or more, which are shown together. */
   readonly sources: readonly SceneSource[];
@@ -14,7 +14,7 @@ export interface FirstSource {
   readonly failure: FailureReport | null;
 }
 
-/** What to open first; relative addresses of files start from `base`. */
+/** The scene to open first; relative addresses of files start from `base`. */
 export function firstSource(
   { addresses = [], scene }: AddressedScene,
   base: string,

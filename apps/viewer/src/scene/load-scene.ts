@@ -26,7 +26,7 @@ export interface LoadSceneOptions extends Pick<LoadOptions, 'onProgress'> {
   readonly onPreview: (preview: LoadedScene) => void;
 }
 
-/** Reads or makes `source` and uploads it. A load that fails or is called off leaves nothing on the GPU. */
+/** Reads or makes `source` and uploads it. A failed or cancelled load leaves nothing on the GPU. */
 export async function loadScene(
   engine: SplatEngine,
   source: SceneSource,
@@ -43,7 +43,7 @@ export async function loadScene(
     isUpsideDown: !builtin && isUpsideDown(cloud),
     isZUp: false,
   });
-  /** What is there of a file while it arrives need not have the shape of all of it. */
+  /** The part of a file that has arrived need not have the shape of the whole. */
   const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: !builtin && isZUp(cloud) });
   const cloud = await engine.load(fileOf(source), {
     name: titleOf(source),

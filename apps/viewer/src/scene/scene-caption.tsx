@@ -75,7 +75,7 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
   );
 }
 
-/** `harmonics degree 3`, or `harmonics degree 3, seen up to 1` if the bands above change nothing visible. */
+/** `harmonics degree 3`, with `, seen up to 1` if higher bands change nothing visible. */
 function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
   const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
   return `harmonics degree ${declaredShDegree}${seen}`;

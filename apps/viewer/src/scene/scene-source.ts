@@ -21,7 +21,7 @@ export function titleOf(source: SceneSource): string {
   }
 }
 
-/** What to call several that are shown together. */
+/** Title of scenes that are shown together. */
 export function titleOfAll(sources: readonly SceneSource[]): string {
   return joinedNames(sources.map(titleOf));
 }

@@ -36,13 +36,13 @@ export interface ScenesOptions {
   readonly linkedCamera?: LinkedCamera | null;
   /** How its files are drawn, in their order, as links write it; otherwise as they come. */
   readonly linkedLooks?: readonly string[];
-  /** The newest scene is another one: its clouds have to be prepared. The camera still looks at the one before. */
+  /** The newest scene has changed: its clouds need preparing. The camera looks at the last one. */
   readonly onClouds: () => void;
   /** The newest scene is ready to be drawn. */
   readonly onShow: () => void;
 }
 
-/** What can be shown of the file that is being loaded, with those that it joins. */
+/** The part of the file being loaded that can be shown, with the files that it joins. */
 interface Preview {
   readonly scene: ShownScene;
   readonly part: ShownPart;
@@ -50,7 +50,7 @@ interface Preview {
   readonly framed: Sphere;
   /** How the camera looked at the scene before; null if there was none. */
   readonly camera: CameraSnapshot | null;
-  /** What panels asked for before it. */
+  /** Effects that panels requested before it. */
   readonly requested: RequestedEffects;
   readonly inspecting: Inspecting;
 }
@@ -61,19 +61,19 @@ const FRAMED_CHANGE = 0.1;
 const Z_UP_NOTICE =
   'By its shape this is ground whose z axis points up. The View panel (V) shows it another way up.';
 
-/** Loads files one after another, into a scene of their own or beside others, and knows what is to be drawn. */
+/** Loads files one by one, as a new scene or into the present one, and knows which to draw. */
 export class Scenes {
   readonly #options: ScenesOptions;
   #newest: ShownScene | null = null;
   #preview: Preview | null = null;
-  /** Scenes that are no longer asked for, but stay on the screen until the newest has been drawn. */
+  /** Scenes that were replaced, but stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
-  /** What is asked for; the first is being loaded. A file leaves it when it has been opened, has failed or was called off. */
+  /** Files to open; the first is loading. A file leaves once opened, failed or cancelled. */
   #queue: AskedPart[] = [];
-  /** Whether the first of them that can be opened is shown in place of the newest scene, not beside it. */
+  /** Whether the first that can be opened replaces the newest scene, rather than joining it. */
   #isInPlace = true;
-  /** What of the queue could not be opened. */
+  /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
   #shown = 0;
   #keys = 0;
@@ -82,7 +82,7 @@ export class Scenes {
     this.#options = options;
   }
 
-  /** The scene that was opened last, with all of its files that are there whole; its session may have ended. */
+  /** The scene opened last, with its files that are there whole; its session may have ended. */
   get newest(): ShownScene | null {
     return this.#newest;
   }
@@ -98,8 +98,8 @@ export class Scenes {
   }
 
   /**
-   * Opens `sources` in place of what is shown, which stays until the first of them is there; calls off what is being loaded.
-   * Where the GPU was lost, asks for it again first.
+   * Opens `sources` in place of what is shown, which stays until the first of them is there; calls
+   * off what is being loaded. Where the GPU was lost, asks for it again first.
    */
   open(...sources: readonly SceneSource[]): void {
     if (!this.#begin(sources)) return;
@@ -111,14 +111,14 @@ export class Scenes {
     this.#ask(sources);
   }
 
-  /** Opens `sources` beside what is shown or being loaded; in its place where that is a hard case, which is shown alone. */
+  /** Opens `sources` beside the files shown or being loaded, but in place of a hard case. */
   add(...sources: readonly SceneSource[]): void {
     const last = this.#queue.at(-1) ?? this.#newest?.parts[0];
     if (!last || last.source.kind === 'hard-case') this.open(...sources);
     else if (this.#begin(sources)) this.#ask(sources);
   }
 
-  /** Where the GPU was lost: forgets what was shown, which may be what takes the GPU down, and opens a scene that does not. */
+  /** After the loss of a GPU: forgets the scene, a possible cause, and opens a small one. */
   openSmallScene(): void {
     this.#newest = null;
     this.#options.store.setState({ scene: null, warning: null });
@@ -126,7 +126,8 @@ export class Scenes {
   }
 
   /**
-   * For a new session: opens what was being opened or shown before the device was lost, otherwise what the address asks for.
+   * For a new session: opens the files opened or shown before the loss of the device, else the
+   * address's.
    */
   openFirst({ engine }: Session): void {
     if (this.#loading) return;
@@ -138,7 +139,7 @@ export class Scenes {
     this.#openNext();
   }
 
-  /** Calls off what is being loaded, and goes on with what waits; what is shown stays. */
+  /** Cancels the file being loaded and goes on with those that wait; the shown scene stays. */
   cancelLoad(): void {
     const { store } = this.#options;
     const { load } = store.getState();
@@ -180,7 +181,10 @@ export class Scenes {
       );
   }
 
-  /** The session ends: loading stops, and its scenes cannot come back. The camera goes back to the newest, which is opened again. */
+  /**
+   * The session ends: loading stops, and its scenes cannot come back. The camera goes back to the
+   * newest, which is opened again.
+   */
   endSession(): void {
     this.#loading?.abort();
     this.#loading = null;
@@ -188,7 +192,7 @@ export class Scenes {
     this.#replaced = [];
   }
 
-  /** The newest scene has been asked of the GPU; the caller destroys the returned clouds when it has been drawn. */
+  /** The GPU has the newest scene's work; the caller destroys the returned clouds afterwards. */
   takeReplaced(): readonly SplatCloud[] {
     // If loading fails, the one before is shown again.
     if (this.#preview) return [];
@@ -217,7 +221,7 @@ export class Scenes {
     if (failed) for (const cloud of cloudsBesides([failed], allClouds(last.scene))) cloud.destroy();
   }
 
-  /** A person asks for something: what was said before is over. Returns whether it can be opened. */
+  /** A person opens something: earlier messages are over. Returns whether it can be opened. */
   #begin(sources: readonly SceneSource[]): boolean {
     const { store } = this.#options;
     if (store.getState().status === 'unavailable' || sources.length === 0) return false;
@@ -324,7 +328,10 @@ export class Scenes {
     return lookOf;
   }
 
-  /** An empty window is of no use: opens what was shown before the device was lost, or the built-in scene, in place of `failed`. */
+  /**
+   * Avoids an empty window: in place of `failed`, opens the scene from before the loss of the
+   * device, or the built-in one.
+   */
   #fillWindow({ engine }: Session, failed: AskedPart): void {
     const shown = this.#newest?.parts ?? [];
     const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);
@@ -423,7 +430,7 @@ export class Scenes {
     this.#preview = null;
     if (this.#newest) this.#present(this.#newest);
     else store.setState({ scene: null });
-    // Beside others it has moved neither the camera, unless that was at home, nor anybody's effects.
+    // Beside other files, the preview has changed no effects, and moved the camera only from home.
     const hasJoined = preview.scene.parts.length > 1;
     const { isHome } = camera.controls;
     if (preview.camera)
@@ -518,7 +525,7 @@ export class Scenes {
   }
 }
 
-/** What those scenes have on the GPU besides what is `kept`. */
+/** Clouds of those scenes on the GPU besides those `kept`. */
 function cloudsBesides(scenes: readonly ShownScene[], kept: readonly SplatCloud[]): SplatCloud[] {
   return [...new Set(scenes.flatMap(allClouds))].filter((cloud) => !kept.includes(cloud));
 }

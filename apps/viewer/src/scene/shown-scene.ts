@@ -9,7 +9,7 @@ import { mergedDrops } from './dropped-splats.ts';
 import type { LoadedScene } from './load-scene.ts';
 import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 
-/** A file of a scene: what was loaded of it, and how it is drawn. */
+/** A file of a scene: its loaded data, and its look. */
 export interface ShownPart {
   /** The same as long as the file is a part of the scene, also when it is opened again. */
   readonly key: number;
@@ -23,13 +23,13 @@ export type SceneFrame = Pick<CameraSubject, 'isUpsideDown' | 'isZUp'>;
 
 /** A scene that is on the screen, or will be with the next frame. */
 export interface ShownScene extends CameraSubject {
-  /** Another number for each scene that this page has shown; the same while parts of it only look otherwise. */
+  /** Another number for each scene of this page; the same while only looks of parts change. */
   readonly id: number;
   /** The clouds go with their session. */
   readonly session: Session;
   /** One or more, in the order in which they were opened. */
   readonly parts: readonly ShownPart[];
-  /** What is drawn: without hidden parts. */
+  /** The clouds to draw: without hidden parts. */
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
 }

@@ -1,7 +1,7 @@
 import { SplatSelection } from '@websplatter/core/effects';
 import type { RowMasks, SelectMode, SplatEdit } from '../state/selecting.ts';
 
-/** What is selected once `found` has been, which is never what is removed. */
+/** The selection after `found`, which has no removed splats, was selected. */
 export function selectedWith(mode: SelectMode, { selected, removed }: SplatEdit, found: RowMasks): RowMasks {
   switch (mode) {
     case 'replace':

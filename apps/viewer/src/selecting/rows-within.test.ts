@@ -5,7 +5,7 @@ import { histogramsOf } from '../inspecting/scene-answers.ts';
 import type { DragRegion } from '../state/selecting.ts';
 import { rowsWithin } from './rows-within.ts';
 
-/** Splats at x, y in the plane z = 0 or at a depth of their own, in rows 30, 31, 32 … of their file. */
+/** Splats at x, y in the plane z = 0 or at depths of their own, in rows 30, 31, 32 … of a file. */
 function setOf(positions: readonly (readonly [number, number, number])[]): SplatSet {
   const count = positions.length;
   return {

@@ -8,8 +8,8 @@ import type { DragRegion } from '../state/selecting.ts';
 type IsWithin = (cloud: ReadCloud, index: number, center: Vec3) => boolean;
 
 /**
- * Of each cloud a bit per row, `row % 32` of word `row / 32`: whether its splat is in the region, by its centre, and left by the
- * crop.
+ * Of each cloud a bit per row, `row % 32` of word `row / 32`: whether its splat is in the region,
+ * by its centre, and left by the crop.
  */
 export function rowsWithin(
   clouds: readonly ReadCloud[],
@@ -63,7 +63,7 @@ function dragTest(dragged: DragRegion, width: number, height: number): (x: numbe
   return (x, y) => painted[Math.floor(y) * width + Math.floor(x)] === 1;
 }
 
-/** 1 for each pixel that the brush has touched: asking for millions of splats takes no longer for a long line. */
+/** 1 for each pixel that the brush has touched: lookups take no longer for a long line. */
 function paintedPixels(
   { points, radius }: Extract<DragRegion, { kind: 'brush' }>,
   width: number,

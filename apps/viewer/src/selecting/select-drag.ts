@@ -2,7 +2,7 @@ import type { DragRegion, SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 
-/** What a drag selects in an image of this size, CSS px. */
+/** Receives the region of a drag in an image of this size, CSS px. */
 export type OnSelected = (dragged: DragRegion, width: number, height: number, mode: SelectMode) => void;
 
 /** A shorter way is a click, which has no rectangle. */
@@ -14,8 +14,8 @@ interface Drag {
 }
 
 /**
- * While a tool is chosen, drags over the picture select instead of turning the camera; with a second finger both go on to move
- * it. Shift adds, Alt subtracts.
+ * While a tool is chosen, drags over the picture select instead of turning the camera; with a
+ * second finger both go on to move it. Shift adds, Alt subtracts.
  */
 export function listenToSelectDrags(store: ViewerStore, onSelected: OnSelected, signal: AbortSignal): void {
   let drag: Drag | null = null;

@@ -9,7 +9,7 @@ import { SplatSelecting } from './splat-selecting.ts';
 
 const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });
 
-/** Two files of a cloud each are drawn, and a hidden one; `found` is what lies in the region that is asked for. */
+/** Two files of a cloud each are drawn, and a hidden one; `found` lies in the requested region. */
 function selectingOf(...found: readonly number[]) {
   const fake = fakeTools();
   const part = (key: number, isHidden = false) => ({

@@ -18,12 +18,12 @@ export class SplatSelecting {
     this.#tools = tools;
   }
 
-  /** What is chosen for the next selection. */
+  /** Sets the options of the next selection. */
   choose(change: Partial<Selecting>): void {
     this.#tools.update({ selecting: { ...this.#now, ...change } });
   }
 
-  /** Selects the splats whose centres a drag has covered in an image of `width` by `height`, CSS px, however deep they are. */
+  /** Selects splats, at any depth, with centres under a drag in an image of this size, CSS px. */
   async selectDragged(dragged: DragRegion, width: number, height: number, mode: SelectMode): Promise<void> {
     const look = shownLook(this.#tools);
     if (look) await this.select({ kind: 'dragged', dragged, width, height, look }, mode);

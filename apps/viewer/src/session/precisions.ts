@@ -20,15 +20,16 @@ export interface PrecisionsOptions {
 }
 
 /**
- * Decides which precisions the clouds hold: that of the chosen accuracy, and those that it is compared with. New clouds
- * come with the engine's accuracy; nothing else in the viewer asks for precisions.
+ * Decides which precisions the clouds hold: that of the chosen accuracy, and those that it is
+ * compared with. New clouds come with the engine's accuracy; nothing else in the viewer asks for
+ * precisions.
  */
 export class Precisions {
   readonly #options: PrecisionsOptions;
   #held: Promise<void> = Promise.resolve();
-  /** What is being done, if it is. */
+  /** The request in progress, if any. */
   #work: AbortController | null = null;
-  /** What the clouds are held in to be compared with the chosen accuracy. */
+  /** Leases on the precisions that are compared with the chosen accuracy. */
   #compared: readonly CloudLease[] = [];
 
   constructor(options: PrecisionsOptions) {
@@ -41,14 +42,14 @@ export class Precisions {
   }
 
   /**
-   * Asks for the precisions of the store's accuracy and comparison. The engine makes or reads what the clouds do not hold
-   * in the background, and the image follows; the store learns what the GPU cannot do.
+   * Requests the precisions of the store's accuracy and comparison. The engine makes or reads
+   * missing ones in the background, and the image follows; the store learns the GPU's limits.
    */
   request(): void {
     this.#held = this.#ask();
   }
 
-  /** Calls off what is being read or made; the image stays, and the store asks for the precisions that it is drawn with. */
+  /** Cancels reading and making; the image stays, and the store requests its precisions. */
   cancel(): void {
     const { store, clouds } = this.#options;
     const { accuracy, comparison } = store.getState();
@@ -56,7 +57,7 @@ export class Precisions {
     if (!this.#work || !cloud) return;
     this.#work.abort();
     const { geometryPrecision, shPrecision } = cloud.pagesFor(accuracy);
-    // What is compared is asked for once the accuracy itself is there.
+    // The comparison's precisions are requested after the accuracy's own.
     const isThere = geometryPrecision === accuracy.geometryPrecision && shPrecision === accuracy.shPrecision;
     store.setState(
       isThere && comparison
@@ -92,7 +93,7 @@ export class Precisions {
     const request = engine.setAccuracy(asked, options);
     store.setState({
       accuracyNotices: engine.notices,
-      // Until the scene has been measured: what was chosen for the same target before, or the default.
+      // Until the scene has been measured: the last choice for the same target, or the default.
       ...(target && { accuracy: engine.accuracy }),
     });
     const problems = (await request).map(({ error }) => error.message);

@@ -18,8 +18,8 @@ export interface SessionEvents {
 }
 
 /**
- * Owns the engine: asks for the GPU, frees it, and starts anew after the device was lost: by itself at the pace of
- * `RecoveryPace`, or when a person asks.
+ * Owns the engine: asks for the GPU, frees it, and starts anew after the device was lost: by itself
+ * at the pace of `RecoveryPace`, or when a person asks.
  */
 export class SessionOwner {
   readonly #store: ViewerStore;

@@ -41,15 +41,15 @@ export class Views {
     this.#right = null;
   }
 
-  /** A view that is drawn with what was chosen because of a target, not with what it is compared with. */
+  /** A view that is drawn with a target's settings, not with those compared to them. */
   targeting(comparison: Comparison | null): SplatView {
     if (comparison?.kind !== 'split' || comparison.left === 'current') return this.main;
     return comparison.right === 'current' && this.#right ? this.#right : this.probe;
   }
 
   /**
-   * Resolves when the frames that were asked for before this call are complete on the GPU; rejects if their shaders do not
-   * compile.
+   * Resolves when the frames that were asked for before this call are complete on the GPU; rejects
+   * if their shaders do not compile.
    */
   async whenComplete(): Promise<void> {
     await Promise.all([this.main.whenDrawn(), this.#right?.whenDrawn()]);

@@ -1,6 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 
-/** What one side of a split image shows: `current` follows the chosen accuracy. */
+/** Content of one side of a split image: `current` follows the chosen accuracy. */
 export type ComparisonSide = 'current' | AccuracySettings;
 
 /** Two accuracies of the same view, shown at once. */

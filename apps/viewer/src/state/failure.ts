@@ -9,7 +9,7 @@ export interface FailureReport {
   readonly title: string;
   readonly message: string;
   readonly advice: string;
-  /** Whether the engine did not throw it on purpose: a mistake of ours, whose particulars belong in the console. */
+  /** Whether it is a mistake of ours, not thrown on purpose: particulars belong in the console. */
   readonly isFault: boolean;
   /** Where to go instead. */
   readonly links?: readonly Link[];

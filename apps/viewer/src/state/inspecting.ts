@@ -3,7 +3,7 @@ import type { TracedSplat } from '@websplatter/core/reference';
 import type { Vec3 } from '../camera/vec3.ts';
 import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
 
-/** What the panel shows, and what a click in the image does meanwhile. */
+/** Tabs of the panel; each has its own meaning of a click in the image. */
 export type InspectTab = 'splat' | 'distance' | 'histogram' | 'select' | 'crop';
 
 /** Reading the scene's files again, whose values the GPU has no more. */
@@ -14,7 +14,7 @@ export type Reading =
   | { readonly kind: 'done' }
   | { readonly kind: 'failed'; readonly message: string };
 
-/** What a splat has of the pixel that was clicked. */
+/** A splat's share of the pixel that was clicked. */
 export interface PixelShare {
   /** Opacity of the splat at the pixel. */
   readonly alpha: number;
@@ -58,7 +58,7 @@ export interface LengthScale {
 export const LENGTH_UNITS = ['mm', 'cm', 'm', 'km', 'in', 'ft'] as const;
 export type LengthUnit = (typeof LENGTH_UNITS)[number];
 
-/** What splats are counted by. */
+/** Quantities by which splats are counted. */
 export const QUANTITIES = ['longest', 'shortest', 'opacity'] as const;
 export type Quantity = (typeof QUANTITIES)[number];
 
@@ -111,7 +111,7 @@ export interface Inspecting {
   readonly selecting: Selecting;
 }
 
-/** What every scene begins with. */
+/** State that every scene begins with. */
 export const NOTHING_INSPECTED: Inspecting = {
   tab: 'splat',
   reading: { kind: 'none' },
@@ -127,7 +127,10 @@ export const NOTHING_INSPECTED: Inspecting = {
   selecting: NOTHING_SELECTED,
 };
 
-/** After files have joined the scene, left it or moved: what was told of its splats no longer holds; distances, crop and selection stay. */
+/**
+ * After files have joined the scene, left it or moved: facts about its splats no longer hold;
+ * distances, crop and selection stay.
+ */
 export function withoutSplats(inspecting: Inspecting): Inspecting {
   const { splat, problem, histograms, marked, cropCount } = NOTHING_INSPECTED;
   const hasNone = inspecting.splat === splat && inspecting.histograms === histograms;

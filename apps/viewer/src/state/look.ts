@@ -1,4 +1,4 @@
-/** What is behind the splats: what goes with the page's theme, or a colour as style sheets write it. */
+/** The background of the splats: that of the page's theme, or a colour as style sheets write it. */
 export type Background = 'theme' | `#${string}`;
 
 /** How the scene is looked at, besides from where. */

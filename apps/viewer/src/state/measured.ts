@@ -1,7 +1,7 @@
 import type { AccuracySettings } from '@websplatter/core';
 import type { AccuracyTable, EffectCost, MeasureProgress } from '@websplatter/core/measure';
 
-/** What a measurement is of. */
+/** Subject of a measurement. */
 export type MeasuredThing = 'accuracy' | 'effects';
 
 /** A measurement under way, and how far it has come. */
@@ -22,20 +22,20 @@ export interface MeasuredImage {
   readonly isSoftware: boolean;
 }
 
-/** What is measured of accuracy: the presets, every setting, or what a target needs to know. */
+/** Extent of a measurement of accuracy: the presets, every setting, or as a target needs. */
 export type AccuracySweep = 'presets' | 'settings' | 'target';
 
-/** What accuracy was measured to cost. */
+/** Measured costs of accuracy. */
 export interface MeasuredAccuracy extends MeasuredImage {
   readonly table: AccuracyTable;
   readonly sweep: AccuracySweep;
   /** Whether it was called off before all of it was measured. */
   readonly isCutShort: boolean;
-  /** How long every setting would take by the times of the presets, ms; null where it was not them that were measured. */
+  /** Time of every setting, by the times of the presets, ms; null unless those were measured. */
   readonly allSettingsMs: number | null;
 }
 
-/** What effects were measured to cost. */
+/** Measured costs of effects. */
 export interface MeasuredEffects extends MeasuredImage {
   readonly costs: readonly EffectCost[];
   /** Accuracy of the measured frames; the costs are stale under another one. */

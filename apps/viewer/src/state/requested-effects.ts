@@ -9,7 +9,7 @@ export const CLOUD_EFFECT_OWNERS = ['marked', 'removed'] as const;
 /** By `cloudKeys`; none of other clouds. */
 export type CloudEffects = ReadonlyMap<string, readonly EffectUse[]>;
 
-/** What was chosen for each effect, by its name; one that is switched off keeps it. None: nothing was chosen yet. */
+/** Choices for each effect, by its name; an effect off keeps them. None before the first. */
 export type EffectChoices = Readonly<
   Partial<Record<string, { readonly isOn: boolean; readonly values: OptionValues }>>
 >;
@@ -20,7 +20,7 @@ export const NO_CHOICES: EffectChoices = {};
 export interface RequestedEffects
   extends Readonly<Record<(typeof EFFECT_OWNERS)[number], readonly EffectUse[]>>,
     Readonly<Record<(typeof CLOUD_EFFECT_OWNERS)[number], CloudEffects>> {
-  /** What the Effects panel was set to: `effects` follows from it. */
+  /** Settings of the Effects panel: `effects` follows from them. */
   readonly choices: EffectChoices;
   /** The choices as addresses tell them; null without any. */
   readonly text: string | null;

@@ -1,7 +1,7 @@
 import type { UpAxis } from '../camera/up-axis.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 
-/** Where a file of the scene stands: set upright, scaled and turned about its middle, then moved. */
+/** Place of a file of the scene: set upright, scaled and turned about its middle, then moved. */
 export interface Placement {
   /** Scene units, along the scene's own axes. */
   readonly move: Vec3;
@@ -9,7 +9,7 @@ export interface Placement {
   readonly turnDegrees: Vec3;
   /** The same along all axes, above 0. */
   readonly scale: number;
-  /** What it is scaled and turned about: its middle once it is upright, before it is moved. */
+  /** Centre of scaling and turning: its middle once it is upright, before it is moved. */
   readonly about: Vec3;
   /** The axis of its own that comes to point along `sceneUp`, by a turn about its file's origin. */
   readonly up: UpAxis;

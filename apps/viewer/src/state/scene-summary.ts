@@ -1,7 +1,7 @@
 import type { DropCounts, LoadProgress } from '@websplatter/core';
 import type { ScenePartSummary } from './scene-part.ts';
 
-/** What a scene is for, if it is there to show something. */
+/** Purpose of a scene that demonstrates something. */
 export interface SceneAbout {
   readonly topic: string;
   readonly text: string;
@@ -23,7 +23,7 @@ export interface SceneSummary {
   /** Rows of files that could not be drawn, by reason. */
   readonly dropped: DropCounts;
   readonly about: SceneAbout | null;
-  /** Names of the cameras that the scene comes with and that are to be shown as they are; mostly none. */
+  /** Names of the scene's own cameras that are to be shown as they are; mostly none. */
   readonly cameras: readonly string[];
   readonly canFlip: boolean;
   /** Its y axis points down, so that the viewer turns it by itself. */

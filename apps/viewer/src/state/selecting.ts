@@ -1,10 +1,13 @@
-/** Rows of clouds by `cloudKeys`: bit `row % 32` of word `row / 32`, never changed in place. No cloud without a row. */
+/**
+ * Rows of clouds by `cloudKeys`: bit `row % 32` of word `row / 32`, never changed in place. Clouds
+ * without a row are absent.
+ */
 export type RowMasks = ReadonlyMap<string, Uint32Array<ArrayBuffer>>;
 
-/** What a drag over the picture selects with; null: it turns the camera. */
+/** Tool of a drag over the picture; null turns the camera. */
 export type SelectTool = 'rectangle' | 'brush' | null;
 
-/** What becomes of what was selected before. */
+/** How a new selection joins the one before. */
 export const SELECT_MODES = ['replace', 'add', 'subtract'] as const;
 export type SelectMode = (typeof SELECT_MODES)[number];
 
@@ -25,13 +28,13 @@ export interface SplatEdit {
 }
 
 export interface Selecting extends SplatEdit {
-  /** What was before, the newest last. */
+  /** Earlier edits, the newest last. */
   readonly past: readonly SplatEdit[];
   readonly tool: SelectTool;
   readonly mode: SelectMode;
   /** CSS px. */
   readonly brushRadius: number;
-  /** What is being dragged over the picture. */
+  /** The region being dragged over the picture. */
   readonly dragged: DragRegion | null;
   /** Whether the selection is saved, and not all that is left. */
   readonly savesSelection: boolean;

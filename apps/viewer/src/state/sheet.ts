@@ -10,7 +10,8 @@ const THROW_S = 0.15;
 const CLOSING = 0.6;
 
 /**
- * Where a sheet comes to rest that is let go at `part` while it grows by `partsPerSecond`; null: it closes.
+ * Where a sheet comes to rest, let go at `part` while it grows by `partsPerSecond`; null: it
+ * closes.
  */
 export function settledSheet(part: number, partsPerSecond: number): number | null {
   const goal = part + partsPerSecond * THROW_S;
@@ -37,7 +38,7 @@ export function steppedSheet(part: number, key: string): number | null {
   return SHEET_PARTS[Math.min(last, Math.max(0, goals[key]))];
 }
 
-/** The next height up, and from the highest the lowest: what a tap on the grip does. */
+/** The next height up, and from the highest the lowest: the action of a tap on the grip. */
 export function toggledSheet(part: number): number {
   return SHEET_PARTS[(sheetStep(part) + 1) % SHEET_PARTS.length];
 }

@@ -1,4 +1,4 @@
-/** What the picture shows of its splats; the first is the picture as the scene was trained. */
+/** Content of the picture; the first is the picture as the scene was trained. */
 export const VIEW_MODE_NAMES = [
   'colours',
   'ellipsoids',

@@ -24,7 +24,7 @@ export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 
 
 export type AccuracyTab = 'measure' | 'compare' | 'settings';
 
-/** How much the figures of frames tell: only their pace, also their stages, or all that is known. */
+/** Extent of the frames' figures: only their pace, also their stages, or all that is known. */
 export const HUD_SIZES = ['small', 'medium', 'large'] as const;
 export type HudSize = (typeof HUD_SIZES)[number];
 
@@ -34,7 +34,7 @@ export type ViewerStatus =
   | 'running'
   /** There is no WebGPU here, or no code of the engine. */
   | 'unavailable'
-  /** The GPU was taken away, and could not be had again yet: nothing can be drawn until it is asked for again. */
+  /** The GPU was taken away and is not back: nothing is drawn until it is requested again. */
   | 'lost'
   /** Asking for it again. */
   | 'recovering';
@@ -55,7 +55,7 @@ export function awaitsViewMode({
 /** A file that was open once. */
 export interface LastFile {
   readonly name: string;
-  /** Whether the browser can open it by itself, once a person allows that; otherwise it has to be chosen again. */
+  /** Whether the browser can open it, with a person's leave; else it must be chosen again. */
   readonly isReachable: boolean;
 }
 
@@ -88,7 +88,7 @@ export type MapFigures = {
 } & (
   | {
       readonly kind: 'cost';
-      /** Who draws the picture: tiles go through lists, quads blend everything. */
+      /** The rasteriser of the picture: tiles go through lists, quads blend everything. */
       readonly rasterizer: FrameRasterizer;
       readonly max: number;
       readonly mean: number;
@@ -166,7 +166,7 @@ export interface ViewerState {
   readonly defaultAccuracy: AccuracySettings;
   /** The outcome to keep in every scene; null if settings were chosen by hand. */
   readonly target: AccuracyTarget | null;
-  /** The settings chosen because of the target, and why; null until this scene has been measured. */
+  /** The settings chosen for the target, and why; null until this scene has been measured. */
   readonly choice: AccuracyChoice | null;
   /** Settings that the GPU cannot honour, in words. */
   readonly accuracyNotices: readonly string[];
@@ -175,18 +175,18 @@ export interface ViewerState {
   /** Why the last measurement came to nothing, if it did. */
   readonly failedMeasurement: FailedMeasurement | null;
   readonly measured: MeasuredAccuracy | null;
-  /** Effects that are on and off, and why: those of each frame while they are listed, else of the frame at rest. */
+  /** Effects on and off, and why: of each frame while listed, else of the frame at rest. */
   readonly effects: readonly EffectEntry[];
   readonly effectCosts: MeasuredEffects | null;
   /** Effects that panels ask for; another scene begins without any. */
   readonly requested: RequestedEffects;
   /** Whether the effect `reveal` lets the scene appear by itself. */
   readonly isRevealPlaying: boolean;
-  /** What of this scene is inspected, measured and cropped; another scene begins without any. */
+  /** Inspection, distances and crop of this scene; another scene begins without any. */
   readonly inspecting: Inspecting;
   /** How far the image on the screen is from `reference`, if that is asked for and known. */
   readonly errorFigures: ErrorFigures | null;
-  /** What the map of the view mode shows, if one is asked for and has been made; that of the last rest while the picture moves. */
+  /** Figures of the view mode's map; those of the last rest while the picture moves. */
   readonly mapFigures: MapFigures | null;
   /** Where the line of a split image is, 0…1 of its width. */
   readonly splitPart: number;
@@ -195,12 +195,12 @@ export interface ViewerState {
   readonly adapterLabel: string;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** Another number for each scene, view and size that came to rest on the screen, whatever its accuracy. */
+  /** Another number for each scene, view and size that came to rest, whatever its accuracy. */
   readonly imageId: number;
   /** How many frames had been drawn when the image came to rest. */
   readonly restedFrames: number;
   readonly statistics: FrameStatistics | null;
-  /** What draws after that frame, and what is known about both rasterisers. */
+  /** The rasteriser after that frame, and the facts known about both. */
   readonly rasterizer: RasterizerReport | null;
   /** The same of the right side of a split image; null without one. */
   readonly rightStatistics: FrameStatistics | null;

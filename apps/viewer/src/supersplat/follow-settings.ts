@@ -14,10 +14,12 @@ import { backgroundOf, poseOf, shorterFov } from './settings-pose.ts';
 const MOST_BYTES = 16 * 2 ** 20;
 
 /**
- * Shows the first scene as the `settings.json` at `address` says: its background, its camera and the movement that begins by
- * itself, until somebody takes hold of the image. Where that cannot be, the store has a failure, and the scene is shown as it is.
+ * Shows the first scene as the `settings.json` at `address` says: its background, its camera and
+ * the movement that begins by itself, until a person moves the view. If that fails, the scene is
+ * shown as it is, and the store has a failure.
  *
- * @param isCameraLinked whether the page's address has a camera of its own: then only the background is taken.
+ * @param isCameraLinked whether the page's address has a camera of its own: then only the
+ * background is taken.
  */
 export async function followSettings(
   address: string,
@@ -33,7 +35,8 @@ export async function followSettings(
 /**
  * The same for a file that was dropped.
  *
- * @param replaced the scene in whose place another one is opened, which it is for; null for what is shown.
+ * @param replaced the former scene, for settings of the scene that takes its place; null for the
+ * shown one.
  */
 export async function followDroppedSettings(
   file: File,
@@ -94,8 +97,8 @@ async function textOf(blob: Blob, name: string): Promise<string> {
 }
 
 /**
- * Calls `then` for each preview of the first scene that is not `replaced`, and for all of it; each time after it was given its
- * first view. Gives up where none comes in the place of that.
+ * Calls `then` for each preview of the first scene that is not `replaced`, and for all of it; each
+ * time after it was given its first view. Gives up where none comes in the place of that.
  */
 function whenSceneIsThere(
   store: ViewerStore,

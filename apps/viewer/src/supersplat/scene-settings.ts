@@ -20,7 +20,7 @@ export interface CameraTrack {
   readonly keys: readonly { readonly timeS: number; readonly pose: SettingsPose }[];
 }
 
-/** What is taken of a `settings.json`. */
+/** The parts of a `settings.json` that the viewer follows. */
 export interface SceneSettings {
   readonly camera: SettingsPose | null;
   /** sRGB, 0…1. */

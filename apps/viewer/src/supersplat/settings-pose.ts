@@ -5,7 +5,7 @@ import type { Vec3 } from '../camera/vec3.ts';
 import type { Background } from '../state/look.ts';
 import type { SettingsPose } from './scene-settings.ts';
 
-/** The pose that shows an upright file as SuperSplat does, which turns files around z where this viewer turns them around x. */
+/** SuperSplat's view of an upright file: SuperSplat turns files around z, this viewer around x. */
 export function poseOf({ position, target }: SettingsPose): OrbitPose {
   return poseFromLookAt({ position: uprightPoint(position), target: uprightPoint(target), up: Y_UP });
 }
@@ -15,7 +15,7 @@ function uprightPoint([x, y, z]: Vec3): Vec3 {
   return flippedPoint([-x, -y, z]);
 }
 
-/** SuperSplat's field of view lies over the longer side of the image, this viewer's over the shorter one. */
+/** SuperSplat's field of view lies over the image's longer side, this viewer's over the shorter. */
 export function shorterFov(fovDegrees: number, aspect: number): number {
   const half = Math.tan((fovDegrees * Math.PI) / 360) / Math.max(aspect, 1 / aspect);
   return (Math.atan(half) * 360) / Math.PI;
