@@ -15,17 +15,17 @@ const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 /** Apart from the page's own scripts, so that those can be counted. */
 const WORKERS = 'assets/workers';
 
-/** What chooses a page, the page of the viewer, and the gallery in its place. */
+/** The script that chooses a page, the page of the viewer, and the gallery in its place. */
 const CHOICE = 'src/main.ts';
 const VIEWER = 'src/viewer-page.tsx';
 const GALLERY = ['src/gallery-page.tsx', 'src/hard-cases/hard-case-pages.tsx'];
 /** The script of what the viewer and the gallery begin with. */
 const SHARED = 'shared';
 const CORE = '../../packages/core';
-/** The script of the engine, which is needed as soon as there is a GPU: its name, and its first module. */
+/** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
-/** What the viewer runs of core before it asks for a GPU. */
+/** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
 /** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
 const PACKING = [`${CORE}/src/data/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
@@ -56,8 +56,8 @@ export default defineConfig({
     },
     rolldownOptions: {
       output: {
-        // Otherwise pages that share parts of the engine would break what the viewer needs at first into dozens of scripts, which
-        // compress worse apart.
+        // Otherwise pages that share parts of the engine would break what the viewer needs at first
+        // into dozens of scripts, which compress worse apart.
         codeSplitting: { groups: [{ name: firstScript, includeDependenciesRecursively: false }] },
       },
     },
@@ -71,17 +71,17 @@ export default defineConfig({
 
 /** Scripts and styles that are there before any other is fetched. */
 const ALWAYS_THERE = new RegExp(`/(index|rolldown-runtime|${SHARED}|${ENGINE})-[^/]*$`);
-/** Fetches panels while there is nothing else to do: theirs need no lists of scripts, which the first picture would wait for. */
+/** Fetches panels when idle: they need no preload lists, which delay the first picture. */
 const FETCHES_LATE = /\/viewer-[^/]*$/;
 
-/** Whether the script `host`, as it fetches another, names `file` for the browser to fetch beside it. */
+/** Whether the script `host`, when it fetches another, has the browser preload `file`. */
 function isPreloaded(file: string, host: string): boolean {
   return !ALWAYS_THERE.test(file) && !(FETCHES_LATE.test(host) && file.endsWith('.js'));
 }
 
 /**
- * The script that a module is in: one for what the viewer alone begins with, one for what other pages begin with too, and one for
- * the engine, for all pages.
+ * The script that a module is in: one for what the viewer alone begins with, one for what other
+ * pages begin with too, and one for the engine, for all pages.
  */
 function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
   const begins = (page: string) =>
@@ -136,7 +136,7 @@ function serveLab(): Plugin {
   };
 }
 
-/** Has the browser fetch what every page needs at once, while the first script still chooses a page. */
+/** Has the browser fetch scripts of every page at once, while the first script chooses a page. */
 function preloadScripts(): Plugin {
   return {
     name: 'viewer:preload-scripts',

@@ -1,6 +1,7 @@
-// Builds the viewer as one file, embed.html: scripts, styles, icon and workers are written into the page, which then works
-// from a disk, in a frame, and wherever a single file can be put. Of the built-in scenes it has the small one alone, by the names
-// of both: the other is several times as large as all the rest.
+// Builds the viewer as one file, embed.html: scripts, styles, icon and workers are written into the
+// page, which then works from a disk, in a frame, and wherever a single file can be put. Of the
+// built-in scenes it has the small one alone, by the names of both: the other is several times as
+// large as all the rest.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { mergeConfig, type Plugin } from 'vite';
@@ -27,7 +28,7 @@ export default mergeConfig(viewer, {
   },
 });
 
-/** Has workers started from text within the script, and scenes read from it, where they are files. */
+/** Has workers started from text within the script, and scenes read from it, instead of files. */
 function inlineFiles(): Plugin {
   return {
     name: 'websplatter:inline-files',
@@ -73,7 +74,7 @@ function onePage(): Plugin {
           const [tag, name] = pattern.exec(html) ?? this.error(`The page has nothing like ${pattern}.`);
           const file = bundle[name];
           const text = file.type === 'chunk' ? file.code : String(file.source);
-          // By a function: what it returns is taken as it is.
+          // A function, whose result is inserted verbatim.
           html = html.replace(tag, () => write(text));
           delete bundle[name];
         };

@@ -4,8 +4,8 @@ import { describeAccuracy, describeTarget } from '../formatting/accuracy-words.t
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /**
- * In words: the settings that are drawn, the target that is kept, and what the GPU cannot do. It lies below the forms, which
- * would move under the hand that changes a setting.
+ * In words: the settings that are drawn, the target that is kept, and what the GPU cannot do. It
+ * lies below the forms, which would move under the hand that changes a setting.
  */
 export function AccuracyStatus({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);

@@ -1,6 +1,6 @@
 /** Positions of a slider run from 0 to this. */
 export const SLIDER_STEPS = 200;
-/** Ranges with a larger ratio of their ends are laid out by ratio: each step multiplies the value by the same factor. */
+/** Ranges with a larger ratio of their ends are geometric: steps multiply by one factor. */
 const LARGEST_LINEAR_RATIO = 20;
 
 interface ValueRange {

@@ -1,7 +1,7 @@
 import type { Camera } from '@websplatter/core';
 import { reprojected } from './reprojected.ts';
 
-/** What a panel covers of the picture, from its right and its bottom edge on: parts of its width and height, below 1. */
+/** Covered part of the picture, from its right and bottom edge: of width and height, below 1. */
 export interface Covered {
   readonly right: number;
   readonly bottom: number;
@@ -9,12 +9,12 @@ export interface Covered {
 
 export const NOTHING_COVERED: Covered = { right: 0, bottom: 0 };
 
-/** A sheet drawn up further than this leaves too little to look at: what it hides then stays where it is. */
+/** A sheet above this leaves too little to look at: the part of the picture under it stays. */
 const MOST_COVERED = 0.7;
 /** Time in which the picture goes where a panel that opens or closes leaves room for it. */
 const GLIDE_MS = 200;
 
-/** What lies outside of a free area, by its size and the picture's. */
+/** Part of the picture outside of a free area, by the sizes of both. */
 export function coveredBeside(
   free: { readonly width: number; readonly height: number },
   picture: { readonly width: number; readonly height: number },
@@ -29,14 +29,14 @@ export function freeAspect(aspect: number, { right, bottom }: Covered): number {
   return (aspect * (1 - right)) / (1 - bottom);
 }
 
-/** The camera that shows in the free area what `camera` shows in all of its image, and around it what follows there. */
+/** The camera whose free area shows the image of `camera`, with its surroundings around it. */
 export function besideCovered(camera: Camera, covered: Covered): Camera {
   const { right, bottom } = covered;
   if (right === 0 && bottom === 0) return camera;
   return reprojected(camera, [1 - right, 1 - bottom], [-right, bottom]);
 }
 
-/** What is covered as the picture follows it: not at once, but soon. */
+/** Covered part as the picture follows it: not at once, but soon. */
 export class CoveredGlide {
   #from = NOTHING_COVERED;
   #to = NOTHING_COVERED;

@@ -6,8 +6,8 @@ const MAX_PAUSE_MS = 400;
 const MAX_APART_PX = 24;
 
 /**
- * Tells double taps of a mouse, a pen or a finger. Browsers' own event for that is missing on some touch screens, above all
- * where a page keeps them from zooming.
+ * Tells double taps of a mouse, a pen or a finger. Browsers' own event for that is missing on some
+ * touch screens, above all where a page keeps them from zooming.
  */
 export class DoubleTap {
   readonly #tap = new Tap();

@@ -2,12 +2,12 @@ import type { OrbitPose } from './orbit-pose.ts';
 import type { Vec3 } from './vec3.ts';
 
 /**
- * Half a turn around x, column-major. It puts scenes upright whose y axis points down, as in captures that were solved with
- * computer-vision conventions.
+ * Half a turn around x, column-major. It puts scenes upright whose y axis points down, as in
+ * captures that were solved with computer-vision conventions.
  */
 const FLIP_MATRIX = Float64Array.of(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
 
-/** The model matrix of a cloud in a flipped scene; `modelMatrix` is its matrix in the scene as it is. */
+/** The model matrix of a cloud in a flipped scene; `modelMatrix` is that in the scene as it is. */
 export function flippedMatrix(modelMatrix: ArrayLike<number> | undefined): ArrayLike<number> {
   if (!modelMatrix) return FLIP_MATRIX;
   // The flip from the left negates the rows of y and z.
@@ -18,9 +18,9 @@ export function flippedPoint([x, y, z]: Vec3): Vec3 {
   return [x, -y, -z];
 }
 
-/** The pose from which a flipped scene shows the side that `pose` showed before, the other way up. */
+/** The pose from which a flipped scene shows the same side as `pose` before, the other way up. */
 export function flippedPose(pose: OrbitPose): OrbitPose {
-  // The half turn keeps x. An azimuth is counted from z towards x where y points up, from x towards y where z does.
+  // The half turn keeps x. Azimuths count from z towards x if y is up, from x towards y if z is.
   const azimuth = pose.up[2] > 0.5 ? -pose.azimuth : Math.PI - pose.azimuth;
   return { ...pose, target: flippedPoint(pose.target), azimuth };
 }

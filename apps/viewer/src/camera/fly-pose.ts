@@ -1,14 +1,14 @@
 import { cameraAxes, lookAt, type OrbitPose, orbited } from './orbit-pose.ts';
 import { add, scale, subtract, type Vec3 } from './vec3.ts';
 
-/** Turned in place: the camera stays where it is and looks elsewhere, as far from its target as before. */
+/** Turned in place: the camera stays and looks elsewhere, as far from its target as before. */
 export function turnedInPlace(pose: OrbitPose, azimuthBy: number, polarBy: number): OrbitPose {
   const turned = orbited(pose, azimuthBy, polarBy);
   const { back } = cameraAxes(turned);
   return { ...turned, target: subtract(lookAt(pose).position, scale(back, pose.distance)) };
 }
 
-/** Flown by `offset`: to the right, up (not of the image but of the world), and ahead along the line of sight. */
+/** Flown by `offset`: right, up in the world (not the image), and ahead along the line of sight. */
 export function flown(pose: OrbitPose, [right, up, ahead]: Vec3): OrbitPose {
   const axes = cameraAxes(pose);
   const way = add(add(scale(axes.right, right), scale(pose.up, up)), scale(axes.back, -ahead));
@@ -36,7 +36,7 @@ export function isFlightKey(code: string): boolean {
   return Object.hasOwn(DIRECTIONS, code);
 }
 
-/** Where the keys that are held lead: of length 1, or null where they say nothing or contradict each other. */
+/** Direction of the keys held down: of length 1, or null if there is none or they cancel out. */
 export function flightDirection(codes: Iterable<string>): Vec3 | null {
   let sum: Vec3 = [0, 0, 0];
   for (const code of codes) sum = add(sum, DIRECTIONS[code]);

@@ -6,19 +6,19 @@ import type { Vec3 } from './vec3.ts';
 /** A little from the side and from above shows depth at once. */
 const FIRST_AZIMUTH = 0.35;
 const FIRST_POLAR = 1.25;
-/** Nearest depth that is drawn, as a part of the scene's radius; most captures were trained with about that. */
+/** Nearest depth that is drawn, in radii of the scene; about that of most captures' training. */
 const NEAR_RADII = 0.005;
 
 /**
- * Vertical field of view, in degrees, of an image that shows `fovDegrees` over its shorter side. An upright phone then shows
- * as much as a wide window.
+ * Vertical field of view, in degrees, of an image that shows `fovDegrees` over its shorter side. An
+ * upright phone then shows as much as a wide window.
  */
 export function verticalFov(fovDegrees: number, aspect: number): number {
   const halfTangent = Math.tan((fovDegrees * Math.PI) / 360) / Math.min(1, aspect);
   return (Math.atan(halfTangent) * 360) / Math.PI;
 }
 
-/** The field of view over the shorter side of an image with the vertical one `fovYDegrees`: undoes `verticalFov`. */
+/** The field of view over an image's shorter side for the vertical one: undoes `verticalFov`. */
 export function shorterSideFov(fovYDegrees: number, aspect: number): number {
   return (Math.atan(Math.tan((fovYDegrees * Math.PI) / 360) * Math.min(1, aspect)) * 360) / Math.PI;
 }
@@ -46,8 +46,8 @@ export function framedPose(pose: OrbitPose, sphere: Sphere, fovYDegrees: number,
 }
 
 /**
- * Depths to draw of a scene that lies within `extent` and mostly within `subject`. The far end is a power of two times the
- * near one: a camera that only turns keeps its projection.
+ * Depths to draw of a scene that lies within `extent` and mostly within `subject`. The far end is a
+ * power of two times the near one: a camera that only turns keeps its projection.
  */
 export function depthRange(pose: OrbitPose, subject: Sphere, extent: Sphere): { near: number; far: number } {
   const near = Math.min(subject.radius, pose.distance) * NEAR_RADII;
@@ -65,8 +65,8 @@ export interface ParallelView extends LookAt {
 }
 
 /**
- * Shows the target of `pose` as large as perspective does there. The camera stands outside of `extent`, so that it sees all of it,
- * however near the pose is.
+ * Shows the target of `pose` as large as perspective does there. The camera stands outside of
+ * `extent`, so that it sees all of it, however near the pose is.
  */
 export function parallelView(pose: OrbitPose, extent: Sphere, fovYDegrees: number): ParallelView {
   const offset = Math.hypot(...pose.target.map((value, axis) => value - extent.center[axis]));

@@ -1,7 +1,7 @@
 import { flown, turnedInPlace } from './fly-pose.ts';
 import { type DistanceRange, dollied, type OrbitPose, orbited, panned } from './orbit-pose.ts';
 
-/** Where the sticks and triggers of a gamepad are, after their dead zones: −1…1, and 0…1 for triggers. */
+/** Positions of a gamepad's sticks and triggers after dead zones: −1…1, and 0…1 for triggers. */
 export interface GamepadSticks {
   /** To the right and down. */
   readonly left: readonly [number, number];
@@ -31,8 +31,8 @@ export function sticksOf({ axes, buttons }: Pick<Gamepad, 'axes' | 'buttons'>): 
 }
 
 /**
- * A stick's place without its dead zone, which is round so that no direction is favoured. Small ways from there count less, so that
- * the camera can be placed exactly.
+ * A stick's place without its dead zone, which is round so that no direction is favoured. Small
+ * ways from there count less, so that the camera can be placed exactly.
  */
 export function withDeadZone(x: number, y: number): readonly [number, number] {
   const length = Math.hypot(x, y);
@@ -46,7 +46,7 @@ function triggerOf(button: GamepadButton | undefined): number {
   return value <= DEAD_ZONE ? 0 : (value - DEAD_ZONE) / (1 - DEAD_ZONE);
 }
 
-/** Around the scene: the right stick turns, the left one pans, the triggers come nearer and go away. */
+/** Around the scene: the right stick turns, the left one pans, the triggers dolly in and out. */
 export function orbitedBy(
   pose: OrbitPose,
   { left, right, leftTrigger, rightTrigger }: GamepadSticks,
@@ -62,7 +62,8 @@ export function orbitedBy(
 }
 
 /**
- * In flight: the right stick looks around, the left one moves ahead and sideways, the triggers go up and down.
+ * In flight: the right stick looks around, the left one moves ahead and sideways, triggers go up
+ * and down.
  *
  * @param unitsPerS of a stick that is pushed all the way.
  */

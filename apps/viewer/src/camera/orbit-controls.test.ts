@@ -3,7 +3,7 @@ import { OrbitControls } from './orbit-controls.ts';
 import { expectClose, FRONT } from './orbit-pose.fixture.ts';
 
 describe('OrbitControls', () => {
-  /** A stand-in for an element of 600 × 400 px, which only the events need; they are in its middle. */
+  /** A stand-in for an element of 600 × 400 px, which only the events need, in its middle. */
   function mounted(isMotionReduced = true) {
     const onChange = vi.fn();
     const onDoubleTap = vi.fn();

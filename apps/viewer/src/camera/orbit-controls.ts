@@ -29,7 +29,7 @@ const WHEEL_DOLLY_PER_PX = 0.0015;
 /** Browsers report a trackpad pinch as a wheel with Ctrl and small deltas. */
 const PINCH_DOLLY_PER_PX = 0.01;
 const WHEEL_LINE_PX = 16;
-/** Time in which keyboard and wheel steps come within 1/e of their goal; short enough to feel direct. */
+/** Time in which keyboard and wheel steps come within 1/e of their goal; short, to feel direct. */
 const DAMPING_MS = 55;
 
 export interface OrbitControlsOptions {
@@ -47,13 +47,13 @@ interface Pointer {
 }
 
 /**
- * Orbit, pan and dolly around a target, by mouse, touch, trackpad and keyboard. It knows the events of a DOM element and
- * no renderer: the caller draws `lookAt(pose)`.
+ * Orbit, pan and dolly around a target, by mouse, touch, trackpad and keyboard. It knows the events
+ * of a DOM element and no renderer: the caller draws `lookAt(pose)`.
  */
 export class OrbitControls {
   /** Vertical field of view of the camera that shows the pose, in the free area. */
   fovYDegrees = 60;
-  /** What lies outside of the free area, in whose middle the target is seen. */
+  /** Part of the picture outside of the free area, which has the target in its middle. */
   covered = NOTHING_COVERED;
   distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
   /** Whether pointers and wheel mean something else for now. */
@@ -120,7 +120,7 @@ export class OrbitControls {
     this.#onChange();
   }
 
-  /** Glides `elapsedMs` further towards the goal; returns whether it has not arrived, so that another frame is needed. */
+  /** Glides `elapsedMs` further towards the goal; returns whether another frame is needed. */
   update(elapsedMs: number): boolean {
     if (this.#shown === this.#goal) return false;
     const next = mixed(this.#shown, this.#goal, 1 - Math.exp(-elapsedMs / DAMPING_MS));
@@ -129,8 +129,8 @@ export class OrbitControls {
   }
 
   /**
-   * Listens to `element`, which needs `touch-action: none`; the caller passes keys to `handleKey`. Returns what stops
-   * listening.
+   * Listens to `element`, which needs `touch-action: none`; the caller passes keys to `handleKey`.
+   * Returns what stops listening.
    */
   attach(element: HTMLElement): () => void {
     const listeners = new AbortController();
@@ -197,7 +197,7 @@ export class OrbitControls {
     this.#heightPx = Math.max(1, element.clientHeight);
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     element.setPointerCapture(event.pointerId);
-    // Keeps the middle button from scrolling the page. That prevents focus too, hence the call below.
+    // Keeps the middle button from scrolling, which prevents focus too: hence the call below.
     event.preventDefault();
     focusByPointer(element);
   }
@@ -234,7 +234,7 @@ export class OrbitControls {
     event.preventDefault();
     if (this.isPaused) return;
     const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
-    // Some mice send several notches at once; more than a factor of two in one event only disorients.
+    // Some mice send several notches at once; more than a factor of two in one event disorients.
     const exponent = clamp(
       event.deltaY * pxPerUnit * (event.ctrlKey ? PINCH_DOLLY_PER_PX : WHEEL_DOLLY_PER_PX),
       -Math.LN2,

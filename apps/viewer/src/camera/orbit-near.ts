@@ -13,8 +13,8 @@ export interface OrbitView {
 }
 
 /**
- * The orbit that comes closest to `camera`, so that the first movement jumps as little as possible: around the point of its
- * line of sight that is as deep as the middle of `subject`.
+ * The orbit that comes closest to `camera`, so that the first movement jumps as little as possible:
+ * around the point of its line of sight that is as deep as the middle of `subject`.
  */
 export function orbitNear(camera: Camera, subject: Sphere, aspect: number): OrbitView {
   const { viewMatrix: v, projectionMatrix: p } = camera;

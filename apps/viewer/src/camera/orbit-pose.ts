@@ -80,8 +80,8 @@ export function moved(pose: OrbitPose, offset: Vec3): OrbitPose {
 }
 
 /**
- * Moved so that things at the target's depth follow a pointer that went `dxPx`, `dyPx` (y down) over an image of height
- * `heightPx`.
+ * Moved so that things at the target's depth follow a pointer that went `dxPx`, `dyPx` (y down)
+ * over an image of height `heightPx`.
  */
 export function panned(
   pose: OrbitPose,
@@ -106,8 +106,8 @@ export interface ImagePoint {
 }
 
 /**
- * `factor` times as far from what is seen at `at` in the target's depth, which stays where it is in the image. The target's
- * distance stays within `range`.
+ * `factor` times as far from what is seen at `at` in the target's depth, which stays where it is in
+ * the image. The target's distance stays within `range`.
  */
 export function dolliedAt(
   pose: OrbitPose,
@@ -123,8 +123,8 @@ export function dolliedAt(
 }
 
 /**
- * Around `point`, which comes to the middle of the image at the depth that it has: the camera moves sideways and does not turn.
- * What is nearer than `range` allows is looked at from there.
+ * Around `point`, which comes to the middle of the image at its depth: the camera moves sideways
+ * without turning. A point nearer than `range` allows is looked at from there.
  */
 export function focused(pose: OrbitPose, point: Vec3, range: DistanceRange): OrbitPose {
   const { back } = cameraAxes(pose);

@@ -1,6 +1,6 @@
 import type { Camera } from '@websplatter/core';
 
-/** The camera whose image is that of `camera`, scaled and then shifted right and up; lengths in halves of the image's sides. */
+/** The camera of `camera`'s image, scaled, then shifted right and up, in halves of its sides. */
 export function reprojected(
   camera: Camera,
   [scaleX, scaleY]: readonly [number, number],

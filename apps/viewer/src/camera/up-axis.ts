@@ -6,7 +6,7 @@ export const UP_AXES = ['y', '-y', 'z', '-z'] as const;
 /** The axis of a scene's own that is shown upwards. */
 export type UpAxis = (typeof UP_AXES)[number];
 
-/** How a scene is drawn so that an axis of its own points up: turned by half a turn around x or not, then seen with y or z up. */
+/** How an axis of the scene comes to point up: by half a turn around x or not, with y or z up. */
 export interface Uprightness {
   readonly isFlipped: boolean;
   readonly isZUp: boolean;
@@ -33,14 +33,14 @@ export function oppositeAxis(axis: UpAxis): UpAxis {
   return upAxisOf({ isFlipped: !isFlipped, isZUp });
 }
 
-/** A scene whose height is below this part of both its width and its length is a piece of ground. */
+/** A scene with a height below this part of both its width and its length is ground. */
 const GROUND_FLATNESS = 0.25;
-/** Ground is at most so many times as long as it is wide; what is longer may be a wall. */
+/** Ground is at most this many times as long as wide; a longer scene may be a wall. */
 const GROUND_LENGTH = 3;
 
 /**
- * Whether a scene of this box is probably a survey of ground, by its shape alone: flat along z and about as wide as long. Such are
- * mostly in maps' coordinates, in which z points up.
+ * Whether a scene of this box is probably a survey of ground, by its shape alone: flat along z and
+ * about as wide as long. Such are mostly in maps' coordinates, in which z points up.
  */
 export function isProbablyZUp({ min, max }: Bounds): boolean {
   const [x, y, z] = [0, 1, 2].map((axis) => max[axis] - min[axis]);

@@ -79,7 +79,7 @@ describe('the camera of a scene', () => {
     expect(camera.middle).toEqual([0.25, 0.3]);
     const { viewMatrix, projectionMatrix } = camera.orbitCamera;
     expect(viewMatrix).toEqual(alone.viewMatrix);
-    // What was 200 px high is 120 px high now: the free area's shorter side.
+    // 200 px of the scene's height are 120 px high now: the free area's shorter side.
     expect(projectionMatrix[5] / alone.projectionMatrix[5]).toBeCloseTo(120 / 200);
     expect(projectionMatrix[0] / alone.projectionMatrix[0]).toBeCloseTo(120 / 200);
     expect(camera.centredCamera).toEqual(alone);

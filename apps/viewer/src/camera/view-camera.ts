@@ -22,8 +22,8 @@ export interface CameraSubject {
     | (LookAt & { readonly fovYDegrees: number; readonly near: number; readonly far: number })
     | null;
   /**
-   * Cameras whose exact images the scene is about, by name, for an image of this aspect ratio. Orbiting need not be able
-   * to reach them: they may be orthographic, off-centre or mirrored.
+   * Cameras whose exact images the scene is about, by name, for an image of this aspect ratio.
+   * Orbiting need not be able to reach them: they may be orthographic, off-centre or mirrored.
    */
   readonly ownCameras: ((aspect: number) => Readonly<Record<string, Camera>>) | null;
   /** Its y axis points down, as in captures that were solved with computer-vision conventions. */
@@ -41,13 +41,13 @@ export interface CameraSnapshot extends Uprightness {
   readonly cameraIndex: number;
 }
 
-/** Where the camera is, without where it began: what a link tells. */
+/** Camera of a link: its place, without where it began. */
 export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
 
-/** What moves the camera: called before each frame; returns whether it goes on, so that another frame is needed. */
+/** Moves the camera: called before each frame; returns whether another frame is needed. */
 export type CameraMotion = (elapsedMs: number) => boolean;
 
-/** The camera of the scene that is shown: an orbit, or one of the scene's own cameras until the view is moved. */
+/** The camera of the shown scene: an orbit, or a camera of the scene until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
   readonly #store: ViewerStore;
@@ -75,12 +75,12 @@ export class ViewCamera {
     this.controls.distanceRange = { min: radius * 1e-3, max: radius * 100 };
   }
 
-  /** How the scene was shown at first; null before there is one, and where it would be shown otherwise by now. */
+  /** First view of the scene; null before there is one, and after `forgetFirst`. */
   get first(): CameraSnapshot | null {
     return this.#first;
   }
 
-  /** After `follow`, of a scene whose files stand elsewhere: opened like that, it would be shown otherwise at first. */
+  /** After `follow`, of a scene whose files have moved: reopened, it has another first view. */
   forgetFirst(): void {
     this.#first = null;
   }
@@ -117,7 +117,7 @@ export class ViewCamera {
     this.controls.setPose(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
   }
 
-  /** After `follow`, shows the first view of a scene of which more has become known, unless the view has been moved. */
+  /** After `follow`, of a scene better known now: shows its first view, if the view is unmoved. */
   showFirstViewAgain(): void {
     const subject = this.#subject;
     // One that the scene came with is the first view still.
@@ -127,7 +127,7 @@ export class ViewCamera {
     this.#first = this.snapshot();
   }
 
-  /** After `follow`, of a scene that other files have joined: home shows all of it, and so does the view, unless it has been moved. */
+  /** After `follow`, of a scene with more files: home, and a view at home, show all of it. */
   showGrown(): void {
     const subject = this.#subject;
     if (!subject) return;
@@ -158,7 +158,7 @@ export class ViewCamera {
     this.controls.setPose(pose, home);
   }
 
-  /** Glides `elapsedMs` further; returns whether it has not arrived, so that another frame is needed. */
+  /** Glides `elapsedMs` further; returns whether another frame is needed to arrive. */
   update(elapsedMs: number): boolean {
     const isMoved = this.#motion?.(elapsedMs) ?? false;
     const isGliding = this.controls.update(elapsedMs);
@@ -166,8 +166,8 @@ export class ViewCamera {
   }
 
   /**
-   * A panel covers something else from now on. The camera stays as it is: its image moves over, and shows in the free area what it
-   * would show in a window of that size.
+   * A panel covers something else from now on. The camera stays as it is: its image moves over, and
+   * shows in the free area what it would show in a window of that size.
    *
    * @param isAtOnce whether the picture has another size too.
    */
@@ -206,12 +206,12 @@ export class ViewCamera {
     return this.#subject?.sphere.radius ?? 1;
   }
 
-  /** Bounds of what is looked at, as it is drawn, without stray splats; null before there is a scene. */
+  /** Bounds of the subject as it is drawn, without stray splats; null before there is a scene. */
   get subjectSphere(): Sphere | null {
     return this.#subject && this.#placed(this.#subject.sphere);
   }
 
-  /** The scene's own camera for this shape of the image, unless the view has been moved away from it. */
+  /** The scene's own camera for this shape of the image, unless the view has been moved. */
   get ownCamera(): Camera | undefined {
     return this.controls.isHome ? this.#ownCameraAt(this.#store.getState().cameraIndex) : undefined;
   }
@@ -252,7 +252,7 @@ export class ViewCamera {
     this.controls.setPose(flippedPose(this.controls.pose), flippedPose(this.controls.home));
   }
 
-  /** Shows an axis of the scene's own upwards; what it is seen from turns with it. */
+  /** Shows an axis of the scene's own upwards; the point of view turns with it. */
   setUpAxis(axis: UpAxis): void {
     const { scene, isFlipped } = this.#store.getState();
     if (!scene?.canFlip) return;
@@ -281,7 +281,7 @@ export class ViewCamera {
     );
   }
 
-  /** Brings `point`, of the scene as it is drawn, to the middle of the free area, and turns around it from then on. */
+  /** Brings `point`, of the scene as drawn, to the middle of the free area; turns around it. */
   focus(point: Vec3): void {
     const { controls } = this;
     const { pose, distanceRange } = controls;
@@ -323,7 +323,7 @@ export class ViewCamera {
     return Object.values(this.#ownCameras())[index];
   }
 
-  /** Where nothing covers the picture. Poses that show all of a sphere then do so in any free area. */
+  /** With no panel open. Poses that show all of a sphere then do so in any free area. */
   get #fovYDegrees(): number {
     return this.#fovYDegreesAt(this.#aspect);
   }

@@ -6,8 +6,9 @@ import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 
 /**
- * Keeps the error map of the image on the screen, against `reference`, on `canvas`. The canvas is hidden while the image
- * moves, and comes back when a worker has compared both images. Returns what stops that.
+ * Keeps the error map of the image on the screen, against `reference`, on `canvas`. The canvas is
+ * hidden while the image moves, and comes back when a worker has compared both images. Returns a
+ * function that stops this.
  */
 export function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerStore): () => void {
   const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });

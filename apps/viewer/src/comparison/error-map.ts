@@ -12,8 +12,8 @@ export interface ErrorClass {
 }
 
 /**
- * From black to pale yellow, the lightness rises in about equal steps, so that people who see few hues or none can see the
- * order of the classes. A test holds the lightness.
+ * From black to pale yellow, the lightness rises in about equal steps, so that people who see few
+ * hues or none can see the order of the classes. A test holds the lightness.
  */
 export const ERROR_CLASSES: readonly ErrorClass[] = [
   { fromSteps: 0, label: '0', color: [10, 8, 24] },
@@ -33,8 +33,8 @@ export interface ErrorMap {
 }
 
 /**
- * Classifies each pixel by the largest difference of its channels. Both images have the same size and are put on the
- * first one's background.
+ * Classifies each pixel by the largest difference of its channels. Both images have the same size
+ * and are put on the first one's background.
  */
 export function errorMap(
   { image: actual, background }: ImageOnBackground,

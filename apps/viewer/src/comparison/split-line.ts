@@ -2,7 +2,7 @@
 const STEP = 0.01;
 const LARGE_STEP = 0.1;
 
-/** The position of the line after a key is pressed at `part` (0…1 of the width); null if the key does not move it. */
+/** The line's position after a key press at `part` (0…1 of the width); null for other keys. */
 export function movedSplit(part: number, key: string, isShift: boolean): number | null {
   const step = isShift ? LARGE_STEP : STEP;
   const goals: Readonly<Record<string, number>> = {

@@ -3,8 +3,8 @@ import type { Background } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**
- * Gives `element` the background that was chosen, and calls `onColor` with it, sRGB 0…1: now, when another is chosen and, where it
- * is the theme's, when the colour scheme changes. Returns what stops that.
+ * Gives `element` the chosen background and calls `onColor` with it, sRGB 0…1: now, after each
+ * choice and, for the theme's, when the colour scheme changes. Returns a function that stops this.
  */
 export function observeBackground(
   element: HTMLElement,

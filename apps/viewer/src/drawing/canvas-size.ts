@@ -3,14 +3,14 @@ export interface CanvasSize {
   readonly heightPx: number;
 }
 
-/** Chromium reports the box in CSS pixels while the density is emulated (developer tools, tests). */
+/** Chromium reports the box in CSS pixels under an emulated density (developer tools, tests). */
 function isPlausible(boxPx: number, cssPx: number): boolean {
   return Math.abs(boxPx - cssPx * devicePixelRatio) <= 1;
 }
 
 /**
- * Reports the size of `element` in device pixels, now and whenever it changes: by layout, by zoom, or by moving to a
- * screen of another density. Returns what stops that.
+ * Reports the size of `element` in device pixels, now and whenever it changes: by layout, by zoom,
+ * or by moving to a screen of another density. Returns what stops that.
  */
 export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSize) => void): () => void {
   let lastCss = { width: 0, height: 0 };
@@ -24,7 +24,7 @@ export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSi
     const box = entry.devicePixelContentBoxSize?.[0];
     hasDevicePixelBox = box !== undefined;
     lastCss = entry.contentRect;
-    // The exact size: with fractional scales, rounding the CSS size would make the browser resample the image.
+    // Exact: at fractional scales, a rounded CSS size would make the browser resample the image.
     if (box && isPlausible(box.inlineSize, lastCss.width)) report(box.inlineSize, box.blockSize);
     else reportScaled();
   });
@@ -36,7 +36,7 @@ export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSi
     observer.observe(element);
   }
 
-  // Without that box a change of density alone goes unnoticed. A query matches one density, so each change makes a new one.
+  // Without that box, only queries notice a change of density. Each query matches one density.
   const stop = new AbortController();
   const watchDensity = () => {
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener(

@@ -24,10 +24,10 @@ export interface DrawingOptions {
   readonly camera: ViewCamera;
 }
 
-/** The time from the navigation to the first picture of a scene, or of a part of it, among the page's `performance` entries. */
+/** `performance` entry from the navigation to the first picture of a scene, or of a part of it. */
 const FIRST_PICTURE = 'first picture';
 
-/** Draws the scene when something has changed, and writes to the store when the image has come to rest. */
+/** Draws the scene when something changes, and writes to the store when the image comes to rest. */
 export class Drawing {
   readonly #options: DrawingOptions;
   readonly #loop: FrameLoop;
@@ -78,7 +78,7 @@ export class Drawing {
     this.#loop.request();
   }
 
-  /** The frame on the screen. Null before the newest scene has been drawn, and when the frame's device was lost. */
+  /** The frame on the screen. Null before the newest scene is drawn, and after a lost device. */
   get shown(): DrawnFrame | null {
     const { scenes, sessions } = this.#options;
     const drawn = this.#drawn;
@@ -114,7 +114,7 @@ export class Drawing {
     if (!isSubmitted) return null;
     this.#frameCount++;
     this.#report(session, { isOwnCamera: ownCamera !== undefined, lastRender: { elapsedMs: callMs } });
-    // While shaders compile, views go on with the old ones where they can; the loop does not wait for the new ones.
+    // Views use old shaders if they can while new ones compile; the loop does not wait for those.
     const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
     return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
   }
@@ -139,7 +139,10 @@ export class Drawing {
     return effects;
   }
 
-  /** Draws both sides of a split image, or the only one; returns whether anything was, or will be, submitted. */
+  /**
+   * Draws both sides of a split image, or the only one; returns whether work was submitted or will
+   * be.
+   */
   #render({ views }: Session, frame: DrawnFrame['frame']): boolean {
     const { target, accuracy: settings, comparison } = this.#options.store.getState();
     const accuracy = target ?? settings;
@@ -175,8 +178,9 @@ export class Drawing {
         () => {},
       );
     }
-    // Only the newest pause may report. An older one knows nothing of frames that were asked for later: it may have begun
-    // before there was a scene. On a busy machine it ended while the shaders of the first frame were compiling.
+    // Only the newest pause may report. An older one knows nothing of frames that were asked for
+    // later: it may have begun before there was a scene. On a busy machine it ended while the
+    // shaders of the first frame were compiling.
     if (pause === this.#pauses && session === sessions.current && this.#loop.isResting) this.#becomeIdle();
   }
 
@@ -185,7 +189,7 @@ export class Drawing {
     // More of the scene is on its way.
     if (scenes.isPartial) return;
     const session = sessions.current;
-    // What was drawn last may be gone: a part of a scene whose loading was called off, say.
+    // The frame drawn last may be gone: a part of a scene whose loading was cancelled, say.
     const drawn = this.shown;
     if (!session || !drawn) {
       store.setState({ isIdle: true });
@@ -211,7 +215,7 @@ export class Drawing {
     performance.measure(FIRST_PICTURE);
   }
 
-  /** While frames are drawn: reasons that only have other figures, as while a slider is dragged, wait for the rest. */
+  /** Reasons that change only in figures, as during a slider's drag, wait for the image to rest. */
   #listChangedEffects(view: SplatView): void {
     const { store } = this.#options;
     const effects = view.effects();

@@ -16,17 +16,17 @@ export interface ShownFrame {
   readonly engine: SplatEngine;
   /** Without accuracy. */
   readonly frame: FrameRequest;
-  /** The same where no panel covers the picture: what is saved of it. */
+  /** The same with no panel over the picture, for saving it. */
   readonly centred: FrameRequest;
 }
 
-/** An image as it was read back, without its background, and the background that it is to be shown on. */
+/** An image as read back, without its background, and the background that it is shown on. */
 export interface ImageOnBackground {
   readonly image: TextureImage;
   readonly background: Vec3;
 }
 
-/** Everything that an image depends on but its accuracy, its background and what panels cover of it, as text. */
+/** All that an image depends on but accuracy, background and panels that cover it, as text. */
 export function imageKey({ scene, frame, centred }: DrawnFrame): string {
   const { clouds, widthPx, heightPx } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));

@@ -2,7 +2,7 @@
 const MAX_FRAMES_IN_FLIGHT = 2;
 
 export interface FrameLoopOptions {
-  /** Draws a frame, `elapsedMs` after the one before. Returns the work's completion, or null if nothing was submitted. */
+  /** Draws a frame, `elapsedMs` after the last. Returns the work's completion, null for none. */
   readonly draw: (elapsedMs: number) => Promise<unknown> | null;
   /** A frame has been drawn. */
   readonly onDrawn: (completedMs: number) => void;

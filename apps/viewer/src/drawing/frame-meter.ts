@@ -6,8 +6,8 @@ const WINDOW_FRAMES = 30;
 const WINDOW_MS = 1000;
 
 /**
- * Measures the pace of frames that are drawn only on demand: the pause between two runs is not a slow frame.
- * All times are in milliseconds of one clock.
+ * Measures the pace of frames that are drawn only on demand: the pause between two runs is not a
+ * slow frame. All times are in milliseconds of one clock.
  */
 export class FrameMeter {
   #completedMs: number[] = [];
@@ -17,7 +17,7 @@ export class FrameMeter {
     this.#completedMs = [];
   }
 
-  /** A frame has been drawn at `completedMs`. Returns null for the first frame of a run, which has no pace yet. */
+  /** A frame was drawn at `completedMs`. Returns null for the first of a run, without a pace. */
   add(completedMs: number): FrameRate | null {
     const times = this.#completedMs;
     times.push(completedMs);

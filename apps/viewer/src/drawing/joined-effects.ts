@@ -2,9 +2,9 @@ import { type ClipOptions, clip, type EffectUse } from '@websplatter/core/effect
 import { CLOUD_EFFECT_OWNERS, EFFECT_OWNERS, type RequestedEffects } from '../state/requested-effects.ts';
 
 /**
- * What all panels together ask for of a cloud. Clip volumes of several panels cut together; of any other effect that several ask for, the
- * panel acts that stands last in the lists of owners. Where a view mode gives splats colours of its own, nothing else changes them
- * but what marks a selection.
+ * Effects that all panels together request of a cloud. Clip volumes of several panels cut together;
+ * of any other effect requested twice, the one whose panel is last in the lists of owners acts.
+ * While a view mode gives splats colours of its own, only marks of a selection change them.
  *
  * @param cloudKey of `cloudKeys`.
  */

@@ -2,8 +2,9 @@ import { titleOfAll } from '../scene/scene-source.ts';
 import type { DrawnFrame } from './drawn-frame.ts';
 
 /**
- * For tests and other observers of the page: writes on the canvas that an image is at rest (`data-resting`), the title of the
- * scene that it shows (`data-scene`), its camera (`data-camera`), and how many frames have been drawn (`data-frames`).
+ * For tests and other observers of the page: writes on the canvas that an image is at rest
+ * (`data-resting`), the title of the scene that it shows (`data-scene`), its camera
+ * (`data-camera`), and how many frames have been drawn (`data-frames`).
  */
 export function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFrame, frameCount: number): void {
   const { camera, clouds, background } = frame;
@@ -21,7 +22,7 @@ export function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFram
   });
 }
 
-/** Another image has been asked for. The caller finds this written at once, and waits for the next rest. */
+/** Another image is requested. The caller sees this at once, and waits for the next rest. */
 export function clearRest(canvas: HTMLCanvasElement): void {
   delete canvas.dataset.resting;
 }

@@ -18,7 +18,7 @@ const HOW: Readonly<Record<ClipValues['shape'], string>> = {
   sphere: 'arrow keys move it in the picture, Page Up and Page Down in depth',
 };
 
-/** Where the clip cuts, drawn over the picture, and a handle that moves it. It follows the camera without React. */
+/** The clip's outline over the picture, and its handle. It follows the camera without React. */
 export function ClipGizmo({ store, viewer }: PanelProps) {
   const root = useRef<HTMLDivElement>(null);
   const handle = useRef<HTMLButtonElement>(null);

@@ -7,7 +7,7 @@ export type Outline = readonly (readonly Vec3[])[];
 const CIRCLE_POINTS = 48;
 
 /**
- * Lines that show where a clip cuts: the edges of its box, three circles of its sphere, a square in its plane.
+ * Lines of a clip volume: the edges of its box, three circles of its sphere, a square in its plane.
  *
  * @param planeRadius half the length of that square.
  */

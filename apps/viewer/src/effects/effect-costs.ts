@@ -4,7 +4,7 @@ import { formatMs } from '../formatting/format.ts';
 import type { Measurement } from '../measurement/measurement.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** The fewest that give an interval of 95 %: a software rasteriser takes as long for a frame as a GPU for a hundred. */
+/** The fewest for a 95 % interval: a software rasteriser is a hundred times as slow as a GPU. */
 const SOFTWARE_FRAMES = 6;
 
 /** Measures the cost of each effect for the frame on the screen. */

@@ -3,7 +3,7 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect } from './choose-effects.ts';
 import { type EffectSlider, formatSlider } from './effect-sliders.ts';
 
-/** A number of an effect. It follows the store by itself: React does not render while it is dragged or played. */
+/** A number of an effect. It follows the store without React, also while dragged or played. */
 export function EffectSliderRow({
   store,
   viewer,

@@ -21,7 +21,7 @@ export function optionsBeside(
   );
 }
 
-/** What the engine is to be asked for: the effects that are switched on. */
+/** The effects that are switched on, as the engine takes them. */
 export function chosenUses(choices: EffectChoices): readonly EffectUse[] {
   return Object.entries(EFFECT_OPTIONS).flatMap(([name, { use }]) => {
     const chosen = choices[name];
@@ -29,7 +29,7 @@ export function chosenUses(choices: EffectChoices): readonly EffectUse[] {
   });
 }
 
-/** What an effect begins with: figures short enough to be read. */
+/** First values of an effect: figures short enough to be read. */
 export function firstValues(effect: string, place: ScenePlace): OptionValues {
   const options = Object.entries(EFFECT_OPTIONS[effect].options);
   return Object.fromEntries(options.map(([name, option]) => [name, firstValue(option, place)]));

@@ -18,7 +18,7 @@ interface EffectsProps extends PanelProps {
   readonly measurement: Measurement;
 }
 
-/** Asks for effects, and lists those that are on and those that are off, with the reason, the memory and the cost of each. */
+/** Requests effects, and lists all effects with state, reason, memory and cost. */
 export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurement }: EffectsProps) {
   const effects = useStore(store, (state) => state.effects);
   const measured = useStore(store, (state) => state.effectCosts);

@@ -18,14 +18,14 @@ const DIRECTIONS: Readonly<Record<string, Vec3>> = {
   PageDown: [0, 0, -1],
 };
 
-/** By how many CSS pixels a key moves what it has the focus of: right, down and away; null: it does not. */
+/** CSS pixels by which a key moves its handle: right, down and away; null if it does not. */
 export function stepOfKey(key: string, isLarge: boolean): Vec3 | null {
   const direction = DIRECTIONS[key];
   const px = isLarge ? LARGE_STEP_PX : STEP_PX;
   return direction ? [direction[0] * px, direction[1] * px, direction[2] * px] : null;
 }
 
-/** A clip that is moved in the picture by CSS pixels to the right, down and away. Planes only move along their normal. */
+/** A clip moved in the picture by CSS pixels right, down and away; planes along their normal. */
 export function movedClip<Values extends ClipValues>(
   space: PictureSpace,
   values: Values,

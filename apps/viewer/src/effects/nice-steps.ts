@@ -1,7 +1,7 @@
 /** About so many steps are worth telling apart between the ends of a slider. */
 const STEPS = 200;
 
-/** The largest of 1, 2 and 5 times a power of ten by which a slider over `length` has about 200 steps or more. */
+/** The largest 1, 2 or 5 times a power of ten with about 200 steps or more over `length`. */
 export function stepFor(length: number): number {
   const wanted = length / STEPS;
   const power = Math.floor(Math.log10(wanted));
@@ -19,7 +19,7 @@ export function roundedTo(value: number, step: number): number {
 /** `value` with as many digits as the steps of its slider have. */
 export function formatAt(value: number, step: number): string {
   const figure = value.toFixed(digitsAfterPoint(step));
-  // What rounds to zero has no sign.
+  // A value that rounds to zero has no sign.
   return Number(figure) === 0 ? figure.replace('-', '') : figure.replace('-', '−');
 }
 

@@ -42,7 +42,7 @@ export function pathInPicture(space: PictureSpace, lines: readonly (readonly Vec
   return parts.join('');
 }
 
-/** `point` moved so that it is by these CSS pixels farther right and down in the picture, in the same depth. */
+/** `point` moved by these CSS pixels right and down in the picture, at the same depth. */
 export function movedInPicture(space: PictureSpace, point: Vec3, rightPx: number, downPx: number): Vec3 {
   const { viewMatrix, projectionMatrix } = space.camera;
   const [, , , w] = clipPoint(space, point);
@@ -58,11 +58,12 @@ export function movedAway(space: PictureSpace, point: Vec3, awayPx: number): Vec
   return add(point, scale(rowOf(space.camera.viewMatrix, 2), -distance));
 }
 
-/** Seen less than this much from the side, a direction is one of depth: moving up the picture goes along it. CSS pixels. */
+/** Shorter directions in the picture are of depth: moving up goes along them. CSS pixels. */
 const SHORTEST_PX = 8;
 
 /**
- * `point` moved along `direction`, of length 1, as far as a pointer moves along it that goes by these CSS pixels right and down.
+ * `point` moved along `direction`, of length 1, as far as a pointer does that moves by these CSS
+ * pixels.
  */
 export function movedAlong(
   space: PictureSpace,
@@ -96,7 +97,7 @@ function isInFront(point: ClipPoint): boolean {
   return point[3] > 0 && beyondNear(point) >= 0;
 }
 
-/** Above 0 beyond the near plane, which is at depth −1 of the clip space that cameras are given in. */
+/** Above 0 beyond the near plane, which is at depth −1 of the cameras' clip space. */
 function beyondNear([, , z, w]: ClipPoint): number {
   return z + w;
 }

@@ -9,8 +9,8 @@ const REVEAL_MS = 3000;
 type RequestFrame = (step: (nowMs: number) => void) => void;
 
 /**
- * Lets the scene appear from nothing. It ends when all of it is there, when `isRevealPlaying` is set to false, and when
- * something else changes the effect.
+ * Lets the scene appear from nothing. It ends when all of it is there, when `isRevealPlaying` is
+ * set to false, and when something else changes the effect.
  */
 export function playReveal(panel: PanelProps, requestFrame: RequestFrame = requestAnimationFrame): void {
   const { store, viewer } = panel;

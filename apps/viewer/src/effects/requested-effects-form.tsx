@@ -122,7 +122,7 @@ function Switch({
   );
 }
 
-/** What an effect was measured to cost, if it was. */
+/** Measured cost of an effect, if any. */
 function Cost({ name, costs, isStale }: CostsProps & { name: string }) {
   const cost = costs.find((each) => each.name === name);
   return (
@@ -145,7 +145,7 @@ function Options({ store, viewer, name }: PanelProps & { name: string }) {
   const words = useStore(store, ({ requested }) => wordsAmong(requested.choices[name]?.values));
   const scene = useStore(store, (state) => state.scene);
   const isFlipped = useStore(store, (state) => state.isFlipped);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: what the values and the scene's place follow from.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the results follow from them.
   const [values, sliders] = useMemo(() => {
     const chosen = store.getState().requested.choices[name]?.values ?? {};
     return [chosen, slidersOf(name, chosen, scenePlaceOf(viewer))] as const;
@@ -232,7 +232,7 @@ function OptionRow({ testId, option, values, value, onChoose, viewer }: OptionRo
 
 const ORIGINS = { middle: 'From the middle', camera: 'From the camera' };
 
-/** What the viewer can do with an effect besides. */
+/** Further controls of effects. */
 const EXTRAS: Readonly<Record<string, ComponentType<PanelProps> | undefined>> = {
   clip: () => <p>The handle over the picture moves it, by pointer or by arrow keys.</p>,
   reveal: RevealPlayer,

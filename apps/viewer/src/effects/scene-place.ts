@@ -6,8 +6,8 @@ import type { Viewer } from '../viewer/viewer.ts';
 const USUAL_DEPTH = 2;
 
 /**
- * The scene, or what its first view looks at where that is much smaller: captures have a background far away, by which
- * sliders would be of no use.
+ * The scene, or what its first view looks at where that is much smaller: captures have a background
+ * far away, by which sliders would be of no use.
  */
 export function scenePlaceOf({ camera, shownFrame }: Pick<Viewer, 'camera' | 'shownFrame'>): ScenePlace {
   const { target, distance } = camera.controls.home;

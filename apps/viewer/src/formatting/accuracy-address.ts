@@ -10,9 +10,10 @@ import {
 import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
 
 /**
- * For the address, `fast,sortKeyBits:32` or `minPsnrDb:45`; null for the device's default, which needs no mention.
+ * For the address, `fast,sortKeyBits:32` or `minPsnrDb:45`; null for the device's default.
  *
- * @param unmentioned that default; null where other devices have to understand the address, which mentions all.
+ * @param unmentioned that default; null for an address that other devices must understand, which
+ * then mentions all.
  */
 export function encodeAccuracy(
   accuracy: AccuracySettings | AccuracyTarget,
@@ -25,9 +26,10 @@ export function encodeAccuracy(
 }
 
 /**
- * Reads what `encodeAccuracy` wrote; null stands for the default.
+ * Reads the text of `encodeAccuracy`; null stands for the default.
  *
- * @throws InvalidArgumentError naming the preset or setting that does not exist, or the value that it cannot have.
+ * @throws InvalidArgumentError naming the preset or setting that does not exist, or its invalid
+ * value.
  */
 export function decodeAccuracy(text: string | null): AccuracySettings | AccuracyTarget {
   if (text === null) return resolveAccuracy();
@@ -49,7 +51,7 @@ export function splitAccuracy(text: string): {
   readonly asked: Readonly<Record<string, unknown>>;
 } {
   const parts = text.split(',').map((part) => part.trim());
-  // A first part with a colon is a change already: `sortKeyBits:16` alone is a change of the default.
+  // A first part with a colon is a change already: `sortKeyBits:16` alone changes the default.
   const preset = parts[0].includes(':') ? DEFAULT_ACCURACY : (parts.shift() as AccuracyPreset);
   const changes = parts.map((part) => {
     const [name, value = ''] = part.split(':');

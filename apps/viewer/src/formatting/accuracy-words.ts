@@ -14,7 +14,7 @@ export type SettingValue = AccuracySettings[SettingName];
 export const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as readonly SettingName[];
 export const PRESET_NAMES = Object.keys(ACCURACY_PRESETS) as readonly AccuracyPreset[];
 
-/** The preset that differs from `settings` in the fewest settings, and which those are; the default wins a tie. */
+/** The preset nearest to `settings`, and the settings that differ; the default wins a tie. */
 export function nearestPreset(settings: AccuracySettings): {
   readonly preset: AccuracyPreset;
   readonly changed: readonly SettingName[];
@@ -40,7 +40,7 @@ export function formatValue(value: SettingValue): string {
   return isUnitFraction ? `1/${denominator}` : String(Number(value.toPrecision(3)));
 }
 
-/** Values that are identifiers, in plain words; those of all settings together, since none means two things. */
+/** Plain words for identifiers, of all settings together, since none means two things. */
 const VALUE_WORDS: Readonly<Record<string, string>> = {
   f32: '32-bit floats',
   f16: '16-bit floats',
@@ -69,8 +69,8 @@ export function describeAccuracy(settings: AccuracySettings): string {
 }
 
 /**
- * What settings that were measured are called: `fast`, `Sort keys 16 bits`, `paper, Culling by chunk only`. The engine calls
- * them by the identifiers of its interface.
+ * What settings that were measured are called: `fast`, `Sort keys 16 bits`, `paper, Culling by
+ * chunk only`. The engine calls them by the identifiers of its interface.
  */
 export function describeMeasured({ name, settings, changed }: MeasuredSettings): string {
   if (Object.hasOwn(ACCURACY_PRESETS, name)) return name;
@@ -81,7 +81,7 @@ export function describeMeasured({ name, settings, changed }: MeasuredSettings):
     : changed.map((each) => describeSetting(each, settings)).join(', ');
 }
 
-/** What the engine says of settings that were measured, by their plain name. */
+/** Puts plain names of measured settings into a text of the engine. */
 export function inPlainWords(text: string, measured: MeasuredSettings): string {
   return text.replaceAll(`“${measured.name}”`, `“${describeMeasured(measured)}”`);
 }

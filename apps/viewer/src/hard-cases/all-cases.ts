@@ -1,2 +1,2 @@
-/** The catalogue alone: only ever imported dynamically, so that the scripts of the viewer are counted without it. */
+/** The catalogue alone, always imported dynamically: the viewer's first scripts leave it out. */
 export { HARD_CASES } from '@websplatter/hardcases';

@@ -7,12 +7,12 @@ export function addressOf(name: string): string {
   return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
 }
 
-/** The page of a case: what is expected of it, and what this device draws. */
+/** The page of a case: the expected result, and that of this device. */
 export function caseAddress(name: string): string {
   return `${GALLERY_ADDRESS}&case=${encodeURIComponent(name)}`;
 }
 
-/** What `?scene=` says to ask for a case. */
+/** Value of `?scene=` for a case. */
 export function hardCaseScene(name: string): string {
   return `${GALLERY_SCENE}:${name}`;
 }

@@ -229,7 +229,7 @@ function Segments<Value extends string | number>({
   return (
     <div className="case-choice">
       <span id={`case-${label}`}>{label}</span>
-      {/* biome-ignore lint/a11y/useSemanticElements: a fieldset cannot be a flexible row in every browser. */}
+      {/* biome-ignore lint/a11y/useSemanticElements: some browsers lay out no fieldset as row. */}
       <div className="segments" role="group" aria-labelledby={`case-${label}`}>
         {values.map((value) => (
           <button

@@ -25,21 +25,21 @@ export interface CaseImageRequest extends SizePx {
   readonly rasterizer: FrameRasterizer;
 }
 
-/** What this device drew. */
+/** An image that this device drew. */
 export interface CaseImage {
   /** Premultiplied RGBA, top row first. */
   readonly data: Float32Array;
-  /** Least PSNR that the tests demand of such an image at their size, dB; null if it is only reported. */
+  /** Least PSNR that the tests demand of such an image at their size, dB; null for none. */
   readonly minPsnrDb: number | null;
 }
 
-/** What draws the images, and what it was found to do. */
+/** The engine that draws the images, and whether its device blends halves by truncation. */
 interface Draughtsman {
   readonly engine: SplatEngine;
   readonly isTruncating: boolean;
 }
 
-/** Draws the images of cases in turns, all by one engine, which is asked for with the first of them. */
+/** Draws images of cases in turns by one engine, which is requested with the first of them. */
 export class CaseImages {
   readonly #turns = new Turns();
   #draughtsman: Promise<Draughtsman> | null = null;

@@ -9,7 +9,7 @@ import { addressOf, caseAddress, GALLERY_ADDRESS } from './case-addresses.ts';
 import { groupTitle, hasImage, isOpenable, noteOn } from './catalogue.ts';
 import { RefusedFile } from './refused-file.tsx';
 
-/** The page of one hard case: what is expected, what this device makes of it, and the way to the next one. */
+/** The page of one hard case: expected result, this device's, and the way to the next case. */
 export function CasePage({
   hardCase,
   previous,
@@ -27,7 +27,7 @@ export function CasePage({
   const { name, group, breaks } = hardCase;
   const conformance = conformanceAddress(name);
   const heading = useRef<HTMLHeadingElement>(null);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: another case is another page, which is read from its top.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another case starts at its top.
   useEffect(() => heading.current?.focus(), [name]);
   useEffect(() => {
     const onKeyDown = (event: KeyboardEvent) => {

@@ -7,7 +7,7 @@ const SIZE = { widthPx: 208, heightPx: 156 };
 /** Thumbnails are drawn this long before they come into view. */
 const AHEAD = '300px';
 
-/** What the first camera of a case sees, as this device draws it: once it comes into view. */
+/** Image of a case by its first camera, drawn by this device once it comes into view. */
 export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -27,7 +27,7 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
         isInView?.abort();
         if (!entries.at(-1)?.isIntersecting) return;
         isInView = new AbortController();
-        // Without a GPU, or a picture in time, the place stays empty: the page of the case says why.
+        // The place stays empty without a GPU or a picture in time: the page of the case says why.
         draw(AbortSignal.any([isInView.signal, isGone.signal])).catch(() => {});
       },
       { root: element.closest('.gallery'), rootMargin: AHEAD },

@@ -4,7 +4,7 @@ import { HardCaseError } from './case-addresses.ts';
 /** Cases that can be opened: images, and files whose refusal is the point. */
 export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
 
-/** Loaded when a hard case or the gallery is asked for, so that the viewer does not carry the catalogue. */
+/** Loaded for a hard case or the gallery, so that the viewer does not carry the catalogue. */
 export async function loadHardCases(): Promise<readonly HardCase[]> {
   const { HARD_CASES } = await import('./all-cases.ts');
   return HARD_CASES;
@@ -27,7 +27,7 @@ export function findHardCase(cases: readonly HardCase[], name: string): Openable
   );
 }
 
-/** The cases before and after `name` among `cases`; null at the ends, and where it is not among them. */
+/** The cases before and after `name` among `cases`; null at the ends, and if it is missing. */
 export function neighboursOf(
   cases: readonly HardCase[],
   name: string,
@@ -85,7 +85,7 @@ export function groupedCases(cases: readonly HardCase[]): CaseGroup[] {
   return [...groups].map(([group, members]) => ({ group, cases: members }));
 }
 
-/** The cases in whose name, group or description every word of `query` begins a word, in any order. */
+/** The cases whose name, group or description has a word beginning with each word of `query`. */
 export function filteredCases(cases: readonly HardCase[], query: string): readonly HardCase[] {
   const asked = wordsOf(query);
   if (asked.length === 0) return cases;

@@ -1,6 +1,6 @@
 import type { SizePx } from './case-images.ts';
 
-/** Colours from no difference to the largest, sRGB 0…255: as in the error map, the lightness rises in about equal steps. */
+/** Colours from no difference to the largest, sRGB 0…255; lightness rises evenly. */
 export const DIFFERENCE_COLORS = [
   [10, 8, 24],
   [62, 26, 122],
@@ -13,7 +13,7 @@ export const DIFFERENCE_COLORS = [
 /** How far an image is from the expected one, pixel by pixel, amplified so that it can be seen. */
 export interface Difference {
   readonly pixels: Uint8ClampedArray<ArrayBuffer>;
-  /** What the lightest colour stands for, in steps of an 8-bit channel; a round number, 0 where the images are equal. */
+  /** Difference of the lightest colour, in 8-bit steps; a round number, 0 for equal images. */
   readonly fullSteps: number;
   /** Largest difference of any channel, in steps of an 8-bit channel. */
   readonly maxSteps: number;

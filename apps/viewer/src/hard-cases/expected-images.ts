@@ -12,7 +12,7 @@ export class ExpectedImages {
     this.#createWorker = createWorker;
   }
 
-  /** Gives up what was asked for before: it may take long, and is not waited for any more; that never settles. */
+  /** Gives up the request before, which may take long: its promise never settles. */
   async ask(request: ExpectedRequest): Promise<ExpectedImage> {
     const key = JSON.stringify(request);
     if (this.#isBusy) this.destroy();

@@ -9,7 +9,7 @@ import { CaseThumbnail } from './case-thumbnail.tsx';
 import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from './catalogue.ts';
 import './gallery.css';
 
-/** What each case needs of the gallery. */
+/** Props of each case in the gallery. */
 interface CaseProps {
   readonly images: CaseImages;
   readonly onGo: (name: string) => void;
@@ -75,7 +75,7 @@ export function Gallery({
           placeholder="Name, group or fault"
           value={query}
           onChange={(event) => onQuery(event.target.value)}
-          // biome-ignore lint/a11y/noAutofocus: searching is what the page is for, and nothing comes before it.
+          // biome-ignore lint/a11y/noAutofocus: the page is for searching and begins with it.
           autoFocus
           autoComplete="off"
           spellCheck={false}

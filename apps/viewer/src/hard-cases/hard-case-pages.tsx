@@ -9,7 +9,10 @@ import { CasePage } from './case-page.tsx';
 import { closestNames, filteredCases, neighboursOf } from './catalogue.ts';
 import { Gallery } from './gallery.tsx';
 
-/** The gallery of hard cases (`?scene=hard`, `&q=` searched) and the page of each (`&case=`), between which one goes without a load. */
+/**
+ * The gallery of hard cases (`?scene=hard`, searched by `&q=`) and the page of each (`&case=`),
+ * without loads in between.
+ */
 export function HardCasePages({
   cases,
   onOpen,

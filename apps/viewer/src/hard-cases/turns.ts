@@ -1,4 +1,4 @@
-/** Runs pieces of work one after the other, in the order in which they were asked for, each when the page has nothing better to do. */
+/** Runs pieces of work one by one, in the order of requests, each when the page is idle. */
 export class Turns {
   readonly #whenIdle: () => Promise<void>;
   #last: Promise<unknown> = Promise.resolve();
@@ -8,7 +8,7 @@ export class Turns {
     this.#whenIdle = whenIdle;
   }
 
-  /** Resolves as `work` does. Rejects with the reason of `signal` where that is given up before its turn. */
+  /** Settles as `work` does. Rejects with the reason of `signal` if that aborts before its turn. */
   take<Result>(work: () => Promise<Result>, signal: AbortSignal): Promise<Result> {
     const turn = this.#last.then(async () => {
       signal.throwIfAborted();

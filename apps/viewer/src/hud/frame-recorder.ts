@@ -8,7 +8,7 @@ export const HISTORY_FRAMES = 300;
 
 export type Side = 'left' | 'right';
 
-/** Keeps what the store says of the last frames, of both sides of a split image, unless the figures are frozen. */
+/** Keeps statistics of the last frames, of both sides of a split image, unless frozen. */
 export class FrameRecorder {
   readonly #store: ViewerStore;
   readonly #frames: Readonly<Record<Side, Ring<FrameStatistics>>> = {

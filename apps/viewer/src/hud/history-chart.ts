@@ -20,7 +20,7 @@ interface Palette {
   readonly halo: string;
 }
 
-/** The times of the last frames on a canvas: a bar for each, with a line for the median, the 99th percentile and the budget. */
+/** Bars of the last frames' times on a canvas; lines at median, 99th percentile and budget. */
 export class HistoryChart {
   readonly #canvas: HTMLCanvasElement;
   readonly #root: HTMLElement;

@@ -1,11 +1,11 @@
 import type { StageTimings } from '@websplatter/core';
 import { summarize, type TimeSummary } from './time-summary.ts';
 
-/** The layers of a bar, from the bottom up; `rest` is what the frame took besides its stages, or all of it. */
+/** The layers of a bar, from the bottom up; `rest` is the time besides the stages, or all of it. */
 export const CHART_LAYERS = ['preprocess', 'sort', 'rasterize', 'rest'] as const;
 export type ChartLayer = (typeof CHART_LAYERS)[number];
 
-/** What a frame may take on a screen with 60 refreshes a second. */
+/** Time of a frame on a screen with 60 refreshes a second. */
 export const FRAME_BUDGET_MS = 1000 / 60;
 
 /** A budget further above the slow frames than this would make them too flat to be read. */
@@ -29,7 +29,8 @@ export interface HistoryLayout {
 }
 
 /**
- * A bar for each frame, the newest at the right edge; the oldest are left out where there is no pixel for them.
+ * A bar for each frame, the newest at the right edge; the oldest are left out if they have no
+ * pixel.
  *
  * @param frames oldest first.
  * @param capacity how many frames the width is for.
@@ -85,7 +86,7 @@ function layersOf({
   ];
 }
 
-/** A round time above the slow frames and, unless that is far above them, the budget. Single peaks may be cut off. */
+/** A round time above the slow frames and, if not far above, the budget. Peaks may be cut off. */
 function topOf(p99Ms: number): number {
   const slowMs = Number.isFinite(p99Ms) ? p99Ms : FRAME_BUDGET_MS;
   const showsBudget = slowMs * MOST_BUDGET_HEADROOM >= FRAME_BUDGET_MS;

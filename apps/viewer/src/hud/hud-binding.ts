@@ -13,7 +13,7 @@ const NEWEST_WEIGHT = 0.2;
 /** Memory changes seldom, and listing it takes longer than all other figures. */
 const MEMORY_INTERVAL_MS = 1000;
 
-/** Everything that figures follow from. Others change more often, such as a camera that is dragged. */
+/** State that figures follow from. Other state changes more often, such as a dragged camera. */
 const TOLD: readonly (keyof ViewerState)[] = [
   'statistics',
   'rasterizer',
@@ -37,7 +37,8 @@ export interface HudSources {
 }
 
 /**
- * Writes the figures into the elements of `root`, outside React and slowly enough to be read. Returns what stops that.
+ * Writes the figures into the elements of `root`, outside React and slowly enough to be read.
+ * Returns a function that stops this.
  *
  * - `data-figure="NAME"` gets a text.
  * - `data-title="NAME"` gets a title.

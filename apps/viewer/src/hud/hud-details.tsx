@@ -32,7 +32,7 @@ export function HudHistory({
 }: PanelProps & { recorder: FrameRecorder; isSplit: boolean }) {
   const isFrozen = useStore(store, (state) => state.isHudFrozen);
   const [copied, setCopied] = useState('');
-  /** What the browser does not let the page copy. */
+  /** Text that the browser does not let the page copy. */
   const [uncopied, setUncopied] = useState('');
   const text = useRef<HTMLTextAreaElement>(null);
   const copy = async (format: ReportFormat) => {

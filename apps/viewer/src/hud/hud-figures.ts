@@ -79,13 +79,16 @@ function sourceText(timing: StageTimings): string {
     : `GPU timestamps; the clock says ${formatMs(timing.wallClockMs)} ms`;
 }
 
-/** `(quads 22.0 ms)`: what did not draw the frame; empty while its time is unknown. The time of what did is the stage's. */
+/**
+ * `(quads 22.0 ms)`: the rasteriser that did not draw the frame; empty while its time is unknown.
+ * The stage has the time of the other.
+ */
 function otherRasterizer({ rasterizer }: FrameStatistics, { tilesMs, quadsMs }: RasterizerReport): string {
   const [other, otherMs] = rasterizer === 'tiles' ? ['quads', quadsMs] : ['tiles', tilesMs];
   return otherMs === null ? '' : `(${other} ${formatMs(otherMs)} ms)`;
 }
 
-/** Why the frame was drawn by what drew it; where the next one will be drawn by the other, why that is so. */
+/** Why the frame was drawn by its rasteriser, or why the next one will be drawn by the other. */
 function rasterizerReason({ rasterizer, tilePairs }: FrameStatistics, report: RasterizerReport): string {
   if (rasterizer === report.rasterizer) return capitalized(report.reason);
   if (rasterizer === 'quads' && tilePairs !== null) return 'The lists of the tiles had no room in this frame';

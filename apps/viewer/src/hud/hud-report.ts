@@ -6,7 +6,7 @@ import { type MemoryGroup, memoryByGroup } from './memory-groups.ts';
 import { PASSES } from './pass-names.ts';
 import { summarize, type TimeSummary } from './time-summary.ts';
 
-/** What the panel knows when a report is made. */
+/** The panel's data when a report is made. */
 export interface Recorded {
   readonly state: ViewerState;
   readonly frames: Readonly<Record<Side, readonly FrameStatistics[]>>;
@@ -71,7 +71,7 @@ function hudReport(recorded: Recorded): HudReport {
   };
 }
 
-/** What is not known is null. */
+/** Unknown values are null. */
 export function jsonReport(recorded: Recorded): string {
   return JSON.stringify(hudReport(recorded), null, 2);
 }

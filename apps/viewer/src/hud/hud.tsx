@@ -14,7 +14,7 @@ const STAGES = [
   ['rasterize', 'Rasterize'],
 ] as const;
 
-/** The cost of the frame. React renders it once; from then on the figures are written into it directly. */
+/** The cost of the frame. React renders it once; figures are then written into it directly. */
 export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & { recorder: FrameRecorder }) {
   const size = useStore(store, (state) => state.hudSize);
   const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');

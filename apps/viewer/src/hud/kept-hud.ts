@@ -11,8 +11,8 @@ interface KeptHud {
 }
 
 /**
- * Shows the figures as they were when the page was closed last, and keeps what becomes of them. At first they are closed on
- * phones.
+ * Shows the figures as they were when the page was closed last, and keeps what becomes of them. At
+ * first they are closed on phones.
  *
  * @param storage the page's own; null where it may not store anything.
  */

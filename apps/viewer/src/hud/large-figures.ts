@@ -28,7 +28,7 @@ export type LargeFigure =
 
 export type Figures<Name extends string> = Partial<Record<Name, string>>;
 
-/** What the largest size tells of one side. Empty: it does not apply, and has no row. */
+/** Figures of one side in the largest size. Empty ones do not apply, and have no row. */
 export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary): Figures<LargeFigure> {
   const statistics = side === 'left' ? state.statistics : state.rightStatistics;
   const { sortKeyBits, resolutionScale } = accuracyOf(side, state);
@@ -46,7 +46,7 @@ export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary
   return Object.fromEntries(Object.entries(figures).map(([name, text]) => [`${side}.${name}`, text]));
 }
 
-/** What a frame took besides its stages; NaN where they are not known. */
+/** Time of a frame besides its stages; NaN if unknown. */
 function restMs(statistics: FrameStatistics | null): number {
   if (!statistics) return Number.NaN;
   const { totalMs, preprocessMs, sortMs, rasterizeMs } = statistics.timing;
@@ -68,7 +68,7 @@ export function accuracyOf(side: Side, { comparison, accuracy }: ViewerState): A
   return comparison?.kind === 'split' ? sideAccuracy(comparison[side], accuracy) : accuracy;
 }
 
-/** What the CPU takes of a frame: calls to the engine, and the figures themselves. */
+/** CPU time of a frame: calls to the engine, and the figures themselves. */
 export function cpuFigures(render: TimeSummary, own: TimeSummary): Figures<LargeFigure> {
   return {
     renderMedian: formatMs(render.median),
@@ -78,7 +78,7 @@ export function cpuFigures(render: TimeSummary, own: TimeSummary): Figures<Large
   };
 }
 
-/** GPU memory by group, and what is known of its limit: WebGPU tells how large one buffer may be, not all together. */
+/** GPU memory by group, and its known limit: WebGPU tells that of one buffer, not of all. */
 export function memoryFigures(
   memory: EngineMemory | null,
   maxBufferBytes: number,

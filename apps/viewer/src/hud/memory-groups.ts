@@ -1,6 +1,6 @@
 import type { EngineMemory } from '@websplatter/core';
 
-/** What the GPU's memory is held for. */
+/** Purposes of the GPU's memory. */
 export const MEMORY_GROUPS = ['geometry', 'harmonics', 'bounds', 'frames', 'work'] as const;
 export type MemoryGroup = (typeof MEMORY_GROUPS)[number];
 

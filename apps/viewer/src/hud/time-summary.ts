@@ -1,4 +1,4 @@
-/** What a row of times is like, ms. NaN of everything where there is none. */
+/** Summary of a row of times, ms; all NaN for none. */
 export interface TimeSummary {
   readonly median: number;
   /** Nearest rank: 99 of 100 times do not exceed it. */
@@ -7,7 +7,7 @@ export interface TimeSummary {
   readonly mean: number;
 }
 
-/** @param times in any order; what is not finite is left out. */
+/** @param times in any order; values that are not finite are left out. */
 export function summarize(times: readonly number[]): TimeSummary {
   const sorted = Float64Array.from(times.filter(Number.isFinite)).sort();
   const count = sorted.length;

@@ -6,8 +6,8 @@ const MOST_PAUSE_MS = 1000;
 export const FIGURES_BUDGET_MS = 0.2;
 
 /**
- * Time from one write of figures to the next: so long that, shared out among the frames between, a write takes no more than
- * the budget.
+ * Time from one write of figures to the next: so long that, shared out among the frames between, a
+ * write takes no more than the budget.
  *
  * @param writeMs CPU time of a write.
  * @param frameMs time from one frame to the next.

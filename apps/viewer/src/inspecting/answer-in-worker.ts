@@ -10,7 +10,7 @@ type Reply = (message: InspectReply) => void;
 let reading: Promise<readonly ReadCloud[]> = Promise.resolve([]);
 let histograms: Histograms | null = null;
 
-/** Reads a scene or answers a question about the one that was read; every outcome is replied, none is thrown. */
+/** Reads a scene or answers a question about the last one; replies every outcome, throws none. */
 export async function answer(request: InspectRequest, reply: Reply): Promise<void> {
   try {
     if (request.kind === 'read') {

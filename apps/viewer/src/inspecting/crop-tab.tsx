@@ -137,7 +137,7 @@ interface SideProps {
 /** One side of the box, by a slider or as a number. */
 function Side({ name, value, range, testId, onValue }: SideProps) {
   const id = useId();
-  /** What is being typed; null when nothing is. */
+  /** Text being typed; null for none. */
   const [text, setText] = useState<string | null>(null);
   const shown = Number(value.toPrecision(5));
   return (

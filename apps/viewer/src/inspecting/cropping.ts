@@ -61,7 +61,7 @@ export class Cropping {
     return scene && boundsOf(scene.clouds, 'robustBounds');
   }
 
-  /** What the scene's first view looks at, in the scene's own space. */
+  /** The target of the scene's first view, in the scene's own space. */
   get subject(): Vec3 {
     const { store, viewer } = this.#tools;
     const { target } = viewer.camera.controls.home;

@@ -1,18 +1,18 @@
 import type { Histogram } from '../state/inspecting.ts';
 
 const OPACITY_BINS = 20;
-/** How finely a decade may be divided: by powers of ten's roots, so that edges meet at powers of ten. */
+/** How finely a decade may be divided: by roots of ten, so that edges meet at powers of ten. */
 const DECADE_PARTS = [1, 2, 5, 10, 20, 50, 100];
 /** More bins than that are narrower than a finger's width of the panel can show. */
 const MOST_BINS = 40;
-/** Smaller scales are counted with the smallest that are so many decades below the largest: no camera tells them apart. */
+/** Scales count down to this many decades below the largest: no camera tells more apart. */
 const MOST_DECADES = 8;
 
 export function opacityEdges(): number[] {
   return Array.from({ length: OPACITY_BINS + 1 }, (_, i) => i / OPACITY_BINS);
 }
 
-/** Edges at equal ratios around `least`…`most`, at powers of ten among others; one decade for what has no extent. */
+/** Edges at equal ratios around `least`…`most`, powers of ten included; a decade for no extent. */
 export function scaleEdges(least: number, most: number): number[] {
   if (!(most > 0 && Number.isFinite(most))) return [0.1, 1];
   const high = Math.log10(most);
@@ -24,7 +24,7 @@ export function scaleEdges(least: number, most: number): number[] {
   return Array.from({ length: last - first + 1 }, (_, i) => 10 ** ((first + i) / parts));
 }
 
-/** The bin of `value`; what is beyond either end belongs to the bin there. */
+/** The bin of `value`; values beyond either end belong to the bin there. */
 export function binOf(value: number, { edges, isByRatio }: Pick<Histogram, 'edges' | 'isByRatio'>): number {
   const bins = edges.length - 1;
   const place = isByRatio ? Math.log : (each: number) => each;
@@ -43,7 +43,7 @@ export function medianBin({ counts }: Pick<Histogram, 'counts'>): number {
   });
 }
 
-/** How high the bar of a count is, 0…1: by its logarithm, so that one splat among millions can be seen. */
+/** Height of a count's bar, 0…1: by its logarithm, which shows one splat among millions. */
 export function barHeight(count: number, most: number): number {
   return count === 0 ? 0 : Math.log1p(count) / Math.log1p(most);
 }

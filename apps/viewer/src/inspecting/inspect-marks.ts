@@ -11,8 +11,9 @@ import { rulerLength } from './rulers.ts';
 import { boxEdges, type ImageBox, type Place, seenLine, seenPoint } from './seen-line.ts';
 
 /**
- * Draws what is inspected over the image, into `svg`, which covers it: the ellipse of the splat, rulers, the box of the crop, what a drag selects. It
- * follows the camera with each frame. Returns what stops that.
+ * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
+ * crop, the area of a drag. It follows the camera with each frame. Returns a function that stops
+ * this.
  */
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
   const draw = () => {

@@ -33,7 +33,7 @@ export type Region =
       readonly look: Look;
     };
 
-/** What can be asked of a scene, and the answer to each. */
+/** Questions that a scene answers, with the type of each answer. */
 export interface Answers {
   /** A set of the splat in a row alone; null if there is none. */
   splat: {

@@ -1,7 +1,7 @@
 import type { ViewerStore } from '../state/store.ts';
 import type { Inspection } from './inspection.ts';
 
-/** What each part of the panel shows, and what it calls. */
+/** Props of each part of the panel: data, and calls. */
 export interface InspectProps {
   readonly store: ViewerStore;
   readonly inspection: Inspection;

@@ -3,7 +3,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { SceneReader } from './scene-reader.ts';
 
-/** What the parts of the panel work with. */
+/** Everything that the parts of the panel work with. */
 export interface InspectTools {
   readonly store: ViewerStore;
   readonly viewer: Pick<Viewer, 'pickAt' | 'shownFrame' | 'setEffects' | 'scenes' | 'camera'>;

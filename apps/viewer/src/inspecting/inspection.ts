@@ -21,7 +21,7 @@ import { SplatInspector } from './splat-inspector.ts';
 /** The colour in which splats are marked, sRGB, and its share. */
 const MARK = { color: [1, 0.36, 0.05], strength: 0.7 } as const;
 
-/** What the panel Inspect does, without its interface. */
+/** The panel Inspect without its interface. */
 export class Inspection {
   readonly splats: SplatInspector;
   readonly rulers: Rulers;
@@ -31,7 +31,7 @@ export class Inspection {
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
-  /** What `#mark` drew last. */
+  /** Arguments of the last drawing by `#mark`. */
   #drawnMark: readonly unknown[] = [];
 
   constructor(viewer: Viewer, store: ViewerStore) {

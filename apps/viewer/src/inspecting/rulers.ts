@@ -5,7 +5,7 @@ import type { InspectTools } from './inspect-tools.ts';
 import { lengthScaleKey, readLengthScale, scaleFrom } from './length-scale.ts';
 
 export interface RulersOptions extends InspectTools {
-  /** Where scales are kept, like the browser's `localStorage`; asked each time, since browsers may forbid it. */
+  /** Storage of scales, such as `localStorage`; asked for each time: browsers may forbid it. */
   readonly storage: () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
 }
 
@@ -23,7 +23,7 @@ export class Rulers {
     this.#options = options;
   }
 
-  /** Sets the next end of a ruler to what is seen at a place of the image; `xPart` and `yPart` of it, from its top left. */
+  /** Sets a ruler's next end to the splat seen at `xPart` and `yPart` from the image's top left. */
   async markAt(xPart: number, yPart: number): Promise<void> {
     const { store, viewer, update } = this.#options;
     const pick = await viewer.pickAt(xPart, yPart);
@@ -51,7 +51,7 @@ export class Rulers {
     this.#options.update({ rulerStart: null });
   }
 
-  /** Says how long a ruler really is, from which all lengths of this scene follow; returns whether that is possible. */
+  /** Sets a ruler's true length, which scales all lengths of this scene; returns whether it can. */
   calibrate(ruler: Ruler, length: number, unit: LengthUnit): boolean {
     const scale = scaleFrom(rulerLength(ruler), length, unit);
     if (!scale) return false;

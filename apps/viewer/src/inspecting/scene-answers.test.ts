@@ -5,7 +5,7 @@ import { boundsInImage, cropCount, histogramsOf, splatInRow } from './scene-answ
 
 const ORIGIN = [10, 0, 0] as const;
 
-/** Splats at `positions` about an origin away from zero, the first in row 3, with larger and larger scales. */
+/** Splats at `positions` about an origin off zero, the first in row 3, with growing scales. */
 function setOf(positions: readonly (readonly [number, number, number])[]): SplatSet {
   const count = positions.length;
   return {

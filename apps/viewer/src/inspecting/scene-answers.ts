@@ -16,7 +16,7 @@ export interface ReadCloud {
 /** Coefficients of degree 3 above the base, of all three channels. */
 const MOST_COEFFICIENTS = 45;
 
-/** A set of the splat in `row` of its file alone, with harmonics as trained; null if there is none. */
+/** A set of the splat in `row` of its file alone, with harmonics as trained; null if missing. */
 export function splatInRow({ set }: ReadCloud, row: number): SplatSet | null {
   // Mostly no row was dropped and none moved.
   const index = set.fileIndices[row] === row ? row : set.fileIndices.indexOf(row);
@@ -40,7 +40,7 @@ export function splatInRow({ set }: ReadCloud, row: number): SplatSet | null {
   };
 }
 
-/** A splat's value of each quantity: standard deviations along its longest and shortest axis, and its opacity. */
+/** A splat's quantities: standard deviations along its longest and shortest axis; opacity. */
 export const VALUES: Readonly<Record<Quantity, (set: SplatSet<Harmonics>, index: number) => number>> = {
   longest: ({ logScales }, i) =>
     Math.exp(Math.max(logScales[3 * i], logScales[3 * i + 1], logScales[3 * i + 2])),
@@ -98,7 +98,7 @@ export function isKept({ min, max, keep }: Crop, [x, y, z]: Vec3): boolean {
   return isInside === (keep === 'inside');
 }
 
-/** The box around all centres that are within the image, in the scene's own space; null if there are none. */
+/** The box around all centres within the image, in the scene's own space; null for none. */
 export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds | null {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
@@ -112,7 +112,7 @@ export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds 
   return min[0] <= max[0] ? { min, max } : null;
 }
 
-/** Where in the image a point of the scene's own space is: right and up, −1…1; null where it is beyond its sides, or behind the camera. */
+/** Place in the image of a point of the scene's own space: right and up, −1…1; null outside. */
 export function imagePlace(
   { viewMatrix, projectionMatrix: p, isFlipped }: Look,
   point: Vec3,
@@ -124,7 +124,7 @@ export function imagePlace(
   return w > 0 && Math.abs(right) <= w && Math.abs(up) <= w ? [right / w, up / w] : null;
 }
 
-/** Calls `take` with the centre of each splat, in the scene's own space, and its index in its cloud. */
+/** Calls `take` with each splat's centre, in the scene's own space, and its index in its cloud. */
 export function eachCenter(clouds: readonly ReadCloud[], take: (center: Vec3, index: number) => void): void {
   for (const { set, modelMatrix } of clouds) {
     const { positions, origin, count } = set;

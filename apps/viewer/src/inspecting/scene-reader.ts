@@ -1,7 +1,7 @@
 import type { Reading } from '../state/inspecting.ts';
 import type { Answers, CloudToRead, InspectReply, InspectRequest, Topic } from './inspect-messages.ts';
 
-/** Reads the scene's files again in a worker when they are first asked about, and keeps them there until it is closed. */
+/** Reads the scene's files again in a worker at the first question, and keeps them until closed. */
 export class SceneReader {
   readonly #clouds: () => Promise<readonly CloudToRead[]>;
   readonly #onReading: (reading: Reading) => void;
@@ -11,7 +11,7 @@ export class SceneReader {
   #whenTold: Promise<void> = Promise.resolve();
   #asked = 0;
 
-  /** @param clouds what to read. */
+  /** @param clouds the files to read. */
   constructor(clouds: () => Promise<readonly CloudToRead[]>, onReading: (reading: Reading) => void) {
     this.#clouds = clouds;
     this.#onReading = onReading;

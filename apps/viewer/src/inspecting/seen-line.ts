@@ -10,7 +10,7 @@ export interface ImageBox {
   readonly height: number;
 }
 
-/** Where a camera sees the line between two points of the world; null where none of it is behind the near plane. */
+/** Image of the line between two points of the world; null if it is before the near plane. */
 export function seenLine(
   camera: Camera,
   box: ImageBox,

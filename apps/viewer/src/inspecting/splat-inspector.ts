@@ -10,7 +10,7 @@ export class SplatInspector {
     this.#tools = tools;
   }
 
-  /** Inspects the splat that contributes most to a place of the image; `xPart` and `yPart` of it, from its top left. */
+  /** Inspects the splat that contributes most at `xPart`, `yPart` from the image's top left. */
   async pickAt(xPart: number, yPart: number): Promise<void> {
     const { viewer, store, update } = this.#tools;
     const pick = await viewer.pickAt(xPart, yPart);

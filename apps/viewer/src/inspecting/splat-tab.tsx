@@ -12,7 +12,7 @@ import './splat-tab.css';
 /** Names of colours, by the highest degree that they have. */
 const UP_TO = ['Base', '+ degree 1', '+ degree 2', '+ degree 3'];
 
-/** One splat: what the file says, how the camera sees it, and what it has of a pixel. */
+/** One splat: its data in the file, its look from the camera, and its share of a pixel. */
 export function SplatTab({ store, inspection }: InspectProps) {
   const splat = useStore(store, (state) => state.inspecting.splat);
   return (

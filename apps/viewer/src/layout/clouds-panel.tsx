@@ -7,7 +7,7 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 
-/** The files of the scene: what is shown of each, where it stands, and what is still to come. */
+/** The files of the scene: the visible part of each, its place, and the files still to come. */
 export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () => void }) {
   const parts = useStore(store, (state) => state.scene?.parts);
   return (
@@ -89,7 +89,7 @@ function Part({
   );
 }
 
-/** What is being opened, and what waits. */
+/** The file being opened, and those that wait. */
 function Coming({ store, viewer }: PanelProps) {
   const title = useStore(store, (state) => state.load?.title);
   const waiting = useStore(store, (state) => state.waiting);

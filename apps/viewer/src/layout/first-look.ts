@@ -9,15 +9,16 @@ import { type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
 
 export interface LookFinder {
   readonly lookOf: (loaded: LoadedScene) => PartLook;
-  /** What of a link could not be read, in words; null if nothing. */
+  /** The unreadable parts of a link, in words; null if none. */
   readonly notice: string | null;
 }
 
 /**
- * Finds how a file is drawn when it is there: as a link writes it, else as it was saved, the same way up as the scene that it joins.
+ * Finds the look of a file that has arrived: as a link writes it, else as it was saved, the same
+ * way up as the scene that it joins.
  *
- * @param linkedLook undefined where there is none.
- * @param sceneUp the axis that points up in the scene that it joins; null where it begins one.
+ * @param linkedLook undefined if there is none.
+ * @param sceneUp the axis that points up in the scene that it joins; null if it begins one.
  */
 export function lookFinder(linkedLook: string | undefined, sceneUp: UpAxis | null): LookFinder {
   const beside = (file: PlacedFile) =>

@@ -17,7 +17,7 @@ export interface ImageSize {
 export interface SeenAxis {
   readonly from: ImagePlace;
   readonly to: ImagePlace;
-  /** Whether it is long enough in the image to be dragged: not seen end on, nor behind the camera. */
+  /** Whether it is long enough in the image to drag: not seen end on, nor behind the camera. */
   readonly canDrag: boolean;
 }
 
@@ -28,8 +28,8 @@ const LEAST_LENGTH_PX = 14;
 type Homogeneous = readonly [x: number, y: number, w: number];
 
 /**
- * The axes of the scene at `point` as a camera sees them, `lengthPx` long where they lie across the view; null where the point is
- * behind the camera.
+ * The axes of the scene at `point` as a camera sees them, `lengthPx` long where they lie across the
+ * view; null where the point is behind the camera.
  *
  * @param axes unit vectors, in the world that the camera sees.
  */
@@ -56,8 +56,8 @@ export function seenAxes(
 }
 
 /**
- * How far along `axis` from `point` something is that is seen as near as possible to `at`, in the axis's lengths; exact in
- * perspective too. Null where the axis is seen end on.
+ * How far along `axis` from `point` something is that is seen as near as possible to `at`, in the
+ * axis's lengths; exact in perspective too. Null where the axis is seen end on.
  */
 export function distanceAlong(
   camera: Pick<Camera, 'viewMatrix' | 'projectionMatrix'>,
@@ -69,7 +69,7 @@ export function distanceAlong(
   const middle = homogeneous(camera, size, point, 1);
   const direction = homogeneous(camera, size, axis, 0);
   const from = place(middle);
-  // The image of the axis is a line: along it the place is a fraction of two linear functions of the distance.
+  // In the image the axis is a line, with places at quotients of linear functions of distance.
   const [ux, uy] = [direction[0] - from.x * direction[2], direction[1] - from.y * direction[2]];
   const wanted = ux * at.x + uy * at.y;
   const below = ux * direction[0] + uy * direction[1] - wanted * direction[2];

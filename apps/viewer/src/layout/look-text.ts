@@ -8,9 +8,10 @@ const FORM =
   'write place=, once for each file: any of move:x:y:z, turn:x:y:z (degrees), scale:1, about:x:y:z, up:-y:y (its own axis, the scene’s), opacity:1 and hidden:1';
 
 /**
- * For the address: by name what of a file's look is not as it comes, `move:0:1:0,turn:0:90:0,about:0.5:0:0,opacity:0.5`; nothing
- * for a file that is drawn as it was saved. Numbers are the shortest that read back as the same float64, so that the same picture
- * is drawn, bit for bit.
+ * For the address: the parts of a file's look that were changed, by name,
+ * `move:0:1:0,turn:0:90:0,about:0.5:0:0,opacity:0.5`; nothing for a file that is drawn as it was
+ * saved. Numbers are the shortest that read back as the same float64, so that the picture stays the
+ * same bit for bit.
  */
 export function encodeLook({ isHidden, opacity, placement }: PartLook): string {
   const parts: string[] = [];
@@ -29,9 +30,9 @@ export function encodeLook({ isHidden, opacity, placement }: PartLook): string {
 }
 
 /**
- * Reads what `encodeLook` wrote; what it says is completed by the file once that is there.
+ * Reads the text of `encodeLook`; the file completes it once it has arrived.
  *
- * @throws InvalidArgumentError naming the part that cannot be, and how a look is written.
+ * @throws InvalidArgumentError naming the invalid part, and the syntax of a look.
  */
 export function decodeLook(text: string): (file: PlacedFile) => PartLook {
   const named = namedValues(text);

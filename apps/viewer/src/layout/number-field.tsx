@@ -3,14 +3,14 @@ import { useState } from 'react';
 interface NumberFieldProps {
   readonly label: string;
   readonly value: number;
-  /** What a click on its arrows adds. */
+  /** Added by a click on an arrow. */
   readonly step: number;
   readonly min?: number;
   readonly testId: string;
   readonly onChange: (value: number) => void;
 }
 
-/** A number that can be typed: it counts whenever the text is one, and what is no number is put right when the field is left. */
+/** A number that can be typed: it counts whenever the text is one; leaving corrects the text. */
 export function NumberField({ label, value, step, min, testId, onChange }: NumberFieldProps) {
   const [text, setText] = useState<string | null>(null);
   const write = (written: string, typed: number) => {

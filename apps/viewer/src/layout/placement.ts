@@ -10,7 +10,7 @@ import type { UpAxis } from '../camera/up-axis.ts';
 import { add, scale, subtract, type Vec3 } from '../camera/vec3.ts';
 import type { PartLook, Placement, ScenePartSummary } from '../state/scene-part.ts';
 
-/** What a placement is worked out from. */
+/** Facts of a file that its placement follows from. */
 export type PlacedFile = Pick<ScenePartSummary, 'ownUp' | 'middle'>;
 
 /** As a file was saved, or turned only so that it stands in a scene where `sceneUp` points up. */

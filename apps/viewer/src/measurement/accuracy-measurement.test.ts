@@ -22,7 +22,7 @@ let measurement: AccuracyMeasurement;
 const tableOf = (points: number) =>
   ({ points: Array(points).fill({}), elapsedMs: 500 }) as unknown as AccuracyTable;
 
-/** What is in the store after a measurement that `act` ends. */
+/** The store's state after a measurement that `act` ends. */
 async function measured(sweep: 'presets' | 'settings', act: (run: (typeof started)[0]) => void) {
   const before = started.length;
   const done = measurement.measure(sweep);

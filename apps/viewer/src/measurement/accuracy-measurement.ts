@@ -7,8 +7,8 @@ import type { Viewer } from '../viewer/viewer.ts';
 import type { Measurement } from './measurement.ts';
 
 /**
- * Measures what accuracy costs for the frame on the screen. A target is measured as soon as it is made, and again for each
- * scene that is opened.
+ * Measures what accuracy costs for the frame on the screen. A target is measured as soon as it is
+ * made, and again for each scene that is opened.
  */
 export class AccuracyMeasurement {
   readonly #viewer: Viewer;
@@ -24,7 +24,7 @@ export class AccuracyMeasurement {
     this.#fallback = store.getState().accuracy;
   }
 
-  /** Starts the measurement that a target needs, and ends that of a target that is no more; returns what stops that. */
+  /** Starts a target's measurement and ends a former target's; returns a function to stop this. */
   watch(): () => void {
     return this.#store.subscribe((state, before) => {
       const { target, scene, measuring, failedMeasurement } = state;
@@ -37,8 +37,8 @@ export class AccuracyMeasurement {
   }
 
   /**
-   * Measures the present view: the presets; or also settings one at a time away from the default, and promising combinations.
-   * What was measured stays if it is called off.
+   * Measures the present view: the presets; or also settings one at a time away from the default,
+   * and promising combinations. Results so far stay if it is cancelled.
    */
   async measure(sweep: 'presets' | 'settings'): Promise<void> {
     let timed: AccuracyTable | null = null;
@@ -66,7 +66,7 @@ export class AccuracyMeasurement {
     if (measured) this.#take(measured);
   }
 
-  /** What was called off replaces nothing that tells more of the same image. */
+  /** Results of a cancelled measurement replace none that tell more of the same image. */
   #take(measured: MeasuredAccuracy): void {
     const before = this.#store.getState().measured;
     const tellsLess =

@@ -27,11 +27,11 @@ export interface PlacedPoint {
 export interface ChartLayout {
   /** In order of time. */
   readonly placed: readonly PlacedPoint[];
-  /** The best that a frame of a given time can show: corners of a line of steps through the points on the front. */
+  /** The least error for each frame time: corners of a line of steps through the front. */
   readonly frontLine: readonly Pick<PlacedPoint, 'xMs' | 'yDb'>[];
   readonly xRange: readonly [number, number];
   readonly yRange: readonly [number, number];
-  /** From where on the band of points is whose images equal the reference, up to the end of the range; null: there is none. */
+  /** Start of the band of points that equal the reference, up to the range's end; null for none. */
   readonly equalFromDb: number | null;
 }
 
@@ -71,7 +71,7 @@ export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
   return { placed, frontLine: frontLine(front, xRange[1], yRange[0]), xRange, yRange, equalFromDb };
 }
 
-/** @param front in order of time. Faster than its first point nothing can be had, and beyond its last nothing more. */
+/** @param front in order of time. No time is below its first point, no accuracy beyond its last. */
 function frontLine(front: readonly PlacedPoint[], endMs: number, bottomDb: number): ChartLayout['frontLine'] {
   const [first, last] = [front.at(0), front.at(-1)];
   if (!first || !last) return [];

@@ -5,8 +5,8 @@ export interface Tick {
 }
 
 /**
- * The round values within a range, lowest first, at steps of 1, 2 or 5 times a power of ten, with as many decimals as the step
- * needs.
+ * The round values within a range, lowest first, at steps of 1, 2 or 5 times a power of ten, with
+ * as many decimals as the step needs.
  *
  * @param range not empty.
  * @param most how many steps the range has at most, at least 1.

@@ -24,7 +24,7 @@ interface Scales {
   yOf(db: number): number;
 }
 
-/** Error against time, with the front as a line of steps. Points are buttons, for pointers and keys alike. */
+/** Error against time, with the front as a line of steps. Points are buttons, also for keys. */
 export function ErrorTimeChart({
   points,
   current,
@@ -117,7 +117,7 @@ const Axes = memo(function Axes({
     i > 0 ? `H${xOf(xMs)}V${yOf(yDb)}` : `M${xOf(xMs)} ${yOf(yDb)}`,
   );
   return (
-    // What it says, the points say.
+    // The points say the same.
     <svg width="100%" height={HEIGHT_PX} aria-hidden="true">
       <g transform={`translate(${MARGIN_PX.left} ${MARGIN_PX.top})`}>
         <rect className="chart-band" width={widthPx} height={bandPx} />

@@ -9,7 +9,7 @@ import { MeasurementRunner } from './measurement-runner.tsx';
 import { PsnrExplained } from './psnr-explained.tsx';
 import { TargetForm } from './target-form.tsx';
 
-/** Measures the cost and the error of each setting for the frame on the screen, and offers them to choose from. */
+/** Measures cost and error of each setting for the frame on the screen, and offers them. */
 export function MeasureForm({
   store,
   viewer,
@@ -51,9 +51,9 @@ interface NextSweep {
 }
 
 /**
- * What there is to measure next: the presets first, which do not take long, and then the rest.
+ * The next measurement: the presets, which are quick, and then the rest.
  *
- * @param fresh what is known of the image on the screen; null: nothing.
+ * @param fresh the knowledge of the image on the screen; null for none.
  */
 function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSweep {
   if (hasTarget)

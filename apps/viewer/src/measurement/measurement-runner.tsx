@@ -2,7 +2,10 @@ import { useStore } from 'zustand';
 import type { MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** The button that starts a measurement, or its progress and the button that ends it; and why the last one failed. */
+/**
+ * The button that starts a measurement, or its progress with a button that ends it; and its last
+ * failure.
+ */
 export function MeasurementRunner({
   store,
   of,
@@ -15,7 +18,7 @@ export function MeasurementRunner({
   of: MeasuredThing;
   /** Label of the button that starts it. */
   label: string;
-  /** What it does; null once that has been said. */
+  /** Describes the measurement; null once that has been said. */
   about: string | null;
   onStart: () => void;
   onCancel: () => void;

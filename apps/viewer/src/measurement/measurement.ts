@@ -11,8 +11,8 @@ export interface MeasurementOptions {
 }
 
 /**
- * Runs measurements of the frame on the screen and keeps their progress in the store. One at a time: two would slow each
- * other down.
+ * Runs measurements of the frame on the screen and keeps their progress in the store. One at a
+ * time: two would slow each other down.
  */
 export class Measurement {
   readonly #viewer: Viewer;
@@ -24,7 +24,7 @@ export class Measurement {
     this.#store = store;
   }
 
-  /** Calls off a measurement when its scene or device goes. Returns what stops that, and a running measurement with it. */
+  /** Cancels a measurement when its scene or device goes. Returns a function that stops both. */
   watch(): () => void {
     const unsubscribe = this.#store.subscribe((state, before) => {
       if (state.scene !== before.scene || state.status !== before.status) this.stop();
@@ -36,8 +36,9 @@ export class Measurement {
   }
 
   /**
-   * @param salvage what there is of a measurement that was called off; null if nothing.
-   * @returns null without a frame on the screen, beside another measurement, and on failure; the store then says why.
+   * @param salvage returns the results of a cancelled measurement; null if there are none.
+   * @returns null without a frame on the screen, beside another measurement, and on failure; the
+   * store then says why.
    */
   async run<T>(
     of: MeasuredThing,

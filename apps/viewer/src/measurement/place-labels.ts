@@ -23,8 +23,8 @@ const GAP_PX = 8;
 const POINT_PX = 4;
 
 /**
- * Places names beside their points: to the right, else left, above or below, inside `area` and clear of other names and
- * points. Null for names that find no place.
+ * Places names beside their points: to the right, else left, above or below, inside `area` and
+ * clear of other names and points. Null for names that find no place.
  *
  * @param points the most important first; later ones give way.
  */

@@ -1,4 +1,4 @@
-/** What the measure of errors means, where it first appears. */
+/** Meaning of PSNR, for its first mention. */
 export function PsnrExplained() {
   return (
     <details className="explained" data-testid="psnr-explained">

@@ -13,12 +13,12 @@ export interface PointOrder {
 /** The most exact first. */
 export const FIRST_ORDER: PointOrder = { by: 'psnr', isDescending: true };
 
-/** The order after a click on a column's head: its best first, and the other way round where it was chosen already. */
+/** The order after a click on a column's head: its best first; reversed by a second click. */
 export function orderAfter(order: PointOrder, by: PointColumn): PointOrder {
   return order.by === by ? { by, isDescending: !order.isDescending } : { by, isDescending: by === 'psnr' };
 }
 
-/** The places of `points` in their table, in this order. Points that are alike in it are ordered by time. */
+/** The places of `points` in their table in this order. Ties are ordered by time. */
 export function sortedPoints(
   points: readonly AccuracyPoint[],
   { by, isDescending }: PointOrder,

@@ -5,7 +5,7 @@ import { MessagePanel } from './message-panel.tsx';
 /** Why the last scene failed to open; the scene before it stays. */
 export function FailurePanel({ store }: { store: ViewerStore }) {
   const failure = useStore(store, (state) => state.failure);
-  // The live region is always there: not every screen reader reads out one that comes with its text.
+  // The live region is always there: some screen readers ignore one that comes with its text.
   return (
     <div role="alert" className="message-slot">
       {failure && (

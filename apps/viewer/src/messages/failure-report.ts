@@ -41,7 +41,7 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
-    // Limits of textures are in pixels, although the fields say bytes; how much memory there is, WebGPU does not tell.
+    // Limits of textures are in pixels, although fields say bytes; WebGPU does not tell the memory.
     const hasSizes = !error.limit.includes('Dimension') && error.limit !== 'memory';
     return {
       title: 'Too large for this GPU',
@@ -61,7 +61,7 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   };
 }
 
-/** What is to be said of files that could not be opened, one after another. */
+/** Report on several files that could not be opened. */
 export function joinedFailures(failures: readonly FailureReport[]): FailureReport {
   if (failures.length === 1) return failures[0];
   return {

@@ -23,7 +23,7 @@ export function LoadPanel({ store, onCancel }: PanelOptions) {
   );
 }
 
-/** How far it has come to draw the scene on the screen with another accuracy, if that takes a while. */
+/** Progress towards drawing the scene with another accuracy, if that takes a while. */
 export function PreparingPanel({ store, onCancel }: PanelOptions) {
   const preparing = useStore(store, (state) => state.preparing);
   if (!preparing) return null;

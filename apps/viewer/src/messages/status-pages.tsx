@@ -4,7 +4,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { PageFailedPage } from './page-failed-page.tsx';
 
-/** In place of the viewer if the browser offers no WebGPU, or the engine's code could not be fetched. */
+/** Replaces the viewer if the browser has no WebGPU, or the engine's code could not be fetched. */
 export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetry: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);
   const isCodeMissing = useStore(store, (state) => state.isCodeMissing);
@@ -57,7 +57,7 @@ export function LostPage(props: { store: ViewerStore; onRecover: () => void; onS
   const prospect = useStore(store, prospectOf);
   const dialog = useRef<HTMLDialogElement>(null);
   const show = () => dialog.current?.showModal();
-  // Before the button takes the keyboard: what a modal dialog covers cannot have it.
+  // Before the button takes the keyboard, which nothing under a modal dialog can have.
   useLayoutEffect(show, []);
   return (
     <dialog
@@ -65,7 +65,7 @@ export function LostPage(props: { store: ViewerStore; onRecover: () => void; onS
       className="status-page"
       aria-labelledby="lost-title"
       data-testid="device-lost"
-      // There is nothing behind it that a gesture could go back to. `listenToKeys` keeps Escape away.
+      // A gesture has nothing behind this to go back to. `listenToKeys` keeps Escape away.
       onClose={show}
     >
       <h1 id="lost-title">The connection to the GPU was lost</h1>
@@ -94,7 +94,7 @@ export function LostPage(props: { store: ViewerStore; onRecover: () => void; onS
   );
 }
 
-/** What becomes of a lost GPU, in words. */
+/** The next step after a lost GPU, in words. */
 function prospectOf({ status, retryWaitMs }: ViewerState): string {
   if (status === 'recovering') return 'The viewer is asking for the GPU again…';
   return retryWaitMs === null

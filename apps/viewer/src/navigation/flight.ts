@@ -16,8 +16,9 @@ const SPEED_PER_WHEEL_PX = 0.0015;
 const SPEED_RANGE = { min: 0.02, max: 50 } as const;
 
 /**
- * Flies through the scene: the mouse looks around, held keys move, the wheel changes the speed. Where the browser gives the
- * pointer away it stays in the image until Escape; elsewhere dragging looks around.
+ * Flies through the scene: the mouse looks around, held keys move, the wheel changes the speed.
+ * Where the browser gives the pointer away it stays in the image until Escape; elsewhere dragging
+ * looks around.
  */
 export class Flight {
   readonly #store: ViewerStore;
@@ -132,7 +133,7 @@ export class Flight {
   }
 }
 
-/** Browsers may refuse, e.g. soon after Escape: then dragging looks around. Older ones return no promise. */
+/** Browsers may refuse, e.g. after Escape: dragging looks around then. Old ones have no promise. */
 async function lockPointer(element: HTMLElement): Promise<void> {
   await Promise.resolve(element.requestPointerLock?.()).catch(() => {});
 }

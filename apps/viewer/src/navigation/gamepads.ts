@@ -4,14 +4,14 @@ import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { RADII_PER_S } from './flight.ts';
 
-/** Commands of buttons, by their place in the standard mapping: the lower, the right and the upper one of the four. */
+/** Commands of buttons by place in the standard mapping: lower, right and upper one of the four. */
 const BUTTON_COMMANDS: Readonly<Record<number, CommandName>> = { 0: 'frame', 1: 'reset', 3: 'fly' };
 /** After a longer pause, as when the page was hidden, the camera does not jump. */
 const LONGEST_STEP_S = 0.1;
 
 /**
- * Moves the camera by gamepads from now on: around the scene, or through it in flight. They have no events and are asked with each
- * refresh of the screen, as long as one is connected. Returns what stops that.
+ * Moves the camera by gamepads from now on, around the scene or in flight. Gamepads have no events:
+ * connected ones are asked at each refresh of the screen. Returns a function that stops this.
  */
 export function followGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   let handle = 0;

@@ -28,7 +28,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
       {list.length > 0 && (
         <ol className="saved-views" data-testid="saved-views">
           {list.map((view, i) => (
-            // biome-ignore lint/suspicious/noArrayIndexKey: views have no other name than their place.
+            // biome-ignore lint/suspicious/noArrayIndexKey: views have no name but their place.
             <li key={i}>
               <button
                 type="button"

@@ -13,11 +13,14 @@ export interface SavedViewsOptions {
   readonly camera: ViewCamera;
   /** Draws a small JPEG image, base64, of what is on the screen; null if that is nothing. */
   readonly draw: () => Promise<string | null>;
-  /** Where views are kept, like the browser's `localStorage`; asked each time, since browsers may forbid it. */
+  /** Storage of views, such as `localStorage`; asked for each time: browsers may forbid it. */
   readonly storage: () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
 }
 
-/** The views that a person has saved of the scene on the screen: kept in the browser by the scene's name, shown one by one or as a path. */
+/**
+ * The views that a person has saved of the scene on the screen: kept in the browser by the scene's
+ * name, shown one by one or as a path.
+ */
 export class SavedViews {
   readonly #options: SavedViewsOptions;
   /** How far the path has been followed, in views. */
@@ -27,7 +30,7 @@ export class SavedViews {
     this.#options = options;
   }
 
-  /** Keeps the list in step with the scene; returns what stops that. A path that is played goes on. */
+  /** Keeps the list in step with the scene; returns a function to stop this. Paths play on. */
   watch(): () => void {
     const { store } = this.#options;
     this.#read();
@@ -67,7 +70,7 @@ export class SavedViews {
     this.#options.camera.controls.glideTo(view.pose);
   }
 
-  /** Follows the path through all views that have the same way up as the first, on from where it was paused. */
+  /** Follows the path through all views of the first one's way up, on from where it paused. */
   play(): void {
     const { store, camera } = this.#options;
     const [first, ...others] = store.getState().savedViews;

@@ -5,7 +5,7 @@ const WIDTH_PX = 144;
 const MAX_HEIGHT_PX = 144;
 const JPEG_QUALITY = 0.8;
 
-/** Draws the frame on the screen again, small and as without panels; returns a JPEG image, base64, or null if nothing is on the screen. */
+/** Draws the frame again, small, without panels; returns a base64 JPEG, or null for no frame. */
 export async function drawThumbnail(
   viewer: Pick<Viewer, 'shownFrame'>,
   accuracy: AccuracySettings,
@@ -46,11 +46,11 @@ export function onBackground(
   return bytes;
 }
 
-/** Shows a JPEG image, base64, on `canvas`; what is no image shows nothing. */
+/** Shows a JPEG image, base64, on `canvas`; nothing for any other text. */
 export async function showThumbnail(canvas: HTMLCanvasElement, base64: string): Promise<void> {
   try {
     const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-    // Not by an image element with a data address: those need a permission of the page's content security policy.
+    // An image element with a data address would need a permission of the content security policy.
     const image = await createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }));
     Object.assign(canvas, { width: image.width, height: image.height });
     canvas.getContext('2d')?.drawImage(image, 0, 0);

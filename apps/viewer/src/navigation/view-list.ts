@@ -9,7 +9,7 @@ export function viewListKey(sceneTitle: string): string {
   return `websplatter:views:${sceneTitle}`;
 }
 
-/** Reads what was kept; leaves out what is no view, so that nothing that is stored can keep the viewer from starting. */
+/** Reads the stored views, without invalid ones, which must not keep the viewer from starting. */
 export function readViewList(text: string | null): readonly SavedView[] {
   if (text === null) return [];
   try {

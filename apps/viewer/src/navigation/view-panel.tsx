@@ -13,10 +13,10 @@ const BACKGROUNDS: readonly (readonly [string, Background])[] = [
   ['Black', '#000000'],
   ['White', '#ffffff'],
 ];
-/** What a choice of one's own begins with. */
+/** First value of a chosen colour. */
 const OWN_COLOR = '#808080';
 
-/** How the scene is looked at: what has no gesture in the image. */
+/** Options of looking at the scene that have no gesture in the image. */
 export function ViewPanel({ store, viewer }: PanelProps) {
   return (
     <Dock store={store} name="view" title="View">

@@ -2,9 +2,9 @@ import { type OrbitPose, unwound } from '../camera/orbit-pose.ts';
 import { clamp } from '../camera/vec3.ts';
 
 /**
- * The pose at `at` of a smooth path through `poses` with the same up, which it passes at 0, 1, 2…; before the first and after the
- * last it stands still. A Catmull–Rom spline of the target, the logarithm of the distance and the angles, each by the shorter way
- * round.
+ * The pose at `at` of a smooth path through `poses` with the same up, which it passes at 0, 1, 2…;
+ * before the first and after the last it stands still. A Catmull–Rom spline of the target, the
+ * logarithm of the distance and the angles, each by the shorter way round.
  *
  * @throws RangeError if there are no poses.
  */

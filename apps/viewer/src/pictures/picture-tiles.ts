@@ -1,7 +1,7 @@
 import type { Camera } from '@websplatter/core';
 import { reprojected } from '../camera/reprojected.ts';
 
-/** A part of a picture, and what is drawn for it. Lengths in pixels from the picture's top left corner. */
+/** A part of a picture, and the area drawn for it. Pixels from the picture's top left corner. */
 export interface PictureTile {
   readonly xPx: number;
   readonly yPx: number;
@@ -11,10 +11,10 @@ export interface PictureTile {
   readonly marginPx: number;
 }
 
-/** Up to this size a picture is drawn at once: its layer and the copy that is read take some 200 MB. */
+/** Largest picture drawn at once: its layer and the copy that is read take some 200 MB. */
 const MOST_PIXELS_AT_ONCE = 2 ** 23;
 const TILE_PX = 2048;
-/** More than upscaling from a lower resolution mixes, which at a tile's edge knows no neighbours. */
+/** More than the reach of upscaling, which has no neighbours at a tile's edge. */
 const MARGIN_PX = 32;
 
 /** Divides a picture into rows of tiles, from the top; one tile where it can be drawn at once. */
@@ -38,7 +38,7 @@ export function pictureTiles(
   );
 }
 
-/** The camera whose image is `tile`, with its margin, of what `camera` shows in a picture of this size. */
+/** The camera whose image is `tile`, with its margin, of `camera`'s picture of this size. */
 export function tileCamera(camera: Camera, widthPx: number, heightPx: number, tile: PictureTile): Camera {
   const { marginPx } = tile;
   const [drawnWidthPx, drawnHeightPx] = drawnSize(tile);

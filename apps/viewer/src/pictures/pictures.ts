@@ -28,7 +28,7 @@ class Pictures {
     this.#store = store;
   }
 
-  /** Draws the picture and hands it to the browser. Does nothing while nothing is on the screen, or another is being drawn. */
+  /** Draws the picture and hands it to the browser. Does nothing without a frame, or while busy. */
   async start(options: PictureOptions): Promise<void> {
     const shown = this.#viewer.shownFrame;
     if (!shown || this.#work) return;
@@ -73,7 +73,7 @@ export function picturesOf(viewer: Viewer, store: ViewerStore): Pictures {
   return pictures;
 }
 
-/** @throws InvalidArgumentError for a size that no picture can have; what `SplatView.render` and `readPixels` throw. */
+/** @throws InvalidArgumentError for an impossible size; errors of `render` and `readPixels`. */
 async function drawPicture(
   { engine, centred: frame }: ShownFrame,
   accuracy: ShownFrame['frame']['accuracy'],
@@ -89,7 +89,7 @@ async function drawPicture(
   const background = isTransparent ? null : (frame.background ?? [0, 0, 0]);
   const channels = background ? 3 : 4;
   const writer = new PngWriter(widthPx, heightPx, channels);
-  // One of its own: what is on the screen stays, and its memory goes when the picture is there.
+  // A view of its own: the screen's image stays, and the memory goes when the picture is there.
   const view = engine.createView();
   let drawn = 0;
   try {

@@ -2,7 +2,7 @@ import { inflateSync } from 'node:zlib';
 import { describe, expect, it } from 'vitest';
 import { PngWriter, writePixels } from './png-writer.ts';
 
-/** Chunks of a PNG by type; several of one type are joined. Checksums are left to who decodes pictures. */
+/** Chunks of a PNG by type; several of one type are joined. Checksums are left to PNG decoders. */
 async function chunksOf(file: Blob): Promise<Record<string, Buffer>> {
   const bytes = Buffer.from(await file.arrayBuffer());
   expect([...bytes.subarray(0, 8)]).toEqual([137, 80, 78, 71, 13, 10, 26, 10]);

@@ -2,14 +2,14 @@ import type { Vec3 } from '../camera/vec3.ts';
 
 const SIGNATURE = Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10);
 
-/** Each byte of a row is written as its difference from the pixel on the left, which packs smooth pictures better. */
+/** Each byte is the difference from the pixel on the left, which packs smooth pictures better. */
 const FILTER_SUB = 1;
 const COLOR_TYPES = { 3: 2, 4: 6 } as const;
 
-/** Packed bytes from so many pixels go to the compressor at a time: meanwhile the page has turns. */
+/** Pixels whose bytes go to the compressor at a time: the page has turns in between. */
 const PIXELS_PER_PIECE = 2 ** 18;
 
-/** Writes a PNG of 8 bits per channel row by row, so that a picture of any size is never in memory as a whole. */
+/** Writes a PNG of 8 bits per channel by rows: no picture is ever in memory as a whole. */
 export class PngWriter {
   readonly #widthPx: number;
   readonly #channels: 3 | 4;
@@ -59,9 +59,10 @@ export class PngWriter {
 }
 
 /**
- * Converts a row of pixels from what views draw (premultiplied, 0…1, in the space of the screen) to bytes.
+ * Converts a row of a view's pixels (premultiplied, 0…1, in the space of the screen) to bytes.
  *
- * @param background what the picture lies on, 0…1; null leaves it transparent, and `to` has four channels then.
+ * @param background the picture's background, 0…1; null leaves it transparent, and `to` has four
+ * channels then.
  */
 export function writePixels(from: Float32Array, to: Uint8Array, background: Vec3 | null): void {
   let at = 0;

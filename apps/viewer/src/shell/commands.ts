@@ -34,7 +34,10 @@ export interface Command {
   readonly isOfCamera?: boolean;
 }
 
-/** Commands that have both a button and a key, in the toolbar's order; the keys that move the camera belong to the controls. */
+/**
+ * Commands that have both a button and a key, in the toolbar's order; the keys that move the camera
+ * belong to the controls.
+ */
 export const COMMANDS: readonly Command[] = [
   { name: 'open', label: 'Open files', key: 'o', word: 'Open' },
   { name: 'add', label: 'Add files to the scene', key: 'j', isInPanel: true },
@@ -114,7 +117,7 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
 
 /** Closes what lies on top, one thing at a time, as Escape does. */
 function withoutTopmost(state: ViewerState): Partial<ViewerState> {
-  // The dialog closes itself too, but its event comes later: a key pressed meanwhile would count as one over the help.
+  // The dialog closes itself too, but later: keys pressed meanwhile would count as the help's.
   if (state.isHelpVisible) return { isHelpVisible: false };
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.failure) return { failure: null };
@@ -129,7 +132,7 @@ function mayMoveCamera(scope: KeyScope, key: string): boolean {
   return scope === 'scene' || !NAVIGATION_KEYS.test(key);
 }
 
-/** What has the keyboard: the scene, text that is being written, a list that letters choose from, or another control. */
+/** Holder of the keyboard: the scene, a text field, a list that letters choose from, or other. */
 type KeyScope = 'scene' | 'text' | 'open list' | 'control';
 
 const TEXT_FIELDS = 'textarea, input:not([type="range"], [type="checkbox"], [type="color"])';

@@ -1,7 +1,7 @@
 import type { ViewerStore } from '../state/store.ts';
 import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 
-/** The viewer's state in one word, for style sheets and for tests (`data-state` of the document's element). */
+/** The viewer's state in a word, for style sheets and tests (`data-state` of the root element). */
 export type DocumentState = 'starting' | 'loading' | 'ready' | 'error' | 'unavailable' | 'lost';
 
 export function documentState(state: ViewerState): DocumentState {

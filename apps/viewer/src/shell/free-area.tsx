@@ -2,7 +2,7 @@ import { useEffect, useRef } from 'react';
 import { coveredBeside } from '../camera/covered.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
-/** What panels leave of the picture, as the style sheets have it: the camera follows its size. */
+/** The part of the picture beside panels, as style sheets have it: the camera follows its size. */
 export function FreeArea({ viewer }: { viewer: Viewer }) {
   const area = useRef<HTMLDivElement>(null);
   useEffect(() => {

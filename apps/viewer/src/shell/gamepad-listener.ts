@@ -2,7 +2,10 @@ import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { RunCommand } from './commands.ts';
 
-/** Fetches what follows gamepads when the first is connected, which most visitors have none of; returns what stops that. */
+/**
+ * Fetches the code for gamepads when the first is connected, since few visitors have one; returns a
+ * function that stops this.
+ */
 export function listenForGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const ending = new AbortController();
   const { signal } = ending;

@@ -2,18 +2,18 @@ import type { Command } from './commands.ts';
 
 /** On narrower windows the toolbar has only commands with a word of their own. */
 const WORDS_WIDTH_PX = 430;
-/** Up to this width the toolbar takes all of the window's; on wider ones it leaves room for the figures. */
+/** Up to this width the toolbar is as wide as the window; wider ones leave room for the figures. */
 const WHOLE_WIDTH_PX = 640;
 const FIGURES_PX = 320;
 const MARGINS_PX = 24;
 /** A button with the gap beside it, large enough for a finger. */
 const BUTTON_PX = 46;
-/** What the word beside the first button's icon takes. */
+/** Width of the word beside the first button's icon. */
 const WORD_PX = 50;
 
 /**
- * The commands whose buttons fit into the toolbar, in their order; the others are in its menu. Those with a word of their own go
- * first.
+ * The commands whose buttons fit into the toolbar, in their order; the others are in its menu.
+ * Those with a word of their own go first.
  */
 export function inlineCommands(commands: readonly Command[], windowWidthPx: number): readonly Command[] {
   const worded = commands.filter(({ word }) => word !== undefined);

@@ -5,7 +5,7 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import { LostGpu } from './lost-gpu.tsx';
 import { Picture } from './picture.tsx';
 
-/** The picture without an interface, as `?noui` asks for it. What fails is said: silence would look like a long load. */
+/** The picture alone (`?noui`). Failures are told: silence would look like a long load. */
 export function PlainPicture({
   store,
   viewer,

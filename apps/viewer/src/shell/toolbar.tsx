@@ -10,10 +10,10 @@ const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
 
 /** The button of the menu, among those where the Tab key may stop. */
 const MENU = 'menu';
-/** Those of the bar itself; what is in the menu is not along it. */
+/** Those of the bar itself, without those of the menu. */
 const BAR_BUTTONS = 'button:not(:disabled, .menu-item)';
 
-/** The Tab key stops at one button only; arrow keys go to the others. What does not fit is in a menu at the end. */
+/** The Tab key stops at one button; arrow keys go on. A menu at the end holds the overflow. */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isFlipped = useStore(store, (state) => state.isFlipped);
   // A scene with z up is upright as it is.

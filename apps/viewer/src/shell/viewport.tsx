@@ -13,7 +13,7 @@ export function Viewport({ store, viewer }: { store: ViewerStore; viewer: Viewer
   // A page lay over the canvas and had the keyboard.
   useEffect(() => (isLost ? () => canvas.current?.focus() : undefined), [isLost]);
   return (
-    // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: without the role, screen readers keep the keys.
+    // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it gives the page the keys.
     <canvas
       ref={canvas}
       className="viewport"

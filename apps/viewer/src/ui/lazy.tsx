@@ -2,18 +2,18 @@ import { type ComponentType, type LazyExoticComponent, lazy } from 'react';
 
 const fetches: (() => Promise<unknown>)[] = [];
 
-/** What is said where code cannot be fetched: offline, or after a new version has replaced this one. */
+/** Message for code that cannot be fetched: offline, or after a new version took over. */
 export const NOT_FETCHED = 'This part could not be loaded. Check the connection, then reload the page.';
 
-/** Code that the first picture does not wait for. It is fetched by `fetchLazy`, or when it is first called for. */
+/** Code that the first picture does not wait for. `fetchLazy`, or the first call, fetches it. */
 export function lazyCode<Code>(fetch: () => Promise<Code>): () => Promise<Code> {
   fetches.push(fetch);
   return fetch;
 }
 
 /**
- * A component whose code the first picture does not wait for. It is fetched by `fetchLazy`, or when it is first shown: put it
- * within `<Suspense>`.
+ * A component whose code the first picture does not wait for. It is fetched by `fetchLazy`, or when
+ * it is first shown: put it within `<Suspense>`.
  */
 export function lazyComponent<Props extends object>(
   fetch: () => Promise<ComponentType<Props>>,

@@ -12,7 +12,7 @@ export interface MenuItem<Name extends string> {
   readonly isDisabled?: boolean;
 }
 
-/** A button that opens a menu of commands. Arrow keys go along the menu, Escape and what lies beside it close it. */
+/** A button with a menu of commands. Arrow keys move in it; Escape and clicks outside close it. */
 export function MenuButton<Name extends string>({
   label,
   items,
@@ -26,7 +26,7 @@ export function MenuButton<Name extends string>({
   tabIndex: number;
   onFocus: () => void;
   onChoose: (name: Name) => void;
-  /** What the button shows. */
+  /** Content of the button. */
   children: ReactNode;
 }) {
   const [isOpen, setOpen] = useState(false);
@@ -75,7 +75,7 @@ export function MenuButton<Name extends string>({
     event.stopPropagation();
   };
   return (
-    // biome-ignore lint/a11y/noStaticElementInteractions: it hears the keys of the button and the items.
+    // biome-ignore lint/a11y/noStaticElementInteractions: it hears the keys of button and items.
     <div ref={root} className="menu-area" onKeyDown={onKeyDown}>
       <button
         ref={button}

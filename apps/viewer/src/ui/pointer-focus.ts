@@ -1,6 +1,7 @@
 /**
- * Gives `element` the keyboard because a pointer touched it. Browsers take the focus that a script gives for that of a
- * keyboard, and would show where it is: style sheets leave elements out that carry `data-pointer-focus`.
+ * Gives `element` the keyboard because a pointer touched it. Browsers take the focus that a script
+ * gives for that of a keyboard, and would show where it is: style sheets leave elements out that
+ * carry `data-pointer-focus`.
  */
 export function focusByPointer(element: HTMLElement): void {
   element.dataset.pointerFocus = '';

@@ -16,7 +16,7 @@ interface Drag {
   lastMs: number;
 }
 
-/** Changes the height of a panel that is a sheet, by a drag, a tap or keys; style sheets hide it elsewhere. */
+/** Changes the height of a sheet by a drag, a tap or keys; style sheets hide it on other panels. */
 export function SheetGrip({ store, label }: { store: ViewerStore; label: string }) {
   const sheetPart = useStore(store, (state) => state.sheetPart);
   const drag = useRef<Drag | null>(null);

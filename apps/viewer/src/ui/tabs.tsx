@@ -7,7 +7,7 @@ export interface TabsProps<Name extends string> {
   readonly tabs: Readonly<Record<Name, string>>;
   readonly tab: Name;
   readonly onTab: (tab: Name) => void;
-  /** What the tabs' `data-testid` begins with. */
+  /** Prefix of the tabs' `data-testid`. */
   readonly testId: string;
 }
 

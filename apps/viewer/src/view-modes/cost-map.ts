@@ -12,16 +12,16 @@ export interface MapImage {
 
 /** Part of their own colour that pixels near the place of one unseen splat keep. */
 const BESIDE_UNSEEN = 0.25;
-/** What is left of a colour on the lines between tiles. */
+/** Remaining part of a colour on the lines between tiles. */
 const LINE_LIGHT = 0.7;
-/** Part of the highest values that the scale does not tell apart: a few hot spots would take most of it. */
+/** Part of the highest values beyond the scale's end: a few hot spots would take most of it. */
 const BEYOND_SCALE = 0.01;
 
 /** Numbers of tiles or pixels, as a legend tells them. */
 export interface CountFigures {
   readonly max: number;
   readonly mean: number;
-  /** Where the scale ends: a number that is easily divided by four, 1 or more of which would be needed for all. */
+  /** End of the scale: four times a number with few digits, 1 or more. */
   readonly end: number;
 }
 
@@ -65,8 +65,8 @@ export function pixelImage({ widthPx, heightPx }: FrameCosts, counts: Uint32Arra
 }
 
 /**
- * What splats contribute: as the picture is blended, with the colours of their contributions in place of their own; then the
- * places of those that are not seen, the fuller the more of them there are.
+ * Image of contributions: blended as the picture, with the colours of the splats' contributions in
+ * place of their own; then the places of unseen splats, the fuller the more of them there are.
  *
  * @param background sRGB, 0…1.
  */
@@ -86,7 +86,7 @@ export function contributionImage(
   return image;
 }
 
-/** Unseen splats in a pixel and those beside, above and below it: a place as small as a pixel would be overlooked. */
+/** Unseen splats in a pixel and its four neighbours: a place of one pixel would be overlooked. */
 function unseenAround(unseen: Uint32Array, at: number, widthPx: number): number {
   const x = at % widthPx;
   const left = x > 0 ? unseen[at - 1] : 0;

@@ -1,6 +1,7 @@
-// View mode `ellipsoids`: every splat as a solid ellipse. Runs per splat in cull-splats and project.
-// Reads a splat; returns it shrunk, with a peak opacity so far above 1 that it is solid up to its edge and soon ends behind it,
-// and its colour, darkened by another amount than its neighbours', by which they are told apart.
+// View mode `ellipsoids`: every splat as a solid ellipse. Runs per splat in cull-splats and
+// project. Reads a splat; returns it shrunk, with a peak opacity so far above 1 that it is solid up
+// to its edge and soon ends behind it, and its colour, darkened by another amount than its
+// neighbours', by which they are told apart.
 import package::lib::packing::Splat;
 import package::lib::visible_ellipse::ScreenSplat;
 import parameters::Ellipsoids;
@@ -19,7 +20,8 @@ fn solidOpacity(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, parameter
 }
 
 fn shadeEllipsoid(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, parameters: Ellipsoids) -> vec3f {
-  // Successive multiples of the golden ratio lie far apart, and stored splats are neighbours of their successors.
+  // Successive multiples of the golden ratio lie far apart, and successive splats are often
+  // neighbours.
   let part = f32((splatIndex * GOLDEN) >> 8u) / 16777216.0;
   return color * mix(parameters.darkest, 1.0, part);
 }

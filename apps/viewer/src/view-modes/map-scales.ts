@@ -3,7 +3,7 @@ import type { MapFigures } from '../state/viewer-state.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 
-/** log₂ of the contributions, px, at the ends of their scale. The least ones cannot change a pixel by a step of 8 bits. */
+/** log₂ of contributions, px, at the ends of the scale. The least change no pixel by 1/255. */
 const LEAST_LOG = -8;
 const MOST_LOG = 12;
 

@@ -10,17 +10,17 @@ import opacityWgsl from './opacity-colors.wgsl?raw';
 import overdrawWgsl from './overdraw.wgsl?raw';
 import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, shaderColor, VALUE_RAMP } from './ramp.ts';
 
-/** Radius of the dot in the mode `centres`: there half of what is behind is seen. Larger ones would be culled too early. */
+/** Radius at which dots of the mode `centres` are half opaque. Larger dots are culled too early. */
 export const CENTRE_RADIUS_PX = 1.5;
-/** Where the solid ellipses of the mode `ellipsoids` end, in standard deviations: there half of what is behind is seen. */
+/** Half-opaque edge of solid ellipses in the mode `ellipsoids`, in standard deviations. */
 export const ELLIPSOID_EDGE = 1.5;
-/** Factor of standard deviations in that mode. Smaller ones make edges harder, and what is thinner than a pixel wider. */
+/** Factor of standard deviations in that mode. Smaller ones harden edges, widen thin splats. */
 export const ELLIPSOID_SHRINKING = 0.4;
 /** Part of its colour that the darkest ellipse keeps. */
 export const ELLIPSOID_DARKEST = 0.6;
 /** Opacity of every splat in the mode `overdraw`. */
 export const OVERDRAW_OPACITY = 1 / 32;
-/** The change of a colour that ends the scale of the mode `harmonics`, in steps of an 8-bit channel. */
+/** Colour change at the end of the scale of the mode `harmonics`, in steps of an 8-bit channel. */
 export const MOST_STEPS = 64;
 
 export const centres = defineEffect<undefined, { radiusPx: 'f32' }>({

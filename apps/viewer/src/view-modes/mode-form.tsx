@@ -2,7 +2,7 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { VIEW_MODES } from './view-modes.ts';
 
-/** What the picture shows of the splats. */
+/** Choice of the picture's content. */
 export function ModeForm({ store }: { store: ViewerStore }) {
   const viewMode = useStore(store, (state) => state.viewMode);
   return (

@@ -9,7 +9,7 @@ import type { RampEnd } from './ramp.ts';
 import type { ColorScale } from './scale.ts';
 import { cautionsOf, type PictureFacts, type ViewMode, viewModeOf } from './view-modes.ts';
 
-/** What the picture shows instead of colours, what its colours mean, and the way back. */
+/** Content of the picture in place of colours, their meaning, and the way back. */
 export function ModeLegend({ store, viewer }: PanelProps) {
   const name = useStore(store, (state) => state.viewMode);
   const isIdle = useStore(store, (state) => state.isIdle);
@@ -62,7 +62,7 @@ export function ModeLegend({ store, viewer }: PanelProps) {
   );
 }
 
-/** What the map of a mode shows; that of the last rest while the picture moves. */
+/** Figures of a mode's map; those of the last rest while the picture moves. */
 function MapLegend({
   store,
   mode,
@@ -89,7 +89,7 @@ function MapLegend({
   );
 }
 
-/** @param isCurrent whether the numbers are those of the picture; while it moves they may be others. */
+/** @param isCurrent whether the numbers are the picture's; they may differ while it moves. */
 function Scale({ scale: { title, low, high, ticks }, isCurrent }: { scale: ColorScale; isCurrent: boolean }) {
   return (
     <figure className="mode-scale" aria-busy={!isCurrent} data-testid="mode-scale">
@@ -113,7 +113,7 @@ function Scale({ scale: { title, low, high, ticks }, isCurrent }: { scale: Color
 
 const css = ({ color }: RampEnd) => `rgb(${color.map(Math.round).join(' ')})`;
 
-/** What the sides of the picture at rest were drawn from, of which most have one; none before there is a picture. */
+/** Facts of each side of the picture at rest, mostly one; none before there is a picture. */
 function sidesOf(store: ViewerStore, viewer: Viewer): readonly PictureFacts[] {
   const frame = viewer.shownFrame?.frame;
   const bounds = viewer.camera.subjectSphere;

@@ -1,8 +1,9 @@
 import type { Vec3 } from '../camera/vec3.ts';
 
 /**
- * Colours for the numbers of a scale: a straight line between those of its ends. Blending splats mixes their colours in the same
- * space (sRGB-encoded), so that a pixel has just the colour of the mean of its splats' numbers, which no curved scale would give.
+ * Colours for the numbers of a scale: a straight line between those of its ends, in the space that
+ * splats are blended in (sRGB-encoded). A pixel then has just the colour of the mean of its splats'
+ * numbers, which no curved scale would give.
  */
 export interface Ramp {
   readonly low: RampEnd;
@@ -25,7 +26,7 @@ export const VALUE_RAMP: Ramp = {
 /** Near is bright, as by a lamp at the camera. */
 export const DEPTH_RAMP: Ramp = { low: VALUE_RAMP.high, high: VALUE_RAMP.low };
 
-/** What fills up with overdraw; tells itself from light and from dark backgrounds. */
+/** Colour of full overdraw; distinct from light and dark backgrounds. */
 export const OVERDRAW_COLOR: RampEnd = { color: [235, 80, 24], name: 'orange' };
 
 /** Where splats are that are not seen; no colour between the ends of `VALUE_RAMP` is like it. */

@@ -7,7 +7,7 @@ export interface Tick {
   readonly text: string;
 }
 
-/** What the colours of a mode mean. */
+/** Meaning of the colours of a mode. */
 export interface ColorScale extends Ramp {
   /** The quantity and its unit. */
   readonly title: string;

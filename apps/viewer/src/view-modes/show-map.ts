@@ -12,8 +12,9 @@ interface ModeMap {
 }
 
 /**
- * Keeps the map of the view mode on `canvas`, over the picture. The canvas is hidden while the picture moves, and comes back when
- * the frame at rest has been counted; the figures stay until then. Returns what stops that.
+ * Keeps the map of the view mode on `canvas`, over the picture. The canvas is hidden while the
+ * picture moves, and comes back when the frame at rest has been counted; the figures stay until
+ * then. Returns a function that stops this.
  *
  * @param makeMap for tests.
  */
@@ -23,7 +24,7 @@ export function showMap(
   store: ViewerStore,
   makeMap = countedMap,
 ): () => void {
-  /** The picture at rest and the mode that were counted last, or are being counted; those on the canvas. */
+  /** Picture at rest and mode that were counted last, or are being counted; those on the canvas. */
   let [counted, drawn] = ['', ''];
   let isBusy = false;
   let isStopped = false;

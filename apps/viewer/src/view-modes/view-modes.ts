@@ -22,7 +22,7 @@ import {
 import { DEPTH_RAMP, OVERDRAW_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 
-/** What a picture at rest, or one side of it, was drawn from, as far as legends tell of it. */
+/** Facts of a picture at rest, or of one side of it, that legends need. */
 export interface PictureFacts {
   /** World to view, column-major. */
   readonly viewMatrix: ArrayLike<number>;
@@ -38,21 +38,21 @@ export interface PictureFacts {
 export interface ViewMode {
   readonly name: ViewModeName;
   readonly label: string;
-  /** What the picture shows. */
+  /** Content of the picture. */
   readonly about: string;
   /** The effects that show it. */
   readonly uses: (subject: DepthOptions) => readonly EffectUse[];
   readonly scale?: (facts: PictureFacts) => ColorScale;
-  /** Of modes that lay a map over the picture: what the map's colours mean, and what else it tells. */
+  /** Of modes that lay a map over the picture: the meaning of its colours, and further figures. */
   readonly map?: {
     readonly scale: (figures: MapFigures) => ColorScale | null;
     readonly notes: (figures: MapFigures) => readonly string[];
   };
-  /** What is to be known of this picture besides; null if nothing. */
+  /** A caution about this picture; null for none. */
   readonly caution?: (facts: PictureFacts) => string | null;
 }
 
-/** Files may ask for an antialiasing that makes thin splats fainter: where opacities mean something else, it would falsify them. */
+/** A file's antialiasing makes thin splats fainter; opacities of other meaning need it off. */
 const WITHOUT_ANTIALIAS = antialias(false);
 
 /** Records that hold no opacity above 1 make soft edges of hard ones. */
@@ -178,7 +178,7 @@ export function viewModeOf(name: ViewModeName): ViewMode {
   return VIEW_MODES.find((mode) => mode.name === name)!;
 }
 
-/** What is to be known of a picture with one side or two, each told once. */
+/** Cautions about a picture with one side or two, each told once. */
 export function cautionsOf(mode: ViewMode, sides: readonly PictureFacts[]): readonly string[] {
   const texts = sides.map((facts) => mode.caution?.(facts) ?? null);
   const isSame = texts.every((text) => text === texts[0]);

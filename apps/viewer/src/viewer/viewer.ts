@@ -30,7 +30,7 @@ import type { Comparison } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** What the page's address asks for. */
+/** Contents of the page's address. */
 export interface StartOptions extends AddressedScene {
   /** As `encodeAccuracy` writes it. */
   readonly accuracy?: string | null;
@@ -38,8 +38,8 @@ export interface StartOptions extends AddressedScene {
 }
 
 /**
- * The application without its interface: it joins session, scenes, camera and drawing, and the store learns of everything
- * that they do. React mounts its canvases and calls its commands.
+ * The application without its interface: it joins session, scenes, camera and drawing, and the
+ * store learns of everything that they do. React mounts its canvases and calls its commands.
  */
 export class Viewer {
   readonly camera: ViewCamera;
@@ -138,13 +138,13 @@ export class Viewer {
     this.#drawing.request();
   }
 
-  /** Calls off what is being read or made so that the scene can be drawn with the accuracy asked for. */
+  /** Cancels reading and making for the requested accuracy. */
   cancelPreparing(): void {
     this.#precisions.cancel();
     this.#drawing.request();
   }
 
-  /** Draws each scene with settings that `chooseAccuracy` finds for `target`, until settings are chosen by hand. */
+  /** Draws scenes with `chooseAccuracy`'s settings for `target`, until some are chosen by hand. */
   setTarget(target: AccuracyTarget): void {
     this.#store.setState({ target, choice: null });
     this.#followAccuracy();
@@ -159,8 +159,8 @@ export class Viewer {
   /**
    * Measures which settings meet the target for the frame on the screen, and draws with them.
    *
-   * @throws InvalidArgumentError where there is no target or no frame; what `SplatView.chooseAccuracy` throws. Then the
-   *   accuracy stays as it was.
+   * @throws InvalidArgumentError without a target or a frame; errors of `SplatView.chooseAccuracy`.
+   * Then the accuracy stays as it was.
    */
   async chooseAccuracy(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     const shown = this.#drawing.shown;
@@ -185,15 +185,15 @@ export class Viewer {
   }
 
   /**
-   * Brings the splat that is seen at a place of the image to its middle, and turns around it from then on; `xPart` and `yPart` of
-   * the image, from its top left. Does nothing where there is none.
+   * Brings the splat that is seen at a place of the image to its middle, and turns around it from
+   * then on; `xPart` and `yPart` of the image, from its top left. Does nothing where there is none.
    */
   async focusAt(xPart: number, yPart: number): Promise<void> {
     const pick = await this.pickAt(xPart, yPart);
     if (pick) this.camera.focus(pick.point);
   }
 
-  /** The splat that contributes most to a place of the image, `xPart` and `yPart` of it from its top left; null where there is none. */
+  /** The splat that contributes most at `xPart`, `yPart` from the image's top left, or null. */
   async pickAt(xPart: number, yPart: number): Promise<SplatPick | null> {
     const shown = this.#drawing.shown;
     if (!shown) return null;
@@ -222,7 +222,8 @@ export class Viewer {
   }
 
   /**
-   * Draws the frame on the screen with another accuracy, beside the screen, and reads the image back. One at a time.
+   * Draws the frame on the screen with another accuracy, off the screen, and reads the image. One
+   * at a time.
    *
    * @returns null if nothing is on the screen.
    */
@@ -242,7 +243,7 @@ export class Viewer {
     this.scenes.openFirst(session);
   }
 
-  /** The device is known: takes what suits it, unless the address or a person has asked for something. */
+  /** The device is known: takes its default, unless the address or a person chose already. */
   #takeDefaultOf({ engine }: Session): void {
     const { accuracy, defaultAccuracy, target } = this.#store.getState();
     const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
