@@ -4,7 +4,7 @@ import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
 import { expect } from 'vitest';
 
-/** axe-core, to be evaluated in a page before what uses it. */
+/** axe-core, to be evaluated in a page before functions that use it. */
 export const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 /** Faults that axe-core finds in the page as it is, in words. */

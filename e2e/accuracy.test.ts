@@ -39,7 +39,7 @@ async function chooseHighestCutoff(page: Page): Promise<void> {
   await slider.fill((await slider.getAttribute('max')) ?? '');
 }
 
-/** Does what changes the image, and captures the new one. */
+/** Changes the image by `action`, and captures the new one. */
 async function shotAfter(page: Page, action: () => Promise<unknown>): Promise<Screenshot> {
   await redraw(page, action);
   return viewerScreenshot(page);

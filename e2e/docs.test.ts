@@ -92,7 +92,7 @@ describe('the documentation site', () => {
 
   it('finds pages by the words that one types, with the keyboard alone', async () => {
     const { page, problems } = await open('guide/loading.html');
-    // The page may not listen to keys yet; and what is typed before the box is there goes nowhere.
+    // The page may not listen to keys yet, and keys before the box is there go nowhere.
     const box = page.locator('.VPLocalSearchBox input:focus');
     await expect
       .poll(async () => {

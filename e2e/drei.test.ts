@@ -39,7 +39,7 @@ function hasColor(
   return color.every((value, c) => Math.abs(data[at + c] - value) < 50);
 }
 
-/** The canvas and what lies over it, with splats alone: the same in every trial. */
+/** The canvas and elements over it, with splats alone: the same in every trial. */
 let empty: Screenshot | null = null;
 
 async function splatsAlone(page: Page): Promise<Screenshot> {
@@ -53,7 +53,7 @@ async function splatsAlone(page: Page): Promise<Screenshot> {
   return empty!;
 }
 
-/** Shows a trial, drags the mouse across it, and waits until it does what it should. */
+/** Shows a trial, drags the mouse across it, and waits for the expected effect. */
 async function expectToWork(name: string): Promise<void> {
   const page = await openTrials();
   const before = empty ?? (await splatsAlone(page));
@@ -74,7 +74,7 @@ async function expectToWork(name: string): Promise<void> {
   await expect.poll(isDone).toBe(true);
 }
 
-/** From the middle of what is tried. */
+/** From the middle of the trial's object. */
 async function dragAcross(page: Page): Promise<void> {
   await page.mouse.move(175, 80);
   await passTurns(page, 1);

@@ -75,7 +75,7 @@ async function waitForScene(page: Page, title: string): Promise<void> {
   );
 }
 
-/** Does what changes the viewer's picture in one step, and waits until the new one is at rest. */
+/** Changes the viewer's picture in one step, and waits until the new one is at rest. */
 async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
   await page.waitForFunction(isAtRestAfter, {}, 0);
   const frames = await frameCount(page);
@@ -139,7 +139,7 @@ firefoxTest(
     await page.waitForSelector('[data-testid=mode-legend]');
     await redraw(page, () => page.keyboard.press('i'));
     await page.waitForSelector('[data-testid=inspect]');
-    // The middle of what the panel leaves free, where the scene goes.
+    // The middle of the area beside the panel, where the scene goes.
     const [x, y] = await page.$eval('.free-area', (area) => {
       const { x, y, width, height } = area.getBoundingClientRect();
       return [x + width / 2, y + height / 2];

@@ -12,7 +12,7 @@ import { startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
 // These install and build for minutes: `npm run test:full` has them.
-/** Ends what hangs. `next build` alone has taken 200 s beside six other jobs on two cores. */
+/** Ends tools that hang. `next build` alone has taken 200 s beside six other jobs on two cores. */
 const TIMEOUT_MS = 1_200_000;
 const scene = { 'scene.ply': encodePly(testScene()) };
 

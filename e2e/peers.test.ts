@@ -76,7 +76,7 @@ function run(
   });
 }
 
-test('what was packed measures this project beside a peer that draws less, whose pictures show it', async () => {
+test('a pack measures this project beside a peer that draws less, whose pictures show it', async () => {
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
   const own = ['floor-webgl2', 'websplatter', 'websplatter-three'];
   const peers = [...own, `faint=${faintAdapter}`].join();

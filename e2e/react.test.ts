@@ -323,14 +323,14 @@ it('shows the labels whose points nothing covers, as float64 depth tells, and as
   await page.evaluate(() => window.page.canvases.get('canvas')!.invalidate());
   expect(await atRest(page, readbacksOf), 'questions after one frame').toBe(before + 1);
 
-  // The keyboard reaches what is shown.
+  // The keyboard reaches the content.
   await page.keyboard.press('Tab');
   expect(free).toContain(await page.evaluate(() => document.activeElement?.textContent));
   await page.keyboard.press('Enter');
   expect((await logOf(page)).at(-1)).toMatch(/^label \d+ click$/);
   await page.evaluate(() => (document.activeElement as HTMLElement).blur());
 
-  // A wall hides what is behind it, and nothing else.
+  // A wall hides the splats behind it alone.
   const eye = [1.5, 1, 5] as const;
   const isBehindWall = ({ position, depthView }: (typeof points)[number]) => {
     const part = (wall[2] - eye[2]) / (position[2] - eye[2]);
@@ -616,7 +616,7 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
   await expect.poll(held).toBe('f32 f16');
   await expect.poll(async () => changedPart(balanced, await image(page))).toBeLessThan(0.01);
 
-  // Its own accuracy, whatever the Canvas has.
+  // Its own accuracy, not the Canvas's.
   await show(page, { ...quiet, accuracy: 'high', splats: [{ ...SPLATS, accuracy: 'fast' }] });
   await expect.poll(held).toBe('packed u8');
   await show(page, { ...quiet, accuracy: 'fast', splats: [{ ...SPLATS, accuracy: 'reference' }] });
@@ -661,7 +661,7 @@ it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
     else await waitForLog(page, `a${i} firstframe`);
     await show(page, canvas({ splats: [] }));
   };
-  // The first one makes what all others share: pipelines, and the objects that three keeps.
+  // The first one makes objects that all others share: pipelines, and the objects that three keeps.
   await mount(0);
   await expect.poll(() => resourcesOf(page)).toMatchObject({ engineBytes: 0, workers: 0 });
   const before = await atRest(page, () => resourcesOf(page));

@@ -1,4 +1,4 @@
-// Examples of READMEs are what people copy: they must pass the strictest compiler.
+// People copy examples of READMEs: they must pass the strictest compiler.
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -26,7 +26,7 @@ const FRAME = {
   heightPx: 'number',
 };
 
-/** READMEs by the package that they are about, and what their examples take as given. */
+/** READMEs by the package that they are about, and the names that their examples presuppose. */
 const READMES: Readonly<Record<string, Examples>> = {
   'README.md': {
     of: '@websplatter/react',
@@ -83,7 +83,7 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
   },
   'recipes/post-processing.md': {},
 };
-/** Compiles modules by name, strictly; returns what the compiler says. */
+/** Compiles modules by name, strictly; returns the compiler's messages. */
 function compile(modules: Readonly<Record<string, string>>): string {
   const folder = mkdtempSync(join(tmpdir(), 'websplatter-readmes-'));
   try {

@@ -660,7 +660,7 @@ describe('three 0.187', () => {
 
   describe('clouds', () => {
     test('are sorted together', async () => {
-      // Red, green and red again, each covering half of what is behind.
+      // Red, green and red again, each covering half of the one behind.
       expectPixel(leftOf(await run('interleavedClouds')), [255 * 0.625, 255 * 0.25, 0, 255]);
     });
 

@@ -9,7 +9,7 @@ const harness = viewerHarness();
 
 const WIDE = { viewport: { width: 900, height: 600 } };
 const PHONE = { viewport: { width: 360, height: 640 } };
-/** View modes, with what tells of each. */
+/** View modes, each with a sign of it. */
 const MODES = [
   ['opacity', 'mode-scale'],
   ['tile-cost', 'map-notes'],
@@ -185,7 +185,7 @@ describe('the gallery of hard cases', () => {
     await waitForScene(page, 'dropped.ply');
     expect(await textOf(page, 'scene-title')).toBe('dropped.ply');
     expect(new URL(page.url()).search).toBe('');
-    // Files have y down and are turned; the button tells of what a person does.
+    // Files have y down and are turned; the button tells of a person's turns.
     const flip = page.getByTestId('command-flip');
     expect(await flip.getAttribute('aria-pressed')).toBe('false');
     await page.keyboard.press('u');

@@ -138,7 +138,7 @@ describe('the viewer in windows of any size', () => {
     const height = async () => Math.round((await box(page, 'effects')).height);
     const grip = page.getByTestId('sheet-grip');
     await expect.poll(height).toBe(320);
-    // The picture has moved above the sheet, and what is drawn over it.
+    // The picture has moved above the sheet, and the marks over it.
     await page.getByTestId('switch-clip').click();
     await page.getByTestId('clip-handle').waitFor();
     await page.waitForFunction(

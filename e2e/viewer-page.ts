@@ -63,7 +63,7 @@ export function noteNotices(): void {
   }).observe(document, { childList: true, characterData: true, subtree: true });
 }
 
-/** Where a wait fails, says what was awaited and what the viewer tells of itself instead. */
+/** Says what a failed wait awaited, and what the viewer tells of itself instead. */
 async function awaited(page: Page, what: string, wait: Promise<unknown>): Promise<void> {
   try {
     await wait;
@@ -114,7 +114,7 @@ async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
  * it in several steps: use `waitForScene` then.
  */
 export async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
-  // Frames are counted when they rest: those of what was done before belong to that.
+  // Frames are counted when they rest: those of earlier actions come first.
   await waitForFrameAfter(page, 0);
   const frames = await frameCount(page);
   await act();
@@ -154,7 +154,7 @@ export const press = (page: Page, testId: string): Promise<void> =>
 
 /**
  * Clicks on `first`, and by the page itself on `second` as soon as that is there: it is gone again
- * once what `first` has begun is over.
+ * once the work of `first` is over.
  */
 export async function clickInTurn(page: Page, first: string, second: string): Promise<void> {
   await enabled(page, first).waitFor();

@@ -553,7 +553,7 @@ describe('viewer', () => {
     expect(await focusedTestId(page)).toBe('viewport');
     expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
 
-    // By itself, with what was being opened.
+    // By itself, with the file that was being opened.
     await page.evaluate(() => {
       // The device goes when a worker is to read the file; the worker gets its job with the next
       // device.

@@ -19,7 +19,7 @@ const WORKERS = 'assets/workers';
 const CHOICE = 'src/main.ts';
 const VIEWER = 'src/viewer-page.tsx';
 const GALLERY = ['src/gallery-page.tsx', 'src/hard-cases/hard-case-pages.tsx'];
-/** The script of what the viewer and the gallery begin with. */
+/** The script that the viewer and the gallery begin with. */
 const SHARED = 'shared';
 const CORE = '../../packages/core';
 /** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
@@ -100,7 +100,7 @@ function isOnlyPacking(id: string, begins: (file: string) => ReadonlySet<string>
 /** By module, of one build. */
 const needed = new Map<string, ReadonlySet<string>>();
 
-/** A module with all that it imports, but for what it fetches later. */
+/** A module with all that it imports, but for later fetches. */
 function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<string> {
   const known = needed.get(id);
   if (known) return known;

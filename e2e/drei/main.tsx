@@ -15,7 +15,7 @@ const page = {
   /** The newest Canvas. */
   canvas: null as RootState | null,
   splats: null as SplatCloudObject | null,
-  /** Frames of the newest Canvas since what it shows has been loaded. */
+  /** Frames of the newest Canvas since its content was loaded. */
   frames: 0,
   /** Errors thrown outside of every `try`, in rendering and in frames. */
   thrown: null as string | null,
@@ -29,7 +29,7 @@ const page = {
   /** Objects that clicks have hit. */
   clicked: [] as string[],
   showStillLife: (shown: StillLife) => root.render(<StillLifeCanvas {...shown} />),
-  /** Whether what a trial shows otherwise than by pixels is so. */
+  /** Whether a trial's `holds` is true. */
   holds: (name: string) => page.canvas !== null && TRIALS[name].holds?.(page.canvas) === true,
 };
 

@@ -15,7 +15,7 @@ import type { ComponentProps, ComponentType, ReactNode } from 'react';
 export interface Trial {
   readonly element: ComponentType<SceneProps>;
   /**
-   * What is to happen: pixels change; the camera, or the object named `target`, moves when the
+   * The expected effect: pixels change; the camera, or the object named `target`, moves when the
    * mouse is dragged across the middle of the right half; or what `holds` says becomes so.
    */
   readonly expects: 'pixels' | 'camera' | 'target' | 'holds';

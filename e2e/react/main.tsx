@@ -1,4 +1,4 @@
-// A page that shows what a test describes, and writes down what happens to it.
+// A page that shows a test's Canvases, and logs their events.
 import { Canvas, type RootState, useLoader, useThree } from '@react-three/fiber';
 import {
   type AccuracyRequest,

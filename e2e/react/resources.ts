@@ -1,4 +1,4 @@
-// Counts what a page holds that is not collected as garbage. Imported before all else.
+// Counts objects of a page that are not collected as garbage. Imported before all else.
 
 /** Of each kind, how many there are at this moment. */
 export interface Resources {
@@ -60,7 +60,7 @@ for (const { prototype } of [GPUBuffer, GPUTexture]) {
 let listenerNumber = 0;
 const listenerNames = new WeakMap<object, number>();
 
-/** One string for what removeEventListener goes by. */
+/** One string for the arguments that removeEventListener goes by. */
 function nameOf([type, listener, options]: unknown[]): string {
   const known = listenerNames.get(listener as object) ?? ++listenerNumber;
   listenerNames.set(listener as object, known);

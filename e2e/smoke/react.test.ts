@@ -44,7 +44,7 @@ it('React draws <Splats> as the float64 reference does, and leaves nothing behin
       ...window.page.countResources(),
       engineBytes: window.page.engine('canvas').memory().totalBytes,
     }));
-  // The first mount makes what all others share: pipelines, and the objects that three keeps.
+  // The first mount makes objects that all others share: pipelines, and those that three keeps.
   await show(page, []);
   await expect.poll(resources).toMatchObject({ engineBytes: 0, workers: 0 });
   const before = await atRest(page, resources);

@@ -2,7 +2,7 @@ import { expect, it } from 'vitest';
 import { appHarness } from '../harness.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from '../reference.ts';
 import { testScene } from '../test-scene.ts';
-// Declares what the page gives tests.
+// Declares the page's interface for tests.
 import type {} from '../three/main.ts';
 
 const harness = appHarness('e2e/three');

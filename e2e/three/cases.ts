@@ -142,7 +142,7 @@ function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: Perspecti
   return { camera: { viewMatrix: [...viewMatrix], projectionMatrix: [...projection], near, far } };
 }
 
-/** Run by name from the tests, which know what is to be expected of their results. */
+/** Run by name from the tests, which know the results to expect. */
 export const cases = {
   ...arrayCases,
   ...postCases,
@@ -467,7 +467,7 @@ export const cases = {
     return shot(stage);
   },
 
-  /** The test scene under a matrix, and what the reference needs to draw it. */
+  /** The test scene under a matrix, and the reference's data to draw it. */
   transformed: async (matrix: number[], parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);
     const { camera, scene } = stage;
@@ -485,7 +485,7 @@ export const cases = {
     return { image, ...cameraOf(camera), modelMatrix: [...cloud.matrixWorld.elements] };
   },
 
-  /** Opacity, visibility and layers of objects and of what they are in. */
+  /** Opacity, visibility and layers of objects and of their parents. */
   shownParts: async () => {
     const stage = await newStage();
     const cloud = splatCloud({});
@@ -568,7 +568,7 @@ export const cases = {
     return { errors, othersErrors, images };
   },
 
-  /** Two splats, and two boxes, in a group that keeps what is on the left. */
+  /** Two splats, and two boxes, in a group that keeps the left side. */
   clippingGroup: async () => {
     const stage = await newStage();
     const group = new ClippingGroup();
@@ -693,7 +693,7 @@ export const cases = {
     return { tested, isDrawnAtOnce, pixels };
   },
 
-  /** A cloud that asks for more than was loaded, then for less, then for what cannot be had. */
+  /** A cloud that asks for more than was loaded, then for less, then for the impossible. */
   cloudAccuracy: async () => {
     const stage = await newStage();
     const { renderer, scene, camera } = stage;
@@ -951,7 +951,7 @@ export const cases = {
       renderer.render(scene, camera);
     }
     renderer.setRenderTarget(null);
-    // The words for what few meet are loaded.
+    // Messages for rare cases are loaded.
     await until(() => errors.length > 0);
     return { errors, inTarget: await targetPixels(renderer, target), after: await shot(stage) };
   },

@@ -112,7 +112,7 @@ function nextNeededFrame(scene: Object3D): Promise<void> {
 }
 
 /**
- * What has been drawn on the canvas in this task: premultiplied RGBA. A 2D canvas that copies it is
+ * The canvas's pixels of this task: premultiplied RGBA. A 2D canvas that copies it is
  * now and then given nothing by Chromium on SwiftShader, so the texture itself is read.
  */
 export async function canvasPixels(renderer: WebGPURenderer): Promise<Pixels> {
@@ -151,7 +151,7 @@ export async function shot(stage: Stage, splatPasses = 1): Promise<Pixels> {
  */
 export async function shotWith(stage: Stage, expected: Readonly<Record<string, boolean>>): Promise<Pixels> {
   const endMs = performance.now() + PATIENCE_MS;
-  // Many times, because what is animated asks for frames while shaders compile.
+  // Many times, because animations ask for frames while shaders compile.
   while (performance.now() < endMs) {
     // Listens before: shaders may be ready while the pixels are read, and nothing would tell again.
     const needed = nextNeededFrame(stage.scene);

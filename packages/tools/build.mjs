@@ -1,5 +1,5 @@
 // `npm run build`: builds the packages that run outside of this repository, and the viewer, into
-// their dist folders: JavaScript by Vite, declarations by tsc. Skips what has not changed.
+// their dist folders: JavaScript by Vite, declarations by tsc. Skips unchanged parts.
 // `--packages` leaves out the viewer.
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -139,7 +139,7 @@ async function buildViewer() {
   });
 }
 
-/** Whether the files `built` are what was made from inputs of this `hash`. */
+/** Whether the files `built` were made from inputs of this `hash`. */
 function isBuilt(name, hash, built) {
   if (!existsSync(stampPath(name)) || readFileSync(stampPath(name), 'utf8') !== hash) return false;
   return built.every((path) => existsSync(join(repositoryRoot, path)));

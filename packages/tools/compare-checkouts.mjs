@@ -59,7 +59,7 @@ function findCheckout(path) {
   // Borrowed node_modules would run the packages of the checkout that they belong to.
   if (!existsSync(linked) || realpathSync(linked) !== join(folder, 'packages/core'))
     throw new Error(`${linked} does not lead to packages/core of that checkout: run npm ci there first.`);
-  // Copies of what is built have no tools.
+  // Copies of built files have no tools.
   const build = join(folder, 'packages/tools/build.mjs');
   if (existsSync(build)) execFileSync(process.execPath, [build, '--packages'], { stdio: 'inherit' });
   return folder;

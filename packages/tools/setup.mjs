@@ -94,7 +94,7 @@ export function ensureChromium() {
  * not there, prints what will be skipped. In CI, where it would not be read, a failed installation
  * ends the process.
  *
- * @param {object} machine what this machine lacks and may do, for tests.
+ * @param {object} machine lacks and rights of this machine, for tests.
  */
 export function ensureSecondWebGpu({
   missing = missingPackages(),

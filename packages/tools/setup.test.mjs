@@ -35,7 +35,7 @@ test('in CI, a failed installation ends the process', () => {
   expect(() => ensureSecondWebGpu({ ...lacking, isCi: true })).toThrow('exit 1');
 });
 
-test('what is installed must run', () => {
+test('installed programs must run', () => {
   const isDenoThere = process.arch === 'x64';
   expect(ensureSecondWebGpu({ ...lacking, install: () => true })).toBe(isDenoThere);
   expect(ensureSecondWebGpu({ ...lacking, missing: [] })).toBe(isDenoThere);

@@ -25,7 +25,7 @@ describe.runIf(isInstalled || process.env.WEBSPLATTER_FULL === '1')(
       await RAPIER.init();
       warn.mockRestore();
       const splats = await loadSplats(new Blob([await readFile(builtinScenes[0].url)]));
-      // The table, whose top is at y = 0, and what stands on it.
+      // The table, whose top is at y = 0, and the things on it.
       const bounds = { min: [-0.7, -0.1, -0.7], max: [0.7, 0.4, 0.7] } as const;
       const { positions, indices } = await makeColliderMesh(splats, { cellSize: CELL_SIZE, bounds });
       world = new RAPIER.World({ x: 0, y: -9.81, z: 0 });

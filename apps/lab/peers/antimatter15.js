@@ -29,7 +29,7 @@ globalThis.Worker = class extends PlainWorker {
   postMessage(message, ...rest) {
     const { view, buffer, vertexCount } = message;
     if (view) watched.view = view;
-    // While a .splat arrives, the worker gets what is there, in a buffer for all of it.
+    // While a .splat arrives, the worker gets its arrived part, in a buffer for all of it.
     if (vertexCount * ROW_BYTES === buffer?.byteLength) watched.splats = vertexCount;
     super.postMessage(message, ...rest);
   }

@@ -7,7 +7,7 @@ export const formats = ['ply', 'splat'];
 const REST = 2;
 const MIN_REST_MS = 20;
 
-/** Counts what the library's own worker, which it keeps to itself, answers. */
+/** Counts answers of the library's own worker, which it keeps to itself. */
 let orders = 0;
 const PlainWorker = globalThis.Worker;
 globalThis.Worker = class extends PlainWorker {

@@ -15,7 +15,7 @@ import { type StartOptions, Viewer } from './viewer/viewer.ts';
  * Shows the viewer.
  *
  * @param address query of the page's address.
- * @param dropped files to show in place of what the address asks for.
+ * @param dropped files to show in place of the address's scene.
  */
 export function showViewer(address: URLSearchParams, dropped?: FileDropDecision): void {
   const start = dropped ? {} : startOf(address);

@@ -9,7 +9,7 @@ test('a place is free inside the area, its edges included, beside what is taken'
   expect(space.conflict({ left: 0, top: 14, right: 14, bottom: 30 })).toBe(0);
 });
 
-test('what a place covers and what lies outside are added up', () => {
+test('the parts of a place that cover others or lie outside are added up', () => {
   const space = new LabelSpace(AREA, [boxAround(10, 10, 4)]);
   const place = { left: 8, top: -5, right: 28, bottom: 10 };
   const [outside, covered] = [20 * 5, 6 * 4];

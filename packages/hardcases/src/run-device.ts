@@ -56,7 +56,7 @@ export class WatchedDevice {
     return this.#isLost;
   }
 
-  /** Returns the engine of a preset. Cases share it: destroy what you add to it. */
+  /** Returns the engine of a preset. Cases share it: destroy your additions to it. */
   engine(
     accuracy: AccuracyPreset,
     { maxWorkgroupsPerDimension, mutation }: RunVariant,

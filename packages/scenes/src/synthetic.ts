@@ -80,7 +80,7 @@ function splitPly(ply: Uint8Array<ArrayBuffer>): { header: string; rows: Uint8Ar
 
 type Vector = [x: number, y: number, z: number];
 
-/** A place for one splat: where it is, what it faces and its colour, which the maker fills in. */
+/** A place for one splat: position, normal and colour, which the maker fills in. */
 interface Place {
   readonly position: Vector;
   readonly normal: Vector;
@@ -189,7 +189,7 @@ const KINDS: readonly Kind[] = [
 
 /** Standard deviation of the coefficients by band from 1; mostly common to all colours. */
 const BAND_DEVIATIONS = [0.14, 0.07, 0.035] as const;
-/** Natural logarithm of a splat's width, in terms of what its share of the surface needs. */
+/** Natural logarithm of a splat's width over the width that its share of the surface needs. */
 const COVERAGE = Math.log(0.5);
 /** Value of the basis function of degree 0. */
 const SH_C0 = 0.5 / Math.sqrt(Math.PI);

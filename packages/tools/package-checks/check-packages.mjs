@@ -106,7 +106,7 @@ async function publishProblems() {
   return warnings.filter((line) => !line.includes('requires you to be logged in'));
 }
 
-/** Builds the viewer, and looks at its scripts and what they weigh. */
+/** Builds the viewer, and looks at its scripts and their sizes. */
 async function viewerProblems() {
   const outDir = join(folder, 'viewer');
   const configFile = join(repositoryRoot, 'apps/viewer/vite.config.ts');

@@ -6,7 +6,7 @@ import { parseSync, Visitor } from 'oxc-parser';
  *
  * @param {string} path for messages; its ending says how to parse.
  * @param {string} text
- * @returns {string[]} one line per place: path, line and what is called.
+ * @returns {string[]} one line per place: path, line and the function called.
  */
 export function codeFromText(path, text) {
   const { program, errors } = parseSync(path, text);

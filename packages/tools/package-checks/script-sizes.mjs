@@ -6,7 +6,7 @@ import { gzipSync } from 'node:zlib';
  * Bytes of a built page's scripts, each compressed by gzip as web servers do. Workers are not among
  * them: they are built apart.
  *
- * @param {string} folder what Vite built, with its manifest.
+ * @param {string} folder Vite's output, with its manifest.
  * @param {readonly string[]} first names of scripts that the page fetches at once, although it
  * imports them dynamically.
  * @param {readonly string[]} apart modules, as the manifest names them, whose dynamic imports are

@@ -36,12 +36,12 @@ test('scripts count once, and those that are fetched later not at first', () => 
   });
 });
 
-test('what is always fetched counts at first', () => {
+test('scripts that are always fetched count at first', () => {
   const { initial } = scriptSizes(folder, ['panel'], []);
   expect(initial).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
 });
 
-test('what is apart does not count, nor what only that needs', () => {
+test('neither modules apart count, nor scripts that only those need', () => {
   const { all } = scriptSizes(folder, [], ['cases.ts']);
   expect(all).toBe(sizeOf('index.js', 'shared.js', 'panel.js', 'panel-part.js'));
 });

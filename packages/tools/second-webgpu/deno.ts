@@ -17,7 +17,7 @@ export function findDeno(): string | undefined {
 }
 
 /**
- * Runs a script in Deno and returns what it writes.
+ * Runs a script in Deno and returns its output.
  *
  * @param driverFile description (ICD) of the Vulkan driver that WebGPU uses.
  * @throws Error with the end of its stderr if it fails.

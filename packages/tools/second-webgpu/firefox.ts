@@ -4,7 +4,7 @@ import { environmentWith } from './vulkan.ts';
 
 export type { Browser, Page } from 'puppeteer-core';
 
-/** Path of what drives Firefox; undefined where npm has not installed it. */
+/** Path of the driver of Firefox; undefined if npm has not installed it. */
 export function findPuppeteer(): string | undefined {
   try {
     return createRequire(import.meta.url).resolve('puppeteer-core');

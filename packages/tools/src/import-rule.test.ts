@@ -116,7 +116,7 @@ describe('planted in this repository, the import rule finds', () => {
     ]);
   });
 
-  test('helpers of tests in what is shipped', () => {
+  test('helpers of tests in shipped files', () => {
     expect(newViolations({ [math]: "import { uniform } from '../../testing/uniform.ts';" })).toContain(
       `${math} → packages/core/src/testing/uniform.ts: only tests may import what is for tests`,
     );

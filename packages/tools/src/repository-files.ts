@@ -6,6 +6,6 @@ import { join } from 'node:path';
 export function repositoryFiles(root: string): string[] {
   const options = ['ls-files', '-z', '--cached', '--others', '--exclude-standard'];
   const listed = execFileSync('git', options, { cwd: root, encoding: 'utf8' }).split('\0');
-  // Git lists what was deleted, too.
+  // Git lists deleted files, too.
   return listed.filter((path) => path !== '' && existsSync(join(root, path)));
 }

@@ -1,4 +1,4 @@
-// Who may import whom. import-rule.test.ts enforces it; type-only imports count like any other.
+// The permitted imports. import-rule.test.ts enforces them; type-only imports count like any other.
 //
 // A line names what it may import, and only what stands above it, so there can be no circles.
 // `name(types)` allows `import type` only; `name(tests)` allows only tests to import it. The test
@@ -60,13 +60,13 @@ export const PACKAGES: Arrows = {
   scenes: 'core',
   /** WebGPU and files in Node. */
   node: 'core',
-  /** Scenes that break splat renderers, and what is right for each. */
+  /** Scenes that break splat renderers, and the right result of each. */
   hardcases: 'core shaders(tests) node(tests)',
   /** Splats in three.js. */
   three: 'core',
   /** Splats in react-three-fiber. */
   react: 'three core',
-  /** Charts and tables of what was measured, for the terminal and for pages. */
+  /** Charts and tables of measurements, for the terminal and for pages. */
   charts: 'core',
   /** The command line. */
   cli: 'charts hardcases node scenes core',

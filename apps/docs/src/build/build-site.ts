@@ -12,7 +12,7 @@ const docs = fileURLToPath(new URL('../..', import.meta.url));
 const root = join(docs, '../..');
 /** Where the pages are put together, for VitePress. */
 const site = join(docs, '.site');
-/** Shown on the first page, besides what the documents show. */
+/** Shown on the first page, besides the images of documents. */
 const FRONT_IMAGE = 'docs/images/still-life.jpg';
 
 export interface BuildSiteOptions {

@@ -4,7 +4,7 @@ import { posix } from 'node:path';
 export type BuiltFiles = ReadonlyMap<string, string | null>;
 
 /**
- * Checks the links, images, scripts and anchors of built pages against what is there.
+ * Checks the links, images, scripts and anchors of built pages against the files.
  *
  * @param files by path in the site, e.g. `guide/loading.html`
  * @param base path under which the site is served, with a slash at both ends

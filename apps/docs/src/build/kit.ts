@@ -111,7 +111,7 @@ export async function buildKit(
 function common(docs: string, outDir: string): InlineConfig & { build: object } {
   return {
     configFile: false,
-    // Examples import what is installed there, drei among it.
+    // Examples import packages that are installed there, drei among them.
     root: join(docs, '../examples'),
     logLevel: 'error',
     publicDir: false,

@@ -18,7 +18,7 @@ export interface Heading {
   readonly line: number;
 }
 
-/** Maps each line that is not in a fenced block; fences and what is in them stay. */
+/** Maps each line that is not in a fenced block; fenced blocks stay. */
 function mapLines(text: string, map: (line: string, index: number) => string): string {
   let fence: string | null = null;
   return text

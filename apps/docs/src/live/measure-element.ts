@@ -3,7 +3,7 @@ import { MEASURE_ENTRY } from '../playground/kit-manifest.ts';
 import type { MeasureHereOptions } from './measure.ts';
 import { type Measured, measuredText } from './measured.ts';
 
-/** Names of what there is to measure, and the function of `measure.ts` that does. */
+/** Names of measurements, each with its function of `measure.ts`. */
 const KINDS = { accuracy: 'measureAccuracyHere', performance: 'measurePerformanceHere' } as const;
 
 type MeasureModule = Record<

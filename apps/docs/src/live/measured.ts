@@ -5,7 +5,7 @@ export interface Measured {
   /** Titles of the columns; the first names the rows. */
   readonly columns: readonly string[];
   readonly rows: readonly (readonly string[])[];
-  /** Sentences about what to keep in mind. */
+  /** Cautions, in sentences. */
   readonly notes: readonly string[];
 }
 

@@ -14,7 +14,7 @@ export class ExampleFrame {
   #frame: HTMLIFrameElement | null = null;
   #isDark = false;
 
-  /** @param title says what the frame shows, for who cannot see it */
+  /** @param title describes the frame's picture for screen readers */
   constructor(kit: KitFiles, title: string, onReport: OnReport) {
     this.#kit = kit;
     this.#title = title;
@@ -22,7 +22,7 @@ export class ExampleFrame {
     addEventListener('message', this.#receive);
   }
 
-  /** Replaces what `parent` shows by `compiled`; `sources` tell which scenes it may load. */
+  /** Replaces the example in `parent` by `compiled`; `sources` tell which scenes it may load. */
   async run(parent: HTMLElement, compiled: CompiledModules, sources: string): Promise<void> {
     const { entries, scenes } = await this.#kit.manifest();
     const packages = [...compiled.packages, MOUNT_ENTRY, 'react/jsx-runtime'];

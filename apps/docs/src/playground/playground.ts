@@ -15,7 +15,7 @@ export class Playground {
   readonly #paths: readonly string[];
   #path: string;
 
-  /** @param title of the example, for who cannot see it */
+  /** @param title of the example, for screen readers */
   constructor(parent: HTMLElement, title: string, files: SourceFiles, kit: KitFiles) {
     this.#files = files;
     this.#kit = kit;
@@ -39,7 +39,7 @@ export class Playground {
     this.#show(this.#path);
   }
 
-  /** Runs what the editor holds. Problems are told beside it. */
+  /** Runs the editor's text. Problems are told beside it. */
   async run(): Promise<void> {
     this.#clearProblem();
     this.#say('Loading …');
@@ -82,7 +82,7 @@ export class Playground {
       return;
     }
     const { problem, message, goTo } = this.#parts;
-    // The first problem is what the others follow from.
+    // The others follow from the first problem.
     if (!problem.hidden) return;
     this.#say('');
     message.textContent = report.message;

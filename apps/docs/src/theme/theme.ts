@@ -16,7 +16,7 @@ export default {
   extends: DefaultTheme,
   Layout: defineComponent({
     setup() {
-      // Once the page is Vue's: it takes what elements add to it before that for a mistake.
+      // Once the page is Vue's: before that, Vue takes additions of elements for mistakes.
       onMounted(async () => {
         const kit = new URL(withBase('/kit/'), location.href);
         const [{ definePlayground }, { defineMeasure }] = await Promise.all([

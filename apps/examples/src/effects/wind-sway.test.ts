@@ -48,7 +48,7 @@ it.each([{ amplitude: -1 }, { timeS: Number.NaN }, { waveLength: 0 }])('refuses 
   expect(() => windSway({ amplitude: 1, timeS: 0, ...wrong })).toThrow(InvalidArgumentError);
 });
 
-it('is what docs/effects.md shows', () => {
+it('equals the example in docs/effects.md', () => {
   const textOf = (path: string) => readFileSync(new URL(path, import.meta.url), 'utf8');
   const guide = textOf('../../../../docs/effects.md');
   expect(guide).toContain(`\`\`\`wgsl\n${textOf('wind-sway.wgsl')}\`\`\``);

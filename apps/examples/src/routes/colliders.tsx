@@ -5,7 +5,7 @@ import { Suspense, useEffect, useMemo, useState } from 'react';
 import { BufferAttribute, BufferGeometry } from 'three';
 
 const RADIUS = 0.03;
-/** The table and what stands on it. */
+/** The table and the things on it. */
 const BOUNDS = { min: [-0.7, -0.1, -0.7], max: [0.7, 0.4, 0.7] } as const;
 
 /** Splats with a mesh that balls bounce off, in one rigid body. */

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { browserMachine } from './machine.ts';
 
-describe('what a browser tells about its machine', () => {
+describe('facts that a browser tells about its machine', () => {
   it('is all that it tells', async () => {
     const told = { platform: 'Linux', platformVersion: '6.1', architecture: 'x86', bitness: '64', model: '' };
     const machine = await browserMachine({

@@ -4,7 +4,7 @@ import { benchmarkRequest } from './request.ts';
 
 const read = (query: string) => benchmarkRequest(new URLSearchParams(query));
 
-describe('what the address asks of a benchmark', () => {
+describe('the benchmark that an address asks for', () => {
   it('is the same on every device where the address says nothing', () => {
     expect(read('bench')).toEqual({
       widthPx: 1920,

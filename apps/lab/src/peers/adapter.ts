@@ -13,7 +13,7 @@ export interface PeerHost {
   readonly fileName: string;
   /** The file that was dropped onto the page, if the scene is not fetched. */
   readonly file: File | null;
-  /** The one that `setCamera` gets first, for what is drawn while the scene loads. */
+  /** The one that `setCamera` gets first, for frames while the scene loads. */
   readonly camera: SceneCamera;
   /** Options behind the peer's name on the command line: `websplatter?accuracy=fast`. */
   readonly options: URLSearchParams;

@@ -17,7 +17,7 @@ const TABS: Readonly<Record<AccuracyTab, string>> = {
   settings: 'Settings',
 };
 
-/** The accuracy of frames: presets, settings, comparisons, and what they cost. */
+/** The accuracy of frames: presets, settings, comparisons, and their costs. */
 export const AccuracyPanel = memo(function AccuracyPanel({
   store,
   viewer,

@@ -11,7 +11,7 @@ import {
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 
-/** Every setting with what it does. */
+/** Every setting with its description. */
 export function AccuracySettingsForm({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
   return (

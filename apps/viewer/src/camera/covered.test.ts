@@ -15,8 +15,8 @@ function placeIn({ width, height }: typeof FREE, camera: Camera, [x, y, z]: Vec3
   return [((1 + clipX / w) * width) / 2, ((1 - clipY / w) * height) / 2];
 }
 
-describe('what is covered of the picture', () => {
-  it('is told by what is free, in parts of the sides', () => {
+describe('the covered part of the picture', () => {
+  it('follows from the free area, in parts of the sides', () => {
     expect(COVERED.right).toBeCloseTo(388 / 900);
     expect(COVERED.bottom).toBeCloseTo(0.3);
     expect(coveredBeside(PICTURE, PICTURE)).toEqual(NOTHING_COVERED);

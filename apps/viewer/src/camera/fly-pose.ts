@@ -31,7 +31,7 @@ const DIRECTIONS: Readonly<Record<string, Vec3>> = {
   ArrowDown: [0, 0, -1],
 };
 
-/** Whether the key (`KeyboardEvent.code`) means anything to who flies. */
+/** Whether the key (`KeyboardEvent.code`) moves the camera in flight. */
 export function isFlightKey(code: string): boolean {
   return Object.hasOwn(DIRECTIONS, code);
 }

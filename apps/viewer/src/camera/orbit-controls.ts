@@ -130,7 +130,7 @@ export class OrbitControls {
 
   /**
    * Listens to `element`, which needs `touch-action: none`; the caller passes keys to `handleKey`.
-   * Returns what stops listening.
+   * Returns a function that stops listening.
    */
   attach(element: HTMLElement): () => void {
     const listeners = new AbortController();

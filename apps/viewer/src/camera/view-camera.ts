@@ -189,7 +189,7 @@ export class ViewCamera {
     return isGliding;
   }
 
-  /** Where what is looked at is seen, in parts of the image from its top left. */
+  /** Place of the target in the image, in parts of its sides from its top left. */
   get middle(): readonly [xPart: number, yPart: number] {
     const { right, bottom } = this.#glide.now;
     return [(1 - right) / 2, (1 - bottom) / 2];
@@ -201,7 +201,7 @@ export class ViewCamera {
     this.#onChange();
   }
 
-  /** Radius of what is looked at, world units. */
+  /** Radius of the subject, world units. */
   get subjectRadius(): number {
     return this.#subject?.sphere.radius ?? 1;
   }

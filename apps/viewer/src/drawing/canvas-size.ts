@@ -10,7 +10,7 @@ function isPlausible(boxPx: number, cssPx: number): boolean {
 
 /**
  * Reports the size of `element` in device pixels, now and whenever it changes: by layout, by zoom,
- * or by moving to a screen of another density. Returns what stops that.
+ * or by moving to a screen of another density. Returns a function that stops this.
  */
 export function observeDevicePixelSize(element: Element, onSize: (size: CanvasSize) => void): () => void {
   let lastCss = { width: 0, height: 0 };

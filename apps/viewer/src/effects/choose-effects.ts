@@ -6,7 +6,7 @@ import { chosenUses, firstValues } from './effect-values.ts';
 import { scenePlaceOf } from './scene-place.ts';
 
 /**
- * Draws with what was chosen from the next frame on.
+ * Draws with the choices from the next frame on.
  *
  * @throws InvalidArgumentError for numbers that an effect cannot have; then nothing changes.
  */
@@ -17,13 +17,13 @@ export function chooseEffects({ store, viewer }: PanelProps, choices: EffectChoi
   viewer.setEffects('effects', uses);
 }
 
-/** Switches an effect on, with what was chosen for it before, or off. */
+/** Switches an effect on, with earlier choices for it, or off. */
 export function switchEffect(panel: PanelProps, name: string, isOn: boolean): void {
   const chosen = panel.store.getState().requested.choices[name];
   choose(panel, name, isOn, chosen?.values ?? firstValues(name, scenePlaceOf(panel.viewer)));
 }
 
-/** Changes what was chosen for an effect; does nothing before there is anything. */
+/** Changes the choices for an effect; does nothing if there are none. */
 export function changeEffect(
   panel: PanelProps,
   name: string,
@@ -33,12 +33,12 @@ export function changeEffect(
   if (chosen) choose(panel, name, chosen.isOn, change(chosen.values));
 }
 
-/** Back to what the effect began with; it stays on or off. */
+/** Back to the effect's first values; it stays on or off. */
 export function resetEffect(panel: PanelProps, name: string): void {
   changeEffect(panel, name, () => firstValues(name, scenePlaceOf(panel.viewer)));
 }
 
-/** Switches all effects off and forgets what was chosen for them. */
+/** Switches all effects off and forgets their choices. */
 export function resetEffects(panel: PanelProps): void {
   chooseEffects(panel, NO_CHOICES);
 }

@@ -3,7 +3,7 @@ import { add, dot, scale, subtract, type Vec3 } from '../camera/vec3.ts';
 import { optionsBeside, stepOf } from './effect-values.ts';
 import { formatAt, roundedTo } from './nice-steps.ts';
 
-/** One number of what was chosen for an effect, and the range that it can be moved in by hand. */
+/** One number chosen for an effect, and the range that it can be moved in by hand. */
 export interface EffectSlider {
   /** Name of the option, with an axis where it has three numbers: `center.x`. */
   readonly name: string;

@@ -6,10 +6,10 @@ const place = { center: [0, 0, 0], radius: 1, viewDepth: 2 } as const;
 const clip = firstValues('clip', place);
 const fog = firstValues('fog', place);
 
-describe('what the engine is asked for', () => {
+describe('effects for the engine', () => {
   it('is nothing at first', () => expect(chosenUses(NO_CHOICES)).toEqual([]));
 
-  it('is what is switched on, with the options of the engine', () => {
+  it('are those switched on, with the options of the engine', () => {
     const uses = chosenUses({
       fog: { isOn: true, values: { ...fog, color: '#ff8000' } },
       tint: { isOn: false, values: { color: '#00ff00' } },

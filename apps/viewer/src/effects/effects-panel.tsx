@@ -105,7 +105,7 @@ function EffectList({
   );
 }
 
-/** The reason and the cost of an effect; on demand, what it does. */
+/** The reason and the cost of an effect; on demand, its description. */
 function Effect({ entry, costs, hasSeveralClouds }: ListedProps & { readonly entry: EffectEntry }) {
   const { name, label, about, isOn, reason, clouds, stages, bytes } = entry;
   const cost = costs.find((each) => each.name === name);

@@ -54,7 +54,7 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
   );
 }
 
-/** The switch of one effect and, while it is on, what can be chosen for it. */
+/** The switch of one effect and, while it is on, its options. */
 function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { name: string }) {
   const id = useId();
   const isOn = useStore(store, ({ requested }) => requested.choices[name]?.isOn ?? false);

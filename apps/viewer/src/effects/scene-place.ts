@@ -2,7 +2,7 @@ import type { ScenePlace } from '@websplatter/core/effect-options';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
-/** How far away cameras usually are, in radii of what they look at. */
+/** How far away cameras usually are, in radii of their subject. */
 const USUAL_DEPTH = 2;
 
 /**

@@ -33,7 +33,7 @@ function decideScenes(found: readonly FoundFile[]): FileDropDecision {
     ),
     ...lone.map(alone),
   ];
-  // The bytes may tell what no name does.
+  // The bytes may tell a format that no name does.
   if (scenes.length === 0) scenes.push(alone(found[0]));
   const opened = distinct(scenes.slice(0, MOST_SCENES));
   return { opened, notice: leftOut(found, opened, scenes.length) };

@@ -9,7 +9,7 @@ type DropAim = 'open' | 'add';
 /**
  * Takes files that are dropped anywhere in the window, and shows so while they hover.
  *
- * @param canAdd whether they may join what is shown: over a place of its own, or with Shift.
+ * @param canAdd whether they may join the scene: over a place of its own, or with Shift.
  */
 export function DropZone({
   canAdd = false,

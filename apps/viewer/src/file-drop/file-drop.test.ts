@@ -10,7 +10,7 @@ const item = (name: string) => ({
   webkitGetAsEntry: () => ({ isDirectory: false, fullPath: `/${name}` }),
 });
 
-/** A dropped folder, which gives what is in it one by one. */
+/** A dropped folder, which gives its entries one by one. */
 function folder(fullPath: string, entries: readonly object[]) {
   return {
     isDirectory: true,

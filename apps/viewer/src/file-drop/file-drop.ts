@@ -3,7 +3,7 @@ import { FORMAT_TITLES, SPLAT_FORMATS } from '@websplatter/core/formats';
 import type { AskedHandle } from './file-handles.ts';
 import { type FoundFile, MOST_FILES } from './found-file.ts';
 
-/** Files that make one scene, and what to call it. */
+/** Files that make one scene, and its name. */
 export interface OpenedFiles {
   readonly name: string;
   readonly source: File | SceneFiles;
@@ -14,9 +14,9 @@ export interface FileDropDecision {
   /** Each is shown as a part of one scene; none where there is nothing to open. */
   readonly opened: readonly OpenedFiles[];
   readonly notice: string | null;
-  /** A `settings.json` of SuperSplat's, for what is opened, or else for what is shown. */
+  /** A `settings.json` of SuperSplat's, for the opened scene, or else for the shown one. */
   readonly settings?: File;
-  /** Whether they join what is shown, instead of taking its place. */
+  /** Whether they join the scene, instead of taking its place. */
   readonly isAdded?: boolean;
   /** By which the files can be read again later; none where the browser has none. */
   readonly handles?: readonly AskedHandle[];

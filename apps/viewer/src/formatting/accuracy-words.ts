@@ -62,14 +62,14 @@ export function valueWords(name: SettingName, value: SettingValue): string {
   return VALUE_WORDS[String(value)] ?? formatValue(value);
 }
 
-/** `balanced`, or `balanced, Sort keys 16 bits`: the nearest preset and what differs from it. */
+/** `balanced`, or `balanced, Sort keys 16 bits`: the nearest preset and other settings. */
 export function describeAccuracy(settings: AccuracySettings): string {
   const { preset, changed } = nearestPreset(settings);
   return [preset, ...changed.map((name) => describeSetting(name, settings))].join(', ');
 }
 
 /**
- * What settings that were measured are called: `fast`, `Sort keys 16 bits`, `paper, Culling by
+ * The plain name of measured settings: `fast`, `Sort keys 16 bits`, `paper, Culling by
  * chunk only`. The engine calls them by the identifiers of its interface.
  */
 export function describeMeasured({ name, settings, changed }: MeasuredSettings): string {

@@ -22,7 +22,7 @@ const LARGER = 4;
 /** Larger images would take float64 too long. */
 const MOST_PX = 1024;
 
-/** The expected image, what this device draws, and their difference, side by side. */
+/** The expected image, this device's, and their difference, side by side. */
 export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const own = hardCase.size ?? { widthPx: DEFAULT_SIZE_PX, heightPx: DEFAULT_SIZE_PX };
   const cameraNames = Object.keys(hardCase.cameras(own.widthPx / own.heightPx));
@@ -149,7 +149,7 @@ function gainOf(difference: Difference | null): string {
   return fullSteps > 0 ? `× ${Number((255 / fullSteps).toPrecision(3)).toLocaleString('en')}` : 'none at all';
 }
 
-/** PSNR in words, and what the tests demand where they draw the same. */
+/** PSNR in words, with the bound of the tests if they draw the same. */
 function verdictOf(
   hardCase: ImageCase,
   { data, minPsnrDb }: CaseImage,

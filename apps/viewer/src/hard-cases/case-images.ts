@@ -45,7 +45,7 @@ export class CaseImages {
   #draughtsman: Promise<Draughtsman> | null = null;
   #isDestroyed = false;
 
-  /** Rejects where there is no GPU, with what drawing throws, and with the reason of `signal`. */
+  /** Rejects without a GPU, with errors of drawing, and with the reason of `signal`. */
   draw(request: CaseImageRequest, signal: AbortSignal): Promise<CaseImage> {
     return this.#turns.take(async () => {
       this.#draughtsman ??= this.#create();

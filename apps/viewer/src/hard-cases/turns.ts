@@ -16,7 +16,7 @@ export class Turns {
       signal.throwIfAborted();
       return work();
     });
-    // The next in turn does not mind what became of this.
+    // The next in turn follows both success and failure.
     this.#last = turn.catch(() => {});
     return turn;
   }

@@ -28,7 +28,7 @@ export class FrameRecorder {
     this.#store = store;
   }
 
-  /** Begins to record; returns what ends that. */
+  /** Begins to record; returns a function that ends this. */
   watch(): () => void {
     return this.#store.subscribe((state, before) => {
       const beganMs = performance.now();

@@ -65,7 +65,7 @@ describe('a report of frames', () => {
     expect(Object.keys(report.sides)).toEqual(['left']);
   });
 
-  it('has both sides of a split image, each with its settings; what is unknown is null', () => {
+  it('has both sides of a split image, each with its settings, and null for unknown values', () => {
     const { sides } = JSON.parse(jsonReport(recorded({ state: split() })));
     expect(sides.right.accuracy).toEqual({ ...ACCURACY_PRESETS.fast });
     expect(sides.right.stagesMs.sort.median).toBeNull();

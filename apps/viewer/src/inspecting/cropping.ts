@@ -81,12 +81,12 @@ export class Cropping {
     if (sceneBox) this.set({ ...sceneBox, keep: 'inside' });
   }
 
-  /** Draws what stays, the way up that the scene is shown. */
+  /** Draws the cropped scene, the way up that the scene is shown. */
   draw(): void {
     drawCrop(this.#tools);
   }
 
-  /** Counts what stays, unless it is known already. */
+  /** Counts the splats that stay, unless the number is known already. */
   count(): void {
     const { crop, cropCount } = this.#tools.store.getState().inspecting;
     if (crop && !cropCount) void this.#count();
@@ -102,7 +102,7 @@ export class Cropping {
     if (bounds) this.set({ min: bounds.min, max: bounds.max, keep: 'inside' });
   }
 
-  /** Counts what stays; while a box is dragged, only the newest after each count. */
+  /** Counts the splats that stay; during a drag, only of the newest box after each count. */
   async #count(): Promise<void> {
     if (this.#isCounting) return;
     const { store, reader, update } = this.#tools;

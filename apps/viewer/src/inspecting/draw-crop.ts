@@ -4,7 +4,7 @@ import type { Vec3 } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
-/** Draws what the crop leaves, the way up that the scene is shown. */
+/** Draws the splats that the crop leaves, the way up that the scene is shown. */
 export function drawCrop({
   store,
   viewer,

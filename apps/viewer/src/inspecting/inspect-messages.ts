@@ -65,7 +65,7 @@ export type AskRequest = {
 export type InspectRequest = { readonly kind: 'read'; readonly clouds: readonly CloudToRead[] } | AskRequest;
 
 export type InspectReply =
-  /** 0…1 of what is read; undefined where that is not known. */
+  /** 0…1 of the bytes to read; undefined if their number is unknown. */
   | { readonly kind: 'progress'; readonly part: number | undefined }
   | { readonly kind: 'read' }
   | { readonly kind: 'failed'; readonly message: string }

@@ -8,6 +8,6 @@ export interface InspectTools {
   readonly store: ViewerStore;
   readonly viewer: Pick<Viewer, 'pickAt' | 'shownFrame' | 'setEffects' | 'scenes' | 'camera'>;
   readonly reader: Pick<SceneReader, 'ask'>;
-  /** Changes what is inspected. */
+  /** Changes the inspection. */
   readonly update: (change: Partial<Inspecting>) => void;
 }

@@ -6,7 +6,7 @@ import './inspect-marks.css';
 import { InspectPanel } from './inspect-panel.tsx';
 import { Inspection } from './inspection.ts';
 
-/** The panel that inspects, and what it draws over the image. Without the panel a crop goes on. */
+/** The panel that inspects, and its marks over the image. A crop goes on without the panel. */
 export function Inspect({ store, viewer }: PanelProps) {
   const isOpen = useStore(store, (state) => state.dock === 'inspect');
   const inspection = useMemo(() => new Inspection(viewer, store), [viewer, store]);

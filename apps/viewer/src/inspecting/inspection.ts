@@ -51,7 +51,7 @@ export class Inspection {
     this.selecting = new SplatSelecting(tools);
   }
 
-  /** Follows the store and the pointer; returns what stops that. */
+  /** Follows the store and the pointer; returns a function that stops this. */
   watch(): () => void {
     const listeners = new AbortController();
     const { signal } = listeners;

@@ -5,7 +5,7 @@ export function lengthScaleKey(sceneTitle: string): string {
   return `websplatter:length-scale:${sceneTitle}`;
 }
 
-/** Reads what was kept; null for anything else. */
+/** Reads a kept scale; null for anything else. */
 export function readLengthScale(text: string | null): LengthScale | null {
   if (text === null) return null;
   try {

@@ -7,7 +7,7 @@ export class SceneReader {
   readonly #onReading: (reading: Reading) => void;
   readonly #waiting = new Map<number, (answer: Answers[Topic]['answer'] | undefined) => void>();
   #worker: Worker | null = null;
-  /** The worker knows what to read. */
+  /** The worker knows the files to read. */
   #whenTold: Promise<void> = Promise.resolve();
   #asked = 0;
 
@@ -33,7 +33,7 @@ export class SceneReader {
     });
   }
 
-  /** Frees what was read; the next question reads it again. */
+  /** Frees the files; the next question reads them again. */
   close(): void {
     if (this.#worker) this.#end({ kind: 'none' });
   }

@@ -28,7 +28,7 @@ it('a line that passes the camera ends at the near plane, at either end', () => 
   expect(seenLine(camera, box, [1, 0, 30], [1, 0, 0])![0][0]).toBeCloseTo(150, 9);
 });
 
-it('what is behind the camera is not seen', () => {
+it('a point or a line behind the camera is not seen', () => {
   expect(seenPoint(camera, box, [0, 0, 9.5])).toBeNull();
   expect(seenLine(camera, box, [0, 0, 11], [5, 5, 12])).toBeNull();
 });

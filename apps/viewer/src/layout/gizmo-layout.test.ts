@@ -39,7 +39,7 @@ describe.each(['perspective', 'parallel'] as const)('axes in %s', (kind) => {
   });
 });
 
-it('axes of what is behind the camera are not seen', () => {
+it('axes behind the camera are not seen', () => {
   expect(seenAxes(cameras.perspective, size, [0, 0, 5], AXES, 70)).toBeNull();
   expect(distanceAlong(cameras.perspective, size, [0, 0, 0], [0, 0, 1], { x: 300, y: 200 })).toBeNull();
 });

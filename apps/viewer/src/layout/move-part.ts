@@ -28,6 +28,6 @@ export function moveStep({ radius, look }: Pick<ScenePartSummary, 'radius' | 'lo
 export function roundedMove(value: number, step: number): number {
   const unit = step / 10;
   const rounded = Math.round(value / unit) * unit;
-  // As decimal fractions are written, without what binary ones leave behind them; −0 becomes 0.
+  // As decimal fractions are written, without remains of binary ones; −0 becomes 0.
   return Number(rounded.toPrecision(12)) + 0;
 }

@@ -8,7 +8,7 @@ const ADDRESS_DELAY_MS = 250;
 
 /**
  * Keeps what is shown in the page's address, so that it can be shared and a reload brings it back;
- * returns what stops that. The camera is written once it is at rest.
+ * returns a function that stops this. The camera is written once it is at rest.
  */
 export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;

@@ -30,7 +30,7 @@ export function encodeCamera(camera: LinkedCamera): string {
 }
 
 /**
- * Reads what `encodeCamera` wrote.
+ * Reads the text of `encodeCamera`.
  *
  * @throws InvalidArgumentError naming the part that cannot be, and how a camera is written.
  */

@@ -20,7 +20,7 @@ export function encodeComparison({ comparison, splitPart }: LinkedComparison): s
 }
 
 /**
- * Reads what `encodeComparison` wrote.
+ * Reads the text of `encodeComparison`.
  *
  * @throws InvalidArgumentError naming the part that cannot be, and how a comparison is written.
  */

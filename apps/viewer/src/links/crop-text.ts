@@ -11,7 +11,7 @@ export function encodeCrop({ min, max, keep }: Crop): string {
 }
 
 /**
- * Reads what `encodeCrop` wrote.
+ * Reads the text of `encodeCrop`.
  *
  * @throws InvalidArgumentError naming the part that cannot be, and how a crop is written.
  */

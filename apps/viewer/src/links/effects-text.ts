@@ -30,7 +30,7 @@ function textOf(value: OptionValue): string {
 }
 
 /**
- * Reads what `encodeEffects` wrote, by the effect's name: of a clip, say, nothing about the shapes
+ * Reads the text of `encodeEffects`, by the effect's name: of a clip, say, nothing about the shapes
  * that it does not have. Whether an effect can have these numbers is for the engine to say.
  *
  * @throws InvalidArgumentError naming the effect or the part that cannot be, and how it is written.

@@ -3,7 +3,7 @@ import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { copyLink, linkOf, noLink } from './copy-link.ts';
 
-/** A link to what is shown: to be read, and to be copied. */
+/** A link to the present view: to be read, and to be copied. */
 export function LinkSection({ store, viewer }: PanelProps) {
   // The link changes with these; a moving camera is told when it is at rest.
   useStore(store, ({ restedFrames }) => restedFrames);

@@ -87,7 +87,7 @@ export function isFallback(sources: readonly SceneSource[], query: URLSearchPara
   );
 }
 
-/** Whether an address can name what is shown: files on servers, or one scene that has a name. */
+/** Whether an address can name the scene: files on servers, or one scene that has a name. */
 export function canLink(sources: readonly SceneSource[]): boolean {
   const areOnServers = sources.every(({ kind }) => kind === 'url');
   return sources.length > 0 && (areOnServers || (sources.length === 1 && sources[0].kind !== 'file'));

@@ -7,7 +7,7 @@ import type { Viewer } from '../viewer/viewer.ts';
 import type { Measurement } from './measurement.ts';
 
 /**
- * Measures what accuracy costs for the frame on the screen. A target is measured as soon as it is
+ * Measures costs of accuracy for the frame on the screen. A target is measured as soon as it is
  * made, and again for each scene that is opened.
  */
 export class AccuracyMeasurement {

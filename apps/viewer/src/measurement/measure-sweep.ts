@@ -13,7 +13,7 @@ const SOFTWARE_FRAMES = 3;
 type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'combinations' | 'frames'>;
 
 /**
- * Measures what accuracy costs for a frame, with the presets or with all settings.
+ * Measures costs of accuracy for a frame, with the presets or with all settings.
  *
  * @returns the table and, of presets, how long all settings would take, ms.
  */

@@ -9,7 +9,7 @@ import { formatBytes } from '../formatting/format.ts';
 import { HardCaseError } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
 
-/** The engine's message adds the place in the file and what to do. */
+/** The engine's message adds the place in the file, and advice. */
 const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
   'unknown-format': 'Unknown file format',
   'bad-header': 'The file’s header cannot be read',

@@ -11,7 +11,7 @@ const STEP_MS = 2500;
 export interface SavedViewsOptions {
   readonly store: ViewerStore;
   readonly camera: ViewCamera;
-  /** Draws a small JPEG image, base64, of what is on the screen; null if that is nothing. */
+  /** Draws a small JPEG image, base64, of the frame on the screen; null if there is none. */
   readonly draw: () => Promise<string | null>;
   /** Storage of views, such as `localStorage`; asked for each time: browsers may forbid it. */
   readonly storage: () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
@@ -39,7 +39,7 @@ export class SavedViews {
     });
   }
 
-  /** Saves what is on the screen. */
+  /** Saves the view on the screen. */
   async save(): Promise<void> {
     const { store, camera, draw } = this.#options;
     const { scene, look, isFlipped, isZUp } = store.getState();

@@ -6,7 +6,7 @@ import { MOST_SIDE_PX, picturesOf } from './pictures.ts';
 /** Sizes that are offered, times the window's. */
 const FACTORS = [1, 2, 4] as const;
 
-/** Saves what is on the screen as a PNG. */
+/** Saves the frame on the screen as a PNG. */
 export function PictureSection({ store, viewer }: PanelProps) {
   const pictures = picturesOf(viewer, store);
   const windowWidthPx = useStore(store, (state) => state.widthPx);

@@ -53,7 +53,7 @@ export function tileCamera(camera: Camera, widthPx: number, heightPx: number, ti
   };
 }
 
-/** Width and height of what is drawn for a tile. */
+/** Width and height of the area drawn for a tile. */
 export function drawnSize({ widthPx, heightPx, marginPx }: PictureTile): readonly [number, number] {
   return [widthPx + 2 * marginPx, heightPx + 2 * marginPx];
 }

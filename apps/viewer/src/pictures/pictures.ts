@@ -8,7 +8,7 @@ import type { Viewer } from '../viewer/viewer.ts';
 import { drawnSize, type PictureTile, pictureTiles, tileCamera } from './picture-tiles.ts';
 import { PngWriter, writePixels } from './png-writer.ts';
 
-/** PNG could be larger, but not what shows it. */
+/** PNG could be larger, but few programs could show it. */
 export const MOST_SIDE_PX = 32_768;
 
 export interface PictureOptions {
@@ -17,7 +17,7 @@ export interface PictureOptions {
   readonly isTransparent: boolean;
 }
 
-/** Saves what is on the screen as a picture of any size, one at a time. */
+/** Saves the frame on the screen as a picture of any size, one at a time. */
 class Pictures {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;

@@ -51,7 +51,7 @@ export class PngWriter {
     return new Blob(parts, { type: 'image/png' });
   }
 
-  /** Lets go of what was written. */
+  /** Lets go of the written bytes. */
   abort(): void {
     this.#packed.catch(() => {});
     this.#input.abort().catch(() => {});

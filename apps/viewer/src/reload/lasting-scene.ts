@@ -6,7 +6,7 @@ export type LastingScene =
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
   | { readonly kind: 'url'; readonly href: string };
 
-/** Null for what is no file. */
+/** Null for hard cases. */
 export function lastingScene(source: SceneSource): LastingScene | null {
   switch (source.kind) {
     case 'builtin':

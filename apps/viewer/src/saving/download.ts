@@ -1,4 +1,4 @@
-/** A page may still be fetching what it saves for so long, ms. */
+/** Longest time that a page may still be fetching the file it saves, ms. */
 const DOWNLOAD_MS = 60_000;
 
 /** Hands a file to the browser, which saves it under `fileName`. */

@@ -9,7 +9,7 @@ import { type Saving, savesSelection } from './saving.ts';
 
 const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
 
-/** A link to what is shown, a picture of it, and the scene in another format. */
+/** A link to the present view, a picture of it, and the scene in another format. */
 export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Saving }) {
   const running = useStore(store, (state) => state.saving);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);

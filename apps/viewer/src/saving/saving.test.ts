@@ -54,7 +54,7 @@ test('files of a scene are merged where they stand, as opaque as they are drawn'
   expect(read.at(-1)).toBe(1);
 });
 
-test('what is cropped is cut before it is turned', async () => {
+test('a crop is cut before it is turned', async () => {
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(oneSplat)], 'a.ply') };
   const crop = { min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' } as const;
   const written = (keep: 'inside' | 'outside') =>
@@ -176,7 +176,7 @@ test('a scene that cannot be saved is told with the reason, and stays', () => {
   expect(worker?.isEnded).toBe(true);
 });
 
-test('neither a hard case nor what is hidden is saved', () => {
+test('neither hard cases nor hidden files are saved', () => {
   const file: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') };
   expect(startSaving(file, { ...PLAIN_LOOK, isHidden: true }).worker).toBeUndefined();
   expect(startSaving(file, { ...PLAIN_LOOK, opacity: 0 }).worker).toBeUndefined();

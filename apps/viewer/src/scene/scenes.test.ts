@@ -254,7 +254,7 @@ describe('The camera of a link', () => {
   });
 });
 
-describe('effects that panels ask for, and what is inspected', () => {
+describe('effects that panels ask for, and inspections', () => {
   const requested = { ...NO_EFFECTS, effects: [tint([1, 0, 0])] };
   const inspecting: Inspecting = { ...NOTHING_INSPECTED, rulerStart: [1, 2, 3] };
   const kept = () => [store.getState().requested, store.getState().inspecting];
@@ -353,7 +353,7 @@ describe('Several files', () => {
     await failed();
     await whenAsked(b);
     await failed();
-    // The first that can be opened replaces what was shown.
+    // The first that can be opened replaces the former scene.
     expect(titles()).toEqual(['Still life']);
     await whenAsked(c);
     await loaded();

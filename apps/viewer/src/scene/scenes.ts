@@ -32,7 +32,7 @@ export interface ScenesOptions {
   readonly sessions: Pick<SessionOwner, 'current' | 'whenStarted' | 'recover'>;
   readonly camera: ViewCamera;
   readonly addressed: AddressedScene;
-  /** How to look at what the address asks for; otherwise its first view is shown. */
+  /** Camera on the scene of the address; otherwise the first view is shown. */
   readonly linkedCamera?: LinkedCamera | null;
   /** How its files are drawn, in their order, as links write it; otherwise as they come. */
   readonly linkedLooks?: readonly string[];
@@ -87,7 +87,7 @@ export class Scenes {
     return this.#newest;
   }
 
-  /** The scene to draw: the newest, or what is there of the one that is being loaded. */
+  /** The scene to draw: the newest, or the arrived part of the one that is being loaded. */
   get drawable(): ShownScene | null {
     return this.#preview?.scene ?? this.#newest;
   }
@@ -98,7 +98,7 @@ export class Scenes {
   }
 
   /**
-   * Opens `sources` in place of what is shown, which stays until the first of them is there; calls
+   * Opens `sources` in place of the scene, which stays until the first of them is there; calls
    * off what is being loaded. Where the GPU was lost, asks for it again first.
    */
   open(...sources: readonly SceneSource[]): void {
@@ -148,7 +148,7 @@ export class Scenes {
     this.#loading.abort();
   }
 
-  /** Leaves a file out of the scene, or of what is to be opened. The only one of a scene stays. */
+  /** Leaves a file out of the scene, or of the queue. The only one of a scene stays. */
   remove(key: number): void {
     const place = this.#queue.findIndex((asked) => asked.key === key);
     if (place === 0) {

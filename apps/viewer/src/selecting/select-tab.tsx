@@ -14,7 +14,7 @@ const TOOLS: readonly (readonly [SelectTool, string])[] = [
 const MODES: Readonly<Record<SelectMode, string>> = { replace: 'New', add: 'Add', subtract: 'Subtract' };
 const BRUSH_PX = { least: 4, most: 120 } as const;
 
-/** Selects splats in the picture, removes them, and saves them or what is left. */
+/** Selects splats in the picture, removes them, and saves them or the others. */
 export function SelectTab({ store, inspection }: InspectProps) {
   const { selected, removed, past, tool, mode } = useStore(store, (state) => state.inspecting.selecting);
   const marked = useStore(store, (state) => state.inspecting.marked);

@@ -29,7 +29,7 @@ export class SplatSelecting {
     if (look) await this.select({ kind: 'dragged', dragged, width, height, look }, mode);
   }
 
-  /** Selects what the image shows. */
+  /** Selects all splats in the image. */
   async selectSeen(): Promise<void> {
     await this.selectDragged({ kind: 'rectangle', from: [0, 0], to: [1, 1] }, 1, 1, this.#now.mode);
   }
@@ -41,7 +41,7 @@ export class SplatSelecting {
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 
-  /** Selects all others of what is left. */
+  /** Selects all others that are not removed. */
   async invert(): Promise<void> {
     const all = await this.#rowsWithin({ kind: 'all' });
     if (!all) return;
@@ -53,7 +53,7 @@ export class SplatSelecting {
     this.#take({ ...this.#now, selected: NONE });
   }
 
-  /** Leaves the selected splats out of the picture and of what is saved. */
+  /** Leaves the selected splats out of the picture and of saved files. */
   remove(): void {
     const { selected, removed } = this.#now;
     this.#take({ selected: NONE, removed: joined(removed, selected) });

@@ -15,7 +15,7 @@ export interface PrecisionsOptions {
   readonly sessions: SessionOwner;
   /** The clouds of the newest scene. */
   readonly clouds: () => readonly SplatCloud[];
-  /** The clouds hold what they were asked for, as far as they can. */
+  /** The clouds hold the requested precisions, as far as they can. */
   readonly onHeld: () => void;
 }
 
@@ -36,7 +36,7 @@ export class Precisions {
     this.#options = options;
   }
 
-  /** Resolves when the clouds hold what they were last asked for, as far as they can. */
+  /** Resolves when the clouds hold the last requested precisions, as far as they can. */
   whenHeld(): Promise<void> {
     return this.#held;
   }

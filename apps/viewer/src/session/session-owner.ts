@@ -61,7 +61,7 @@ export class SessionOwner {
     return session ? Promise.resolve(session) : new Promise((resolve) => this.#waiters.push(resolve));
   }
 
-  /** Starts a session that draws to `canvas`; returns what ends it and frees the GPU. */
+  /** Starts a session that draws to `canvas`; the returned function ends it and frees the GPU. */
   attach(canvas: HTMLCanvasElement): () => void {
     const detached = new AbortController();
     this.#restart = () => void this.#start(canvas, detached.signal);
@@ -74,7 +74,7 @@ export class SessionOwner {
     };
   }
 
-  /** Draws the right side of split images to `canvas` from now on; returns what ends that. */
+  /** Draws the right side of split images to `canvas` until the returned function is called. */
   attachRight(canvas: HTMLCanvasElement): () => void {
     this.#rightCanvas = canvas;
     if (this.#current) this.#createRight(this.#current.views, canvas);

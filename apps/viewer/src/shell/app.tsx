@@ -66,13 +66,13 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
   const isHelpVisible = useStore(store, (state) => state.isHelpVisible);
-  // It stays, so that closing it gives the keyboard back to what had it.
+  // It stays, so that closing it gives the keyboard back.
   const [hasHelp, setHasHelp] = useState(isHelpVisible);
   if (isHelpVisible && !hasHelp) setHasHelp(true);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
   const fileInput = useRef<HTMLInputElement>(null);
-  /** Whether the files that are being chosen join what is shown. */
+  /** Whether the files that are being chosen join the scene. */
   const isAdding = useRef(false);
   const run = useMemo(
     () =>

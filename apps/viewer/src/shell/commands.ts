@@ -59,7 +59,7 @@ export const COMMANDS: readonly Command[] = [
 
 export type RunCommand = (name: CommandName) => void;
 
-/** @param chooseFiles lets a person choose what to open, or to add to what is shown. */
+/** @param chooseFiles lets a person choose files to open, or to add to the scene. */
 export function createCommands(
   viewer: Viewer,
   store: ViewerStore,
@@ -86,7 +86,7 @@ export function createCommands(
   return (name) => run[name]();
 }
 
-/** Listens to the whole window's keys; returns what stops that. */
+/** Listens to the whole window's keys; returns a function that stops this. */
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -115,7 +115,7 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
   return () => window.removeEventListener('keydown', onKeyDown);
 }
 
-/** Closes what lies on top, one thing at a time, as Escape does. */
+/** Closes the topmost thing, as Escape does. */
 function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   // The dialog closes itself too, but later: keys pressed meanwhile would count as the help's.
   if (state.isHelpVisible) return { isHelpVisible: false };
@@ -125,7 +125,7 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   return { dock: null };
 }
 
-/** Elsewhere these move the focus, a slider or what scrolls. */
+/** Elsewhere these move the focus, a slider or a scrolled area. */
 const NAVIGATION_KEYS = /^(Arrow.*|Page(Up|Down)|Home|End)$/;
 
 function mayMoveCamera(scope: KeyScope, key: string): boolean {

@@ -16,7 +16,7 @@ export function documentTitle({ scene }: ViewerState): string {
   return scene ? `${scene.title} · WebSplatter` : 'WebSplatter';
 }
 
-/** Keeps the document's state and title in step with the store; returns what stops that. */
+/** Keeps the document's state and title in step with the store; returns a function to stop this. */
 export function mirrorToDocument(store: ViewerStore, target: Document): () => void {
   const write = (state: ViewerState) => {
     const word = documentState(state);

@@ -14,7 +14,7 @@ const ErrorMapImage = lazyComponent(
 );
 
 /**
- * The picture, and what is compared with it.
+ * The picture, and the image that is compared with it.
  *
  * @param poster address of an image to show until there is a picture.
  */

@@ -18,7 +18,7 @@ export type Reading =
 export interface PixelShare {
   /** Opacity of the splat at the pixel. */
   readonly alpha: number;
-  /** `alpha` times what the splats in front let through. */
+  /** `alpha` times the transmittance of the splats in front. */
   readonly weight: number;
   /** Opacity of all splats together. */
   readonly totalOpacity: number;

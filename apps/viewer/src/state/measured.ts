@@ -15,7 +15,7 @@ export interface FailedMeasurement {
   readonly text: string;
 }
 
-/** Which image was measured, and on what. */
+/** The measured image, and its kind of device. */
 export interface MeasuredImage {
   /** The result is stale when another image is on the screen. */
   readonly imageId: number;

@@ -3,7 +3,7 @@ import type { EffectUse } from '@websplatter/core/effects';
 
 /** Parts of the viewer that ask for effects of every cloud, each for its own. */
 export const EFFECT_OWNERS = ['effects', 'view-mode', 'crop'] as const;
-/** Parts that ask for other effects of each cloud: marks of single splats, and what hides them. */
+/** Parts that ask for other effects of each cloud: marks and removals of single splats. */
 export const CLOUD_EFFECT_OWNERS = ['marked', 'removed'] as const;
 
 /** By `cloudKeys`; none of other clouds. */
@@ -16,7 +16,7 @@ export type EffectChoices = Readonly<
 
 export const NO_CHOICES: EffectChoices = {};
 
-/** Effects that the scene is drawn with, by who asks for them, in the order of both lists. */
+/** Effects that the scene is drawn with, by owner, in the order of both lists. */
 export interface RequestedEffects
   extends Readonly<Record<(typeof EFFECT_OWNERS)[number], readonly EffectUse[]>>,
     Readonly<Record<(typeof CLOUD_EFFECT_OWNERS)[number], CloudEffects>> {

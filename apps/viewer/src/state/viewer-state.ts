@@ -114,7 +114,7 @@ export interface ViewerState {
   readonly statusReason: string;
   /** Whether the reason is that the engine's code could not be fetched. */
   readonly isCodeMissing: boolean;
-  /** After what wait the viewer asks for a lost GPU again by itself, ms; null if it does not. */
+  /** Wait before the viewer asks for a lost GPU again by itself, ms; null if it does not. */
   readonly retryWaitMs: number | null;
   readonly scene: SceneSummary | null;
   readonly load: LoadState | null;
@@ -140,7 +140,7 @@ export interface ViewerState {
   readonly isFlipped: boolean;
   /** Whether there is more than the picture: toolbar, panels and their keys (`?noui` has none). */
   readonly hasInterface: boolean;
-  /** The z axis of what is drawn points up, not the y axis. */
+  /** The z axis of the drawn scene points up, not the y axis. */
   readonly isZUp: boolean;
   readonly look: Look;
   readonly viewMode: ViewModeName;

@@ -60,7 +60,7 @@ it('settings beside a scene that cannot be opened are those of no other one', as
   expect(restore).not.toHaveBeenCalled();
 });
 
-it('what is no settings.json is told', async () => {
+it('a file that is no settings.json is told', async () => {
   await follow(null, { version: 7 });
   expect(store.getState().failure).toMatchObject({
     title: 'The settings cannot be used',

@@ -48,7 +48,7 @@ const FIRST_VERSION_FOV_DEGREES = { camera: 75, track: 60 } as const;
 /**
  * Reads SuperSplat's `settings.json` of either version.
  *
- * @throws SettingsError for what is no JSON, another version, or a value that does not fit.
+ * @throws SettingsError for text that is no JSON, another version, or a value that does not fit.
  */
 export function readSceneSettings(text: string): SceneSettings {
   let json: unknown;
@@ -150,7 +150,7 @@ function trackAt(tracks: readonly unknown[], index: number, fovDegrees: number |
   };
 }
 
-/** Early exports write null for what there is not. */
+/** Early exports write null for missing values. */
 function isAbsent(value: unknown): boolean {
   return value === undefined || value === null;
 }

@@ -24,7 +24,7 @@ export function lazyComponent<Props extends object>(
 
 /** Fetches all such code, one piece after another, so that panels open at once. */
 export async function fetchLazy(): Promise<void> {
-  // `NotFetched` tells who opens what could not be fetched.
+  // `NotFetched` tells of a failure when the part is opened.
   for (const fetch of fetches) await fetch().catch(() => {});
 }
 

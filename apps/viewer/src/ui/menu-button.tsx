@@ -7,7 +7,7 @@ export interface MenuItem<Name extends string> {
   readonly icon: IconName;
   /** Of the keyboard, e.g. `H`. */
   readonly shortcut: string;
-  /** Whether what it switches is on; undefined for what it does at once. */
+  /** Whether its switch is on; undefined for commands that act at once. */
   readonly isOn?: boolean;
   readonly isDisabled?: boolean;
 }
@@ -63,7 +63,7 @@ export function MenuButton<Name extends string>({
       const goal = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: -1 }[event.key];
       if (goal !== undefined) all.at(goal % all.length)?.focus();
       else if (event.key === 'Escape') close();
-      // Other keys mean what they do elsewhere: a command's key runs that.
+      // Other keys act as elsewhere: a command's key runs that.
       else if (event.key === 'Enter' || event.key === ' ') return;
       else {
         setOpen(false);

@@ -1,7 +1,7 @@
 import { type KeyboardEvent, useRef } from 'react';
 
 export interface TabsProps<Name extends string> {
-  /** The tabs' ids begin with it; that of what they show is `ID-body`. */
+  /** The tabs' ids begin with it; that of their panel is `ID-body`. */
   readonly id: string;
   readonly label: string;
   readonly tabs: Readonly<Record<Name, string>>;

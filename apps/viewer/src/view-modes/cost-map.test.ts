@@ -43,7 +43,7 @@ describe('figures of counts', () => {
   });
 });
 
-describe('maps of what a frame costs', () => {
+describe('maps of the costs of a frame', () => {
   it('show the list of each tile between darker lines', () => {
     const image = tileImage(COSTS, 40);
     expect(image).toMatchObject({ widthPx: 10, heightPx: 9 });

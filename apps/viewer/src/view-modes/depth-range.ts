@@ -10,7 +10,7 @@ export interface DepthRange {
 export interface DepthSubject {
   /** Bounds of the scene as it is drawn, without stray splats. */
   readonly bounds: Sphere;
-  /** From the camera to what it turns around, world units. */
+  /** From the camera to its target, world units. */
   readonly focusDistance: number;
 }
 

@@ -13,7 +13,7 @@ import { cautionsOf, type PictureFacts, type ViewMode, viewModeOf } from './view
 export function ModeLegend({ store, viewer }: PanelProps) {
   const name = useStore(store, (state) => state.viewMode);
   const isIdle = useStore(store, (state) => state.isIdle);
-  // Another number whenever a picture comes to rest; scales follow from what it was drawn from.
+  // Another number whenever a picture comes to rest; scales follow from its facts.
   useStore(store, (state) => state.restedFrames);
   const mode = viewModeOf(name);
   const sides = sidesOf(store, viewer);

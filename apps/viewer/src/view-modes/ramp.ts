@@ -13,7 +13,7 @@ export interface Ramp {
 export interface RampEnd {
   /** sRGB, 0…255. */
   readonly color: Vec3;
-  /** In words, for those who do not see it. */
+  /** In words, for screen readers. */
   readonly name: string;
 }
 

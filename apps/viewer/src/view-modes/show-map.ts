@@ -113,7 +113,7 @@ async function countedMap(
   }
   const costs = await countCosts(engine, request);
   const rasterizer = accuracy.rasterizer === 'auto' ? (report?.rasterizer ?? 'tiles') : accuracy.rasterizer;
-  // Quads blend what tiles leave out behind what is opaque.
+  // Quads blend splats that tiles leave out behind opaque ones.
   const perPixel = rasterizer === 'quads' ? costs.fragments : costs.steps;
   const counts = mode === 'tile-cost' ? costs.tileEntries : perPixel;
   const figures = countFigures(counts);

@@ -77,7 +77,7 @@ describe('the view modes', () => {
   });
 });
 
-describe('what is to be known of a picture', () => {
+describe('cautions about a picture', () => {
   const paper = accuracyWith({ recordPrecision: 'paper' });
   const cautions = (sides: readonly PictureFacts[]) => cautionsOf(viewModeOf('ellipsoids'), sides);
 

@@ -98,7 +98,7 @@ export class Viewer {
     this.#sessions.prepare();
   }
 
-  /** Draws to `canvas` from now on; returns what ends that and frees the GPU. */
+  /** Draws to `canvas` from now on; the returned function ends that and frees the GPU. */
   attach(canvas: HTMLCanvasElement): () => void {
     const stops = [
       observeBackground(canvas, this.#store, (color) => this.#drawing.setBackground(color)),
@@ -114,14 +114,14 @@ export class Viewer {
     };
   }
 
-  /** Draws the right side of split images to `canvas` from now on; returns what ends that. */
+  /** Draws the right side of split images to `canvas` until the returned function is called. */
   attachRight(canvas: HTMLCanvasElement): () => void {
     const detach = this.#sessions.attachRight(canvas);
     this.#drawing.request();
     return detach;
   }
 
-  /** Asks for the GPU again after it was lost or could not be had, and opens what was shown. */
+  /** Asks for the GPU again after it was lost or could not be had, and opens the last scene. */
   recover(): void {
     this.#sessions.recover();
   }
@@ -132,7 +132,7 @@ export class Viewer {
     this.#followAccuracy();
   }
 
-  /** Draws with `uses` from the next frame on, in place of what `owner` asked for before. */
+  /** Draws with `uses` from the next frame on, in place of `owner`'s last ones. */
   setEffects<Owner extends EffectOwner>(owner: Owner, uses: RequestedEffects[Owner]): void {
     this.#store.setState(({ requested }) => ({ requested: { ...requested, [owner]: uses } }));
     this.#drawing.request();
@@ -179,7 +179,7 @@ export class Viewer {
     return this.#sessions.current?.engine ?? null;
   }
 
-  /** Does `focusAt` with what is seen in the middle. */
+  /** Does `focusAt` for the middle of the image. */
   async focusMiddle(): Promise<void> {
     await this.focusAt(...this.camera.middle);
   }

@@ -23,7 +23,7 @@ const MOST_COPIES = 2 ** 13;
  * another: bytes read plus bytes written. The device's own command for copies moved a quarter of
  * that on an H200. Allocates two buffers of that size and frees them. Measured by the wall clock,
  * so that devices without timestamps can be compared: a sample of one copy is taken off each sample
- * of many, and what both spend besides copying drops out.
+ * of many, and the common cost besides copying drops out.
  *
  * @throws GpuLimitError if there is no memory for them.
  */

@@ -51,7 +51,7 @@ export interface MeasureAccuracyOptions {
    * spans all values.
    */
   readonly frames?: number;
-  /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
+  /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
   /**

@@ -16,7 +16,7 @@ export interface MeasureEffectsOptions {
    * drawn and not counted. Fewer than 6 pairs give no 95 % interval: see `TimeSpread`.
    */
   readonly frames?: number;
-  /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
+  /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
 }
@@ -117,7 +117,7 @@ class FrameTimer {
     return this.draw(kind);
   }
 
-  /** Returns the milliseconds of the next frame of this kind, whatever was drawn before. */
+  /** Returns the milliseconds of the next frame of this kind, after any other. */
   async draw(kind: FrameKind): Promise<number> {
     this.#view.mayBeIsotropic = kind.mayBeIsotropic;
     this.#last = kind;

@@ -22,7 +22,7 @@ export interface MeasureFramesOptions
   readonly accuracy?: FrameRequest['accuracy'];
   /** Bytes of each copy that bandwidth is measured by: see `CopyBandwidthOptions`. */
   readonly copyBytes?: number;
-  /** Ends the measurement: it rejects with the signal's reason and frees what it holds. */
+  /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
 }
@@ -95,7 +95,7 @@ export interface FrameMeasurement {
   readonly copyBytesPerSecond: number;
   /** Memory of the engine while it held the whole frames. */
   readonly memory: GpuMemoryReport;
-  /** Sentences about what to keep in mind. */
+  /** Cautions, in sentences. */
   readonly notes: readonly string[];
 }
 

@@ -271,7 +271,7 @@ export const CAMERA_CASES: readonly HardCase[] = [
     breaks: 'Centres in float16 step by 4 pixels at 8192, and tile numbers overflow 8 or 16 bits.',
     clouds: amongOrdinary([LARGE]),
     size: { widthPx: 8192, heightPx: 8 },
-    // 60 degrees from side to side, whatever the height is.
+    // 60 degrees from side to side at any height.
     cameras: (aspect) =>
       frontWith({ fovYDegrees: (360 / Math.PI) * Math.atan(Math.tan(Math.PI / 6) / aspect) })(aspect),
   }),

@@ -30,7 +30,7 @@ export interface SoakOptions {
   readonly heapBytes?: () => number;
   readonly signal?: AbortSignal;
   readonly onFrame?: (frame: number) => void;
-  /** Changes what a fresh engine draws, for tests that a difference is noticed. */
+  /** Changes a fresh engine's picture, for tests that a difference is noticed. */
   readonly doctor?: (picture: Float32Array) => void;
 }
 

@@ -27,7 +27,7 @@ export async function canvasPicture(drawn: DrawnPeer, webgpu: WebGpuWatch, camer
   return { camera, ...(await pixelsOf(blob)) };
 }
 
-/** Decodes what `toBlob` encoded; encoding it once more would wait for the page to be idle. */
+/** Decodes an image of `toBlob`; encoding it once more would wait for the page to be idle. */
 async function pixelsOf(png: Blob): Promise<Omit<Picture, 'camera'>> {
   const bitmap = await createImageBitmap(png);
   const { width: widthPx, height: heightPx } = bitmap;

@@ -49,7 +49,7 @@ const page: BenchPage = {
     });
     peer.setCamera(request.camera);
     await peer.order?.();
-    // Some set up the canvas with their first frame, which is when it shows by what they draw.
+    // Some set up the canvas with their first frame, which then shows the API that they draw by.
     await peer.draw();
     const drawer = drawerOf(canvas);
     drawn = new DrawnPeer(peer, canvas, drawer, completionOf(drawer, request.wait));

@@ -1,7 +1,7 @@
 // biome-ignore lint/suspicious/noExplicitAny: any method at all, whose caller knows its arguments
 type Method = (...args: any[]) => any;
 
-/** Replaces a method by what `wrap` makes of it. */
+/** Replaces a method by the result of `wrap`. */
 export function replaceMethod<Prototype extends object, Name extends keyof Prototype>(
   prototype: Prototype,
   name: Name,

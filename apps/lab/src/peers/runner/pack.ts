@@ -37,7 +37,7 @@ export async function writePack(
           [PACK_COMMAND]: join(runnerFolder, 'packed-main.ts'),
           'reference-worker.mjs': join(runnerFolder, 'reference-worker.mjs'),
         },
-        // In one folder, as the threads' file is found beside whatever starts them.
+        // In one folder, as the threads' file is found beside the file that starts them.
         output: { entryFileNames: '[name]', chunkFileNames: '[name]-[hash].mjs' },
       },
     },

@@ -14,11 +14,11 @@ interface KnownPeer {
   readonly package?: { readonly at: 'peers' | 'root'; readonly folder: string };
   /** A peer that is no package. */
   readonly source?: KnownSource;
-  /** Draws nothing: shows what the measuring itself takes. */
+  /** Draws nothing: shows the time of measuring itself. */
   readonly isFloor?: true;
 }
 
-/** A repository to be cloned by who compares. */
+/** A repository that users clone by themselves. */
 interface KnownSource {
   readonly repository: string;
   /** That the adapter was written for. */

@@ -13,7 +13,7 @@ test('--help prints the options and does nothing', async () => {
   expect(work).not.toHaveBeenCalled();
 });
 
-test('what the command line has wrong is said in front of the options, other errors are thrown', async () => {
+test('mistakes of the command line are told in front of the options, other errors are thrown', async () => {
   const say = vi.spyOn(console, 'error').mockReturnValue();
   const commandLine = { name: 'bench', args: [] };
   const status = await runCommand(commandLine, () => Promise.reject(new BenchError('No scene.')));

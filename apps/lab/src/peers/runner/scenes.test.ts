@@ -35,7 +35,7 @@ test('a folder without scenes is an error', async () => {
   await expect(sceneFiles({ scenes: [empty], synthetic: [] }, folder)).rejects.toThrow(BenchError);
 });
 
-test('a scene is what its reader says, with the cameras of its name, or of its whole name', async () => {
+test('a scene has its reader’s format, with the cameras of its name, or of its whole name', async () => {
   const file = join(folder, 'b.splat');
   const scene = await readScene(file, null);
   expect(scene).toMatchObject({

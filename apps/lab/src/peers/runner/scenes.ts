@@ -100,7 +100,7 @@ async function readFile(file: string) {
   }
 }
 
-/** Files of one scene share their cameras, whatever their format. */
+/** Files of one scene in any format share their cameras. */
 function camerasFileOf(file: string): string {
   const ends = formatByName(basename(file))?.extensions ?? [];
   const end = ends.find((each) => file.toLowerCase().endsWith(each)) ?? '';

@@ -199,7 +199,7 @@ describe('loads alone', () => {
   });
 });
 
-test('what failed has no figures but a reason, and complaints are shown once', () => {
+test('a failed peer has a reason instead of figures, and complaints are shown once', () => {
   const complaining = row('loud', {
     rounds: [1, 2].map(() => round({ correctMs: [1], problems: ['WebGPU: invalid'] })),
   });

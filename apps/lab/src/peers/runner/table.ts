@@ -5,7 +5,7 @@ import type { SceneFormat } from './scenes.ts';
 const NONE = '–';
 /** Ratios are to this peer, or else to the first that draws. */
 const BASE = 'websplatter';
-/** This project, in whatever way. */
+/** This project, by any adapter and options. */
 const OWN = /^websplatter(?:[-?]|$)/;
 
 /** The rows that a row is compared with. */
