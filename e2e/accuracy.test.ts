@@ -182,7 +182,7 @@ describe('accuracy in the viewer', () => {
     await expect.poll(async () => psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('tells how far a file is read again, and goes on as before where that is called off', async () => {
+  it('tells how far a file is read again, and goes on as before where that is cancelled', async () => {
     const page = await newPage(SMALL);
     await page.goto(`${harness.server.url}?file=/slow.ply&accuracy=balanced`);
     // The rest comes only after the page has shown a part.
@@ -257,7 +257,7 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
   });
 
-  it('ends a target that is called off before its measurement has chosen', async () => {
+  it('ends a target that is cancelled before its measurement has chosen', async () => {
     const page = await openHeld();
     const target = page.getByTestId('kept-target');
     expect(await target.textContent()).toContain('Keeps: at least 40 dB');
@@ -296,7 +296,7 @@ describe('accuracy in the viewer', () => {
     expect(psnrOf(picked, exact)).toBeGreaterThan(39);
   });
 
-  it('keeps the choice of a target that is measured once more and called off, until a point is clicked', async () => {
+  it('keeps the choice of a target that is measured once more and cancelled, until a point is clicked', async () => {
     const page = await openHeld();
     await send(page, 'release-measurement');
     const choice = page.getByTestId('choice');

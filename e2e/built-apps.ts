@@ -10,7 +10,7 @@ import type { TestProject } from 'vitest/node';
 
 declare module 'vitest' {
   interface ProvidedContext {
-    /** Where test files ask for a built app, by the app's folder; see `builtApp`. */
+    /** Place where test files ask for a built app, by the app's folder; see `builtApp`. */
     builtAppsUrl: string;
   }
 }

@@ -67,7 +67,7 @@ describe('effects in the viewer', () => {
     await page.getByTestId('effects').waitFor({ state: 'detached' });
   });
 
-  it('measures what effects cost, and can be called off', async () => {
+  it('measures what effects cost, and can be cancelled', async () => {
     const page = await openViewer(undefined, { viewport: { width: 120, height: 90 } });
     // A measurement draws many frames: of few splats.
     await open(page, testScene());

@@ -300,7 +300,7 @@ describe('viewer', () => {
     );
   });
 
-  it('goes back to a whole scene if the rest of a file is called off', async () => {
+  it('goes back to a whole scene if the rest of a file is cancelled', async () => {
     const page = await newPage(TINY);
     await page.addInitScript(() => {
       const titles: (string | undefined)[] = [];

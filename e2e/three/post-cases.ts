@@ -55,7 +55,7 @@ export interface FramePose {
   readonly modelMatrices: readonly (readonly number[])[];
 }
 
-/** Where the wall behind the clouds is, in world space. */
+/** Depth of the wall behind the clouds, z in world space. */
 const WALL_Z = -4;
 
 const PANE = { color: 0x3fa7ff, opacity: 0.6 };

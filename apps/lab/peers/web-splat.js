@@ -25,7 +25,7 @@ export default async function loadWebSplat({ canvas, url }) {
   };
 }
 
-/** Its reader takes each row as training writes it, with normals, whatever the header says. */
+/** Its reader takes each row as training writes it, with normals, despite the header. */
 function inTrainingOrder(ply) {
   const end = 'end_header\n';
   const text = new TextDecoder('latin1').decode(ply.subarray(0, 8192));

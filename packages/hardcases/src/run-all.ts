@@ -9,7 +9,7 @@ export const DEFAULT_SIZE_PX = 64;
 
 export interface HardCasesOptions extends HardCaseRunnerOptions, Omit<HardCaseRunOptions, 'mutation'> {
   readonly cases: readonly HardCase[];
-  /** Where the cases run, for the report. */
+  /** Place where the cases run, for the report. */
   readonly place: ReportPlace;
   /** Called after each case, in order. */
   readonly onResult?: (result: HardCaseResult) => void;

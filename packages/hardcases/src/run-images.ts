@@ -109,8 +109,8 @@ export function minPsnrOf(
   { kind, bounds }: Pick<SceneCase | DeviceCase, 'kind' | 'bounds'>,
   { preset, rasterizer, colorTarget, isTruncating }: ImageTarget,
 ): number | null {
-  // Where float32 cannot be blended, quads draw `reference` in halves, as they do `high`; tiles
-  // blend in registers. Cases about such devices are made so that halves suffice.
+  // Quads draw `reference` in halves if float32 cannot be blended, as they do `high`; tiles blend
+  // in registers. Cases about such devices are made so that halves suffice.
   const isInHalves = rasterizer === 'quads' && colorTarget !== 'rgba32float' && kind === 'scene';
   const demanded = preset === 'reference' && isInHalves ? 'high' : preset;
   const bound = bounds?.[demanded];

@@ -4,9 +4,8 @@ import { parseSync, Visitor } from 'oxc-parser';
 const TEST_FUNCTION = /^(?:test|it|describe|\w+Test)$/;
 
 /**
- * Returns the names of the tests in a script, and of groups of them, as they are written; where
- * tests are called `$name`, also the names of their cases. Tests that are skipped whatever happens
- * are left out.
+ * Returns the names of the tests in a script, and of groups of them, as they are written; for tests
+ * called `$name`, also the names of their cases. Tests that are always skipped are left out.
  *
  * @param {string} path for messages; its ending says how to parse.
  * @param {string} text

@@ -69,7 +69,7 @@ const GPU_ARGS = [
 ];
 
 /**
- * ANGLE asks the system's Vulkan loader for a driver, whatever --use-vulkan says. Without a GPU the
+ * ANGLE asks the system's Vulkan loader for a driver, despite --use-vulkan. Without a GPU the
  * only driver is Chromium's SwiftShader, which the loader finds through this variable alone.
  */
 function vulkanEnvironment(executablePath: string): Record<string, string> {

@@ -17,7 +17,7 @@ const NAMES_A_MODULE = /^\.\.?\/|^@websplatter\/(?!source$)[a-z]/;
 /**
  * Finds every string in a module that is a relative path or names a package of this repository.
  * Imports are not the only way to depend on a module: the URL of a worker, a glob of shaders and
- * the path of a mocked module are others. A template literal counts as a glob of whatever begins
+ * the path of a mocked module are others. A template literal counts as a glob of all that begins
  * like the text before its first expression.
  *
  * @throws SyntaxError where the module does not parse.

@@ -10,7 +10,7 @@ import { type SiteContents, siteContents } from './site-contents.ts';
 
 const docs = fileURLToPath(new URL('../..', import.meta.url));
 const root = join(docs, '../..');
-/** Where the pages are put together, for VitePress. */
+/** Folder in which the pages are put together, for VitePress. */
 const site = join(docs, '.site');
 /** Shown on the first page, besides the images of documents. */
 const FRONT_IMAGE = 'docs/images/still-life.jpg';

@@ -9,7 +9,7 @@ export function hostWorker(url: string): void {
   setWorkerUrl(url);
 }
 
-/** Shows `Component` on the whole page; where there is no WebGPU, a sentence about that. */
+/** Shows `Component` on the whole page, or without WebGPU a sentence about that. */
 export function mount(Component: ComponentType): void {
   createRoot(
     document.body.appendChild(Object.assign(document.createElement('main'), { className: 'stage' })),

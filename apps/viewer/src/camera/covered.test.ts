@@ -7,7 +7,7 @@ const PICTURE = { width: 900, height: 600 };
 const FREE = { width: 512, height: 420 };
 const COVERED = coveredBeside(FREE, PICTURE);
 
-/** Where a camera shows a point, px from the top left of an image of this size. */
+/** A camera's image of a point, px from the top left of an image of this size. */
 function placeIn({ width, height }: typeof FREE, camera: Camera, [x, y, z]: Vec3): readonly [number, number] {
   const times = (m: ArrayLike<number>, v: readonly number[]) =>
     [0, 1, 2, 3].map((row) => v.reduce((sum, value, column) => sum + m[4 * column + row] * value, 0));

@@ -56,7 +56,7 @@ export function depthRange(pose: OrbitPose, subject: Sphere, extent: Sphere): { 
   return { near, far: near * 2 ** Math.ceil(Math.log2(Math.max(2, farthest / near))) };
 }
 
-/** A parallel projection: where the camera stands, and the depths that it sees. */
+/** A parallel projection: the camera's place, and the depths that it sees. */
 export interface ParallelView extends LookAt {
   /** World units that the image is high. */
   readonly height: number;

@@ -278,7 +278,7 @@ const MOVES: Readonly<Record<string, Vec3>> = {
   pageup: [0, 1, 0],
 };
 
-/** Where an event is that `element` hears, from the middle of the free area. */
+/** Place of an event that `element` hears, from the middle of the free area. */
 function freePoint(
   { clientWidth, clientHeight }: HTMLElement,
   { offsetX, offsetY }: MouseEvent,

@@ -65,7 +65,7 @@ export class HistoryChart {
   }
 
   /**
-   * Returns what the frames' times are like.
+   * Returns a summary of the frames' times.
    *
    * @param frames oldest first.
    */

@@ -2,7 +2,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { HUD_SIZES, type HudSize } from '../state/viewer-state.ts';
 
 const KEY = 'websplatter viewer figures';
-/** On these there is no room for figures over the image, unless somebody asks for them. */
+/** These have no room for figures over the image, unless a person asks for them. */
 const PHONE = '(pointer: coarse) and (max-width: 640px), (pointer: coarse) and (max-height: 480px)';
 
 interface KeptHud {

@@ -11,7 +11,7 @@ const AXES = ['x', 'y', 'z'] as const;
 /** A splat set cannot be scaled to nothing. */
 const LEAST_SCALE = 1e-6;
 
-/** Where a file stands in the scene, and how opaque it is. */
+/** A file's placement in the scene, and its opacity. */
 export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSummary }) {
   const opacityId = useId();
   const { look, canPlace } = part;

@@ -31,7 +31,7 @@ export function placedLook(look: PartLook, placement: Placement, { ownUp }: Plac
   return { isHidden, opacity, placement, modelMatrix: matrixOf(placement) };
 }
 
-/** `placement` with changes: where it stands the other way up, it turns about its new middle. */
+/** `placement` with changes: the other way up, it turns about its new middle. */
 export function changedPlacement(
   placement: Placement,
   change: Partial<Omit<Placement, 'about'>>,

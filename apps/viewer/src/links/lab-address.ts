@@ -17,7 +17,7 @@ export function conformanceAddress(name?: string): string | null {
   return LAB && [`${LAB}?conformance`, ...(name ? [`cases=${encodeURIComponent(name)}`] : [])].join('&');
 }
 
-/** Where the lab has a page that the viewer had before, at this query; null for others. */
+/** The lab's page for one that the viewer had before, at this query; null for others. */
 export function movedAddress(query: URLSearchParams): string | null {
   return LAB && (query.has('bench') || query.has('conformance')) ? `${LAB}?${query}` : null;
 }

@@ -56,7 +56,7 @@ describe('measuring accuracy', () => {
     expect(result).toMatchObject({ sweep: 'settings', isCutShort: false, allSettingsMs: null });
   });
 
-  it('keeps what was measured where it is called off', async () => {
+  it('keeps what was measured where it is cancelled', async () => {
     const result = await measured('settings', ({ options }) => {
       options.onTable?.(tableOf(6));
       measurement.cancel();

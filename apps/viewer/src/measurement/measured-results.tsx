@@ -141,7 +141,7 @@ function PointRow({
   );
 }
 
-/** Where and how the table was measured, and why it is not exact. */
+/** Place and method of the table's measurement, and the reasons why it is not exact. */
 function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
   const { table, isSoftware, isCutShort } = measured;
   const { adapter, timing, widthPx, heightPx, splats, views, frames, reference, notes } = table;

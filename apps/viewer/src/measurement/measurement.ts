@@ -63,7 +63,7 @@ export class Measurement {
       const result = await work(shown, { signal, onProgress });
       return measured(signal.aborted ? salvage() : result);
     } catch (error) {
-      // The engine calls off measurements for views that have gone on to show something else.
+      // The engine cancels measurements for views that have gone on to show something else.
       if (signal.aborted || (error as Error).name === 'AbortError') return measured(salvage());
       if (!(error instanceof WebSplatterError)) console.error(error);
       const text = error instanceof Error ? error.message : String(error);

@@ -1,7 +1,7 @@
 import { useStore } from 'zustand';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
-/** While somebody flies: how, and how fast. */
+/** Keys and speed of a flight, while there is one. */
 export function FlightBanner({ store, viewer }: PanelProps) {
   const speed = useStore(store, (state) => state.flightSpeed);
   if (speed === null) return null;

@@ -2,7 +2,7 @@ import type { PartLook, WaitingPart } from '../state/scene-part.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import type { ShownPart } from './shown-scene.ts';
 
-/** A file that was asked for, until it has been opened, has failed or was called off. */
+/** A file that was asked for, until it has been opened, has failed or was cancelled. */
 export interface AskedPart {
   readonly key: number;
   readonly source: SceneSource;

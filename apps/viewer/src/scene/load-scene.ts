@@ -77,7 +77,7 @@ function isUpsideDown({ facts }: SplatCloud): boolean {
   return facts.fileFacts?.format !== 'gltf';
 }
 
-/** Where the file does not say which way is up, the shape of the scene may. */
+/** The shape of the scene may say which way is up if the file does not. */
 function isZUp(cloud: SplatCloud): boolean {
   return isUpsideDown(cloud) && isProbablyZUp(cloud.robustBounds);
 }

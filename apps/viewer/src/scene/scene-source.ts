@@ -2,7 +2,7 @@ import type { SceneFiles } from '@websplatter/core';
 import type { BuiltinScene } from '@websplatter/scenes';
 import { baseName } from '../formatting/format.ts';
 
-/** Where a scene, or a part of one, comes from; kept, so that it can be read again. */
+/** Source of a scene, or of a part of one; kept, so that it can be read again. */
 export type SceneSource =
   | { readonly kind: 'builtin'; readonly scene: BuiltinScene }
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }

@@ -134,7 +134,7 @@ describe('After the device was lost', () => {
     expect(camera.controls.pose.distance).toBe(7);
   });
 
-  it('opens what was being opened, and what was shown where that fails or is called off', async () => {
+  it('opens what was being opened, and what was shown where that fails or is cancelled', async () => {
     for (const end of [failed, calledOff]) {
       await show(a);
       camera.controls.setPose({ ...camera.controls.pose, distance: 7 });
@@ -269,7 +269,7 @@ describe('effects that panels ask for, and inspections', () => {
     expect(kept()).toEqual([NO_EFFECTS, NOTHING_INSPECTED]);
   });
 
-  it('come back with it where another scene is called off that is there in part', async () => {
+  it('come back with it where another scene is cancelled that is there in part', async () => {
     await show(a);
     store.setState({ requested, inspecting });
     scenes.open(b);
@@ -362,7 +362,7 @@ describe('Several files', () => {
     expect(store.getState().failure?.message).toContain('a.ply cannot be shown: offline');
   });
 
-  it('can be called off one by one', async () => {
+  it('can be cancelled one by one', async () => {
     scenes.open(a, b, c);
     await whenAsked(a);
     await loaded();
@@ -376,7 +376,7 @@ describe('Several files', () => {
     expect(store.getState()).toMatchObject({ load: null, notice: 'Opening b.ply was cancelled.' });
   });
 
-  it('can be drawn otherwise while they arrive, and called off there', async () => {
+  it('can be drawn otherwise while they arrive, and cancelled there', async () => {
     await openAll([a]);
     scenes.add(b);
     await whenAsked(b);

@@ -98,8 +98,8 @@ export class Scenes {
   }
 
   /**
-   * Opens `sources` in place of the scene, which stays until the first of them is there; calls
-   * off what is being loaded. Where the GPU was lost, asks for it again first.
+   * Opens `sources` in place of the scene, which stays until the first of them is there; cancels
+   * loading. If the GPU was lost, asks for it again first.
    */
   open(...sources: readonly SceneSource[]): void {
     if (!this.#begin(sources)) return;

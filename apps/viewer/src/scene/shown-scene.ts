@@ -48,7 +48,7 @@ export function shownScene(
   frame: SceneFrame = parts[0].loaded,
 ): ShownScene {
   const clouds = parts.filter(({ look }) => !look.isHidden).flatMap(drawnClouds);
-  // Where all is hidden, the camera stays where it can be seen again.
+  // If all is hidden, the camera stays where it can be seen again.
   const bounded = clouds.length > 0 ? clouds : parts.flatMap(drawnClouds);
   const [{ loaded, look }] = parts;
   const isAlone = parts.length === 1;

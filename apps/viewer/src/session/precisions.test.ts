@@ -70,7 +70,7 @@ describe('Precisions', () => {
     expect(store.getState().accuracy).toBe(FINER);
   });
 
-  it('goes back to what is drawn where it is called off', async () => {
+  it('goes back to what is drawn where it is cancelled', async () => {
     store.setState({ accuracy: FINER });
     precisions.request();
     tell(requests[0]);
@@ -83,7 +83,7 @@ describe('Precisions', () => {
     expect(store.getState().preparing).toBeNull();
   });
 
-  it('ends a comparison whose side is called off, and no other setting', async () => {
+  it('ends a comparison whose side is cancelled, and no other setting', async () => {
     const comparison = { kind: 'split', left: 'current', right: FINER } as const;
     store.setState({ comparison });
     precisions.request();
@@ -110,7 +110,7 @@ describe('Precisions', () => {
     await settled();
   });
 
-  it('has nothing to call off where nothing is done', () => {
+  it('has nothing to cancel where nothing is done', () => {
     precisions.cancel();
     expect(requests).toEqual([]);
   });

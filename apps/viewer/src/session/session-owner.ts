@@ -91,7 +91,7 @@ export class SessionOwner {
     if (status !== 'lost' && status !== 'unavailable') return;
     this.#pace = new RecoveryPace();
     clearTimeout(this.#retryTimer);
-    // Where there is no canvas, `starting` brings it back, and with it a session.
+    // Without a canvas, `starting` brings it back, and with it a session.
     this.#tryAgain(status === 'lost' ? 'recovering' : 'starting');
   }
 

@@ -13,7 +13,7 @@ it('keeps distances and the crop where files of the scene have changed, and forg
   };
   const after = withoutSplats(before);
   expect(after).toEqual({ ...NOTHING_INSPECTED, tab: 'crop', rulerStart: [1, 2, 3], crop });
-  // Where there is nothing to forget, nothing has changed.
+  // Nothing to forget means no change.
   expect(withoutSplats(after)).toBe(after);
   expect(withoutSplats(NOTHING_INSPECTED)).toBe(NOTHING_INSPECTED);
 });

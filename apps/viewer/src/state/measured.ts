@@ -29,7 +29,7 @@ export type AccuracySweep = 'presets' | 'settings' | 'target';
 export interface MeasuredAccuracy extends MeasuredImage {
   readonly table: AccuracyTable;
   readonly sweep: AccuracySweep;
-  /** Whether it was called off before all of it was measured. */
+  /** Whether it was cancelled before all of it was measured. */
   readonly isCutShort: boolean;
   /** Time of every setting, by the times of the presets, ms; null unless those were measured. */
   readonly allSettingsMs: number | null;

@@ -9,10 +9,7 @@ const THROW_S = 0.15;
 /** Let go below this part of its lowest height, a sheet closes. */
 const CLOSING = 0.6;
 
-/**
- * Where a sheet comes to rest, let go at `part` while it grows by `partsPerSecond`; null: it
- * closes.
- */
+/** Resting place of a sheet let go at `part`, growing by `partsPerSecond`; null: it closes. */
 export function settledSheet(part: number, partsPerSecond: number): number | null {
   const goal = part + partsPerSecond * THROW_S;
   if (goal < CLOSING * SHEET_PARTS[0]) return null;

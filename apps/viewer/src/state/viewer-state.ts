@@ -188,14 +188,14 @@ export interface ViewerState {
   readonly errorFigures: ErrorFigures | null;
   /** Figures of the view mode's map; those of the last rest while the picture moves. */
   readonly mapFigures: MapFigures | null;
-  /** Where the line of a split image is, 0…1 of its width. */
+  /** Place of a split image's line, 0…1 of its width. */
   readonly splitPart: number;
   /** Whether the list of reasons for which splats were left out is open. */
   readonly isDroppedVisible: boolean;
   readonly adapterLabel: string;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** Another number for each scene, view and size that came to rest, whatever its accuracy. */
+  /** Another number for each scene, view and size that came to rest, at any accuracy. */
   readonly imageId: number;
   /** How many frames had been drawn when the image came to rest. */
   readonly restedFrames: number;

@@ -44,7 +44,7 @@ export const ellipsoids = defineEffect<undefined, { shrinking: 'f32'; peakOpacit
   calledFor: () => 'the view mode shows ellipsoids',
   valuesAt: () => ({
     shrinking: ELLIPSOID_SHRINKING,
-    // Where the edge is, the shrunk Gaussian has fallen so far that this becomes a half.
+    // At the edge, the shrunk Gaussian has fallen so far that this becomes a half.
     peakOpacity: 0.5 * Math.exp(0.5 * (ELLIPSOID_EDGE / ELLIPSOID_SHRINKING) ** 2),
     darkest: ELLIPSOID_DARKEST,
   }),

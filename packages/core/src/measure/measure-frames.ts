@@ -110,8 +110,8 @@ const CHOICE_FRAMES = 30;
  * begins, and other tasks of the thread run in between. Every frame is culled, sorted and drawn
  * anew.
  *
- * Where the settings leave the rasteriser open, the faster one is found first, and draws all
- * measured frames. All cameras are drawn once before any is measured.
+ * If the settings leave the rasteriser open, the faster one is found first, and draws all measured
+ * frames. All cameras are drawn once before any is measured.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
  */

@@ -77,7 +77,7 @@ export const PEER_NAMES: readonly string[] = KNOWN_PEERS.map(({ name }) => name)
 
 const labFolder = fileURLToPath(new URL('../../..', import.meta.url));
 export const peersFolder = resolve(labFolder, 'peers');
-/** Where clones are looked for, each in a folder of its peer's name. */
+/** Folder of clones, each in a folder of its peer's name. */
 export const sourcesFolder = resolve(peersFolder, 'sources');
 const packageFolders = { peers: peersFolder, root: resolve(labFolder, '../..') };
 
@@ -93,7 +93,7 @@ export interface ChosenPeer {
   readonly packageFile: string | null;
   /** Whether its package is one of those that are installed on demand. */
   readonly isOnDemand: boolean;
-  /** Its clone, where somebody has to make one. */
+  /** Its clone, if users have to make one. */
   readonly source: PeerSource | null;
 }
 

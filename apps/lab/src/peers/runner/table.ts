@@ -111,7 +111,7 @@ export interface ReportPart {
   readonly notes: readonly string[];
 }
 
-/** A table for each scene; where loads alone were measured, and one of all formats. */
+/** A table for each scene, and one of all formats if loads alone were measured. */
 export function reportParts({ scenes, widthPx, heightPx, isLoads }: Report): ReportPart[] {
   const parts = scenes.map((scene) => partOf(scene, `${widthPx}×${heightPx}`, isLoads));
   return isLoads ? [...parts, { heading: 'Loads of all formats', rows: loadsOf(scenes), notes: [] }] : parts;

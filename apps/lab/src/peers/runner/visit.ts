@@ -42,7 +42,7 @@ declare const window: { readonly bench: BenchPage };
 
 /** A page in a browser; see {@link BenchPage}. */
 export interface OpenPage {
-  /** Gives the page a file, as if somebody had dropped it there. */
+  /** Gives the page a file, as if it had been dropped there. */
   giveFile(path: string): Promise<void>;
   formats(): Promise<PeerFormats>;
   load(request: LoadRequest): Promise<Loaded>;
