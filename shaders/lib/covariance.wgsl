@@ -1,5 +1,5 @@
-// Projects a splat's Gaussian to the screen, numerically stable by construction. Used by cull-splats and project, per splat.
-// Reference: reference/covariance.ts.
+// Projects a splat's Gaussian to the screen, numerically stable by construction. Used by
+// cull-splats and project, per splat. Reference: reference/covariance.ts.
 import layout::View;
 
 /// Covariance on the screen in units of unitPx², [[a, b], [b, c]], dilation included.
@@ -15,7 +15,7 @@ struct ScreenCovariance {
   @if(OPACITY_EFFECTS) undilatedDeterminant: f32,
 }
 
-/// Half axes at √2 standard deviations, where the Gaussian has fallen to 1/e; the minor axis is perpendicular to the major.
+/// Half axes at √2 standard deviations, where the Gaussian is 1/e, perpendicular.
 struct ScreenAxes {
   majorPx: vec2f,
   minorLengthPx: f32,
@@ -37,20 +37,20 @@ fn rotationMatrix(q: vec4f) -> mat3x3f {
   );
 }
 
-/// Covariance on the screen of a splat at `centerView` whose local axes, one standard deviation long, are the columns
-/// of `axesView` in view space.
+/// Covariance on the screen of a splat at `centerView` whose local axes, one standard deviation
+/// long, are the columns of `axesView` in view space.
 fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenCovariance {
   let axesRows = transpose(axesView);
   @if(ORTHOGRAPHIC) let rowX = view.focalPx.x * axesRows[0];
   @if(ORTHOGRAPHIC) let rowY = -view.focalPx.y * axesRows[1];
-  // The clamp limits how far outside the image the affine approximation is taken: it grows without bound there.
+  // The clamp limits the affine approximation outside the image, where it grows without bound.
   @if(!ORTHOGRAPHIC) let inverseDepth = -1.0 / centerView.z;
   @if(!ORTHOGRAPHIC) let tangentX = clamp(centerView.x * inverseDepth, view.clampX.x, view.clampX.y);
   @if(!ORTHOGRAPHIC) let tangentY = clamp(centerView.y * inverseDepth, view.clampY.x, view.clampY.y);
   @if(!ORTHOGRAPHIC) let rowX = (view.focalPx.x * inverseDepth) * (axesRows[0] + tangentX * axesRows[2]);
   @if(!ORTHOGRAPHIC) let rowY = (-view.focalPx.y * inverseDepth) * (axesRows[1] + tangentY * axesRows[2]);
 
-  // The determinant is a fourth power of a length and overflows long before one does, so the unit is a power of two of px.
+  // The determinant, a length's fourth power, overflows early: the unit is a power of two of px.
   let largest = max(max3(abs(rowX)), max3(abs(rowY)));
   let unitPx = bitcast<f32>(bitcast<u32>(max(1.0, largest)) & 0x7f800000u);
   let x = rowX / unitPx;
@@ -66,7 +66,7 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   @if(OPACITY_EFFECTS) return ScreenCovariance(xx + dilation, dot(x, y), yy + dilation, determinant, unitPx, undilated);
 }
 
-/// Longest axis: such a Gaussian is constant in float32 across any image, and the squares of lengths stay in range.
+/// Longest axis: constant in float32 across any image, and squares of lengths stay in range.
 const LONGEST_AXIS_PX = 1e18;
 
 fn screenAxes(covariance: ScreenCovariance, dilationPx2: f32) -> ScreenAxes {
@@ -83,7 +83,8 @@ fn screenAxes(covariance: ScreenCovariance, dilationPx2: f32) -> ScreenAxes {
   let length2 = dot(direction, direction);
   // Both vanish for a circle; its axes may point anywhere.
   let unit = select(vec2f(1.0, 0.0), direction * inverseSqrt(max(length2, 1e-37)), length2 > 1e-37);
-  // Dilation makes every axis at least this long; where unitPx² leaves float32's range, the determinant loses that.
+  // Dilation makes every axis at least this long; where unitPx² leaves float32's range, the
+  // determinant loses that.
   let shortestPx = sqrt(2.0 * dilationPx2);
   return ScreenAxes(
     unit * min(sqrt(2.0 * larger) * covariance.unitPx, LONGEST_AXIS_PX),

@@ -1,4 +1,5 @@
-// Vertices for passes that draw every pixel of their target once: compose, composite and resolve-depth.
+// Vertices for passes that draw every pixel of their target once: compose, composite and
+// resolve-depth.
 
 /// Returns corner `vertex`, 0 to 2, of one triangle that covers the target.
 fn coveringTriangle(vertex: u32) -> vec4f {

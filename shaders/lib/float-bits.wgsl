@@ -1,5 +1,5 @@
-// Floats as bits. Devices may flush subnormal numbers to zero and may assume that there are no NaNs and infinities, so what
-// a file holds is tested and kept as bits.
+// Floats as bits. Devices may flush subnormal numbers to zero and may assume that there are no NaNs
+// and infinities, so a file's values are tested and kept as bits.
 
 const EXPONENT_BITS = 0x7f800000u;
 const MAGNITUDE_BITS = 0x7fffffffu;

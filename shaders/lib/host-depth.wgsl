@@ -1,5 +1,5 @@
-// Converts between view depths and depths as the host, the renderer around the splats, stores them. Used by rasterize, per
-// vertex, by tile-rasterize, per splat of a tile, and by compose, per pixel.
+// Converts between view depths and depths as the host, the renderer around the splats, stores them.
+// Used by rasterize, per vertex, by tile-rasterize, per splat of a tile, and by compose, per pixel.
 import layout::HostDepth;
 
 /// Depths outside of 0…1 by less than this are so by rounding alone.
@@ -13,17 +13,17 @@ fn centralDepth(depthView: f32, hostDepth: HostDepth) -> f32 {
   return hostDepth.offset + hostDepth.factor * mapped;
 }
 
-/// Stored depth of a point at view depth `depthView` and normalised device coordinates `ndc`, y up. The host computes its
-/// own depths from the same matrix in another order of operations. A depth that rounding alone puts outside of 0…1 is
-/// therefore clamped, so that it is not clipped; one that is really outside, in front of a mirror's oblique near plane, is
-/// left to be clipped.
+/// Stored depth of a point at view depth `depthView` and normalised device coordinates `ndc`, y up.
+/// The host computes its own depths from the same matrix in another order of operations. A depth
+/// that rounding alone puts outside of 0…1 is therefore clamped, so that it is not clipped; one
+/// that is really outside, in front of a mirror's oblique near plane, is left to be clipped.
 fn storedDepth(depthView: f32, ndc: vec2f, hostDepth: HostDepth) -> f32 {
   let depth = centralDepth(depthView, hostDepth) + dot(hostDepth.slope, ndc);
   let clamped = clamp(depth, 0.0, 1.0);
   return select(depth, clamped, abs(depth - clamped) < DEPTH_ROUNDING);
 }
 
-/// Inverse of `storedDepth` in the middle of the image. A cleared, infinitely far depth becomes a very large one.
+/// Inverse of `storedDepth` in the middle of the image. Cleared, infinite depths become very large.
 fn depthViewOf(stored: f32, hostDepth: HostDepth) -> f32 {
   let mapped = (stored - hostDepth.offset) / hostDepth.factor;
   @if(ORTHOGRAPHIC) return mapped;

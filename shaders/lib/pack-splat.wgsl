@@ -1,11 +1,12 @@
-// Packs splats as data/packing/geometry.ts stores them, one by one. Used by repack-geometry, repack-sh and ingest-rows.
+// Packs splats as data/packing/geometry.ts stores them, one by one. Used by repack-geometry,
+// repack-sh and ingest-rows.
 import package::lib::packing::Splat;
 
 /// vec4u per packed splat.
 const PACKED_VECTORS = 2u;
 
-/// Packs `splat` into 32 bytes, as layout/geometry.ts does. Steps may differ by one from the host's, which rounds in float64.
-/// `logScales` is the range of the splat's chunk.
+/// Packs `splat` into 32 bytes, as data/packing/geometry.ts does. Steps may differ by one from the
+/// host's, which rounds in float64. `logScales` is the range of the splat's chunk.
 fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   let dc = vec3u(halfBits(splat.colorDc.x), halfBits(splat.colorDc.y), halfBits(splat.colorDc.z));
   let opacity = u32(floor(splat.opacity * 65535.0 + 0.5));
@@ -17,7 +18,8 @@ fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   );
 }
 
-/// The smallest of a chunk's log scales and the step of their unorm16, 0 if all are the same; reference in data/packing/log-scale.ts.
+/// The smallest of a chunk's log scales and the step of their unorm16, 0 if all are the same;
+/// reference in data/packing/log-scale.ts.
 fn logScaleRange(smallest: f32, largest: f32) -> vec2f {
   let extent = largest - smallest;
   return vec2f(smallest, select(0.0, extent * (1.0 / 65535.0), extent > 8.271806125530277e-25));
@@ -47,8 +49,9 @@ fn packRotation(rotation: vec4f) -> vec2u {
   return vec2u(steps.x | ((largest & 1u) << 15u), steps.y | ((largest >> 1u) << 15u) | (steps.z << 16u));
 }
 
-/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504. Reference of data/layout/half.ts. Uses
-/// integers because WGSL leaves it to the device how pack2x16float rounds, and what it makes of 65520.
+/// Bits of the binary16 nearest to `value`, ties to even; values beyond ±65504 become ±65504.
+/// Reference: data/layout/half.ts. Uses integers because WGSL leaves it to the device how
+/// pack2x16float rounds, and whether 65520 becomes infinite.
 fn halfBits(value: f32) -> u32 {
   let bits = bitcast<u32>(value);
   let sign = (bits >> 16u) & 0x8000u;

@@ -1,5 +1,5 @@
-// Unpacks splats as data/packing/geometry.ts stores them, one by one. Used by cull-splats, project and repack-geometry. Reference:
-// reference/packing.ts.
+// Unpacks splats as data/packing/geometry.ts stores them, one by one. Used by cull-splats, project
+// and repack-geometry. Reference: reference/packing.ts.
 
 /// A splat's geometry and base colour, in the cloud's space.
 struct Splat {
@@ -41,7 +41,7 @@ fn unpackSplat(v: array<vec4u, GEOMETRY_VECTORS>, logScales: vec2f) -> Splat {
   return Splat(bitcast<vec3f>(v[0].xyz), opacity, rotation, exp(logScale), vec3f(redGreen, blue));
 }
 
-/// Smallest-three: the component of largest magnitude is positive and omitted, the others are 15-bit steps in ±√½.
+/// Smallest-three: the largest component is positive and omitted, others are 15-bit steps in ±√½.
 fn unpackRotation(low: u32, high: u32) -> vec4f {
   let steps = vec3u(low & 0x7fffu, high & 0x7fffu, (high >> 16u) & 0x7fffu);
   let largest = (low >> 15u) | (((high >> 15u) & 1u) << 1u);

@@ -1,7 +1,7 @@
-// Bounds the visible part of a splat, an ellipse: which columns of a grid does it touch in a row? Used by the tile stages, per
-// visible splat and per pair. Reference: reference/splat-ellipse.ts.
-// The bounds are conservative: they may include a cell that the ellipse only almost touches, and never leave out one that it
-// touches, so that they cannot change the image.
+// Bounds the visible part of a splat, an ellipse: which columns of a grid does it touch in a row?
+// Used by the tile stages, per visible splat and per pair. Reference: reference/splat-ellipse.ts.
+// The bounds are conservative: they may include a cell that the ellipse only almost touches, and
+// never leave out one that it touches, so that they cannot change the image.
 import package::lib::splat_record::SplatAxes;
 import package::lib::visible_ellipse::reachInAxes;
 
@@ -10,7 +10,7 @@ struct SplatEllipse {
   centerPx: vec2f,
   /// Half width and half height of its box.
   extentPx: vec2f,
-  /// Height above the centre of the point farthest to the right; the point farthest to the left is opposite.
+  /// Height above the centre of the rightmost point; the leftmost is opposite.
   rightmostPx: f32,
   /// The middle of a row moves sideways by this much per pixel of height.
   shear: f32,
@@ -44,8 +44,8 @@ fn splatEllipse(centerPx: vec2f, axes: SplatAxes, opacity: f32, alphaCutoff: f32
   );
 }
 
-/// First and last column, of those `widthPx` wide from x = `left`, that have a pixel centre of the ellipse's part between two rows of pixel
-/// centres, clamped to −1…`columns`. First > last: none.
+/// First and last column, of those `widthPx` wide from x = `left`, that have a pixel centre of the
+/// ellipse's part between two rows of pixel centres, clamped to −1…`columns`. First > last: none.
 fn touchedColumns(ellipse: SplatEllipse, firstRowPx: f32, lastRowPx: f32, left: f32, widthPx: f32, columns: f32) -> vec2i {
   let low = max(firstRowPx - ellipse.slackPx - ellipse.centerPx.y, -ellipse.extentPx.y);
   let high = min(lastRowPx + ellipse.slackPx - ellipse.centerPx.y, ellipse.extentPx.y);
@@ -67,7 +67,8 @@ fn halfWidth(ellipse: SplatEllipse, y: f32) -> f32 {
   return ellipse.slimness * sqrt(max(0.0, (ellipse.extentPx.y - y) * (ellipse.extentPx.y + y)));
 }
 
-/// First and last row, of those `heightPx` high from y = `top`, that have a pixel centre of the ellipse's box, clamped to −1…`rows`. First > last: none.
+/// First and last row, of those `heightPx` high from y = `top`, that have a pixel centre of the
+/// ellipse's box, clamped to −1…`rows`. First > last: none.
 fn touchedRows(ellipse: SplatEllipse, top: f32, heightPx: f32, rows: f32) -> vec2i {
   let reach = ellipse.extentPx.y + ellipse.slackPx;
   let y = ellipse.centerPx.y - top;

@@ -1,5 +1,6 @@
-// Reads records, which project writes, at each of their precisions, and defines the opacity of a splat at a pixel. Used by
-// pick and the tile stages, per visible splat, and by rasterize, per vertex and per fragment.
+// Reads records, which project writes, at each of their precisions, and defines the opacity of a
+// splat at a pixel. Used by pick and the tile stages, per visible splat, and by rasterize, per
+// vertex and per fragment.
 import constants::MAX_FRAGMENT_ALPHA;
 import layout::SplatRecord;
 
@@ -22,10 +23,10 @@ fn axesOf(splat: SplatRecord) -> SplatAxes {
   @if(!RECORD_PAPER) return SplatAxes(majorUnit, majorLengthPx, vec2f(-majorUnit.y, majorUnit.x), splat.minorLengthPx);
 }
 
-/// √log₂e: from units in which the Gaussian is exp(−|p|²) to those in which it is 2^(−|p|²), which GPUs compute at once.
+/// √log₂e: from units where the Gaussian is exp(−|p|²) to 2^(−|p|²), which GPUs compute at once.
 const TO_HALVINGS = 1.2011224087864498;
 
-/// Gradients of the two local coordinates of a splat, 1/px, as rows. In local coordinates the Gaussian is 2^(−|local|²).
+/// Gradients of a splat's local coordinates, 1/px, as rows: there the Gaussian is 2^(−|local|²).
 fn localGradients(splat: SplatRecord) -> vec4f {
   @if(!RECORD_PAPER) let majorPx = splat.majorPx;
   @if(!RECORD_PAPER) let length2 = dot(majorPx, majorPx);

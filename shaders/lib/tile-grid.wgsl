@@ -1,4 +1,5 @@
-// Divides the layer into bins and tiles, and lists the bins of a splat. Used by the tile stages. Reference: reference/tile-grid.ts.
+// Divides the layer into bins and tiles, and lists the bins of a splat. Used by the tile stages.
+// Reference: reference/tile-grid.ts.
 import constants::BIN_PX;
 import layout::TileGrid;
 import package::lib::splat_ellipse::{SplatEllipse, touchedColumns, touchedRows};

@@ -1,5 +1,6 @@
-// Computes where a splat lands in the image and how far it reaches. Shared by cull-splats, which decides whether the splat is
-// drawn, project, which writes its record, and rasterize, which sizes its quad. Reference: reference/cull-splats.ts.
+// Computes where a splat lands in the image and how far it reaches. Shared by cull-splats, which
+// decides whether the splat is drawn, project, which writes its record, and rasterize, which sizes
+// its quad. Reference: reference/cull-splats.ts.
 import layout::View;
 import package::lib::covariance::ScreenCovariance;
 @if(!ISOTROPIC) import package::lib::covariance::rotationMatrix;
@@ -33,11 +34,11 @@ fn screenCenter(view: View, centerView: vec3f) -> vec2f {
   return view.centerPx + vec2f(offset.x, -offset.y);
 }
 
-/// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the cutoff; with a fixed
-/// extent, the distance of an opaque splat.
+/// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the
+/// cutoff; with a fixed extent, the distance of an opaque splat.
 fn reachInAxes(opacity: f32, alphaCutoff: f32) -> f32 {
   @if(FIXED_EXTENT) return sqrt(log(1.0 / alphaCutoff));
-  // A splat whose opacity the record rounds to less than the cutoff has reach 0, and an opacity of 0 has no logarithm.
+  // A splat whose opacity is rounded to less than the cutoff has reach 0; 0 has no logarithm.
   @if(!FIXED_EXTENT) return sqrt(log(max(1.0, opacity / alphaCutoff)));
 }
 

@@ -1,6 +1,6 @@
-// Lists the visible chunks of the frame in storage order.
-// Reads the scanned visibility flags of cull-chunks; writes visibleChunks. One thread per chunk of the frame.
-// Places come from a scan instead of atomics, so that a frame is the same every time.
+// Lists the visible chunks of the frame in storage order. Reads the scanned visibility flags of
+// cull-chunks; writes visibleChunks. One thread per chunk of the frame. Places come from a scan
+// instead of atomics, so that a frame is the same every time.
 import constants::CHUNK_WORKGROUP;
 import layout::CullParameters;
 import package::lib::dispatch::linearWorkgroup;

@@ -1,6 +1,6 @@
-// Lists the visible splats of the frame in storage order, as many as there is room for.
-// Reads the visibility masks of cull-splats and the scanned counts; writes visibleSplats. One workgroup per visible chunk,
-// one thread per splat. A splat's number counts through all chunks of the frame.
+// Lists the visible splats of the frame in storage order, as many as there is room for. Reads the
+// visibility masks of cull-splats and the scanned counts; writes visibleSplats. One workgroup per
+// visible chunk, one thread per splat. A splat's number counts through all chunks of the frame.
 // Places come from a scan instead of atomics, so that a frame is the same every time.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;

@@ -1,12 +1,12 @@
-// Measures how far one image is from another.
-// Reads two textures and the background; writes errors and dissimilarity per tile, and a count per class of error. One
-// workgroup per tile of COMPARE_TILE_PX², one thread per pixel.
-// Needs no buffer of the images' size: the Gaussian windows of structural similarity read the tile and its surroundings
-// from workgroup memory.
+// Measures how far one image is from another. Reads two textures and the background; writes errors
+// and dissimilarity per tile, and a count per class of error. One workgroup per tile of
+// COMPARE_TILE_PX², one thread per pixel. Needs no buffer of the images' size: the Gaussian windows
+// of structural similarity read the tile and its surroundings from workgroup memory.
 //
-// Structural similarity is computed from the sum s = a + b and the difference d = a − b of the images. Multiplied out,
-// 1 − SSIM needs the variance of d, which is small where the images are alike and then loses nothing in float32; computed
-// from the variances of a and b it would be the difference of nearly equal numbers.
+// Structural similarity is computed from the sum s = a + b and the difference d = a − b of the
+// images. Multiplied out, 1 − SSIM needs the variance of d, which is small where the images are
+// alike and then loses nothing in float32; computed from the variances of a and b it would be the
+// difference of nearly equal numbers.
 import constants::COMPARE_TILE_PX;
 import constants::SSIM_RADIUS_PX;
 import layout::CompareParameters;
@@ -30,7 +30,7 @@ const ERROR_DROPPED_BITS = 16u;
 @group(0) @binding(3) var<storage, read_write> tiles: array<CompareTile>;
 @group(0) @binding(4) var<storage, read_write> errorCounts: array<atomic<u32>>;
 
-/// Per pixel of the area, for one channel: sum − 1, which lies about 0, and difference; 0 outside of the image.
+/// Per pixel of the area, of one channel: sum − 1, about 0, and difference; 0 outside of the image.
 var<workgroup> area: array<vec2f, AREA_PIXELS>;
 /// Per pixel of the strip, weighted along rows: means of sum and difference, and of their squares.
 var<workgroup> strip: array<vec4f, STRIP_PIXELS>;
@@ -115,7 +115,7 @@ fn isIn(pixel: vec2i, sizePx: vec2i) -> bool {
   return all(pixel >= vec2i(0)) && all(pixel < sizePx);
 }
 
-/// Whether a value is infinite or NaN. Tests its bits, since a compiler may assume that such values do not occur.
+/// Whether a value is infinite or NaN. Tests its bits: compilers may assume that there are none.
 fn isBroken(value: vec4f) -> bool {
   return any((bitcast<vec4u>(value) & vec4u(0x7f800000u)) == vec4u(0x7f800000u));
 }

@@ -1,9 +1,9 @@
-// Composes the blended splats over the host's image.
-// Reads the splats' layer, the host's colours and, if needed, the layer's and the host's depths; writes the composed colours
-// and, if requested, the splats' depth as the host stores it. One fragment per pixel of the image.
-// The host keeps linear light and splats blend in sRGB's encoding, so the host's colour is encoded, covered, and decoded
-// again: blending the decoded splats in linear light instead would lighten every pixel that they cover in part (white at
-// half opacity over black: 188 instead of 128).
+// Composes the blended splats over the host's image. Reads the splats' layer, the host's colours
+// and, if needed, the layer's and the host's depths; writes the composed colours and, if requested,
+// the splats' depth as the host stores it. One fragment per pixel of the image. The host keeps
+// linear light and splats blend in sRGB's encoding, so the host's colour is encoded, covered, and
+// decoded again: blending the decoded splats in linear light instead would lighten every pixel that
+// they cover in part (white at half opacity over black: 188 instead of 128).
 import layout::HostViewport;
 @if(DEPTH_LAYER || MULTISAMPLED) import layout::HostDepth;
 import package::lib::covering_triangle::coveringTriangle;
@@ -19,9 +19,9 @@ import package::lib::srgb::{decodeSrgb, encodeSrgb};
 @if(MULTISAMPLED) @group(0) @binding(5) var hostDepths: texture_depth_multisampled_2d;
 
 struct ComposedImage {
-  /// Linear light, premultiplied, including the host's colour; opacity 0 exactly where there is no splat.
+  /// Linear light, premultiplied, including the host's colour; opacity 0 exactly without a splat.
   @location(0) color: vec4f,
-  /// Depth of the splats as the host stores depth: the median or the mean, −1 where they cover less than half.
+  /// Depth of the splats as the host stores it: median or mean, −1 where they cover less than half.
   @if(DEPTH_LAYER) @location(1) depth: vec4f,
 }
 
@@ -33,7 +33,7 @@ fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
   return coveringTriangle(vertex);
 }
 
-/// Composes `splats`, encoded, over `host`, linear. Both are premultiplied; so is the result, which is linear.
+/// Composes `splats`, encoded, over `host`, linear. Both, and the linear result, are premultiplied.
 fn over(splats: vec4f, host: vec4f) -> vec4f {
   // Only straight colours can be encoded: a premultiplied one is divided by its opacity first.
   let hostEncoded = encodeSrgb(host.rgb / max(host.a, 1e-6)) * host.a;
@@ -44,7 +44,7 @@ fn over(splats: vec4f, host: vec4f) -> vec4f {
   return vec4f(clamp(color, vec3f(-MAX_COLOR), vec3f(MAX_COLOR)), opacity);
 }
 
-/// Ratio of view depths from which a pixel's samples count as two surfaces instead of one steep one.
+/// Ratio of view depths from which a pixel's samples count as two surfaces, not one steep one.
 @if(MULTISAMPLED) const EDGE_RATIO = 1.05;
 
 /// Share of the pixel's samples that lie between two view depths.
@@ -58,9 +58,10 @@ fn over(splats: vec4f, host: vec4f) -> vec4f {
   return f32(inside) / f32(samples);
 }
 
-/// Composes a pixel that the edge of a mesh may cross. At an edge the pixel's layer shows the splats behind the mesh, and its
-/// host colour is a mixture. The near surface's part is taken from the neighbour that shows most of it, including the splats
-/// in front of it; the rest of the host's colour is the far surface, which the pixel's own splats cover.
+/// Composes a pixel that the edge of a mesh may cross. At an edge the pixel's layer shows the
+/// splats behind the mesh, and its host colour is a mixture. The near surface's part is taken from
+/// the neighbour that shows most of it, including the splats in front of it; the rest of the host's
+/// colour is the far surface, which the pixel's own splats cover.
 @if(MULTISAMPLED) fn overWithEdge(pixel: vec2u, splats: vec4f, host: vec4f) -> vec4f {
   let samples = textureNumSamples(hostDepths);
   var nearest = 3e38;
@@ -86,7 +87,7 @@ fn over(splats: vec4f, host: vec4f) -> vec4f {
     }
   }
   let nearHost = textureLoad(behind, neighbor + viewport.colorOriginPx, 0);
-  // If no neighbour shows more of the near surface, near and far are the pixel itself, and nothing changes.
+  // If no neighbour shows more of the near surface, near and far are the pixel itself.
   let farHost = max(host - share * nearHost, vec4f(0.0)) / (1.0 - share);
   return mix(over(splats, farHost), over(textureLoad(layer, neighbor, 0), nearHost), share);
 }

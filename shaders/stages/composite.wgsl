@@ -1,8 +1,8 @@
-// Composites the blended splats over the background.
-// Reads the splats' layer and the background; writes an opaque colour. One fragment, or one thread, per pixel of the image: where
-// compute shaders blend the splats, they also write the canvas, since a render pass over all of it would take as long as half of
-// the tiles (0.30 ms of 0.77 in full HD on an NVIDIA H200).
-// Works in the space that the splats were blended in, which is the display's.
+// Composites the blended splats over the background. Reads the splats' layer and the background;
+// writes an opaque colour. One fragment, or one thread, per pixel of the image: where compute
+// shaders blend the splats, they also write the canvas, since a render pass over all of it would
+// take as long as half of the tiles (0.30 ms of 0.77 in full HD on an NVIDIA H200). Works in the
+// space that the splats were blended in, which is the display's.
 import constants::IMAGE_TILE_PX;
 import layout::CompositeParameters;
 @if(!COMPUTE) import package::lib::covering_triangle::coveringTriangle;

@@ -1,8 +1,8 @@
-// Finds how much of the splats lies in front of each of some points, and whether the host's depth does.
-// Reads the records, in any order, and the depth that they are tested against; adds to two words per point: what the splats in
-// front absorb, −ln(1 − opacity) in steps of 1/COVER_UNITS, and 1 where the host's depth is in front. One thread per visible
-// splat and per point.
-// Integers are added, so the order of the threads makes no difference.
+// Finds how much of the splats lies in front of each of some points, and whether the host's depth
+// does. Reads the records, in any order, and the depth that they are tested against; adds to two
+// words per point: the absorption of splats in front, −ln(1 − opacity) in steps of 1/COVER_UNITS,
+// and 1 where the host's depth is in front. One thread per visible splat and per point. Integers
+// are added, so the order of the threads makes no difference.
 import constants::COVER_UNITS;
 import layout::CoverParameters;
 import layout::CoverPoint;

@@ -1,6 +1,6 @@
-// Decides which chunks of splats can reach into the image.
-// Reads the chunks' bounds; writes 1 or 0 per chunk to chunkOffsets, which a scan then turns into places. One thread per
-// chunk, dispatched per page.
+// Decides which chunks of splats can reach into the image. Reads the chunks' bounds; writes 1 or 0
+// per chunk to chunkOffsets, which a scan then turns into places. One thread per chunk, dispatched
+// per page.
 import constants::CHUNK_WORKGROUP;
 import layout::View;
 import layout::Page;
@@ -12,8 +12,8 @@ import package::lib::dispatch::linearWorkgroup;
 @group(0) @binding(2) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(3) var<storage, read_write> chunkOffsets: array<u32>;
 
-/// Float32 rounding of the test against a side of the frustum, relative to its largest term; far above 6e-8 times the few
-/// operations.
+/// Float32 rounding of the test against a side of the frustum, relative to its largest term; far
+/// above 6e-8 times the few operations.
 const ROUNDING_SLACK = 1e-5;
 
 @compute @workgroup_size(CHUNK_WORKGROUP)

@@ -1,7 +1,7 @@
-// Decides which splats of the visible chunks are drawn.
-// Reads the page's plan, its visible chunks, and its geometry with the ranges of packed log scales; writes a bit per splat, a count
-// per chunk and the range of depths. One workgroup per visible chunk, one thread per splat, dispatched per page.
-// Skips the covariance if opacity or depth alone decides.
+// Decides which splats of the visible chunks are drawn. Reads the page's plan, its visible chunks,
+// and its geometry with the ranges of packed log scales; writes a bit per splat, a count per chunk
+// and the range of depths. One workgroup per visible chunk, one thread per splat, dispatched per
+// page. Skips the covariance if opacity or depth alone decides.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
 @if(OPACITY_EFFECTS && !FRUSTUM_CULLING) import effects::changeOpacity;
@@ -28,8 +28,8 @@ import package::lib::visible_ellipse::isInDepthRange;
 @group(0) @binding(4) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(5) var<storage, read_write> visibilityMasks: array<u32>;
 @group(0) @binding(6) var<storage, read_write> splatOffsets: array<u32>;
-/// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`): both grow from 0. Atomic, but with integers, so the
-/// result does not depend on the order.
+/// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`): both grow from
+/// 0. Atomic, but with integers, so the result does not depend on the order.
 @group(0) @binding(7) var<storage, read_write> depthRange: array<atomic<u32>, 2>;
 @if(!GEOMETRY_F32) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
@@ -90,8 +90,8 @@ fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
   return all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx);
 }
 
-/// Farthest centre that is drawn. Splats are not tested against the image here, but a centre beyond float32's range cannot be
-/// drawn.
+/// Farthest centre that is drawn. Splats are not tested against the image here, but a centre beyond
+/// float32's range cannot be drawn.
 @if(FRUSTUM_CULLING) const FARTHEST_CENTER_PX = 1e18;
 
 @if(FRUSTUM_CULLING)

@@ -1,7 +1,8 @@
-// Takes the bounds of each chunk of a page once its splats are in storage order, and gives these their places about the cloud's
-// origin and their packed log scales in steps of the chunk's range.
-// Reads geometry that has been put in order, and log scales to a 1024th of a step as ingest-rows has left them in the order of the
-// file; changes geometry in place and writes `Chunk` structs. One workgroup per chunk, one thread per splat.
+// Takes the bounds of each chunk of a page once its splats are in storage order, and gives these
+// their places about the cloud's origin and their packed log scales in steps of the chunk's range.
+// Reads geometry that has been put in order, and log scales to a 1024th of a step as ingest-rows
+// has left them in the order of the file; changes geometry in place and writes `Chunk` structs. One
+// workgroup per chunk, one thread per splat.
 import constants::CHUNK_SPLATS;
 import constants::GEOMETRY_WORDS;
 @if(!GEOMETRY_F32) import layout::Chunk;
@@ -21,7 +22,7 @@ import package::lib::pack_splat::logScaleRange;
 @if(!GEOMETRY_F32) @group(0) @binding(4) var<storage, read> arrivedChunks: array<Chunk>;
 @if(!GEOMETRY_F32) @group(0) @binding(5) var<storage, read> logScaleRests: array<u32>;
 
-/// Largest complements of `orderedBits`, and largest `orderedBits`: of positions by axis, then of log scales.
+/// Largest complements of `orderedBits`, and largest ones: of positions, then of log scales.
 var<workgroup> least: array<atomic<u32>, 4>;
 var<workgroup> largest: array<atomic<u32>, 4>;
 

@@ -1,5 +1,5 @@
-// Takes successive words of the splats of a page that a list names, in the order of the list.
-// Reads a plane and the list of splats; writes these words for each. One thread per entry of the list.
+// Takes successive words of the splats of a page that a list names, in the order of the list. Reads
+// a plane and the list of splats; writes these words for each. One thread per entry of the list.
 import constants::CHUNK_SPLATS;
 import layout::PermuteParameters;
 import package::lib::dispatch::linearWorkgroup;

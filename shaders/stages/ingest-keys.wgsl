@@ -1,5 +1,6 @@
-// Makes the sort keys that put splats into storage order: 48-bit Morton codes, eight bits in each of six rounds of a stable sort.
-// Reads the positions of a page; writes keys and payloads (slots) of its splats. One thread per place in the order so far.
+// Makes sort keys for the storage order: 48-bit Morton codes, eight bits in each of six rounds.
+// Reads the positions of a page; writes keys and payloads (slots) of its splats. One thread per
+// place in the order so far.
 import constants::CHUNK_SPLATS;
 import constants::GEOMETRY_WORDS;
 import layout::MortonParameters;

@@ -1,8 +1,10 @@
-// Takes rows of a file as they arrive: drops those that are not finite, packs the others, and gathers facts about them.
-// Reads the rows' bytes, and the palette that some rows take their harmonics from; writes planes in the order of the file, a slot
-// per row, a `Chunk` for each 256 slots, and the facts. One thread per row, one workgroup per chunk.
-// Rows that are dropped leave their slot as it is, zero, and so does a chunk without any others. Log scales are packed over the
-// range of their chunk in the file, with a rest beside: ingest-chunks rounds them anew once splats are in storage order.
+// Takes rows of a file as they arrive: drops those that are not finite, packs the others, and
+// gathers facts about them. Reads the rows' bytes, and the palette that some rows take their
+// harmonics from; writes planes in the order of the file, a slot per row, a `Chunk` for each 256
+// slots, and the facts. One thread per row, one workgroup per chunk. Rows that are dropped leave
+// their slot as it is, zero, and so does a chunk without any others. Log scales are packed over the
+// range of their chunk in the file, with a rest beside: ingest-chunks rounds them anew once splats
+// are in storage order.
 import constants::CHUNK_SPLATS;
 import constants::ENTRY_VALUES;
 import constants::FACTS;
@@ -51,7 +53,7 @@ import package::lib::pack_splat::packRotation;
 @group(0) @binding(8) var<storage, read_write> chunks: array<array<u32, 8>>;
 
 var<workgroup> ownFacts: array<atomic<u32>, FACTS>;
-/// Largest complement of `orderedBits` of log scales, and the largest `orderedBits`, which is 0 if no row was kept.
+/// Largest complement of `orderedBits` of log scales, and the largest ones, 0 if no row was kept.
 var<workgroup> ownLogScales: array<atomic<u32>, 2>;
 var<workgroup> ownMask: array<atomic<u32>, MASK_WORDS>;
 
@@ -106,7 +108,7 @@ fn isKeptRow(row: u32, lane: u32) -> bool {
   return false;
 }
 
-/// Index of the reason in DROP_REASONS; 5 if the splat can be drawn. Infinite logits are opacities of 0 and 1.
+/// Index of the reason in DROP_REASONS; 5 if the splat can be drawn. Infinite logits mean 0 or 1.
 fn reasonToDrop(row: u32) -> u32 {
   if (!isFinite(row, ROW_POSITION, 3u)) { return 0u; }
   if (!isFinite(row, ROW_LOG_SCALE, 3u)) { return 1u; }
@@ -168,8 +170,8 @@ fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rota
   for (var k = 0u; k < 4u; k++) { (*record)[4u + k] = bitcast<u32>(rotation[k]); }
 }
 
-/// 32 bytes, as data/packing/geometry.ts lays them out. What log scales are beside the nearest step, −512…511 parts of 1024, is kept as
-/// 512 more than that.
+/// 32 bytes, as data/packing/geometry.ts lays them out. Rests of log scales beside the nearest
+/// step, −512…511 parts of 1024, are kept with 512 added.
 @if(!GEOMETRY_F32)
 fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
   let dc = vec3u(halfBits(colorDc.x), halfBits(colorDc.y), halfBits(colorDc.z));
@@ -215,8 +217,8 @@ fn normalizedRotation(row: u32) -> vec4f {
   return scaled / sqrt(dot(scaled, scaled));
 }
 
-/// The float of these bits; times 2¹⁴⁹ if `largest`, the magnitude of the largest beside it, is below 2⁻⁶⁰, so that no
-/// subnormal number takes part.
+/// The float of these bits; times 2¹⁴⁹ if `largest`, the magnitude of the largest beside it, is
+/// below 2⁻⁶⁰, so that no subnormal number takes part.
 fn fromSmall(bits: u32, largest: u32) -> f32 {
   if (largest >= 0x21800000u) { return bitcast<f32>(bits); }
   let size = bits & MAGNITUDE_BITS;

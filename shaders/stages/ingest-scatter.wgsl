@@ -1,4 +1,5 @@
-// Writes successive words of all splats of a page. Reads these words for each splat of the cloud. One thread per splat of the page.
+// Writes successive words of all splats of a page. Reads these words for each splat of the cloud.
+// One thread per splat of the page.
 import constants::CHUNK_SPLATS;
 import layout::PermuteParameters;
 import package::lib::dispatch::linearWorkgroup;

@@ -1,8 +1,8 @@
-// Finds the splat that contributes most to one pixel.
-// Reads the drawing order and the records; writes a PickBlock per block of PICK_WORKGROUP places of the order: the block's
-// transmittance and its heaviest splat. One workgroup per block, one thread per place. The host combines the blocks front to
-// back.
-// Without a list that could overflow and without atomics, so a pick gives the same result every time.
+// Finds the splat that contributes most to one pixel. Reads the drawing order and the records;
+// writes a PickBlock per block of PICK_WORKGROUP places of the order: the block's transmittance and
+// its heaviest splat. One workgroup per block, one thread per place. The host combines the blocks
+// front to back. Without a list that could overflow and without atomics, so a pick gives the same
+// result every time.
 import constants::PICK_WORKGROUP;
 import layout::PickBlock;
 import layout::PickParameters;

@@ -1,6 +1,7 @@
-// Sizes the dispatches over the visible chunks, on the GPU, so that their number is never read back.
-// Reads the scanned visibility flags of cull-chunks; writes each page's slots, the number of slots and the dispatches of
-// cull-splats and compact-splats, and resets the range of depths. One workgroup, whose threads share the pages.
+// Sizes the dispatches over the visible chunks, on the GPU, so that their number is never read
+// back. Reads the scanned visibility flags of cull-chunks; writes each page's slots, the number of
+// slots and the dispatches of cull-splats and compact-splats, and resets the range of depths. One
+// workgroup, whose threads share the pages.
 import constants::PLAN_WORKGROUP;
 import layout::CullParameters;
 import layout::PagePlan;

@@ -1,6 +1,7 @@
-// Sizes the dispatches and the draw over the visible splats, on the GPU, so that their number is never read back.
-// Reads the scanned counts of cull-splats; writes each page's range of visible splats, the total, the dispatches of project
-// and the arguments of the draw. One workgroup, whose threads share the pages.
+// Sizes the dispatches and the draw over the visible splats, on the GPU, so that their number is
+// never read back. Reads the scanned counts of cull-splats; writes each page's range of visible
+// splats, the total, the dispatches of project and the arguments of the draw. One workgroup, whose
+// threads share the pages.
 import constants::PLAN_WORKGROUP;
 import constants::PROJECT_WORKGROUP;
 import layout::CullParameters;

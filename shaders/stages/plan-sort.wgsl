@@ -1,5 +1,5 @@
-// Sizes the passes of the sort by the number of keys, on the GPU, so that this number is never read back.
-// Reads the number of keys; writes the sort's plan and the dispatch over blocks. One thread.
+// Sizes the passes of the sort by the number of keys, on the GPU, so that this number is never read
+// back. Reads the number of keys; writes the sort's plan and the dispatch over blocks. One thread.
 import constants::SORT_BLOCK;
 import layout::SortParameters;
 import layout::SortPlan;
@@ -12,7 +12,8 @@ import package::lib::dispatch::dispatchSize;
 
 @compute @workgroup_size(1)
 fn planSort() {
-  // Keys beyond the capacity would be written past the buffers' end; the host ensures that there are none.
+  // Keys beyond the capacity would be written past the buffers' end; the host ensures that there
+  // are none.
   let count = min(keyCount, parameters.capacity);
   let blocks = (count + SORT_BLOCK - 1u) / SORT_BLOCK;
   plan = SortPlan(count, blocks);

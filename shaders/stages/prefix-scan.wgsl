@@ -1,8 +1,9 @@
-// Replaces any number of counts by their exclusive prefix sums: n counts give n + 1 sums, the total last.
-// Reads and writes `values` in place, and one sum per block. One workgroup per block of SCAN_WORKGROUP · SCAN_ITEMS counts.
-// A hierarchical Blelloch scan, one dispatch per level, in which no workgroup waits for another. Going up, reduceBlocks sums
-// each block; the last level is one block; going down, scanBlocks scans each block from the sum that the level above has for
-// its start.
+// Replaces any number of counts by their exclusive prefix sums: n counts give n + 1 sums, the total
+// last. Reads and writes `values` in place, and one sum per block. One workgroup per block of
+// SCAN_WORKGROUP · SCAN_ITEMS counts. A hierarchical Blelloch scan, one dispatch per level, in
+// which no workgroup waits for another. Going up, reduceBlocks sums each block; the last level is
+// one block; going down, scanBlocks scans each block from the sum that the level above has for its
+// start.
 import constants::SCAN_WORKGROUP;
 import constants::SCAN_ITEMS;
 import layout::ScanParameters;
@@ -24,7 +25,7 @@ fn reduceBlocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
   let block = linearWorkgroup(workgroup, parameters.dispatchRow);
   if (block >= parameters.blockCount) { return; }
   var sum = 0u;
-  // Strided, so that neighbouring lanes read neighbouring words; the sum does not depend on the order.
+  // Strided, so that neighbouring lanes read neighbouring words; sums do not depend on the order.
   for (var item = 0u; item < SCAN_ITEMS; item++) { sum += load(block * BLOCK + item * SCAN_WORKGROUP + lane); }
   tree[lane] = sum;
   upSweep(lane);

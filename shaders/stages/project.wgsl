@@ -1,7 +1,8 @@
 // Projects every visible splat: computes its record (centre, axes, depth, colour) and its sort key.
-// Reads the page's plan, the visible splats, the range of depths, the geometry with the ranges of packed log scales, and the
-// spherical harmonics; writes records and keys in the order of visibleSplats. One thread per visible splat, dispatched per page.
-// All splats of a page have the same degree of spherical harmonics, so it is a condition of linking instead of a branch.
+// Reads the page's plan, the visible splats, the range of depths, the geometry with the ranges of
+// packed log scales, and the spherical harmonics; writes records and keys in the order of
+// visibleSplats. One thread per visible splat, dispatched per page. All splats of a page have the
+// same degree of spherical harmonics, so it is a condition of linking instead of a branch.
 import constants::CHUNK_SPLATS;
 import constants::MAX_COLOR;
 import constants::PROJECT_WORKGROUP;
@@ -32,8 +33,8 @@ import package::lib::visible_ellipse::screenSplat;
 @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleSplats: array<u32>;
-/// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`). A uniform because a stage may have no more than eight
-/// storage buffers.
+/// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`). A uniform
+/// because a stage may have no more than eight storage buffers.
 @group(0) @binding(4) var<uniform> depthRange: vec2u;
 @group(0) @binding(5) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(6) var<storage, read_write> records: array<SplatRecord>;
@@ -60,8 +61,8 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   let axes = screenAxes(onScreen.covariance, view.dilationPx2);
 
   var color = evaluatedColor(splat, splatIndex);
-  // A negative radiance has no meaning, and would darken the splats behind it; one beyond the target's range would become
-  // infinite there, and NaN under the next splat.
+  // A negative radiance has no meaning, and would darken the splats behind it; one beyond the
+  // target's range would become infinite there, and NaN under the next splat.
   @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
   @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
   @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
@@ -90,7 +91,7 @@ fn evaluatedColor(splat: Splat, splatIndex: u32) -> vec3f {
   return color;
 }
 
-/// Largest float16: a longer axis would become infinite, so it is shortened and keeps its direction.
+/// Largest float16: longer axes would become infinite, and are shortened in their direction.
 @if(RECORD_PAPER) const LONGEST_HALF_PX = 65504.0;
 
 @if(RECORD_PAPER)
@@ -100,7 +101,7 @@ fn packAxis(unit: vec2f, lengthPx: f32) -> u32 {
   return pack2x16float(axisPx);
 }
 
-/// Unit vector in the cloud's space from the camera to the splat; +z if there is none (a singular model matrix).
+/// Unit vector in the cloud's space from the camera to the splat; +z for singular model matrices.
 @if(SH_1)
 fn viewDirection(position: vec3f) -> vec3f {
   // A camera infinitely far away has weight 0: all directions are page.direction.
@@ -129,7 +130,8 @@ fn shAboveBase(splatIndex: u32, direction: vec3f) -> vec3f {
   return color;
 }
 
-/// Coefficient `k` above degree 0, r, g, b, of the splat or entry whose words start at `first`; u8 coefficients are not scaled yet.
+/// Coefficient `k` above degree 0, r, g, b, of the splat or entry whose words start at `first`; u8
+/// coefficients are not scaled yet.
 @if(SH_1)
 fn shCoefficient(first: u32, k: u32) -> vec3f {
   return vec3f(shValue(first, 3u * k), shValue(first, 3u * k + 1u), shValue(first, 3u * k + 2u));

@@ -1,8 +1,8 @@
-// Draws every visible splat as one quad, back to front.
-// Reads the sorted order and the records; writes premultiplied colours, blended "over" in the space that scenes are trained
-// in, and, if requested, mean depths. One instance of four vertices per visible splat, one fragment per pixel of its quad.
-// The quad reaches as far as the splat's opacity stays above the cutoff; the fragment's place in the Gaussian comes from the
-// interpolators alone.
+// Draws every visible splat as one quad, back to front. Reads the sorted order and the records;
+// writes premultiplied colours, blended "over" in the space that scenes are trained in, and, if
+// requested, mean depths. One instance of four vertices per visible splat, one fragment per pixel
+// of its quad. The quad reaches as far as the splat's opacity stays above the cutoff; the
+// fragment's place in the Gaussian comes from the interpolators alone.
 import layout::HostDepth;
 import layout::SplatRecord;
 import layout::View;
@@ -30,8 +30,8 @@ struct Fragment {
   @if(DEPTH_LAYER) @location(1) depth: vec4f,
 }
 
-/// Grid of the corners, the coarsest to which WebGPU's rasterisers are known to snap them (1/16 px): the local coordinate of
-/// a corner then belongs to the place where the corner really is.
+/// Grid of the corners, the coarsest to which WebGPU's rasterisers are known to snap them (1/16
+/// px): the local coordinate of a corner then belongs to the place where the corner really is.
 const SNAP_PX = 0.0625;
 /// Largest distance of a corner from the image: fixed-point rasterisers have a limited range.
 const GUARD_BAND_PX = 4096.0;
@@ -48,7 +48,7 @@ fn vertexMain(@builtin(vertex_index) vertex: u32, @builtin(instance_index) insta
   // One extra step of the grid, so that snapping never cuts off a covered pixel.
   let halfSizePx = reach * vec2f(axes.majorLengthPx, axes.minorLengthPx) + SNAP_PX;
 
-  // The part of the ellipse's box that is in the image: drawn instead of the oriented quad if it is smaller.
+  // The part of the ellipse's box in the image: replaces the oriented quad if it is smaller.
   let extent = sqrt(
     (majorUnit * halfSizePx.x) * (majorUnit * halfSizePx.x) + (minorUnit * halfSizePx.y) * (minorUnit * halfSizePx.y),
   );
@@ -80,10 +80,10 @@ fn fragmentMain(varyings: Varyings) -> Fragment {
   @if(RECORD_PAPER) let color = unpack4x8unorm(varyings.color);
   @if(!RECORD_F32 && !RECORD_PAPER) let color = vec4f(unpack2x16float(varyings.color.x), unpack2x16float(varyings.color.y));
   let alpha = fragmentAlpha(color.w, varyings.local, view.alphaCutoff);
-  // Blending 0 over the target leaves it unchanged, bit for bit, and unlike `discard` keeps early tests possible.
+  // Blending 0 leaves the target unchanged, bit for bit, and unlike `discard` keeps early tests.
   var fragment: Fragment;
   fragment.color = vec4f(color.rgb * alpha, alpha);
-  // Blended like a colour: the mean depth, weighted by each splat's contribution. A float16 target ends at 65504.
+  // Blended like a colour: the mean depth, weighted by contributions. Float16 targets end at 65504.
   @if(DEPTH_LAYER) fragment.depth = vec4f(min(varyings.depthView, 65504.0) * alpha, 0.0, 0.0, alpha);
   return fragment;
 }

@@ -1,6 +1,6 @@
-// Packs a page of float32 geometry.
-// Reads float32 geometry and the ranges of log scales; writes packed geometry. One thread per splat.
-// Runs on the GPU, which already holds the float32 plane, so that nothing is read back.
+// Packs a page of float32 geometry. Reads float32 geometry and the ranges of log scales; writes
+// packed geometry. One thread per splat. Runs on the GPU, which already holds the float32 plane, so
+// that nothing is read back.
 import constants::CHUNK_SPLATS;
 import layout::Chunk;
 import layout::RepackParameters;

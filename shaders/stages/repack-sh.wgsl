@@ -1,6 +1,6 @@
-// Packs a page of spherical harmonics above degree 0 more coarsely, as data/packing/harmonics.ts does.
-// Reads f32 or f16 coefficients; writes f16 or u8 ones. One thread per splat.
-// Runs on the GPU, which already holds the finer plane, so that nothing is read back.
+// Packs a page of spherical harmonics above degree 0 more coarsely, as data/packing/harmonics.ts
+// does. Reads f32 or f16 coefficients; writes f16 or u8 ones. One thread per splat. Runs on the
+// GPU, which already holds the finer plane, so that nothing is read back.
 import constants::COARSER_WORDS;
 import constants::FINER_WORDS;
 import constants::CHUNK_SPLATS;

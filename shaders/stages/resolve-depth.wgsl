@@ -1,7 +1,7 @@
-// Copies the part of the host's depth that the splats' image covers.
-// Reads the host's depth texture; writes the depth buffer that rasterize tests against. One fragment per pixel of the layer.
-// If a pixel has several samples, the farthest decides: splats behind the edge of a mesh are drawn up to its last sample, and
-// compose puts the mesh's part of the pixel back.
+// Copies the part of the host's depth that the splats' image covers. Reads the host's depth
+// texture; writes the depth buffer that rasterize tests against. One fragment per pixel of the
+// layer. If a pixel has several samples, the farthest decides: splats behind the edge of a mesh are
+// drawn up to its last sample, and compose puts the mesh's part of the pixel back.
 import layout::HostViewport;
 import package::lib::covering_triangle::coveringTriangle;
 

@@ -1,6 +1,6 @@
-// First step of a radix pass: counts how often each digit occurs in each block of keys.
-// Reads the keys and the sort's plan; writes digitCounts. One workgroup per block of SORT_BLOCK keys.
-// Atomics in workgroup memory only count, so the result does not depend on their order.
+// First step of a radix pass: counts how often each digit occurs in each block of keys. Reads the
+// keys and the sort's plan; writes digitCounts. One workgroup per block of SORT_BLOCK keys. Atomics
+// in workgroup memory only count, so the result does not depend on their order.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
@@ -14,7 +14,7 @@ const RADIX = 1u << DIGIT_BITS;
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
 @group(0) @binding(2) var<storage, read> keys: array<u32>;
-/// All blocks of digit 0, then all blocks of digit 1, …: a scan in this order turns the counts into places.
+/// All blocks of digit 0, then of digit 1, …: a scan in this order turns counts into places.
 @group(0) @binding(3) var<storage, read_write> digitCounts: array<u32>;
 
 var<workgroup> counts: array<atomic<u32>, RADIX>;

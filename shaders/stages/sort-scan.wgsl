@@ -1,7 +1,8 @@
-// Second step of a radix pass: turns the digit counts of all blocks into places.
-// Reads the sort's plan; replaces the counts of each digit by their exclusive sums over the blocks, in place, and writes
-// each digit's total. A workgroup takes one digit, or several where few blocks are possible, and as many blocks as there are:
-// a pass takes three dispatches at any size, and no workgroup waits for another. sort-scatter adds the digits' own starts.
+// Second step of a radix pass: turns the digit counts of all blocks into places. Reads the sort's
+// plan; replaces the counts of each digit by their exclusive sums over the blocks, in place, and
+// writes each digit's total. A workgroup takes one digit, or several where few blocks are possible,
+// and as many blocks as there are: a pass takes three dispatches at any size, and no workgroup
+// waits for another. sort-scatter adds the digits' own starts.
 import constants::DIGIT_BITS;
 import constants::SCAN_WORKGROUP;
 import constants::SCAN_ITEMS;
@@ -12,7 +13,7 @@ import package::lib::dispatch::linearWorkgroup;
 const RADIX = 1u << DIGIT_BITS;
 /// Counts that the workgroup scans at a time.
 const RUN = SCAN_WORKGROUP * SCAN_ITEMS;
-/// Threads whose sums are added one by one: twice up to 16 additions take two barriers, a tree over 256 threads takes 16.
+/// Threads whose sums are added one by one: two barriers; a tree of 256 threads takes 16.
 const GROUP = 16u;
 
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
@@ -21,8 +22,8 @@ const GROUP = 16u;
 @group(0) @binding(2) var<storage, read_write> digitCounts: array<u32>;
 @group(0) @binding(3) var<storage, read_write> digitTotals: array<u32>;
 
-/// The run's counts, then their sums. Memory is read by neighbouring lanes at neighbouring words, but summed by one lane over
-/// neighbouring words; this array turns one into the other.
+/// The run's counts, then their sums. Memory is read by neighbouring lanes at neighbouring words,
+/// but summed by one lane over neighbouring words; this array turns one into the other.
 var<workgroup> run: array<u32, RUN + RUN / 32u>;
 var<workgroup> threadSums: array<u32, SCAN_WORKGROUP>;
 var<workgroup> groupSums: array<u32, SCAN_WORKGROUP / GROUP>;
@@ -98,7 +99,7 @@ fn scanAlone(digit: u32) {
   for (var start = 0u; start < plan.blockCount; start += SCAN_ITEMS) {
     var counts: array<u32, SCAN_ITEMS>;
     for (var item = 0u; item < SCAN_ITEMS; item++) {
-      // Written where there is no count, too: in Dawn on SwiftShader, "counts" kept the values of the turn before.
+      // Written without a count, too: in Dawn on SwiftShader, "counts" kept the last turn's values.
       var count = 0u;
       if (start + item < plan.blockCount) { count = digitCounts[row + start + item]; }
       counts[item] = count;

@@ -1,10 +1,11 @@
-// Last step of a radix pass: moves every key and payload to its place.
-// Reads keys, payloads and the scanned digit counts; writes keys and payloads. One workgroup per block of SORT_BLOCK keys.
-// A block is sorted in workgroup memory first and then written in order, so that the keys of one digit leave in one run:
-// scattered writes took most of a pass before.
-// Stable: groups of threads take successive keys of the block, in rounds of one key per thread, and a key's rank is the number
-// of its digit's keys in the group's earlier rounds, plus those in this round at earlier threads. Groups are subgroups, whose
-// threads learn of each other's digits by ballots, or else 16 threads that set bits of a mask in workgroup memory.
+// Last step of a radix pass: moves every key and payload to its place. Reads keys, payloads and the
+// scanned digit counts; writes keys and payloads. One workgroup per block of SORT_BLOCK keys. A
+// block is sorted in workgroup memory first and then written in order, so that the keys of one
+// digit leave in one run: scattered writes took most of a pass before. Stable: groups of threads
+// take successive keys of the block, in rounds of one key per thread, and a key's rank is the
+// number of its digit's keys in the group's earlier rounds, plus those in this round at earlier
+// threads. Groups are subgroups, whose threads learn of each other's digits by ballots, or else 16
+// threads that set bits of a mask in workgroup memory.
 import constants::DIGIT_BITS;
 import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
@@ -33,8 +34,9 @@ const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 @group(0) @binding(6) var<storage, read> payloadsIn: array<u32>;
 @group(0) @binding(7) var<storage, read_write> keysOut: array<u32>;
 
-/// One after another: a word per group and digit, the block's keys, the block's payloads. With masks, such a word has that of the
-/// round in its lower half and the number of keys of earlier rounds in its upper half; otherwise it has this number.
+/// One after another: a word per group and digit, the block's keys, the block's payloads. With
+/// masks, such a word has that of the round in its lower half and the number of keys of earlier
+/// rounds in its upper half; otherwise it has this number.
 var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
 /// Place of each digit's first key of this block, less its place within the block; modulo 2³².
 var<workgroup> shifts: array<u32, RADIX>;
@@ -86,7 +88,7 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
 
   // Ranks within the group and digit; later places within the block.
   var places: array<u32, SORT_ITEMS>;
-  // Where few threads run in lockstep, on a CPU, unrolling gains nothing and doubles the time to compile.
+  // On a CPU, where few threads run in lockstep, unrolling only doubles the time to compile.
   @unroll(!NARROW) for (var item = 0u; item < SORT_ITEMS; item++) {
     let isKey = firstItem + item * group.size < blockKeys;
     places[item] = rank(digitOf(keys[item]), isKey, group);
@@ -123,7 +125,7 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
     if (place < blockKeys) {
       let key = atomicLoad(&words[place]);
       targets[item] = shifts[digitOf(key)] + place;
-      // A uniform decides, because one shader for all passes compiles in a third of the time of three.
+      // A uniform decides: one shader for all passes compiles in a third of the time of three.
       if (parameters.writesKeys != 0u) { keysOut[targets[item]] = key; }
     }
   }
@@ -145,7 +147,7 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
   }
 }
 
-/// Number of keys of a digit that the group had in earlier rounds, or has in this one at earlier threads.
+/// Keys of a digit that the group had in earlier rounds, or has in this one at earlier threads.
 @if(SUBGROUPS)
 fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   // Threads of the group whose keys have the same digit, as bits.
@@ -157,7 +159,7 @@ fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   }
   let first = firstOf(peers, group.lane);
   var start = 0u;
-  // The sum is waited for at the shuffle alone: a round of the group begins when the one before has been counted.
+  // Only the shuffle waits for the sum: a group's round begins when the last has been counted.
   if (isKey && first == group.lane) { start = atomicAdd(&words[group.index * RADIX + digit], countOf4(peers)); }
   return subgroupShuffle(start, first) + countOf4(peers & before(group.lane));
 }
@@ -214,8 +216,9 @@ fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   let before = word & (bit - 1u);
   workgroupBarrier();
 
-  // The first thread of each digit turns the mask into a count. Sums commute, so that threads which already add the next
-  // round's bits need not wait: what they add to a bit that is still set is carried, and the subtraction takes it back.
+  // The first thread of each digit turns the mask into a count. Sums commute, so that threads which
+  // already add the next round's bits need not wait: an addition to a bit that is still set is
+  // carried, and the subtraction takes it back.
   if (isKey && before == 0u) {
     let mask = word & 0xffffu;
     atomicAdd(&words[slot], (countOneBits(mask) << 16u) - mask);
@@ -232,8 +235,8 @@ fn digitOf(key: u32) -> u32 {
   return extractBits(key, parameters.digitShift, DIGIT_BITS);
 }
 
-/// Number of the digit's keys in all blocks, and in this one. Two rows of scanned counts differ by a block's counts, so the block
-/// need not be counted again.
+/// Number of the digit's keys in all blocks, and in this one. Two rows of scanned counts differ by
+/// a block's counts, so the block need not be counted again.
 fn digitCounts(digit: u32, block: u32) -> vec2u {
   let total = digitTotals[digit];
   let offset = digit * plan.blockCount + block;
@@ -242,8 +245,9 @@ fn digitCounts(digit: u32, block: u32) -> vec2u {
   return vec2u(total, end - digitOffsets[offset]);
 }
 
-/// Scans the digits' counts over the digits: writes `shifts` and returns the place within the block of the first key with one of
-/// this thread's digits. The caller's next barrier makes `shifts` visible.
+/// Scans the digits' counts over the digits: writes `shifts` and returns the place within the block
+/// of the first key with one of this thread's digits. The caller's next barrier makes `shifts`
+/// visible.
 fn prepareDigits(lane: u32, block: u32) -> u32 {
   var sum = vec2u(0u);
   for (var i = 0u; i < THREAD_DIGITS; i++) {

@@ -1,10 +1,11 @@
-// Walks each tile's list of splats once more, for each pixel by itself, after a frame has been drawn.
-// Reads the lists and the records of the frame. One workgroup per tile, one thread per pixel.
-// Counts, for each pixel, the splats that it looks at and blends until it ends, and all that reach it; writes the length of each
-// tile's list; and adds up what each splat contributes: the sum of its weights over all pixels. Sums are integers of 64 bits, so
-// that they are the same in any order of additions and never overflow.
-// With CONTRIBUTIONS: reads those sums, and writes for each pixel the mean of their logarithms, by weight, and how many splats
-// with their centres there are not seen anywhere.
+// Walks each tile's list of splats once more, for each pixel by itself, after a frame has been
+// drawn. Reads the lists and the records of the frame. One workgroup per tile, one thread per
+// pixel. Counts, for each pixel, the splats that it looks at and blends until it ends, and all that
+// reach it; writes the length of each tile's list; and adds up what each splat contributes: the sum
+// of its weights over all pixels. Sums are integers of 64 bits, so that they are the same in any
+// order of additions and never overflow. With CONTRIBUTIONS: reads those sums, and writes for each
+// pixel the mean of their logarithms, by weight, and how many splats with their centres there are
+// not seen anywhere.
 import constants::BIN_TILES;
 import constants::CONTRIBUTION_UNITS;
 import constants::MASK_GROUP;
@@ -34,7 +35,7 @@ const WORDS = MASK_GROUP / 32u;
 /// A pixel ends when less light than this passes through, as in tile-rasterize.
 const OPAQUE = 0.0000152587890625;
 
-/// What a pixel has seen of its tile's list.
+/// A pixel's progress through its tile's list.
 struct Pixel {
   transmittance: f32,
   @if(!CONTRIBUTIONS) steps: u32,
@@ -44,7 +45,7 @@ struct Pixel {
   @if(CONTRIBUTIONS) unseen: u32,
 }
 
-/// Records of a word of the list, and what the tile's pixels see of them.
+/// Records of a word of the list, and their contributions to the tile's pixels.
 @if(!CONTRIBUTIONS) var<workgroup> owners: array<u32, 32>;
 @if(!CONTRIBUTIONS) var<workgroup> sums: array<atomic<u32>, 32>;
 
@@ -112,7 +113,7 @@ fn passed(before: Pixel, cell: vec2u, record: u32, i: u32) -> Pixel {
   return pixel;
 }
 
-/// Adds what the tile sees of one record of a word to what the whole picture shows of it; a thread per bit.
+/// Adds the tile's contribution of a word's record to that of the whole picture; a thread per bit.
 @if(!CONTRIBUTIONS)
 fn addSum(lane: u32, count: u32) {
   if (lane >= count) { return; }

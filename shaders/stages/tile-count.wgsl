@@ -1,6 +1,7 @@
 // Counts the bins that each visible splat may touch: the pairs that tile-emit will write for it.
-// Reads the records in drawing order; writes, per rank, the number of pairs before it within its block of TILE_COUNT_BLOCK
-// ranks, and the number of pairs of each block. One workgroup per block, TILE_COUNT_ITEMS ranks per thread.
+// Reads the records in drawing order; writes, per rank, the number of pairs before it within its
+// block of TILE_COUNT_BLOCK ranks, and the number of pairs of each block. One workgroup per block,
+// TILE_COUNT_ITEMS ranks per thread.
 import constants::TILE_COUNT_BLOCK;
 import constants::TILE_COUNT_ITEMS;
 import constants::TILE_WORKGROUP;

@@ -1,7 +1,8 @@
-// Lists the pairs of visible splats and bins, front to back, and counts the digits of their keys for the first pass of the sort.
-// Reads the numbers of pairs from tile-count, and the records; writes each pair's key (its bin) and its record, and the digit
-// counts of each block of SORT_BLOCK pairs. One workgroup per block of pairs, not of splats, so that huge splats, which meet in
-// few places of the order, keep no workgroup longer than others.
+// Lists the pairs of visible splats and bins, front to back, and counts the digits of their keys
+// for the first pass of the sort. Reads the numbers of pairs from tile-count, and the records;
+// writes each pair's key (its bin) and its record, and the digit counts of each block of SORT_BLOCK
+// pairs. One workgroup per block of pairs, not of splats, so that huge splats, which meet in few
+// places of the order, keep no workgroup longer than others.
 import constants::DIGIT_BITS;
 import constants::SORT_BLOCK;
 import constants::TILE_COUNT_BLOCK;
@@ -67,7 +68,8 @@ fn emitRun(start: u32, end: u32) {
     emitSplat(order[tilePlan.visibleCount - 1u - rank], pairsBefore(rank), start, splatEnd);
     if (splatEnd >= end || rank >= lastRank) { break; }
     rank++;
-    // Most splats have pairs, but many thousands without any may follow each other: near ones beside the image.
+    // Most splats have pairs, but many thousands without any may follow each other: near ones
+    // beside the image.
     if (endOfPairs(rank) <= splatEnd) { rank = rankOf(splatEnd, rank, lastRank); }
   }
 }
@@ -89,7 +91,7 @@ fn emitSplat(index: u32, splatStart: u32, start: u32, end: u32) {
     }
     rowStart = rowEnd;
   }
-  // This shader may round otherwise than the one that counted. A pair too many gets a key behind all bins.
+  // This shader may round otherwise than the counting one. Excess pairs get a key behind all bins.
   let first = max(start, rowStart);
   for (var pair = first; pair < end; pair++) { writePair(pair, grid.binColumns * grid.binRows, index); }
 }

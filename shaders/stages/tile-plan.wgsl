@@ -1,7 +1,7 @@
-// Decides whether this frame's pairs fit, and sizes the tile stages by their number, on the GPU, so that it is never read back
-// within the frame.
-// Reads the number of pairs of each block of ranks; writes the pairs before each block, the plan of the tiles and of their sort,
-// and the arguments of the quads: they draw nothing where the tiles draw everything. One workgroup.
+// Decides whether this frame's pairs fit, and sizes the tile stages by their number, on the GPU, so
+// that it is never read back within the frame. Reads the number of pairs of each block of ranks;
+// writes the pairs before each block, the plan of the tiles and of their sort, and the arguments of
+// the quads: they draw nothing where the tiles draw everything. One workgroup.
 import constants::SORT_BLOCK;
 import constants::TILE_COUNT_BLOCK;
 import constants::TILE_WORKGROUP;

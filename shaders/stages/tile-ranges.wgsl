@@ -1,6 +1,7 @@
-// Finds each bin's part of the sorted pairs, and puts the bins in the order in which they are drawn: long lists first, so that no
-// workgroup is still at work when all others are done.
-// Reads the sorted keys; writes the first pair of each bin, and the order. One workgroup; one thread per bin and round.
+// Finds each bin's part of the sorted pairs, and puts the bins in the order in which they are
+// drawn: long lists first, so that no workgroup is still at work when all others are done. Reads
+// the sorted keys; writes the first pair of each bin, and the order. One workgroup; one thread per
+// bin and round.
 import constants::TILE_WORKGROUP;
 import layout::TileGrid;
 import layout::TilePlan;

@@ -1,10 +1,11 @@
-// Blends the splats of each tile front to back, in float32, and writes the layer.
-// Reads each bin's sorted pairs, the tiles that they may touch, and the records; writes every pixel of the layer, and its
-// median depth if requested. One workgroup per tile, from the grid's first on; each thread blends TILE_PIXELS pixels, one above the other.
-// With NARROW each thread reads the tile's splats by itself, without workgroup memory: where few threads run in lockstep, barriers
-// and shared lists cost more than that. Otherwise the threads load batches of splats together.
-// A pixel ends when less than 2⁻¹⁶ of the light behind passes through: what is left out is less than that share of the brightest
-// colour behind.
+// Blends the splats of each tile front to back, in float32, and writes the layer. Reads each bin's
+// sorted pairs, the tiles that they may touch, and the records; writes every pixel of the layer,
+// and its median depth if requested. One workgroup per tile, from the grid's first on; each thread
+// blends TILE_PIXELS pixels, one above the other. With NARROW each thread reads the tile's splats
+// by itself, without workgroup memory: where few threads run in lockstep, barriers and shared lists
+// cost more than that. Otherwise the threads load batches of splats together. A pixel ends when
+// less than 2⁻¹⁶ of the light behind passes through: less than that share of the brightest colour
+// behind is left out.
 import constants::BIN_TILES;
 import constants::MASK_GROUP;
 @if(!NARROW) import constants::TILE_BATCH;
@@ -65,7 +66,7 @@ struct Pixel {
   transmittance: f32,
   /// Least and greatest depth that is drawn here, as the host stores it in the middle of the image.
   @if(DEPTH_TEST) range: vec2f,
-  /// View depth of the splat that makes the pixel more than half covered, or of the last one so far.
+  /// View depth of the splat that makes the pixel more than half covered, or of the last so far.
   @if(DEPTH_LAYER) depthView: f32,
 }
 
@@ -191,7 +192,7 @@ fn pairOf(index: u32) -> u32 {
   return word * 32u + bit;
 }
 
-/// Loads a splat of a batch: the window's pair `first` + `i`. An empty one draws nothing: splats are blended four at a time.
+/// Loads a splat of a batch: the window's pair `first` + `i`. Empty ones fill up batches of four.
 @if(!NARROW)
 fn loadSplat(window: u32, first: u32, i: u32, count: u32) {
   var splat: TileSplat;
@@ -209,7 +210,7 @@ fn tileSplatOf(splat: SplatRecord) -> TileSplat {
   );
 }
 
-/// Blends a splat behind what a thread's pixels have; `center` is the uppermost one's.
+/// Blends a splat behind a thread's pixels; `center` is the uppermost one's.
 fn blend(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, splat: TileSplat) {
   let local = localCoordinate(splat.gradients, center - splat.place.xy);
   @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
@@ -254,13 +255,13 @@ fn emptyPixel(cell: vec2u) -> Pixel {
   return pixel;
 }
 
-/// Least and greatest depth of splats that the host's depth does not hide at a pixel, moved to the middle of the image.
+/// Range of depths of splats that the host's depth does not hide at a pixel, at the image's middle.
 @if(DEPTH_TEST)
 fn drawnDepths(cell: vec2u) -> vec2f {
   let stored = textureLoad(testedDepth, min(cell, grid.sizePx - 1u), 0);
   let ndc = ((vec2f(cell) + 0.5) / view.sizePx * 2.0 - 1.0) * vec2f(1.0, -1.0);
   let offset = dot(hostDepth.slope, ndc);
-  // Depths that rounding alone puts outside of 0…1 count as 0 or 1; those really outside are clipped.
+  // Depths that only rounding puts outside of 0…1 count as 0 or 1; those truly outside are clipped.
   @if(!REVERSED_DEPTH) let range = vec2f(-DEPTH_ROUNDING, select(stored, 1.0 + DEPTH_ROUNDING, stored >= 1.0));
   @if(REVERSED_DEPTH) let range = vec2f(select(stored, -DEPTH_ROUNDING, stored <= 0.0), 1.0 + DEPTH_ROUNDING);
   return range - offset;

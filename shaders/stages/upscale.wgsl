@@ -1,8 +1,8 @@
-// Scales splats that were blended in a smaller layer to the image's size.
-// Reads the smaller layer and, if there is one, its depths; writes both at the image's size. One
-// thread per pixel of the image: a render pass takes longer than the splats do (docs/accuracy.md).
-// Bilinear between the middles of pixels, constant beyond the outermost. Values are premultiplied, so
-// they can be averaged directly. Reference: reference/upscale.ts.
+// Scales splats that were blended in a smaller layer to the image's size. Reads the smaller layer
+// and, if there is one, its depths; writes both at the image's size. One thread per pixel of the
+// image: a render pass takes longer than the splats do (docs/accuracy.md). Bilinear between the
+// middles of pixels, constant beyond the outermost. Values are premultiplied, so they can be
+// averaged directly. Reference: reference/upscale.ts.
 import constants::IMAGE_TILE_PX;
 import layout::UpscaleParameters;
 import package::lib::layer_rounding::rounded;
@@ -17,7 +17,8 @@ import package::lib::layer_rounding::rounded;
 
 const SIDE_PX = IMAGE_TILE_PX;
 
-/// Interpolates `values` at `place`, which counts pixels from the middle of the first and lies between the outermost middles.
+/// Interpolates `values` at `place`, which counts pixels from the middle of the first and lies
+/// between the outermost middles.
 fn bilinear(values: texture_2d<f32>, place: vec2f, last: vec2f) -> vec4f {
   let low = vec2u(place);
   let high = min(low + 1u, vec2u(last));
