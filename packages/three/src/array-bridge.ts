@@ -1,4 +1,4 @@
-// The part of three's internals that passes of several cameras need; loaded when an ArrayCamera draws splats.
+// three's internals for passes of several cameras; loaded when an ArrayCamera draws splats.
 import type { HostPass } from '@websplatter/core';
 import type { ArrayCamera, Camera, Object3D, Scene, Vector4, WebGPURenderer } from 'three/webgpu';
 import {
@@ -15,7 +15,7 @@ import {
 
 /** The backend's data about a pass with a layer of its target for each camera. */
 interface LayersData extends RenderContextData {
-  /** What was drawn so far, in stages, each with a copy of every layer after it; since 0.187. */
+  /** Draws so far, in stages, each with a copy of every layer after it; since 0.187. */
   readonly arrayCameraRenderStages?: {
     readonly bundles: readonly GPURenderBundle[];
     readonly framebufferCopy: undefined;
@@ -39,7 +39,8 @@ export const MOST_CAMERAS = 16;
 /**
  * As `openPass`, for the cameras of `camera`: each has a viewport of the target or, in XR, a layer.
  *
- * @param onError called with what is thrown while layers are recorded: three would abandon its frame.
+ * @param onError called with errors thrown while layers are recorded: three would abandon its
+ *   frame.
  */
 export function openArrayPass(
   renderer: WebGPURenderer,
@@ -65,7 +66,7 @@ function ratioOf(renderer: WebGPURenderer, { renderTarget }: RenderContext): num
   return isCanvas ? renderer.getPixelRatio() : 1;
 }
 
-/** Makes parts of `pass` that lie side by side in one layer. All are recorded in one interruption. */
+/** Makes parts of `pass` side by side in one layer. All are recorded in one interruption. */
 function withViewports(pass: OpenPass, cameras: readonly Camera[], ratio: number): OpenPass {
   const [whole] = pass.parts;
   const px = (value: number) => Math.floor(value * ratio);
@@ -90,7 +91,10 @@ function withViewports(pass: OpenPass, cameras: readonly Camera[], ratio: number
   };
 }
 
-/** Makes parts of `pass` with a layer each. three only notes draws, and makes a layer's passes at the end of its render. */
+/**
+ * Makes parts of `pass` with a layer each. three only notes draws, and makes a layer's passes at
+ * the end of its render.
+ */
 function withLayers(
   pass: OpenPass,
   cameras: readonly Camera[],
@@ -121,7 +125,7 @@ function withLayers(
       let layer = 0;
       stages.push({
         bundles: layers._finishArrayCameraBundleEncoders(data),
-        // three asks for this between two passes of each layer. There is nothing to copy, but something to record.
+        // three asks for this between two passes of each layer: the time to record, not to copy.
         get framebufferCopy() {
           try {
             record(layer++, data.encoder);

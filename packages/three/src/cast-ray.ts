@@ -17,7 +17,7 @@ import type { PlacedData } from './data-edits.ts';
 import type { LayerCloud } from './layer-cloud.ts';
 import { engineCamera, layersAround } from './splat-layer.ts';
 
-/** What shows splats to rays: a SplatCloudObject. */
+/** An object that shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
   readonly opacity: number;
   /** Null where they are not known yet, and the splats not drawn. */
@@ -27,15 +27,15 @@ export interface RayTarget extends Object3D {
 /** Adds the hit of a ray with the splats of `object`, if there is one. */
 export type CastRay = (object: RayTarget, raycaster: Raycaster, intersects: Intersection[]) => void;
 
-/** What part of its opacity a splat at a point of the world has, 0…1. */
+/** The part of its opacity that a splat at a point of the world has, 0…1. */
 type ShownAt = (point: Vector3) => number;
 
 /** No fog, which does not stop rays. */
 const NO_SCENE = new Scene();
 
 /**
- * Makes what rays are tested against, from splats in memory or on the first engine that has them. Follows their edits: rays ask
- * for what is tested to be made anew.
+ * Makes the tree that rays are tested against, from splats in memory or on the first engine that
+ * has them. Follows their edits: rays ask for a new tree.
  *
  * @throws DestroyedError if the splats are nowhere, and as `makeRayTree` does.
  */
@@ -47,7 +47,7 @@ export async function rayCaster(data: PlacedData, packed: PackedCloud | null): P
     castRay(tree, object, raycaster, intersects);
     const newest = versionOf(data);
     if (version === newest || isRenewing) return;
-    // Splats that are edited all the time are renewed one time after another; rays meet the last ones meanwhile.
+    // Splats under constant edits are renewed again and again; rays meet the last ones meanwhile.
     isRenewing = true;
     treeOf(data, null)
       .then((renewed) => {
@@ -107,21 +107,21 @@ function castRay(
   intersects.push({ distance, point: ray.at(distance, new Vector3()), object });
 }
 
-/** Returns the height in physical pixels of the latest image that shows `object`; undefined if there is none. */
+/** Returns the height in physical pixels of the latest image of `object`; undefined if none. */
 function imageHeightPx(object: RayTarget): number | undefined {
   const cloud = object as Object3D as LayerCloud;
   const [view] = layersAround(cloud).flatMap(({ views }) => views.latestWith(cloud) ?? []);
   return (view?.color?.sourceTexture as GPUTexture | undefined)?.height;
 }
 
-/** A camera whose picture a ray belongs to, and the distances between which it draws along the ray. */
+/** The camera of a ray's picture, and the distances between which it draws along the ray. */
 interface RaysCamera {
   readonly camera: PerspectiveCamera | OrthographicCamera;
   readonly near: number;
   readonly far: number;
 }
 
-/** Returns null for rays that a camera merely comes with: they begin elsewhere, or go where it does not look. */
+/** Returns null for rays that are not the camera's: they begin elsewhere, or leave its view. */
 function viewOf(ray: Ray, camera: Camera | null | undefined): RaysCamera | null {
   if (!(camera instanceof PerspectiveCamera || camera instanceof OrthographicCamera)) return null;
   const { matrixWorld, projectionMatrix, near, far } = camera;

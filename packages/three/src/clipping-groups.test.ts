@@ -20,7 +20,7 @@ function objectIn(...groups: readonly Object3D[]): Object3D {
   return object;
 }
 
-/** Whether the effect keeps a splat at `position`, relative to the cloud's `origin`; computed as its shader does. */
+/** Whether the effect keeps a splat at `position` from the cloud's `origin`, as its shader does. */
 function keeps(
   object: Object3D,
   position: Vector3,

@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '@websplatter/core';
 import { defineEffect, type EffectUse } from '@websplatter/core/effects';
 import type { ClippingGroup, Object3D, Plane } from 'three/webgpu';
 
-/** Planes in world space, as three's ClippingGroups have them: what their normals point away from is cut off. */
+/** World planes, as of three's ClippingGroups: the side behind their normals is cut off. */
 interface ClippingPlanes {
   /** Each of them cuts off what is behind it. */
   readonly each: readonly Plane[];
@@ -73,7 +73,8 @@ const clippingGroups = defineEffect<ClippingPlanes, typeof MATRICES>({
 });
 
 /**
- * Returns the effect that cuts `object` off as three's clipping cuts off meshes in its place; none if nothing does.
+ * Returns the effect that cuts `object` off as three's clipping cuts off meshes in its place; none
+ * if nothing does.
  *
  * @throws InvalidArgumentError for more planes than the effect has room for.
  */
@@ -91,7 +92,10 @@ export function clippingOf(object: Object3D): EffectUse[] {
   return each.length + together.length === 0 ? [] : [clippingGroups({ each, together })];
 }
 
-/** Returns factors of x, y, z and 1: distance of a cloud's point, relative to its origin, from a plane of the world. */
+/**
+ * Returns factors of x, y, z and 1: distance of a cloud's point, relative to its origin, from a
+ * plane of the world.
+ */
 function distancesFrom(
   { normal, constant }: Plane,
   m: ArrayLike<number>,

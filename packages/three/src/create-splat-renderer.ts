@@ -24,11 +24,13 @@ interface RendererState {
 const states = new WeakMap<object, RendererState>();
 
 /**
- * Creates and initialises three's WebGPURenderer on a device with room for large scenes. `<Canvas gl={…}>` of
- * react-three-fiber accepts this function. `renderer.dispose()` also frees the device and all splats on it.
+ * Creates and initialises three's WebGPURenderer on a device with room for large scenes. `<Canvas
+ * gl={…}>` of react-three-fiber accepts this function. `renderer.dispose()` also frees the device
+ * and all splats on it.
  *
- * @throws WebGpuUnavailableError if there is no WebGPU, InvalidArgumentError for an unknown accuracy, CodeUnavailableError if the
- *   engine's code cannot be fetched, SplatsUnsupportedRendererError if three does not draw with WebGPU on the device.
+ * @throws WebGpuUnavailableError if there is no WebGPU, InvalidArgumentError for an unknown
+ *   accuracy, CodeUnavailableError if the engine's code cannot be fetched,
+ *   SplatsUnsupportedRendererError if three does not draw with WebGPU on the device.
  */
 export async function createSplatRenderer({
   accuracy,
@@ -69,8 +71,9 @@ export function splatEngineOf(renderer: object): SplatEngine {
 }
 
 /**
- * Calls `listener` when the renderer's device is lost: by a reset of the driver, the end of the browser's GPU process, or
- * `device.destroy()`, but not by `renderer.dispose()`. three draws nothing from then on; a new renderer is needed.
+ * Calls `listener` when the renderer's device is lost: by a reset of the driver, the end of the
+ * browser's GPU process, or `device.destroy()`, but not by `renderer.dispose()`. three draws
+ * nothing from then on; a new renderer is needed.
  *
  * @returns a function that stops listening.
  */

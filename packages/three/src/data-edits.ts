@@ -8,7 +8,7 @@ export interface Place {
   readonly users: Map<object, unknown>;
 }
 
-/** What edits data, and where these are. */
+/** Edits of data, and the places of these. */
 export interface PlacedData {
   readonly name: string;
   readonly edits: DataEdits | null;

@@ -8,7 +8,7 @@ import { SplatData } from './splat-data.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
 import { packedCloudAt, splatDataAt } from './testing/test-clouds.ts';
 
-/** An engine whose cloud has what an upload of `packed` would give it, and records what is written to its planes. */
+/** An engine whose cloud is as after an upload of `packed`, and records writes to its planes. */
 function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
   const fake = fakeEngine();
   const writeBuffer = vi.fn();

@@ -13,8 +13,9 @@ import type { SplatData } from './splat-data.ts';
 import { withBounds } from './splat-layer.ts';
 
 /**
- * Returns the edits of data, by rows of its file or arrays: always the same. What is edited is shown by all objects with these data,
- * on all renderers, also after a lost device, and asks for frames by itself.
+ * Returns the edits of data, by rows of its file or arrays: always the same. Edits are shown by all
+ * objects with these data, on all renderers, also after a lost device, and asks for frames by
+ * itself.
  *
  * @throws SplatSourceError for a preview.
  */

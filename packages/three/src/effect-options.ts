@@ -21,13 +21,13 @@ export function encodedColor(color: ColorRepresentation): Vec3 {
   if (!isColor)
     throw new InvalidArgumentError('color', `A colour is a name, a number or a Color, no ${typeof color}.`);
   const { r, g, b } = new Color(color).getRGB(new Color(), SRGBColorSpace);
-  // float32, as in shaders: three returns 0.9999999999999999 for white, which would count as a tint.
+  // float32, as in shaders: three's white of 0.9999999999999999 would count as a tint.
   return [Math.fround(r), Math.fround(g), Math.fround(b)];
 }
 
 /**
- * Converts one of three's shapes, in world space, into a volume for `clip`. The inside of a plane is the side that its
- * normal points to, which is the side that three's own clipping planes keep.
+ * Converts one of three's shapes, in world space, into a volume for `clip`. The inside of a plane
+ * is the side that its normal points to, which is the side that three's own clipping planes keep.
  *
  * @param keep the side to keep.
  */

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 
-/** The renderer cannot draw splats: it is not three's WebGPURenderer on a device that this library requested. */
+/** The renderer cannot draw splats: it is not a WebGPURenderer on a device of this library. */
 export class SplatsUnsupportedRendererError extends WebSplatterError {
   override readonly name = 'SplatsUnsupportedRendererError';
   constructor(message: string) {
@@ -9,8 +9,8 @@ export class SplatsUnsupportedRendererError extends WebSplatterError {
 }
 
 /**
- * Splats are drawn less exactly than requested, or use more memory than necessary: `cause` says why. The image stays as it
- * was.
+ * Splats are drawn less exactly than requested, or use more memory than necessary: `cause` says
+ * why. The image stays as it was.
  */
 export class SplatsPrecisionError extends WebSplatterError {
   override readonly name = 'SplatsPrecisionError';

@@ -1,4 +1,4 @@
-// Reads what three's nodes are made of. If a release of three hides that, nothing is found, and splats do not follow fog nodes.
+// Reads the parts of three's nodes. If a release hides these, splats do not follow fog nodes.
 import { densityFogFactor, float, fog, rangeFogFactor, vec3 } from 'three/tsl';
 import { type Color, Fog, FogExp2 } from 'three/webgpu';
 
@@ -15,8 +15,9 @@ const [anyFog, anyRange, anyDensity] = [
 ] as readonly CallNode[];
 
 /**
- * Returns the fog of `fog(color, rangeFogFactor(near, far))` or `fog(color, densityFogFactor(density))`, with the present values of
- * its uniforms; null for every other node, and for inputs that are computed.
+ * Returns the fog of `fog(color, rangeFogFactor(near, far))` or `fog(color,
+ * densityFogFactor(density))`, with the present values of its uniforms; null for every other node,
+ * and for inputs that are computed.
  */
 export function fogOfNode(fogNode: object): Fog | FogExp2 | null {
   const [colorInput, factor] = inputsOf(fogNode, anyFog) ?? [];
@@ -34,7 +35,7 @@ function inputsOf(node: CallNode, { shaderNode }: CallNode): readonly unknown[] 
   return (shaderNode && node.shaderNode === shaderNode && node.rawInputs) || null;
 }
 
-/** Returns the value of a constant or a uniform, or what was given in the place of a node; null for what is computed. */
+/** Returns a constant's or uniform's value, or one given in place of a node; null if computed. */
 function givenValue(input: unknown): unknown {
   const node = input as { isNode?: boolean; isInputNode?: boolean; value?: unknown } | null | undefined;
   if (!node?.isNode) return input ?? null;

@@ -1,4 +1,4 @@
-// Where a page hosts the worker is a matter of core; applications that install only this package set it too.
+// The worker's address is a matter of core; apps that install only this package set it too.
 export { setWorkerUrl } from '@websplatter/core';
 export {
   createSplatRenderer,

@@ -19,8 +19,9 @@ export interface ShownImages {
 /**
  * An image in the viewport, of its size, as a node.
  *
- * When three draws an object, directly after `onBeforeRender`, it binds the image that `show` has set; draws recorded before
- * keep their own bind groups. One node therefore serves all views, as long as `show` precedes each draw.
+ * When three draws an object, directly after `onBeforeRender`, it binds the image that `show` has
+ * set; draws recorded before keep their own bind groups. One node therefore serves all views, as
+ * long as `show` precedes each draw.
  */
 export class ViewportImage {
   /** The image's pixel at the fragment; that of `nothing` where nothing is shown. */
@@ -32,8 +33,8 @@ export class ViewportImage {
   readonly #scale = uniform(0);
 
   /**
-   * @param nothing a texture of one pixel, with the sample type of the images: of its own, since three binds nodes that begin
-   *   with the same texture only once.
+   * @param nothing a texture of one pixel, with the sample type of the images: of its own, since
+   *   three binds nodes that begin with the same texture only once.
    */
   constructor(nothing: Texture) {
     nothing.needsUpdate = true;
@@ -58,14 +59,14 @@ export class ViewportImage {
 export type Texel = ViewportImage['texel'];
 
 /**
- * Covers the viewport with an image of its size, pixel by pixel. three builds one shader for the material, and one set of
- * bindings per kind of target and depth of nesting.
+ * Covers the viewport with an image of its size, pixel by pixel. three builds one shader for the
+ * material, and one set of bindings per kind of target and depth of nesting.
  */
 export abstract class ViewportMaterial extends NodeMaterial {
   /** By the camera's index; only one, until several cameras draw at once. */
   readonly images: ViewportImage[];
 
-  /** @param nothing a texture of one pixel that the material does not draw, with the sample type of the images. */
+  /** @param nothing an undrawn texture of one pixel, with the sample type of the images. */
   constructor(nothing: Texture) {
     super();
     this.images = [new ViewportImage(nothing)];
@@ -97,7 +98,7 @@ export abstract class ViewportMaterial extends NodeMaterial {
     for (const image of this.images) image.dispose();
   }
 
-  /** Ignores clipping planes: they cut meshes by position, and the position of a triangle over the viewport means nothing. */
+  /** Ignores clipping planes, which cut by position: a triangle over the viewport has none. */
   override setupClipping(): ReturnType<NodeMaterial['setupClipping']> {
     // three, too, returns null if nothing clips; its type declarations omit that.
     return null as never;
@@ -106,7 +107,7 @@ export abstract class ViewportMaterial extends NodeMaterial {
   override setupHardwareClipping(): void {}
 }
 
-/** Replaces the target's colour with the image's exact value wherever the image has some opacity. */
+/** Replaces the target's colour with the image's exact value where the image has opacity. */
 export class ColorLayerMaterial extends ViewportMaterial {
   constructor() {
     super(new DataTexture(new Uint8Array(4), 1, 1));

@@ -14,7 +14,7 @@ function poseOf(...clouds: readonly (readonly [object, CloudPose])[]): Pose {
   return { clipMatrix: camera.projectionMatrix, clouds: new Map(clouds) };
 }
 
-/** Returns how far the place (x, 0, −5) has come along x, in normalised device coordinates, and where it is in each box. */
+/** Returns the motion of the place (x, 0, −5) along x, in NDC, and where it is in each box. */
 function motionAt(previous: Pose, current: Pose, x: number) {
   const { toClip, boxes } = motionBetween(previous, current, ndcToWorld);
   const ndc = new Vector3(x, 0, -5).applyMatrix4(camera.projectionMatrix);

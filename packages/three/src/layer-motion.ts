@@ -20,11 +20,14 @@ export interface Pose {
   readonly clouds: ReadonlyMap<object, CloudPose>;
 }
 
-/** How what a frame shows has moved since the frame before. All matrices take normalised device coordinates of the frame. */
+/**
+ * Motion of a frame's content since the frame before. All matrices take normalised device
+ * coordinates of the frame.
+ */
 export interface Motion {
   /** To the frame's own clip space without jitter. */
   readonly toClip: Matrix4;
-  /** At least one, the largest first: a place belongs to the box that it is in, the last of several, or to the nearest. */
+  /** At least one, largest first: a place belongs to the last box around it, or the nearest. */
   readonly boxes: readonly MovingBox[];
 }
 
@@ -52,11 +55,13 @@ export class PoseHistory {
 }
 
 /**
- * Returns how clouds have moved. A pixel tells its place but not its cloud: if all clouds have moved alike, that is exact
- * everywhere; if not, each place is taken to belong to the cloud with the smallest box around it. Of more than `MOST_MOTIONS`
- * clouds, the smallest move with what is around them.
+ * Returns how clouds have moved. A pixel tells its place but not its cloud: if all clouds have
+ * moved alike, that is exact everywhere; if not, each place is taken to belong to the cloud with
+ * the smallest box around it. Of more than `MOST_MOTIONS` clouds, the smallest move with their
+ * surroundings.
  *
- * @param ndcToWorld from normalised device coordinates of the frame, as it is drawn, to world space.
+ * @param ndcToWorld from normalised device coordinates of the frame, as it is drawn, to world
+ *   space.
  */
 export function motionBetween(previous: Pose, current: Pose, ndcToWorld: Matrix4): Motion {
   const clouds = [...current.clouds].map(([cloud, pose]) => {
@@ -80,7 +85,7 @@ function product(...matrices: readonly Matrix4[]): Matrix4 {
   return matrices.reduce((all, next) => all.multiply(next), new Matrix4());
 }
 
-/** Returns what takes points that move with a model matrix back; the identity where nothing has moved, exactly. */
+/** Returns the matrix that moves a model's points back; the exact identity at rest. */
 function moved(now: Matrix4, before: Matrix4): Matrix4 {
   const isStill = now.equals(before) || now.determinant() === 0;
   return isStill ? new Matrix4() : new Matrix4().multiplyMatrices(before, now.clone().invert());

@@ -48,7 +48,7 @@ const INTEGER_FORMATS: readonly number[] = [RedIntegerFormat, RGIntegerFormat, R
 /** A depth image without splats. */
 const noDepth = () => new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, FloatType);
 
-/** Writes the image's values as depth, except negative ones and those with something in front of them. */
+/** Writes the image's values as depth, but for negative ones and those behind others. */
 class DepthLayerMaterial extends ViewportMaterial {
   constructor() {
     super(noDepth());
@@ -90,24 +90,26 @@ class OutputsLayerMaterial extends ColorLayerMaterial {
 }
 
 /**
- * What a layer writes besides its colours: depth, and the outputs of passes that have several, such as normals and motion.
- * Splats write these where they write depth. Elsewhere all outputs keep what they had from the meshes behind.
+ * Outputs of a layer besides its colours: depth, and the outputs of passes that have several, such
+ * as normals and motion. Splats write these where they write depth. All outputs keep the values of
+ * the meshes behind elsewhere.
  *
- * Motion is what three's `velocity` is for meshes, the difference of normalised device coordinates from the frame before, and is
- * written to the output that has this name.
+ * Motion is like three's `velocity` of meshes, the difference of normalised device coordinates from
+ * the frame before, and is written to the output that has this name.
  */
 export class LayerOutputs {
   /** In the place of the layer's first material. */
   readonly colorMaterial = new OutputsLayerMaterial((...pass) => this.#outputsOf(...pass));
   readonly depthMaterial = new DepthLayerMaterial();
   readonly #depth = new ViewportImage(noDepth());
-  /** What outputs have behind the splats, by their names and whether they have floats of 32 bits, which are bound in another way. */
+  /** Output behind the splats, by name and whether float32, which is bound in another way. */
   readonly #behind = new Map<string, ViewportImage>();
   readonly #motion = new MotionUniforms();
 
   /**
-   * Prepares for the draw of the image that `view` has just made for a part of `pass`, and keeps what outputs have behind the
-   * splats. Call while the pass is interrupted. If several cameras draw at once, outputs keep what meshes wrote.
+   * Prepares for the draw of the image that `view` has just made for a part of `pass`, and keeps
+   * the outputs behind the splats. Call while the pass is interrupted. If several cameras draw at
+   * once, outputs keep the meshes' values.
    */
   show(
     view: LayerView,
@@ -180,7 +182,7 @@ class MotionUniforms {
   readonly #sizePx = uniform(new Vector2());
   /** near and far of logarithmic depth; 0 for depth as the projection has it. */
   readonly #logarithmic = uniform(new Vector2());
-  /** What takes the negated inverse of the view's z to normalised device coordinates: factor and summand. */
+  /** Factor and summand from the negated inverse of the view's z to normalised device z. */
   readonly #toNdcZ = uniform(new Vector2());
   readonly #toClip = uniform(new Matrix4());
   readonly #boxCount = uniform(0, 'int');
@@ -245,7 +247,7 @@ function elementOf(array: ReturnType<typeof matrices>, index: Node<'int'>): Node
   return array.element(index) as unknown as Node<'mat4'>;
 }
 
-/** What is kept for a view. */
+/** Outputs kept for a view. */
 interface ViewOutputs {
   /** Copies of the outputs' textures, by name. */
   readonly behind: Map<string, ExternalTexture>;
@@ -292,7 +294,7 @@ function destroyCopy(copy: ExternalTexture): void {
 }
 
 function poseOf(clouds: Iterable<LayerCloud>, camera: Camera): Pose {
-  // Temporal effects move the camera by parts of a pixel, and give three the projection without that.
+  // Temporal effects shift the camera by parts of a pixel, and give three the unshifted projection.
   const projection = velocity.projectionMatrix ?? camera.projectionMatrix;
   return {
     clipMatrix: projection.clone().multiply(camera.matrixWorldInverse),

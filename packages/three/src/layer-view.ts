@@ -2,10 +2,10 @@ import type { CloudInstance, EmbeddedImage, EmbeddedView } from '@websplatter/co
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { LayerCloud } from './layer-cloud.ts';
 
-/** Number of a layer's draws after which a view without one of them is freed: some seconds of frames with several views. */
+/** Draws of a layer until a view without any is freed: seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
 
-/** What a view belongs to. */
+/** Renderer, camera and target of a view. */
 interface ViewPlace {
   readonly renderer: object;
   readonly camera: Camera;
@@ -20,7 +20,7 @@ export class LayerView {
   color: ExternalTexture | null = null;
   /** Depth of the last image; null if it has none. */
   depth: ExternalTexture | null = null;
-  /** What else is kept for the view's outputs; null before it is needed. */
+  /** State kept for the view's outputs; null before it is needed. */
   outputs: { destroy(): void } | null = null;
   /** Clouds of the embedded view's last frame, in its order. */
   clouds: ReadonlyMap<LayerCloud, CloudInstance> = new Map();
@@ -52,15 +52,15 @@ export class LayerView {
 }
 
 /**
- * The views of a layer, by renderer, camera and target: a nested render, such as a mirror's, must not disturb the one around
- * it.
+ * The views of a layer, by renderer, camera and target: a nested render, such as a mirror's, must
+ * not disturb the one around it.
  */
 export class LayerViews {
   /** Few: those of the last frames, that of the last draw at the end. */
   readonly #all = new Set<LayerView>();
   #draws = 0;
 
-  /** Returns the view for a draw, made by `create` if there is none. Frees views that have long been idle. */
+  /** Returns the view for a draw, made by `create` if there is none. Frees views long idle. */
   use(renderer: object, camera: Camera, target: object, create: () => EmbeddedView): LayerView {
     const place = { renderer, camera, target };
     const view = this.latest(renderer, camera, target) ?? new LayerView(place, create());
@@ -71,7 +71,7 @@ export class LayerViews {
     return view;
   }
 
-  /** Returns the view that `renderer` drew last from `camera`, or null; with a target, that for it. */
+  /** Returns the view that `renderer` drew last from `camera` (to `target`, if given), or null. */
   latest(renderer: object, camera: Camera, target?: object): LayerView | null {
     return this.#latest(
       ({ place }) =>
@@ -101,7 +101,10 @@ export class LayerViews {
   }
 }
 
-/** Returns `old` if it wraps `texture`; if not, a new object, because three keeps the views of a texture with its object. */
+/**
+ * Returns `old` if it wraps `texture`; if not, a new object, because three keeps the views of a
+ * texture with its object.
+ */
 function wrapping(old: ExternalTexture | null, texture: GPUTexture): ExternalTexture {
   if (old?.sourceTexture === texture) return old;
   old?.dispose();

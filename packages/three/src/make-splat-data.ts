@@ -20,14 +20,16 @@ export interface MakeSplatDataOptions {
 }
 
 /**
- * Makes data, for `<Splats src={data}>` or a SplatCloudObject, of splats in memory: arrays, a set of core's, or the geometry that
- * three's own splat loaders return (`GaussianSplatPLYLoader`, `SPLATLoader`, `SPZLoader`, `KSPLATLoader`) or that a
- * `GaussianSplat` of its glTF loader shows (`splatGeometry`), with their rounded colours. Row i is the i-th splat.
+ * Makes data, for `<Splats src={data}>` or a SplatCloudObject, of splats in memory: arrays, a set
+ * of core's, or the geometry that three's own splat loaders return (`GaussianSplatPLYLoader`,
+ * `SPLATLoader`, `SPZLoader`, `KSPLATLoader`) or that a `GaussianSplat` of its glTF loader shows
+ * (`splatGeometry`), with their rounded colours. Row i is the i-th splat.
  *
- * Packs on the calling thread. The splats stay in memory, so that other renderers and precisions, and the renderer after a lost
- * device, get them too.
+ * Packs on the calling thread. The splats stay in memory, so that other renderers and precisions,
+ * and the renderer after a lost device, get them too.
  *
- * @throws InvalidArgumentError naming the array or attribute that is missing or wrong, and the value found.
+ * @throws InvalidArgumentError naming the array or attribute that is missing or wrong, and the
+ *   value found.
  */
 export function makeSplatData(
   splats: SplatArrays | SplatSet | BufferGeometry,

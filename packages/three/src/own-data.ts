@@ -1,6 +1,6 @@
 /**
- * Splats of your own, and edits of any splats (`@websplatter/three/own-data`), apart from the rest: who only shows files does not
- * download it.
+ * Splats of your own, and edits of any splats (`@websplatter/three/own-data`), apart from the rest:
+ * pages that only show files do not download it.
  */
 export {
   type EditedRows,

@@ -9,7 +9,7 @@ import {
 import { type Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
 
-/** What is known of splats since their first load. */
+/** Facts about splats since their first load. */
 interface KnownSplats {
   readonly name: string;
   readonly count: number;
@@ -19,7 +19,8 @@ interface KnownSplats {
 }
 
 /**
- * Loads splats from `source` once more. For a preview, waits until it is not asked for any more: the whole splats will take its place.
+ * Loads splats from `source` once more. For a preview, waits until it is not asked for any more:
+ * the whole splats will take its place.
  *
  * @throws SplatSourceError if the source is gone, or has other splats now.
  */

@@ -12,7 +12,8 @@ export interface RevealAnimation extends Omit<RevealOptions, 'radius' | 'softEdg
 /**
  * Checks an animation that is set later, and returns it.
  *
- * @throws InvalidArgumentError for an invalid place, width or time, and for a radius, which only the effect `reveal` has.
+ * @throws InvalidArgumentError for an invalid place, width or time, and for a radius, which only
+ *   the effect `reveal` has.
  */
 export function checkedReveal(animation: RevealAnimation): RevealAnimation {
   const { durationMs, radius, ...options } = animation as RevealAnimation & Partial<RevealOptions>;

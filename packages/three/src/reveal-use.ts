@@ -6,8 +6,9 @@ import type { RevealAnimation } from './reveal-animation.ts';
 const SOFT_PART = 0.3;
 
 /**
- * Returns the effect that shows the part of a cloud that is revealed by now. Its radius grows with the cube of time, so that
- * near splats appear visibly however far the scene reaches, until the farthest corner of the cloud's bounds has faded in.
+ * Returns the effect that shows the part of a cloud that is revealed by now. Its radius grows with
+ * the cube of time, so that near splats appear visibly however far the scene reaches, until the
+ * farthest corner of the cloud's bounds has faded in.
  *
  * @param progress 0…1, the part of the animation's time that has passed.
  * @param bounds the cloud's, in world space.

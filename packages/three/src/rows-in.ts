@@ -16,8 +16,9 @@ import type { DataEdits, PlacedData } from './data-edits.ts';
 const PIECE_SPLATS = 1 << 16;
 
 /**
- * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Takes them from the first place that has
- * the cloud, of which `user` becomes a user, else from `otherwise`, where `edits` move them.
+ * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Takes them from the
+ * first place that has the cloud, of which `user` becomes a user, else from `otherwise`, where
+ * `edits` move them.
  */
 export async function rowsIn(
   volume: Box3 | Sphere,
@@ -31,7 +32,7 @@ export async function rowsIn(
     if (cloud.isPreview)
       throw new SplatSourceError(cloud.name, 'it is still loading: its rows are not known yet.');
     users.set(user, null);
-    // What was drawn last may lack edits.
+    // The last frame may lack edits.
     edits?.flush(cloud);
     return rowsOnGpu(cloud, volume);
   }
@@ -53,7 +54,8 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
   device.pushErrorScope('out-of-memory');
   const staging = device.createBuffer({ label: `${name} centres`, size, usage });
   const lacking = device.popErrorScope();
-  // Positions are the same in planes of all precisions, and other planes may take their place while one piece is tested.
+  // Positions are the same in planes of all precisions, and other planes may take their place while
+  // one piece is tested.
   const planes = () => cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
   const rows: number[] = [];
   try {
@@ -87,7 +89,7 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
   return rows;
 }
 
-/** Adds the rows of those splats from `first` on whose geometry is `words` and whose centre is in `volume`. */
+/** Adds the rows of splats from `first` on, of geometry `words`, whose centre is in `volume`. */
 function addRows(
   rows: number[],
   { origin, fileIndices }: Pick<SplatCloud, 'origin' | 'fileIndices'>,

@@ -14,8 +14,8 @@ interface CloudInScene extends Object3D {
 }
 
 /**
- * Returns the effects of a cloud: its own, that of appearing, and those from its place in a scene, which are clipping groups,
- * and fog unless it has its own.
+ * Returns the effects of a cloud: its own, that of appearing, and those from its place in a scene,
+ * which are clipping groups, and fog unless it has its own.
  *
  * @param progress part of the time of appearing that has passed; all is shown from 1 on.
  * @throws InvalidArgumentError for fog or planes that effects cannot take.

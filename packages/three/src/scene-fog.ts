@@ -6,8 +6,9 @@ import { fogOfNode } from './fog-node.ts';
 const warned = new WeakSet<Scene>();
 
 /**
- * Returns the fog of a scene as an effect; none without fog. A `fogNode` is code for meshes, of which splats can follow range and
- * density fog. Beside any other they take the scene's `fog`, and if there is none, that is said on the console, once per scene.
+ * Returns the fog of a scene as an effect; none without fog. A `fogNode` is code for meshes, of
+ * which splats can follow range and density fog. Beside any other they take the scene's `fog`, and
+ * if there is none, that is said on the console, once per scene.
  *
  * @throws InvalidArgumentError for fog whose distances or density are no numbers.
  */

@@ -4,14 +4,15 @@ import type { SplatCloudObject, SplatHit } from './splat-cloud-object.ts';
 import { layersAround } from './splat-layer.ts';
 
 /**
- * Returns what covers each of at most 1,024 points of the world in the frame that `renderer` drew last from `camera`: how opaque
- * the splats in front of it are together, and whether an opaque mesh that was drawn before the splats is in front of it. One
- * small read-back for all points of clouds with the same `renderOrder`, which no frame waits for.
+ * Returns the cover of each of at most 1,024 points of the world in the frame that `renderer` drew
+ * last from `camera`: how opaque the splats in front of it are together, and whether an opaque mesh
+ * that was drawn before the splats is in front of it. One small read-back for all points of clouds
+ * with the same `renderOrder`, which no frame waits for.
  *
  * @param scene the scene, or any object in it.
  * @returns null where no splats have been drawn.
- * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError if memory is lacking;
- *   DestroyedError if the device ends before the result is read.
+ * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError
+ *   if memory is lacking; DestroyedError if the device ends before the result is read.
  */
 export async function coverageOf(
   renderer: object,
@@ -26,12 +27,14 @@ export async function coverageOf(
 }
 
 /**
- * Returns the splat, of any cloud in the scene, that contributes most to a pixel of the frame that `renderer` drew last from
- * `camera`; null if there is none, and before the first frame. Clouds with the highest `renderOrder` come first.
+ * Returns the splat, of any cloud in the scene, that contributes most to a pixel of the frame that
+ * `renderer` drew last from `camera`; null if there is none, and before the first frame. Clouds
+ * with the highest `renderOrder` come first.
  *
  * @param scene the scene, or any object in it.
  * @param xPx, yPx physical pixels from the canvas's top left.
- * @throws GpuLimitError if memory is lacking; DestroyedError if the device ends before the result is read.
+ * @throws GpuLimitError if memory is lacking; DestroyedError if the device ends before the result
+ *   is read.
  */
 export async function pickSplat(
   renderer: WebGPURenderer,

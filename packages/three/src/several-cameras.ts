@@ -1,4 +1,4 @@
-// What drawing with an ArrayCamera needs; few applications do.
+// Code for drawing with an ArrayCamera, as few applications do.
 import { cameraIndex, select } from 'three/tsl';
 import type { ArrayCamera, Mesh, Scene, WebGPURenderer } from 'three/webgpu';
 import { MOST_CAMERAS, openArrayPass as openOf } from './array-bridge.ts';
@@ -26,10 +26,10 @@ export function openArrayPass(
   return openOf(renderer, scene, camera, layer, (error) => layer.reportDrawing(error));
 }
 
-/** Makes `material` show an image for each of `count` cameras. It keeps its shader for one camera until several draw. */
+/** Makes `material` show an image for each of `count` cameras; one camera keeps its own shader. */
 export function makeImages(material: ViewportMaterial, count: number): void {
   const { images } = material;
-  // Two at least: three draws a material for an ArrayCamera only if that asks for the camera's index.
+  // Two at least: three draws for an ArrayCamera only if a material asks for the camera's index.
   const least = Math.min(Math.max(2, count), MOST_CAMERAS);
   if (images.length >= least) return;
   const [first] = images;

@@ -515,7 +515,7 @@ test('the first frame is announced once for each data, after three’s frame', a
   expect(first).toHaveBeenCalledTimes(2);
 });
 
-/** Waits for the code of effects that come from a scene or change with time, as a cloud in that scene does. */
+/** Waits for the code of effects that come from a scene or change with time, as clouds do. */
 async function loadedEffects(cloud: SplatCloudObject, scene = new Scene()): Promise<void> {
   await expect.poll(() => cloud.effectsAt(0, scene, new PerspectiveCamera())).not.toBeNull();
 }

@@ -47,18 +47,19 @@ export interface SplatHit {
 
 /** Events of a `SplatCloudObject`, besides those of every object. */
 export interface SplatCloudEventMap extends Object3DEventMap {
-  /** The first frame with the current data has been submitted to the GPU; not dispatched for previews. */
+  /** The first frame with the current data has been submitted; not dispatched for previews. */
   firstframe: object;
-  /** The next frame will differ although nothing in the scene has changed: shaders or data have become ready. */
+  /** The next frame will differ without a change of the scene: shaders or data are ready. */
   needsframe: object;
-  /** Settings have been chosen for a frame with this cloud, because the renderer or a cloud in the frame has a target. */
+  /** Settings have been chosen for a frame with this cloud, for a renderer's or cloud's target. */
   accuracychosen: { readonly choice: AccuracyChoice };
 }
 
 /**
- * A cloud of splats anywhere in a scene. All clouds of a scene with the same `renderOrder` are sorted together, whatever their
- * transforms, and drawn as one of its transparent objects, which lies in the middle of their common bounds. Transforms may
- * shear, mirror and scale; `visible` and `layers` work as on meshes.
+ * A cloud of splats anywhere in a scene. All clouds of a scene with the same `renderOrder` are
+ * sorted together, whatever their transforms, and drawn as one of its transparent objects, which
+ * lies in the middle of their common bounds. Transforms may shear, mirror and scale; `visible` and
+ * `layers` work as on meshes.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
   override readonly type: string = 'SplatCloudObject';
@@ -67,34 +68,39 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   opacity = 1;
   /** Colours depend on the view up to this degree of spherical harmonics. */
   shDegree: ShDegree = 3;
-  /** Effects from `@websplatter/core/effects` or your own, each at most once: `[tint([1, 0.8, 0.6])]`. Effects cost time. */
+  /**
+   * Effects from `@websplatter/core/effects` or your own, each at most once: `[tint([1, 0.8,
+   * 0.6])]`. Effects cost time.
+   */
   effects: readonly EffectUse[] = [];
   /**
-   * Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a `fog` of its own. Of a
-   * `fogNode` splats follow range and density fog; beside another they take the scene's `fog`, which meshes ignore then.
+   * Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a
+   * `fog` of its own. Of a `fogNode` splats follow range and density fog; beside another they take
+   * the scene's `fog`, which meshes ignore then.
    */
   fog = true;
   /**
-   * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and are visible to effects
-   * that read depth. It is the median depth of a pixel's splats: that of the one that makes it more than half covered. Clouds with
-   * the same `renderOrder` share one layer: if one writes depth, all do.
+   * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and
+   * are visible to effects that read depth. It is the median depth of a pixel's splats: that of the
+   * one that makes it more than half covered. Clouds with the same `renderOrder` share one layer:
+   * if one writes depth, all do.
    */
   depthWrite = false;
   /**
-   * How exactly and how fast to draw splats: settings, or a target (`{ minPsnrDb: 45 }`, `{ maxFrameMs: 8 }`) for which
-   * settings are measured and chosen; null: the renderer's accuracy. All clouds in view with the same `renderOrder` share one
-   * frame and its accuracy. In
-   * order of precedence, that is: the highest `minPsnrDb` that any cloud asks for; the settings that clouds request, each
-   * at its most exact value; the lowest `maxFrameMs` that any cloud asks for. The planes on the GPU follow in the
-   * background; the old image stays until they are ready.
+   * How exactly and how fast to draw splats: settings, or a target (`{ minPsnrDb: 45 }`, `{
+   * maxFrameMs: 8 }`) for which settings are measured and chosen; null: the renderer's accuracy.
+   * All clouds in view with the same `renderOrder` share one frame and its accuracy. In order of
+   * precedence, that is: the highest `minPsnrDb` that any cloud asks for; the settings that clouds
+   * request, each at its most exact value; the lowest `maxFrameMs` that any cloud asks for. The
+   * planes on the GPU follow in the background; the old image stays until they are ready.
    */
   accuracy: AccuracyRequest | null = null;
   /**
-   * Called once for each error that keeps the cloud from being drawn, or from being drawn as exactly as requested (a
-   * SplatsPrecisionError). Without a listener, errors go to the console.
+   * Called once for each error that keeps the cloud from being drawn, or from being drawn as
+   * exactly as requested (a SplatsPrecisionError). Without a listener, errors go to the console.
    */
   onError: ((error: Error) => void) | null = null;
-  /** Empty except for its bounds, which make Box3.setFromObject, and code that measures with it, include the cloud. */
+  /** Empty but for its bounds, by which Box3.setFromObject, and its users, include the cloud. */
   readonly geometry = withBounds(new BufferGeometry(), new Box3());
   /** @internal Bounds in world space, as of the last update of the world matrix. */
   readonly worldBounds = new Box3();
@@ -119,9 +125,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * The splats to draw. Replace them at any time: the old ones stay on the screen until the new ones are drawn, which takes
-   * their upload and shaders for them, or until the GPU has no memory for both. Then their GPU copy is freed with its last
-   * user. Null: nothing. Draws no preview of a load that has failed.
+   * The splats to draw. Replace them at any time: the old ones stay on the screen until the new
+   * ones are drawn, which takes their upload and shaders for them, or until the GPU has no memory
+   * for both. Then their GPU copy is freed with its last user. Null: nothing. Draws no preview of a
+   * load that has failed.
    */
   get data(): SplatData | null {
     return this.#data;
@@ -130,7 +137,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   set data(data: SplatData | null) {
     const before = this.#data;
     if (data === before) return;
-    // What takes the place of a preview goes on appearing.
+    // The successor of a preview goes on appearing.
     if (!before?.isPreview) this.#revealBeganMs = null;
     this.#data = data;
     this.#isAnnounced = false;
@@ -142,9 +149,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * How the cloud appears over time: once from the first frame after this was set, and again from the first frame with other
-   * data, unless that takes the place of a preview. `needsframe` events request the frames that this needs. Null: the cloud
-   * appears at once.
+   * How the cloud appears over time: once from the first frame after this was set, and again from
+   * the first frame with other data, unless that takes the place of a preview. `needsframe` events
+   * request the frames that this needs. Null: the cloud appears at once.
    *
    * @throws InvalidArgumentError for an invalid place, width or time.
    */
@@ -170,18 +177,20 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 % opacity: at the depth of the
-   * splat that contributes most, as `pick` finds it, if `raycaster.camera` is the camera that the ray comes from
-   * (`setFromCamera`). Of more than half a million splats, neighbours count as one. Splats that the ray begins inside of are left
-   * out. Misses until `data.prepareRays()` is done, which the first ray begins; and misses previews.
+   * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 %
+   * opacity: at the depth of the splat that contributes most, as `pick` finds it, if
+   * `raycaster.camera` is the camera that the ray comes from (`setFromCamera`). Of more than half a
+   * million splats, neighbours count as one. Splats that the ray begins inside of are left out.
+   * Misses until `data.prepareRays()` is done, which the first ray begins; and misses previews.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
     this.#data?.raycast(this, raycaster, intersects);
   }
 
   /**
-   * Returns the splat that contributes most to a pixel of the frame that `renderer` drew last from `camera`. Null if it
-   * belongs to another cloud or a preview, if there is none, and before the first frame with these data.
+   * Returns the splat that contributes most to a pixel of the frame that `renderer` drew last from
+   * `camera`. Null if it belongs to another cloud or a preview, if there is none, and before the
+   * first frame with these data.
    *
    * @param xPx, yPx physical pixels from the canvas's top left.
    */
@@ -193,11 +202,12 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * Measures again which settings meet the target of the frame that drew this cloud last. The settings in use stay until then,
-   * and if measuring fails. All clouds of the frame dispatch an `accuracychosen` event.
+   * Measures again which settings meet the target of the frame that drew this cloud last. The
+   * settings in use stay until then, and if measuring fails. All clouds of the frame dispatch an
+   * `accuracychosen` event.
    *
-   * @throws InvalidArgumentError if the cloud has not been drawn, or not under a target; the signal's reason; an AbortError
-   *   if a later measurement takes over; DestroyedError.
+   * @throws InvalidArgumentError if the cloud has not been drawn, or not under a target; the
+   *   signal's reason; an AbortError if a later measurement takes over; DestroyedError.
    */
   async chooseAccuracy(options?: ChooseAccuracyOptions): Promise<AccuracyChoice> {
     const view = this.#layer?.views.latestWith(this);
@@ -212,7 +222,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     return Object.assign(this, { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy });
   }
 
-  /** Removes the cloud from the screen and releases its GPU copy, which goes with its last user. Drawing uploads it again. */
+  /**
+   * Removes the cloud from the screen and releases its GPU copy, which goes with its last user.
+   * Drawing uploads it again.
+   */
   override dispose(): void {
     if (this.#layer) this.leave(this.#layer);
     this.#data?.release(this);
@@ -229,8 +242,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * @internal Returns the cloud on `engine`, and brings it there if necessary; null without data, as long as these are being
-   * read again, and if that, the upload or the load of a preview fails.
+   * @internal Returns the cloud on `engine`, and brings it there if necessary; null without data,
+   *   as long as these are being read again, and if that, the upload or the load of a preview
+   *   fails.
    */
   uploadedTo(engine: SplatEngine): SplatCloud | null {
     const data = this.#data;
@@ -261,8 +275,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * @internal Makes the cloud on `engine`, which has been uploaded, hold the planes that `settings` need; null: its view
-   * claims them. Reports a failure, and requests a frame if other planes change the image.
+   * @internal Makes the cloud on `engine`, which has been uploaded, hold the planes that `settings`
+   *   need; null: its view claims them. Reports a failure, and requests a frame if other planes
+   *   change the image.
    */
   hold(engine: SplatEngine, settings: AccuracySettings | null): void {
     const data = this.#data!;
@@ -284,7 +299,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     );
   }
 
-  /** @internal Passes an error to the listener, once per text; returns false if there is no listener. */
+  /** @internal Passes an error to the listener, once per text; returns false without a listener. */
   tell(error: unknown): boolean {
     if (!this.onError) return false;
     const text = String(error);
@@ -301,7 +316,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
   }
 
   /**
-   * @internal Returns the effects for a frame of `scene` at `nowMs`; null while code for them is loaded.
+   * @internal Returns the effects for a frame of `scene` at `nowMs`; null while code for them is
+   *   loaded.
    *
    * @throws InvalidArgumentError for invalid options.
    */
@@ -339,7 +355,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements La
     queueMicrotask(() => this.requestFrame());
   }
 
-  /** Part of the time of appearing that has passed: 0 before its first frame, 1 or more where all is shown. */
+  /**
+   * Part of the time of appearing that has passed: 0 before its first frame, 1 or more where all is
+   * shown.
+   */
   #revealedAt(nowMs: number): number {
     if (!this.#reveal) return 1;
     return (nowMs - (this.#revealBeganMs ?? nowMs)) / this.#reveal.durationMs;

@@ -90,13 +90,13 @@ const ADDRESS = 'https://a.test/garden.ply';
 const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as BlobPart;
 const packedFile = packedCloudAt([0, 0, 0], [1, 2, 3]);
 
-/** What a load resolves with: the engine's only cloud, with the contents of `packed`. */
+/** The result of a load: the engine's only cloud, with the contents of `packed`. */
 function loadedBy({ cloud }: ReturnType<typeof fakeEngine>, packed = packedFile): SplatCloud {
   const { count, origin, chunks, bounds, robustBounds } = packed;
   return Object.assign(cloud, { count, origin, chunks, bounds, robustBounds });
 }
 
-/** An engine whose loads end when a test says so, and what they were called with. */
+/** An engine whose loads end when a test says so, and the arguments of these. */
 function loadingEngine() {
   const fake = fakeEngine();
   const ends: { readonly resolve: (cloud: SplatCloud) => void; readonly reject: (error: Error) => void }[] =

@@ -22,9 +22,9 @@ interface Upload {
   readonly abort: AbortController;
   /** Precision that each user needs; null for users without a need of their own. */
   readonly users: Map<object, CloudPrecision | null>;
-  /** Claims the precision that the users need; null before any of them needs another one than was uploaded. */
+  /** Claims the users' precision; null before any of them needs another one than was uploaded. */
   lease: CloudLease | null;
-  /** The last claim, the engine's accuracy at that time, and its outcome; null: nothing is claimed. */
+  /** The last claim, the engine's accuracy then, and its outcome; null: nothing is claimed. */
   claimed: (CloudPrecision & { readonly engineAccuracy: object; readonly met: Promise<void> }) | null;
 }
 
@@ -37,9 +37,9 @@ export interface LoadedCloud {
 }
 
 /**
- * Splats on the GPU of each engine that draws them, freed after the last user there. Those of an address, File or Blob are in
- * memory until their first upload at most: another engine, such as the one after a lost device, reads them again. Those of
- * other sources stay in memory.
+ * Splats on the GPU of each engine that draws them, freed after the last user there. Those of an
+ * address, File or Blob are in memory until their first upload at most: another engine, such as the
+ * one after a lost device, reads them again. Those of other sources stay in memory.
  */
 export class SplatData {
   /** Name for messages and labels. */
@@ -51,7 +51,7 @@ export class SplatData {
   readonly bounds: Box3;
   /** Bounds without the outermost splats, which enclose the scene itself. */
   readonly robustBounds: Box3;
-  /** Whether the last upload stays until `dispose`, because a cache may hand the splats to another user. */
+  /** Whether the last upload stays until `dispose`: a cache may hand splats to another user. */
   isCached = false;
   /** @internal What the splats were packed from, for other precisions. */
   set: SplatSet | null = null;
@@ -68,9 +68,10 @@ export class SplatData {
   #preparing: Promise<void> | null = null;
 
   /**
-   * @param splats packed; or on an engine, where they are freed after their last user, or by `dispose` if there is none.
-   * @param source from which the same splats can be read again; kept by reference. Without a source, they are drawn no more
-   *   exactly than they were packed.
+   * @param splats packed; or on an engine, where they are freed after their last user, or by
+   *   `dispose` if there is none.
+   * @param source from which the same splats can be read again; kept by reference. Without a
+   *   source, they are drawn no more exactly than they were packed.
    * @param sourceOptions how it is read then.
    */
   constructor(
@@ -96,10 +97,11 @@ export class SplatData {
   }
 
   /**
-   * Returns the rows of splats with centres in a volume of the cloud's own space, for a SplatSelection. Tests each splat.
+   * Returns the rows of splats with centres in a volume of the cloud's own space, for a
+   * SplatSelection. Tests each splat.
    *
-   * @throws DestroyedError if the engine that holds them ends; SplatSourceError for a preview; the errors of reading, if they
-   *   have to be read again.
+   * @throws DestroyedError if the engine that holds them ends; SplatSourceError for a preview; the
+   *   errors of reading, if they have to be read again.
    */
   async rowsIn(volume: Box3 | Sphere): Promise<number[]> {
     const { rowsIn } = await import('./rows-in.ts');
@@ -112,11 +114,12 @@ export class SplatData {
   }
 
   /**
-   * Makes what rays are tested against, in a worker: 24 bytes for each splat, and 12 MB for half a million and more, up to 16
-   * million. The first ray begins it, too; rays miss the splats until then. Does nothing for a preview.
+   * Makes the tree that rays are tested against, in a worker: 24 bytes for each splat, and 12 MB
+   * for half a million and more, up to 16 million. The first ray begins it, too; rays miss the
+   * splats until then. Does nothing for a preview.
    *
-   * @throws DestroyedError if the engine that holds the splats ends or frees them; GpuLimitError if memory is lacking. A later
-   *   call tries again.
+   * @throws DestroyedError if the engine that holds the splats ends or frees them; GpuLimitError if
+   *   memory is lacking. A later call tries again.
    */
   prepareRays(): Promise<void> {
     this.#preparing ??= this.#makeRays().catch((error: Error) => {
@@ -151,12 +154,13 @@ export class SplatData {
   }
 
   /**
-   * Returns the cloud on `engine`. Uploads it, as it was packed, if necessary; or reads it again, and returns the same promise
-   * until that is done. A preview is on the engine that loads it alone; elsewhere its promise stays pending. `user` keeps the
-   * cloud until `release`.
+   * Returns the cloud on `engine`. Uploads it, as it was packed, if necessary; or reads it again,
+   * and returns the same promise until that is done. A preview is on the engine that loads it
+   * alone; elsewhere its promise stays pending. `user` keeps the cloud until `release`.
    *
-   * @throws GpuLimitError, DestroyedError. The promise rejects with the errors of `engine.load`; with a SplatSourceError if
-   *   the source has other splats now; and with an AbortError if its last user releases it first.
+   * @throws GpuLimitError, DestroyedError. The promise rejects with the errors of `engine.load`;
+   *   with a SplatSourceError if the source has other splats now; and with an AbortError if its
+   *   last user releases it first.
    */
   acquire(engine: SplatEngine, user: object): SplatCloud | Promise<SplatCloud> {
     const { cloud, users } = this.#uploads.get(engine) ?? this.#upload(engine);
@@ -168,7 +172,7 @@ export class SplatData {
     return cloud;
   }
 
-  /** Releases the clouds that `user` acquired; the last release on an engine frees the GPU memory there. */
+  /** Releases the clouds that `user` acquired; an engine's last release frees GPU memory there. */
   release(user: object): void {
     for (const upload of this.#uploads.values()) if (upload.users.delete(user)) releaseUnneeded(upload);
     this.#freeUnused();
@@ -181,9 +185,10 @@ export class SplatData {
   }
 
   /**
-   * @internal Makes the cloud that `user` has acquired hold the precision that `user` needs, and no less than its other
-   * users need. Call it as often as you like: it returns the same promise until another precision is needed. Null: `user`
-   * has no need of its own; others may then change the precision, so that the next need is claimed again.
+   * @internal Makes the cloud that `user` has acquired hold the precision that `user` needs, and no
+   *   less than its other users need. Call it as often as you like: it returns the same promise
+   *   until another precision is needed. Null: `user` has no need of its own; others may then
+   *   change the precision, so that the next need is claimed again.
    *
    * @returns the `met` of a lease; null without a need.
    */
@@ -203,7 +208,7 @@ export class SplatData {
     const isClaimed =
       claimed?.geometryPrecision === geometryPrecision &&
       claimed.shPrecision === shPrecision &&
-      // `setAccuracy` makes the clouds' own leases claim a precision again, so this claim must release them again.
+      // `setAccuracy` makes the clouds' own leases claim again, so this must release them again.
       claimed.engineAccuracy === engine.accuracy;
     if (isClaimed) return claimed.met;
     const met = claim(upload, { geometryPrecision, shPrecision });
@@ -263,7 +268,7 @@ export class SplatData {
   }
 }
 
-/** Claims `precision`; when the cloud holds it, releases the cloud's own lease, so that the users alone decide. */
+/** Claims `precision`; then releases the cloud's own lease, so that the users alone decide. */
 async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
   const { lease } = upload;
   const cloud = upload.cloud as SplatCloud;

@@ -35,7 +35,7 @@ import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
 /** Loaded when an ArrayCamera draws. */
 let openArrayPass: typeof import('./several-cameras.ts').openArrayPass | null = null;
 
-/** Returns the layer with this order in the scene whose root is `root`, and adds one if there is none. */
+/** Returns the layer of this order in the scene of root `root`; adds one if there is none. */
 export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
   const found = layersIn(root).find((layer) => layer.renderOrder === renderOrder);
   const layer = found ?? new SplatLayer(renderOrder);
@@ -52,7 +52,7 @@ function layersIn(root: Object3D): SplatLayer[] {
   return root.children.filter((child) => child instanceof SplatLayer);
 }
 
-/** Returns the object at the top of the tree that `object` is in; `object` itself if it has no parent. */
+/** Returns the object at the top of the tree of `object`; itself if it has no parent. */
 export function rootOf(object: Object3D): Object3D {
   let root = object;
   while (root.parent) root = root.parent;
@@ -60,15 +60,16 @@ export function rootOf(object: Object3D): Object3D {
 }
 
 /**
- * Draws all clouds of a scene that have the same `renderOrder`, sorted together, as one of three's transparent objects. Before three draws this object, the
- * layer interrupts the pass to draw the splats; the object itself is a triangle over the viewport that shows their image.
+ * Draws all clouds of a scene that have the same `renderOrder`, sorted together, as one of three's
+ * transparent objects. Before three draws this object, the layer interrupts the pass to draw the
+ * splats; the object itself is a triangle over the viewport that shows their image.
  */
 export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #clouds = new Set<LayerCloud>();
   /** @internal */
   readonly views = new LayerViews();
   readonly #depthMesh: Mesh = new Mesh(this.geometry);
-  /** What the layer writes besides its colours; loaded when that is needed, null before. */
+  /** Outputs of the layer besides its colours; loaded when needed, null before. */
   #outputs: LayerOutputs | null = null;
   #outputsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
@@ -86,7 +87,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       mesh.layers.enableAll();
       mesh.raycast = () => {};
     }
-    // Both have the same place and successive ids, so three draws the second directly after the first, sorted or not.
+    // Both have the same place and successive ids, so three draws the second directly after the
+    // first, sorted or not.
     this.#depthMesh.matrixWorld = this.matrixWorld;
   }
 
@@ -96,11 +98,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.#arrange();
   }
 
-  /** Stops drawing `cloud`. After the last cloud, the layer leaves the scene and frees its GPU memory. */
+  /** Stops drawing `cloud`. The layer leaves the scene and frees its memory after the last. */
   drop(cloud: LayerCloud): void {
     if (!this.#clouds.delete(cloud)) return;
     this.#arrange();
-    // Deferred: three may be traversing the scene or drawing this very object, and the cloud may come back in this task.
+    // Deferred: three may be traversing the scene or drawing this object; the cloud may come back.
     queueMicrotask(() => {
       if (this.#clouds.size > 0) return;
       this.removeFromParent();
@@ -130,7 +132,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.geometry.dispose();
   }
 
-  /** Sets the layer's place in three's order of transparent objects, and whether it writes depth. */
+  /** Sets the layer's place among three's transparent objects, and whether it writes depth. */
   #arrange(): void {
     const box = new Box3();
     let depthWrite = false;
@@ -144,7 +146,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   override onBeforeRender(renderer: object, scene: Scene, camera: Camera): void {
-    // Not drawn at all: three cannot draw a material for several cameras before that tells them apart.
+    // Undrawn: three cannot draw a material for several cameras before that tells them apart.
     this.count = this.#depthMesh.count = 0;
     const open = (camera as ArrayCamera).isArrayCamera ? (openArrayPass ?? this.#loadArrayPass()) : openPass;
     // Passes with an override material are about meshes: shadows, normals, depth.
@@ -155,7 +157,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene);
     } catch (error) {
       this.reportDrawing(error);
-      // A WebGLRenderer can show nothing of this library, and it does not know the layer's material either.
+      // A WebGLRenderer can show nothing of this library, nor knows the layer's material.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
   }
@@ -192,7 +194,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       });
       const { embedded } = view;
       if (renderer.getMRT()) this.#loadOutputs();
-      // What is on the screen goes on meanwhile.
+      // The present image goes on meanwhile.
       if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
       const wantedOf = (object: LayerCloud) =>
         instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
@@ -210,7 +212,10 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       const prepare = (objects: readonly LayerCloud[]) => {
         const settings = planesFor(objects, engine);
         const clouds: Clouds = new Map();
-        /** The clouds of the last frame, which stay while others are uploaded and shaders for them compile. */
+        /**
+         * The clouds of the last frame, which stay while others are uploaded and shaders for them
+         * compile.
+         */
         const lasting: Clouds = new Map();
         for (const object of objects) {
           if (!object.layers.test(camera.layers)) continue;
@@ -297,8 +302,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 
   /**
-   * Tells an error to the `clouds` that it keeps from being drawn, once: if a callback threw, three would abandon this frame
-   * and every later one.
+   * Tells an error to the `clouds` that it keeps from being drawn, once: if a callback threw, three
+   * would abandon this frame and every later one.
    */
   #report(error: unknown, clouds: Iterable<LayerCloud> = this.#clouds): void {
     let hasListener = false;
@@ -319,7 +324,10 @@ function isShown(object: Object3D): boolean {
   return true;
 }
 
-/** Returns what a frame draws of `object`; null as long as that is uploaded, or what its effects need is loaded. */
+/**
+ * Returns the instance of `object` that a frame draws; null while that is uploaded, or code for its
+ * effects is loaded.
+ */
 function instanceOf(
   object: LayerCloud,
   engine: SplatEngine,
@@ -332,9 +340,10 @@ function instanceOf(
 }
 
 /**
- * Returns the settings whose planes each drawn cloud is to hold: those for all `shown` clouds, even if a camera sees only some
- * of them. Otherwise several cameras with different clouds would claim different planes in turn. Null under a target: the view
- * itself claims the planes for the settings that it has chosen.
+ * Returns the settings whose planes each drawn cloud is to hold: those for all `shown` clouds, even
+ * if a camera sees only some of them. Otherwise several cameras with different clouds would claim
+ * different planes in turn. Null under a target: the view itself claims the planes for the settings
+ * that it has chosen.
  */
 function planesFor(shown: Iterable<LayerCloud>, engine: SplatEngine): AccuracySettings | null {
   const accuracy = accuracyOf(shown);
@@ -346,7 +355,7 @@ function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
   return combineAccuracies([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
 }
 
-/** Converts three's camera, as three has prepared it for this render: matrices, clip depth from 0 to 1. */
+/** Converts three's camera, as prepared for this render: matrices, clip depth from 0 to 1. */
 export function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
   const projection = camera.projectionMatrix.elements;
   const inMatrix = depthRange(projection, isReversed);
@@ -366,7 +375,10 @@ function wholeProjection(camera: PerspectiveCamera): number[] {
   return whole.projectionMatrix.elements;
 }
 
-/** Returns near and far of a camera that has only a matrix: the depths at which its clip depth is 0 and 1. */
+/**
+ * Returns near and far of a camera that has only a matrix: the depths at which its clip depth is 0
+ * and 1.
+ */
 function depthRange(p: readonly number[], isReversed: boolean): { near: number; far: number } {
   const isOrthographic = p[11] === 0;
   const atZero = p[14] / p[10];
@@ -377,7 +389,7 @@ function depthRange(p: readonly number[], isReversed: boolean): { near: number; 
 function viewportTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
-  // Empty bounds: three sorts the mesh by the layer's place alone, and the mesh adds nothing to the scene's extent.
+  // Empty bounds: three sorts the mesh by the layer's place, and the scene's extent stays.
   return withBounds(geometry, new Box3());
 }
 

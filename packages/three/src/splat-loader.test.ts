@@ -90,7 +90,7 @@ describe('a load', () => {
     expect([last.lengthComputable, last.loaded, last.total]).toEqual([true, file.length, file.length]);
   });
 
-  /** What an engine is given to upload. */
+  /** The contents that an engine is given to upload. */
   function uploadOf(data: SplatData) {
     const { engine, addPacked } = fakeEngine();
     data.acquire(engine, {});

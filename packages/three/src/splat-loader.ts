@@ -17,33 +17,42 @@ import { Loader, type LoadingManager } from 'three/webgpu';
 import { splatEngineOf } from './create-splat-renderer.ts';
 import { SplatData } from './splat-data.ts';
 
-/** A Loader of all sources, and by its type also of addresses alone, as react-three-fiber's `useLoader` asks for. */
+/**
+ * A Loader of all sources, and by its type also of addresses alone, as react-three-fiber's
+ * `useLoader` asks for.
+ */
 type SourceLoader = Loader<SplatData, string> & Loader<SplatData, SplatSource>;
 
 /**
- * Loads splats of any supported format, in a worker if workers are available. A source is an address, a File or Blob, a
- * buffer or a stream. Reports to its LoadingManager.
+ * Loads splats of any supported format, in a worker if workers are available. A source is an
+ * address, a File or Blob, a buffer or a stream. Reports to its LoadingManager.
  *
- * Addresses, Files and Blobs can be read again for a finer precision or another renderer, so their splats leave memory once
- * they are on a GPU. Buffers and streams cannot; their splats stay. The loader's headers and credentials hold for every
- * request; they go to no other origin than the address's.
+ * Addresses, Files and Blobs can be read again for a finer precision or another renderer, so their
+ * splats leave memory once they are on a GPU. Buffers and streams cannot; their splats stay. The
+ * loader's headers and credentials hold for every request; they go to no other origin than the
+ * address's.
  */
 export class SplatLoader extends (Loader as new (manager?: LoadingManager) => SourceLoader) {
   /**
-   * Receives what has arrived of a large binary PLY, again and again, while it is loaded for the renderer of `detectSupport`.
-   * Show it in place of the preview before, which is drawn no more; the last one looks as the loaded splats do. Previews are
-   * drawn by that renderer alone, and no more once their load has failed. Set this before `load`.
+   * Receives the arrived part of a large binary PLY, again and again, while it is loaded for the
+   * renderer of `detectSupport`. Show it in place of the preview before, which is drawn no more;
+   * the last one looks as the loaded splats do. Previews are drawn by that renderer alone, and no
+   * more once their load has failed. Set this before `load`.
    */
   onPreview?: (preview: SplatData) => void;
-  /** Limits of later loads, and how addresses are fetched, but for headers and credentials, which three has its own setters for. */
+  /**
+   * Limits of later loads, and how addresses are fetched, but for headers and credentials, which
+   * three has its own setters for.
+   */
   sourceOptions: SourceOptions = {};
   #engine: SplatEngine | null = null;
   #accuracy: AccuracySettings | null = null;
   #aborter = new AbortController();
 
   /**
-   * Loads later sources that can be read again straight into the memory of this renderer's GPU, where large files are packed,
-   * too. Splats that no cloud shows then stay there until `data.dispose()`.
+   * Loads later sources that can be read again straight into the memory of this renderer's GPU,
+   * where large files are packed, too. Splats that no cloud shows then stay there until
+   * `data.dispose()`.
    *
    * @throws SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` did not make.
    */
@@ -53,8 +62,9 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
   }
 
   /**
-   * Packs later loads for renderers or clouds of this accuracy; default that of the renderer in `detectSupport`, else
-   * `balanced`. A target counts as the default, because its settings are unknown before anything is drawn.
+   * Packs later loads for renderers or clouds of this accuracy; default that of the renderer in
+   * `detectSupport`, else `balanced`. A target counts as the default, because its settings are
+   * unknown before anything is drawn.
    *
    * @throws InvalidArgumentError for unknown settings and invalid targets.
    */
@@ -71,8 +81,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
   }
 
   /**
-   * Loads one source. `onError` receives a SplatFileError, a SplatSourceError or an AbortError; `loaded` and `total` of
-   * progress events are bytes.
+   * Loads one source. `onError` receives a SplatFileError, a SplatSourceError or an AbortError;
+   * `loaded` and `total` of progress events are bytes.
    */
   override load(...address: Parameters<Loader<SplatData, string>['load']>): void;
   override load(...source: Parameters<Loader<SplatData, SplatSource>['load']>): void;

@@ -5,8 +5,8 @@ type Listener = (statistics: FrameStatistics) => void;
 const listenersOf = new WeakMap<object, Set<Listener>>();
 
 /**
- * Calls `listener` with the cost of each measured frame of splats, some frames after it was drawn. If a renderer draws
- * several views, each view's frames are reported.
+ * Calls `listener` with the cost of each measured frame of splats, some frames after it was drawn.
+ * If a renderer draws several views, each view's frames are reported.
  *
  * @returns a function that stops listening.
  */

@@ -1,5 +1,6 @@
-// All knowledge of three's internals is in this file and, for several cameras and outputs, in array-bridge.ts and output-bridge.ts: three has no public way to
-// draw with WebGPU in the middle of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
+// All knowledge of three's internals is in this file and, for several cameras and outputs, in
+// array-bridge.ts and output-bridge.ts: three has no public way to draw with WebGPU in the middle
+// of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
 // checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
 import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
@@ -14,7 +15,7 @@ export type RefusalReason =
   | 'unresolved-samples'
   | 'part-of-texture';
 
-/** Thrown for a pass that cannot be interrupted; pass-errors.ts has the words for callers, and is loaded for them. */
+/** Thrown for a pass that cannot be interrupted; pass-errors.ts, loaded later, has the words. */
 export class PassRefusal {
   readonly reason: RefusalReason;
   constructor(reason: RefusalReason) {
@@ -22,7 +23,7 @@ export class PassRefusal {
   }
 }
 
-/** What one camera of a pass sees, and where. */
+/** One camera's view of a pass, and its place. */
 export interface PassPart {
   readonly camera: Camera;
   readonly widthPx: number;
@@ -42,14 +43,16 @@ export interface OpenPass {
   /** Whether objects drawn before may hide the splats; true if that is unknown. */
   readonly hasOccluders: boolean;
   /**
-   * Ends the pass, lets `record` record passes of its own for each part, and continues the pass as it was. Where three makes its
-   * passes later, `record` is first called without an encoder for each part, only to make the image to show, and again then.
+   * Ends the pass, lets `record` record passes of its own for each part, and continues the pass as
+   * it was. Where three makes its passes later, `record` is first called without an encoder for
+   * each part, only to make the image to show, and again then.
    */
   interrupt(record: (part: number, encoder: GPUCommandEncoder | null) => void): void;
 }
 
 /**
- * Returns the pass that `renderer` is recording during the `onBeforeRender` of `drawn`, or null if it only compiles shaders.
+ * Returns the pass that `renderer` is recording during the `onBeforeRender` of `drawn`, or null if
+ * it only compiles shaders.
  *
  * @param camera if it is an ArrayCamera, `openArrayPass` makes parts of the pass.
  * @throws ThreeInternalsError if three has changed; PassRefusal if the pass cannot be interrupted.
@@ -98,7 +101,7 @@ export function openPass(
   };
 }
 
-/** Whether this is three's WebGPURenderer and really draws with WebGPU, not with its WebGL 2 backend. */
+/** Whether this is three's WebGPURenderer and draws with WebGPU, not with its WebGL 2 backend. */
 export function hasWebGpuBackend(renderer: object): renderer is WebGPURenderer {
   return (renderer as { backend?: { isWebGPUBackend?: boolean } }).backend?.isWebGPUBackend === true;
 }
@@ -135,7 +138,7 @@ export interface RenderContextData extends OcclusionData {
   readonly descriptor: PassDescriptor;
   currentSets: object;
   renderBundles: GPURenderBundle[];
-  /** If three makes a pass for each camera of an array when all is drawn: what it has recorded for them. */
+  /** Recordings by camera, if three makes a pass for each camera of an array when all is drawn. */
   readonly bundleEncoders?: readonly GPURenderBundleEncoder[];
   readonly currentStencilRef?: number;
   readonly currentBlendColor?: { readonly r: number; readonly g: number; readonly b: number };
@@ -154,7 +157,7 @@ type PassDescriptor = Omit<GPURenderPassDescriptor, 'colorAttachments'> & {
 /** The backend's data about a Texture. */
 export interface TextureData {
   readonly texture?: GPUTexture;
-  /** The target of draws if the texture is resolved from several samples: one texture, or since 0.187 one per layer. */
+  /** Target of draws if the texture is resolved from samples: one, or since 0.187 one per layer. */
   readonly msaaTexture?: GPUTexture;
   readonly msaaTextures?: readonly GPUTexture[];
 }
@@ -177,7 +180,7 @@ export interface RendererInternals {
   readonly backend: Backend;
 }
 
-/** Objects of a scene that three draws for a camera, in its order: bundles, opaque objects, transparent ones. */
+/** A scene's objects for a camera in three's order: bundles, opaque objects, transparent ones. */
 interface RenderList {
   readonly bundles?: readonly object[];
   readonly opaque?: readonly RenderItem[];
@@ -223,7 +226,10 @@ export function probe(
   probed.add(object);
 }
 
-/** Returns the object that identifies the target: three draws frames for a canvas into a target of its own first. */
+/**
+ * Returns the object that identifies the target: three draws frames for a canvas into a target of
+ * its own first.
+ */
 function targetKey(renderer: WebGPURenderer, { renderTarget }: RenderContext): object {
   const isCanvas = renderTarget === null || renderTarget.isPostProcessingRenderTarget === true;
   return isCanvas ? (renderer.getOutputRenderTarget() ?? renderer.getCanvasTarget()) : renderTarget;
@@ -236,12 +242,12 @@ function depthConvention(renderer: WebGPURenderer): DepthConvention {
   };
 }
 
-/** Whether the pass starts with depth from an earlier pass, or from its own part before an interruption. */
+/** Whether the pass starts with depth of an earlier pass, or its own before an interruption. */
 function isDepthLoaded({ descriptor, currentPass }: RenderContextData): boolean {
   return descriptor.depthStencilAttachment?.depthLoadOp !== 'clear' || resumedPasses.has(currentPass!);
 }
 
-/** Whether an object before `drawn` in three's list writes depth; true as well if `drawn` is in no list that can be found. */
+/** Whether an object before `drawn` in three's list writes depth; true if `drawn` is in no list. */
 function mayHaveWrittenDepth(
   { _renderLists, lighting }: RendererInternals,
   scene: Scene,
@@ -330,7 +336,7 @@ function resume(context: RenderContext, data: RenderContextData): void {
   }
   resumedPasses.add(pass);
   data.currentPass = pass;
-  // The new pass has no pipeline and no bindings: three must set again whatever it believes to be set.
+  // The new pass has no pipeline and no bindings: three must set all again.
   data.currentSets = { attributes: {}, bindingGroups: [], pipeline: null, index: null };
 }
 

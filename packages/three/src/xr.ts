@@ -31,8 +31,9 @@ interface XrSystem {
 }
 
 /**
- * Resolves if the browser has all that an XR session with splats needs: WebXR, its binding to WebGPU, a device for `mode`, and
- * a GPU adapter for that. Ask before showing a button; asking starts no session.
+ * Resolves if the browser has all that an XR session with splats needs: WebXR, its binding to
+ * WebGPU, a device for `mode`, and a GPU adapter for that. Ask before showing a button; asking
+ * starts no session.
  *
  * @throws SplatsXrError naming what is missing.
  */
@@ -75,8 +76,8 @@ export async function supportsXr(mode?: XrMode): Promise<boolean> {
 }
 
 /**
- * Returns an entry point of WebGPU whose adapters can draw for XR devices: `createSplatRenderer({ gpu: xrGpu() })`. Undefined
- * without WebGPU.
+ * Returns an entry point of WebGPU whose adapters can draw for XR devices: `createSplatRenderer({
+ * gpu: xrGpu() })`. Undefined without WebGPU.
  *
  * @param gpu default `navigator.gpu`.
  */

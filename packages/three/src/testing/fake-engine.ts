@@ -9,7 +9,7 @@ import {
 } from '@websplatter/core';
 import { vi } from 'vitest';
 
-/** An engine whose only cloud records claims and meets them at once; a test decides what `load` does. For tests. */
+/** An engine whose only cloud records claims and meets them at once; tests define `load`. */
 export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = {}) {
   const destroyed = vi.fn();
   const state = { accuracy: resolveAccuracy(accuracy), pages: {} };
