@@ -1,6 +1,6 @@
 'use client';
 
-// What only some applications show.
+// Parts that only some applications show.
 export type { Measurement, MeasureUnit } from './measure-tool.ts';
 export { SplatAnnotation, type SplatAnnotationProps } from './splat-annotation.tsx';
 export {

@@ -1,7 +1,10 @@
 import { createSplatRenderer as create, type SplatRendererParameters } from '@websplatter/three';
 import type { WebGPURenderer } from 'three/webgpu';
 
-/** Parameters that a Canvas passes to its `gl`, and further options of `createSplatRenderer` of @websplatter/three. */
+/**
+ * Parameters that a Canvas passes to its `gl`, and further options of `createSplatRenderer` of
+ * @websplatter/three.
+ */
 export interface CanvasRendererParameters extends Omit<SplatRendererParameters, 'canvas' | 'context'> {
   /** A canvas; @react-three/fiber declares no closer type. */
   readonly canvas?: EventTarget;

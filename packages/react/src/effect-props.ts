@@ -9,7 +9,7 @@ import {
 import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
 import type { Box3, ColorRepresentation, Plane, Sphere } from 'three';
 
-/** Effects with props of their names. Clouds have an `opacity` of their own, and follow the scene's `fog`. */
+/** Effects with props of their names. Clouds have their own `opacity`, and the scene's `fog`. */
 const { opacity, fog, ...PROP_EFFECTS } = EFFECTS;
 
 type PropEffects = typeof PROP_EFFECTS;
@@ -31,18 +31,21 @@ export interface EffectProps extends OptionProps {
   tint?: ColorRepresentation;
   /** Multiplies all light, as an exposure does: 2 is one stop brighter. */
   brightness?: number;
-  /** For scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`): splats thinner than a pixel become fainter. */
+  /**
+   * For scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`): splats thinner
+   * than a pixel become fainter.
+   */
   antialias?: boolean;
-  /** Clips the splats by volumes in world space; a Plane keeps the side that its normal points to. */
+  /** Clips splats by volumes in world space; a Plane keeps the side that its normal points to. */
   clip?: Omit<ClipOptions, 'volumes'> & { readonly volumes: readonly (ClipVolume | Box3 | Sphere | Plane)[] };
   /**
-   * Shows only splats within a radius. With `durationMs` in place of `radius`, makes the splats appear over time: when they
-   * are first drawn, and again whenever these options or `src` change.
+   * Shows only splats within a radius. With `durationMs` in place of `radius`, makes the splats
+   * appear over time: when they are first drawn, and again whenever these options or `src` change.
    */
   reveal?:
     | (RevealOptions & { readonly durationMs?: never })
     | (RevealAnimation & { readonly radius?: never });
-  /** Mixes another colour into selected splats. After changing the selection, request a frame with `invalidate()`. */
+  /** Mixes another colour into selected splats. Call `invalidate()` when the selection changes. */
   highlight?: OptionProps['highlight'];
   /** More effects, from `@websplatter/core/effects` or your own. */
   effects?: readonly EffectUse[];

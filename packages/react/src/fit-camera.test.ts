@@ -4,7 +4,7 @@ import { type FittedCamera, fitCamera } from './fit-camera.ts';
 
 const box = new Box3(new Vector3(-1, 2, -3), new Vector3(5, 3, 1));
 
-/** The largest of x and y, −1…1, of the corners of the box in the image; and whether near and far cut none off. */
+/** Largest of x and y, −1…1, of the box's corners in the image; whether near and far spare all. */
 function fillOf(camera: FittedCamera): { readonly fill: number; readonly isWhole: boolean } {
   const corners = Array.from(
     { length: 8 },

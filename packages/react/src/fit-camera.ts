@@ -6,8 +6,8 @@ export type FittedCamera = PerspectiveCamera | OrthographicCamera;
 const NEAREST_PART = 1 / 1000;
 
 /**
- * Moves `camera` such that `box` fills the image up to `margin`, seen from the direction that it looks in now. Sets near and far
- * so that nothing of the box is cut off.
+ * Moves `camera` such that `box` fills the image up to `margin`, seen from the direction that it
+ * looks in now. Sets near and far so that nothing of the box is cut off.
  *
  * @param box of the world; nothing happens if it is empty.
  * @param margin by how much more than the box the image shows: 1 is none.
@@ -50,7 +50,7 @@ function perspectiveDistance(camera: PerspectiveCamera, corners: readonly Vector
   return Math.max(...distances) || 1;
 }
 
-/** Sets the zoom at which all corners are in the image; returns a distance from which all are in front. */
+/** Sets the zoom that has all corners in the image; returns a distance with all in front. */
 function orthographicDistance(
   camera: OrthographicCamera,
   corners: readonly Vector3[],

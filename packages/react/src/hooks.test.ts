@@ -27,7 +27,7 @@ interface Load {
 
 const test = vi.hoisted(() => ({ loads: [] as Load[], measured: new Set<(statistics: object) => void>() }));
 
-// Loading and drawing are tested with three; here files are read, and frames measured, when a test says so.
+// Loading and drawing are tested with three; here tests say when files are read, frames measured.
 vi.mock('@websplatter/three', () => ({
   onStageTimings: vi.fn((_renderer: object, listener: (statistics: object) => void) => {
     test.measured.add(listener);
@@ -55,7 +55,7 @@ vi.mock('@websplatter/three', () => ({
 vi.mock('@websplatter/core/collider', () => ({ makeColliderMesh: vi.fn() }));
 
 const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
-/** What the engine has, which a test changes. */
+/** State of the engine, which a test changes. */
 const engine = { memory: { totalBytes: 1 }, effects: [] as object[], accuracy: { rasterizer: 'quads' } };
 
 let root: ReturnType<typeof createRoot>;
@@ -91,7 +91,7 @@ afterEach(async () => {
   vi.useRealTimers();
 });
 
-/** Renders a component that calls `use`, in a Canvas; returns what it has returned, render by render. */
+/** Renders a component that calls `use`, in a Canvas; returns its results, render by render. */
 async function rendersOf<Result>(use: () => Result): Promise<Result[]> {
   const results: Result[] = [];
   function Caller(): ReactNode {
@@ -169,7 +169,7 @@ describe('useSplatsLoad', () => {
     await act(async () => test.loads[0].resolve(data));
     const loaded = { ...pending, status: 'loaded', splats: data, loadedBytes: 3, totalBytes: 4 };
     expect(renders.at(-1)).toEqual(loaded);
-    // What has been read before is there at once.
+    // A file that was read before is there at once.
     const others = await rendersOf(() => useSplatsLoad('a.ply'));
     expect(others.at(-1)).toMatchObject({ status: 'loaded', splats: data });
     expect(test.loads).toHaveLength(1);
@@ -208,7 +208,7 @@ describe('useSplatCollider', () => {
   const splats = () => ({ acquire: vi.fn(() => cloud), release: vi.fn() });
   const asData = (fake: ReturnType<typeof splats>) => fake as unknown as SplatData;
 
-  /** Lets the hook fetch its code, and what follows from that. */
+  /** Lets the hook fetch its code, and act on it. */
   const settled = () =>
     act(async () => {
       await vi.dynamicImportSettled();

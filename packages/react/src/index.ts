@@ -1,6 +1,6 @@
 'use client';
 
-// Types, classes and errors that the components use, for applications that install only this package.
+// Types, classes and errors of the components, for applications that install only this package.
 export {
   type Accuracy,
   type AccuracyChoice,

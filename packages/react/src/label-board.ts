@@ -5,10 +5,10 @@ import { type CanvasPlace, placeOnCanvas } from './place-on-canvas.ts';
 
 /** Shortest time between two questions to the GPU, ms: labels fade for longer than that. */
 const CHECK_INTERVAL_MS = 100;
-/** Labels of one question: each visible splat is compared with all of them, and other work of the GPU waits. */
+/** Labels of one question: each visible splat is compared with all, and other GPU work waits. */
 const LABELS_PER_QUESTION = 256;
 
-/** What the board knows of a Canvas. */
+/** State of a Canvas for the board. */
 export interface BoardView {
   readonly renderer: object;
   readonly scene: Object3D;
@@ -41,7 +41,7 @@ export interface BoardLabel {
   cover(isCovered: boolean): void;
 }
 
-/** Part of a label's distance by which splats may be in front of it: as near as rays and picks agree. */
+/** Part of a label's distance by which splats may be nearer: as close as rays and picks agree. */
 const TOLERANCE = 0.02;
 
 interface SeenLabel {
@@ -51,8 +51,8 @@ interface SeenLabel {
 }
 
 /**
- * All labels of a Canvas: places them after each frame, and asks the GPU for all of them together what covers them. There is
- * never more than one question under way, and none without a frame.
+ * All labels of a Canvas: places them after each frame, and asks the GPU for the cover of all of
+ * them together. There is never more than one question under way, and none without a frame.
  */
 export class LabelBoard {
   readonly #labels = new Set<BoardLabel>();

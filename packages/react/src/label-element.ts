@@ -3,7 +3,7 @@ const FADE_MS = 160;
 /** Of the nearest label, among the labels of a canvas. */
 const TOP_Z_INDEX = 1000;
 
-/** Events that belong to a label's content. Below it they would hit the scene, at coordinates of the label. */
+/** Events of a label's content. Below it they would hit the scene, at coordinates of the label. */
 const OWN_EVENTS = [
   'click',
   'contextmenu',
@@ -19,7 +19,7 @@ interface LabelLayer {
   labels: number;
 }
 
-/** By canvas: what holds its labels, so that these overlap one another, and nothing that an app puts over the canvas. */
+/** By canvas: the element of its labels, which overlap one another, but no element of the app. */
 const layers = new WeakMap<HTMLElement, LabelLayer>();
 
 function layerOver(canvas: HTMLElement): LabelLayer {
@@ -54,10 +54,10 @@ export class LabelElement {
     style.cssText =
       'position:absolute;left:0;top:0;width:max-content;pointer-events:auto;will-change:transform,opacity';
     const isStill = ownerDocument.defaultView?.matchMedia('(prefers-reduced-motion: reduce)').matches;
-    // What is invisible cannot be reached by keyboard or pointer, and screen readers pass it.
+    // Keyboard, pointer and screen readers pass invisible elements.
     style.transition = isStill ? 'none' : `opacity ${FADE_MS}ms, visibility ${FADE_MS}ms`;
     for (const type of OWN_EVENTS) this.#outer.addEventListener(type, (event) => event.stopPropagation());
-    // What has the focus must not vanish under the reader.
+    // An element with the focus must not vanish under the reader.
     for (const type of ['focusin', 'focusout']) this.#outer.addEventListener(type, () => this.#show());
     this.#outer.append(this.content);
     this.#layer.element.append(this.#outer);

@@ -1,4 +1,4 @@
-/** What the overlay shows of a measurement, CSS pixels from the canvas's top left. */
+/** The shown part of a measurement, CSS pixels from the canvas's top left. */
 export interface MeasureMarks {
   /** The points that are in sight, in the order of picking; null for one out of sight. */
   readonly points: readonly (readonly [x: number, y: number] | null)[];
@@ -28,7 +28,7 @@ const TEXT_STYLE =
 const STATUS_STYLE =
   'position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);white-space:nowrap';
 
-/** The overlay of `<SplatMeasure>`: a line between two points, its length, and the keyboard's cross. */
+/** The overlay of `<SplatMeasure>`: a line between two points, its length, the keyboard's cross. */
 export class MeasureOverlay {
   readonly element: HTMLElement;
   readonly #lines: SVGElement[];

@@ -24,10 +24,10 @@ export interface Measurement {
   readonly text: string;
 }
 
-/** What the tool knows of its Canvas. */
+/** State of the tool's Canvas. */
 export interface MeasureHost {
   readonly canvas: HTMLElement;
-  /** Returns the point of the world that is seen at a place, CSS pixels from the canvas's top left; null if nothing is. */
+  /** Returns the point seen at a place, CSS pixels from the canvas's top left; null: nothing. */
   pick(x: number, y: number): Promise<Vector3 | null>;
   /** Returns where a point is seen, CSS pixels; null out of sight. */
   project(point: Vector3): readonly [x: number, y: number] | null;

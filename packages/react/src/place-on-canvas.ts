@@ -11,7 +11,8 @@ export interface CanvasPlace {
 }
 
 /**
- * Returns where the last frame from `camera` shows a point, also beside the canvas; null behind the camera.
+ * Returns where the last frame from `camera` shows a point, also beside the canvas; null behind the
+ * camera.
  *
  * @param size of the canvas, CSS pixels.
  */

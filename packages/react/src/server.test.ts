@@ -28,10 +28,10 @@ describe('leaves components that need a file to the browser', () => {
     return useSplats('garden.ply').count;
   }
   const page = createElement(Suspense, { fallback: 'Loading' }, createElement(Count));
-  /** What Next looks at to tell the target to go on in the browser from an error, on the server and in the page. */
+  /** Digest by which Next tells a retry in the browser from an error, on server and page. */
   const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
   const errors: unknown[] = [];
-  /** As in Next: what is returned goes into the page. */
+  /** As in Next: the returned value goes into the page. */
   const onError = (error: unknown) => {
     errors.push(error);
     return (error as { digest?: string }).digest;

@@ -1,7 +1,7 @@
 import { type SplatData, SplatLoader } from '@websplatter/three';
 import { SplatCache } from './splat-cache.ts';
 
-/** The cache of `<Splats>` and `useSplats` in all Canvases. Each load has its own loader, so that it can be aborted alone. */
+/** The cache of `<Splats>` and `useSplats` in all Canvases. Each load has a loader to abort. */
 export const sharedCache = new SplatCache<SplatData>(
   async ({ source, accuracy, renderer, sourceOptions = {} }, { signal, onProgress, onPreview }) => {
     const loader = new SplatLoader();

@@ -15,20 +15,22 @@ export interface SplatAnnotationProps {
   position?: ThreeElements['group']['position'];
   /** HTML. Contexts of the app do not reach it. */
   children?: ReactNode;
-  /** Whether the label hides when splats or opaque meshes are in front of its point; default true. */
+  /** Whether the label hides behind splats or opaque meshes in front of its point; default true. */
   occlude?: boolean;
-  /** Opacity, 0…1 without 0, of the splats in front, all together, from which on they hide the label; default 0.5. */
+  /** Joint opacity, 0…1 without 0, from which splats in front hide the label; default 0.5. */
   hideAt?: number;
   /**
-   * What is in front of the point by less than this does not hide the label, world units along the line of sight; default: a
-   * fiftieth of its distance. Splats of the surface that a label stands on lie on both sides of its point.
+   * Objects in front of the point by less than this do not hide the label, world units along the
+   * line of sight; default: a fiftieth of its distance. Splats of the surface that a label stands
+   * on lie on both sides of its point.
    */
   tolerance?: number;
-  /** Called when the label gets hidden by splats or meshes (true), and when it is free again. It is free at first. */
+  /** Called when splats or meshes hide the label (true), and when it is free again, as at first. */
   onOcclude?: (isHidden: boolean) => void;
   /**
-   * Distance from the camera, world units, at which the content has its own size; it shrinks and grows with the scene. Default:
-   * the same size at any distance. Under an orthographic camera: the zoom of 1 is that distance.
+   * Distance from the camera, world units, at which the content has its own size; it shrinks and
+   * grows with the scene. Default: the same size at any distance. Under an orthographic camera: the
+   * zoom of 1 is that distance.
    */
   fullSizeDistance?: number;
   /** Of the element around the content. */
@@ -46,10 +48,11 @@ const boards = new WeakMap<object, LabelBoard>();
 const DEFAULT_HIDE_AT = 0.5;
 
 /**
- * A label at a point of the scene: HTML over the canvas that fades when splats or opaque meshes cover its point, as the GPU finds
- * in the frame itself: by the opacity of all splats in front of the point together, and by the depth of meshes. All labels of a
- * Canvas ask together, at most ten times a second, after frames alone, and no frame waits for the answer. Labels that are hidden
- * or outside of the image cannot be focused; one that has the focus stays.
+ * A label at a point of the scene: HTML over the canvas that fades when splats or opaque meshes
+ * cover its point, as the GPU finds in the frame itself: by the opacity of all splats in front of
+ * the point together, and by the depth of meshes. All labels of a Canvas ask together, at most ten
+ * times a second, after frames alone, and no frame waits for the answer. Labels that are hidden or
+ * outside of the image cannot be focused; one that has the focus stays.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for numbers out of range.
  */

@@ -24,13 +24,17 @@ export interface SplatBoundsBox {
 
 /** What `<SplatBounds>` knows of the clouds in it. */
 export interface SplatBoundsApi {
-  /** Returns the bounds of the clouds in world space, without their outermost splats; empty as long as none has been loaded. */
+  /**
+   * Returns the clouds' bounds in world space without their outermost splats; empty before the
+   * first load.
+   */
   box(): Box3;
-  /** Returns the same bounds as a middle and half sides; null as long as no cloud has been loaded. */
+  /** Returns the same bounds as a middle and half sides; null before the first load. */
   cuboid(): SplatBoundsBox | null;
   /**
-   * Moves the Canvas's camera, in its present direction, such that the bounds fill the image, sets near and far for them, and has the
-   * controls (`makeDefault`) turn about their middle. Requests a frame.
+   * Moves the Canvas's camera, in its present direction, such that the bounds fill the image, sets
+   * near and far for them, and has the controls (`makeDefault`) turn about their middle. Requests a
+   * frame.
    *
    * @param margin by how much more the image shows: 1 is none; default that of the component.
    * @returns whether a cloud has been loaded.
@@ -42,7 +46,10 @@ export interface SplatBoundsApi {
 /** Props of `<SplatBounds>`. */
 export interface SplatBoundsProps extends Omit<ThreeElements['group'], 'ref'> {
   children?: ReactNode;
-  /** Whether the camera is fitted when the clouds have been loaded: `once`, or again for `each` that is loaded later. */
+  /**
+   * Whether the camera is fitted when the clouds have been loaded: `once`, or again for `each` that
+   * is loaded later.
+   */
   fit?: 'once' | 'each' | 'never';
   /** By how much more than the bounds the image shows when it is fitted: 1 is none; default 1.2. */
   margin?: number;
@@ -60,8 +67,8 @@ const BoundsContext = createContext<SplatBoundsApi | null>(null);
 type Controls = EventDispatcher & { readonly target?: Vector3; readonly update?: () => void };
 
 /**
- * Knows the bounds of the clouds in it, and fits the camera to them. Bounds are robust: the outermost 2 % of the centres, on each side
- * along each axis of a cloud, do not count.
+ * Knows the bounds of the clouds in it, and fits the camera to them. Bounds are robust: the
+ * outermost 2 % of the centres, on each side along each axis of a cloud, do not count.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a margin of 0 or less.
  */
@@ -131,7 +138,7 @@ function Bounds({
   /** The splats of each cloud, as of the last change. */
   const before = useRef<ReadonlyMap<object, object | null>>(new Map());
   const hasFitted = useRef(false);
-  // Clouds are mounted, loaded and replaced at any time. Each change is followed by a frame, before which this looks.
+  // Clouds are mounted, loaded and replaced at any time: this looks before the frame that follows.
   useFrame(() => {
     const clouds = cloudsIn(group.current).filter(({ data }) => data && !data.isPreview);
     const known = before.current;

@@ -6,13 +6,16 @@ import {
   type SourceOptions,
 } from '@websplatter/core';
 
-/** A source that can be loaded through the cache: URLs are compared by address, everything else by identity. */
+/** A source for the cache: URLs are compared by address, everything else by identity. */
 export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles;
 
 /** A request for one file. */
 export interface SplatRequest {
   readonly source: CacheableSource;
-  /** Accuracy that the first request for a file packs it for; default the renderer's. For another, planes are made anew. */
+  /**
+   * Accuracy that the first request for a file packs it for; default the renderer's. For another,
+   * planes are made anew.
+   */
   readonly accuracy: AccuracyRequest | null | undefined;
   /** Renderer that the first request for a file loads it for; undefined outside of a Canvas. */
   readonly renderer: object | undefined;
@@ -51,12 +54,13 @@ export interface CacheWatcher {
   readonly onProgress?: (progress: ProgressEvent) => void;
 }
 
-/** An entry outlives its last user by this time: StrictMode, hot reloads and changes of page unmount and mount again. */
+/** Time that an entry outlives its last user: StrictMode, hot reloads and new pages mount again. */
 export const GRACE_MS = 500;
 
 /**
- * An entry that a render has requested waits this long for a component to mount with it. The time is long because the
- * component may have to wait for other files first, and would start again if an entry that it needs were dropped.
+ * An entry that a render has requested waits this long for a component to mount with it. The time
+ * is long because the component may have to wait for other files first, and would start again if an
+ * entry that it needs were dropped.
  */
 export const UNCLAIMED_GRACE_MS = 60_000;
 
@@ -70,8 +74,8 @@ interface Entry<Data> {
 }
 
 /**
- * Loaded files, shared by all components that use them. An entry lives as long as it is watched, and a moment longer;
- * dropping it aborts its load, or disposes of what was loaded.
+ * Loaded files, shared by all components that use them. An entry lives as long as it is watched,
+ * and a moment longer; dropping it aborts its load, or disposes of what was loaded.
  */
 export class SplatCache<Data> {
   readonly #load: LoadFunction<Data>;
@@ -88,7 +92,7 @@ export class SplatCache<Data> {
     return this.#entries.get(request.key)?.state;
   }
 
-  /** Holds the request's entry, and loads it if necessary, until the returned function is called. */
+  /** Holds the request's entry, and loads it if necessary, until the result is called. */
   watch(request: SplatRequest, watcher: CacheWatcher): () => void {
     const entry = this.#entryOf(request);
     clearTimeout(entry.dropTimer);
@@ -103,7 +107,7 @@ export class SplatCache<Data> {
   /** Starts a load for a render, which cannot watch, and keeps it for a component that will. */
   ask(request: SplatRequest): LoadState<Data> {
     const entry = this.#entryOf(request);
-    // React renders a component that has thrown a second time at once: it must find the same failure, not a new attempt.
+    // React renders a component that has thrown again at once: it must find the same failure.
     this.#dropLater(entry, entry.state.status === 'failed' ? GRACE_MS : UNCLAIMED_GRACE_MS);
     return entry.state;
   }
@@ -115,7 +119,10 @@ export class SplatCache<Data> {
     entry.isPreloaded = true;
   }
 
-  /** Drops entries that were preloaded or await a component, of `source` or all; entries in use go with their last user. */
+  /**
+   * Drops entries that were preloaded or await a component, of `source` or all; entries in use go
+   * with their last user.
+   */
   clear(source?: CacheableSource): void {
     for (const entry of [...this.#entries.values()]) {
       if (source !== undefined && entry.request.key !== sourceKeyOf(source)) continue;

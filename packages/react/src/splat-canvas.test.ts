@@ -21,7 +21,7 @@ import { SplatCanvas } from './splat-canvas.tsx';
 /** A Canvas that has asked for its renderer. */
 interface FakeCanvas {
   readonly camera: unknown;
-  /** What becomes of the renderer that it asked for: react-three-fiber frees a Canvas only after that is settled. */
+  /** Fate of the requested renderer: react-three-fiber frees a Canvas only after that settles. */
   outcome: 'pending' | 'created' | 'failed';
 }
 
@@ -34,7 +34,7 @@ vi.mock('./create-splat-renderer.ts', () => ({ createSplatRenderer: vi.fn() }));
 vi.mock('@websplatter/three', () => ({
   onDeviceLost: (_renderer: object, listener: () => void) => test.loseDevice.push(listener),
 }));
-// What matters here of Canvas: it asks for its renderer in a layout effect, and throws where there is none.
+// The part of Canvas in question: it requests its renderer in a layout effect; throws without one.
 vi.mock('@react-three/fiber', async (importOriginal) => {
   function Canvas({ gl, camera, onCreated }: CanvasProps) {
     const [error, setError] = useState<unknown>(null);

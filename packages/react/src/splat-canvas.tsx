@@ -16,13 +16,13 @@ import { useCanvasRenderer } from './use-renderer.ts';
 
 /** Props of `<SplatCanvas>`. */
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
-  /** How exactly and how fast to draw splats: settings, or a target such as `{ minPsnrDb: 45 }`; default `balanced`. */
+  /** Accuracy of splats: settings, or a target like `{ minPsnrDb: 45 }`; default `balanced`. */
   accuracy?: AccuracyRequest;
   /** Further options of `createSplatRenderer`, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;
   /**
-   * Where the page hosts `@websplatter/core/load-worker`, for bundlers that leave workers out; as `setWorkerUrl`, and so for
-   * the whole page. Read when the renderer is made.
+   * Where the page hosts `@websplatter/core/load-worker`, for bundlers that leave workers out; as
+   * `setWorkerUrl`, and so for the whole page. Read when the renderer is made.
    */
   workerUrl?: string | URL;
 }
@@ -40,11 +40,13 @@ interface Life {
 }
 
 /**
- * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one when its GPU device is
- * lost: the camera that it made or was given stays, its contents mount again, and their files are read again. If the device is
- * lost again less than a minute after all splats of a `<Splats>` have been drawn, it waits for 1, 4 and then 16 seconds.
+ * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one
+ * when its GPU device is lost: the camera that it made or was given stays, its contents mount
+ * again, and their files are read again. If the device is lost again less than a minute after all
+ * splats of a `<Splats>` have been drawn, it waits for 1, 4 and then 16 seconds.
  *
- * @throws CodeUnavailableError to the nearest error boundary if the engine's code cannot be fetched; WebGpuUnavailableError if there is no WebGPU, or if the device is lost once more. To
+ * @throws CodeUnavailableError to the nearest error boundary if the engine's code cannot be
+ *   fetched; WebGpuUnavailableError if there is no WebGPU, or if the device is lost once more. To
  *   try again, mount another one.
  */
 export function SplatCanvas({
@@ -82,7 +84,8 @@ export function SplatCanvas({
       onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));
       return renderer;
     } catch (error) {
-      // A browser may have no adapter while its GPU process restarts. The next Canvas is there before this one could throw.
+      // A browser may have no adapter while its GPU process restarts. The next Canvas is there
+      // before this one could throw.
       if (generation > 0) replace(error);
       throw error;
     }
@@ -110,7 +113,7 @@ function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode 
   const renderer = useCanvasRenderer()!;
   const invalidate = useThree((state) => state.invalidate);
   const key = JSON.stringify(accuracy);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the accuracy, which may be a new object at each render.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the accuracy.
   useEffect(() => {
     const state = canvasStates.get(renderer)!;
     if (state.accuracyKey === key) return;

@@ -6,10 +6,11 @@ import { rendererOf } from './use-renderer.ts';
 /** The object of a `<Splats>`: a SplatCloudObject of @websplatter/three that knows its Canvas. */
 export class SplatCloudObject extends ObjectOfThree {
   /**
-   * Returns the splat that contributes most to a pixel of the last frame from the Canvas's camera; null if there is none, or
-   * if it belongs to another cloud.
+   * Returns the splat that contributes most to a pixel of the last frame from the Canvas's camera;
+   * null if there is none, or if it belongs to another cloud.
    *
-   * @param x, y CSS pixels from the canvas's top left, as `offsetX` and `offsetY` of its pointer events are.
+   * @param x, y CSS pixels from the canvas's top left, as `offsetX` and `offsetY` of its pointer
+   *   events are.
    */
   override pick(x: number, y: number): Promise<SplatHit | null>;
   /** Picks from the last frame of any renderer and camera, in physical pixels. */

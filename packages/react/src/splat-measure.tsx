@@ -11,19 +11,24 @@ import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
 /** Props of `<SplatMeasure>`. */
 export interface SplatMeasureProps {
-  /** How distances are shown: `{ name: 'm', perWorldUnit: 1, digits: 2 }`; default world units, with two digits. */
+  /**
+   * How distances are shown: `{ name: 'm', perWorldUnit: 1, digits: 2 }`; default world units, with
+   * two digits.
+   */
   unit?: MeasureUnit;
   /** Called when a second point has been set. */
   onMeasure?: (measurement: Measurement) => void;
 }
 
 /**
- * Measures distances between splats: a click on each of two, or, once it has the keyboard's focus, arrow keys and Enter. The GPU
- * finds the splat under the pointer as `pick` does; meshes are not measured. A third point begins anew; Escape forgets them, Backspace
- * takes one back. Dragging does not count as a click, so it goes together with controls of the camera.
+ * Measures distances between splats: a click on each of two, or, once it has the keyboard's focus,
+ * arrow keys and Enter. The GPU finds the splat under the pointer as `pick` does; meshes are not
+ * measured. A third point begins anew; Escape forgets them, Backspace takes one back. Dragging does
+ * not count as a click, so it goes together with controls of the camera.
  *
- * @throws InvalidArgumentError outside of a Canvas, and for a unit with a scale or digits out of range; SplatsUnsupportedRendererError
- *   in a Canvas whose renderer `createSplatRenderer` did not make.
+ * @throws InvalidArgumentError outside of a Canvas, and for a unit with a scale or digits out of
+ *   range; SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer` did not
+ *   make.
  */
 export function SplatMeasure(props: SplatMeasureProps): ReactNode {
   const { perWorldUnit = 1, digits = 2 } = props.unit ?? {};

@@ -7,19 +7,19 @@ import { useMeasuredRenderer } from './use-renderer.ts';
 
 /** Props of `<SplatStats>`. */
 export interface SplatStatsProps {
-  /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null while there is none. */
+  /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null before that. */
   renderer?: object | null;
   /** Default `top-left`. */
   corner?: PanelCorner;
 }
 
 /**
- * Shows what the splats cost, in a corner over the canvas: times of each stage, frames per second, splats and GPU memory. It is
- * an HTML overlay, wherever in the tree this component is. Updates it at most four times a second, and renders nothing for that,
- * in React or on the canvas.
+ * Shows the costs of splats in a corner over the canvas: times of each stage, frames per second,
+ * splats and GPU memory. It is an HTML overlay, wherever in the tree this component is. Updates it
+ * at most four times a second, and renders nothing for that, in React or on the canvas.
  *
- * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for a renderer that
- *   `createSplatRenderer` did not make.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`;
+ *   SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` did not make.
  */
 export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): ReactNode {
   const measured = useMeasuredRenderer(renderer, '<SplatStats>');

@@ -7,14 +7,14 @@ type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 /** Props of `<SplatsFallback>`. */
 export interface SplatsFallbackProps {
   children?: ReactNode;
-  /** Shown in place of children that cannot draw; default: a sentence for visitors, which says what to try. */
+  /** Shown in place of children that cannot draw; default a sentence that says what to try. */
   fallback?: ReactNode | ((error: SupportError) => ReactNode);
 }
 
 /**
- * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a renderer that cannot draw
- * splats, it shows `fallback` instead; React logs the error, which says more. Other errors pass through to the next error
- * boundary.
+ * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a
+ * renderer that cannot draw splats, it shows `fallback` instead; React logs the error, which says
+ * more. Other errors pass through to the next error boundary.
  */
 export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {
   override state: { readonly error: unknown } = { error: null };

@@ -138,7 +138,10 @@ class Boundary extends Component<{ children?: ReactNode }> {
   }
 }
 
-/** Renders under StrictMode, an error boundary and a Suspense boundary whose fallback is a group named "fallback". */
+/**
+ * Renders under StrictMode, an error boundary and a Suspense boundary whose fallback is a group
+ * named "fallback".
+ */
 async function show(...children: ReactNode[]): Promise<void> {
   const fallback = createElement('group', { name: 'fallback' });
   const suspense = createElement(Suspense, { fallback }, ...children);

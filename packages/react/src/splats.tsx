@@ -59,36 +59,39 @@ export interface SplatsProps
       | 'reveal'
     > {
   /**
-   * The splats to show. A new source replaces the splats on screen as soon as it has been read; if there are none, what has
-   * arrived of it is shown before. Without a source, or with `''`, nothing is fetched or drawn.
+   * The splats to show. A new source replaces the splats on screen as soon as it has been read; if
+   * there are none, its arrived part is shown before. Without a source, or with `''`, nothing is
+   * fetched or drawn.
    */
   src?: SplatsSource | null;
   /**
-   * How exactly and how fast to draw: settings, or a target such as `{ minPsnrDb: 45 }`; default: the Canvas's. All clouds in
-   * view share one frame and its accuracy: `SplatCloudObject.accuracy` of @websplatter/three says which. A change suspends
-   * nothing, and reads a file again, in the background, only for a finer precision than it was packed for.
+   * How exactly and how fast to draw: settings, or a target such as `{ minPsnrDb: 45 }`; default:
+   * the Canvas's. All clouds in view share one frame and its accuracy: `SplatCloudObject.accuracy`
+   * of @websplatter/three says which. A change suspends nothing, and reads a file again, in the
+   * background, only for a finer precision than it was packed for.
    */
   accuracy?: AccuracyRequest | null;
-  /** Limits of reading `src`, and how it is fetched if it is an address; the first request for a file decides. */
+  /** Limits of reading `src`, and of fetching an address; the first request for a file decides. */
   sourceOptions?: SourceOptions;
   /** The object in the scene. */
   ref?: Ref<SplatCloudObject>;
   /** Called when all splats have been read and are about to be drawn. */
   onLoad?: (splats: SplatData) => void;
-  /** Reports progress: `loaded` and `total` are bytes; `lengthComputable` is false if the total is not known. */
+  /** Reports progress in bytes; `lengthComputable` is false if the total is not known. */
   onProgress?: (event: ProgressEvent) => void;
   /** Called when the first frame with these splats has been submitted to the GPU. */
   onFirstFrame?: () => void;
   /** Called when settings were chosen for a target; `choice.why` says which and why. */
   onAccuracyChosen?: (choice: AccuracyChoice) => void;
   /**
-   * Receives errors from reading and drawing; the splats on screen stay. Without it, errors reach the nearest error boundary,
-   * except a SplatsPrecisionError, which is logged: splats are then drawn less exactly than requested.
+   * Receives errors from reading and drawing; the splats on screen stay. Without it, errors reach
+   * the nearest error boundary, except a SplatsPrecisionError, which is logged: splats are then
+   * drawn less exactly than requested.
    */
   onError?: (error: unknown) => void;
   /** Called once when the GPU device is lost, and with it everything that this Canvas draws. */
   onDeviceLost?: (info: GPUDeviceLostInfo) => void;
-  /** Shown if the Canvas has a renderer that cannot draw splats; without it, such a renderer is an error. */
+  /** Shown if the Canvas's renderer cannot draw splats; such a renderer is an error without it. */
   fallback?: ReactNode;
   /** Splats cast no shadows. */
   castShadow?: false;
@@ -97,12 +100,13 @@ export interface SplatsProps
 }
 
 /**
- * Shows Gaussian splats in a react-three-fiber scene. Suspends until something of the first `src` can be shown; when `src`
- * changes, the old splats stay until the new ones have been read. All other props are set on the object as they change.
+ * Shows Gaussian splats in a react-three-fiber scene. Suspends until a part of the first `src` can
+ * be shown; when `src` changes, the old splats stay until the new ones have been read. All other
+ * props are set on the object as they change.
  *
- * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}` and there is no
- *   `fallback`; InvalidArgumentError for an invalid `accuracy` and for effects with invalid options; SplatFileError,
- *   SplatSourceError, GpuLimitError if there is no `onError`.
+ * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}`
+ *   and there is no `fallback`; InvalidArgumentError for an invalid `accuracy` and for effects with
+ *   invalid options; SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
@@ -119,12 +123,12 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   return <Cloud renderer={renderer} {...props} />;
 }
 
-// Passed to `extend` as a class, not by name, so that it overrides no application's `<splatCloudObject>`.
+// Passed to `extend` as a class, not by name, so that it overrides no app's `<splatCloudObject>`.
 const CloudElement = /* @__PURE__ */ extend(SplatCloudObject);
 
 /**
- * Releases the splats of an object that has left the scene. react-three-fiber does not below a `dispose={null}`, which protects
- * what others use, too; splats are counted by their users.
+ * Releases the splats of an object that has left the scene. react-three-fiber does not below a
+ * `dispose={null}`, which protects what others use, too; splats are counted by their users.
  */
 function freeIfUnmounted({ target }: { target: Object3D }): void {
   // Deferred: an object that changes its parent is removed first.
@@ -160,7 +164,7 @@ function Cloud({
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);
 
-  // For which react-three-fiber casts rays: onClick, onContextMenu, onDoubleClick, onPointer… and onWheel.
+  // react-three-fiber casts rays for onClick, onContextMenu, onDoubleClick, onPointer… and onWheel.
   const hasHandlers = /\bon[CDPW]/.test(Object.keys(objectProps).join());
   const reported = useRef<SplatData>(null);
   useEffect(() => {
@@ -204,8 +208,9 @@ function Cloud({
     [renderer, latest],
   );
 
-  // React does not notify a component that suspended before its first mount when it is discarded, so its load could not be
-  // aborted. It therefore mounts without splats first, and suspends before that is painted.
+  // React does not notify a component that suspended before its first mount when it is discarded,
+  // so its load could not be aborted. It therefore mounts without splats first, and suspends before
+  // that is painted.
   const [, suspend] = useState(false);
   useLayoutEffect(() => suspend(true), []);
   if (drawError) throw drawError.error;

@@ -6,7 +6,7 @@ export type PanelCorner = 'top-left' | 'top-right' | 'bottom-left' | 'bottom-rig
 /** Figures that change sixty times a second cannot be read. */
 const UPDATE_INTERVAL_MS = 250;
 
-// Set through the style object, which a content security policy allows. `light-dark` follows the system.
+// Set by the style object, as content security policies allow. `light-dark` follows the system.
 const PANEL_STYLE =
   'position:absolute;z-index:1;margin:8px;padding:6px 10px;border-radius:6px;width:max-content;pointer-events:none;' +
   'font:12px/1.4 system-ui,sans-serif;font-variant-numeric:tabular-nums;text-align:left;' +
@@ -29,7 +29,7 @@ const ROWS = [
 ] as const;
 type Row = (typeof ROWS)[number];
 
-/** What the engine has done so far, and holds now. */
+/** Work of the engine so far, and its memory now. */
 export interface EngineState {
   readonly framesDrawn: number;
   readonly memoryBytes: number;
@@ -37,7 +37,7 @@ export interface EngineState {
   readonly nowMs: number;
 }
 
-/** After so long without a look, frames were not drawn one after another, and their rate says nothing. */
+/** After so long without a look, frames do not follow each other: their rate says nothing. */
 const MAX_RATE_INTERVAL_MS = 1000;
 
 export interface TimingsPanel {

@@ -5,43 +5,46 @@ import { useEffect, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 
-/** Milliseconds between a frame and a look at the engine: a component renders at most four times a second. */
+/** Time from a frame to a look at the engine: a component renders four times a second at most. */
 const LOOK_AFTER_MS = 250;
 
 /**
- * Returns the GPU memory that the engine of a Canvas holds, in bytes: of all clouds, of each, and of what drawing takes. Looks
- * again a quarter of a second after frames, and causes a render only if something has changed.
+ * Returns the GPU memory that the engine of a Canvas holds, in bytes: of all clouds, of each, and
+ * of drawing. Looks again a quarter of a second after frames, and causes a render only if something
+ * has changed.
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look.
- * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
- *   `createSplatRenderer` did not make.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`;
+ *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
 export function useSplatMemory(renderer?: object): EngineMemory | null {
   return useEngine(readMemory, renderer, 'useSplatMemory');
 }
 
 /**
- * Returns all effects of the last frame of a Canvas, on and off, each with the reason and the GPU memory that it holds. Looks
- * again a quarter of a second after frames, and causes a render only if something has changed.
+ * Returns all effects of the last frame of a Canvas, on and off, each with the reason and the GPU
+ * memory that it holds. Looks again a quarter of a second after frames, and causes a render only if
+ * something has changed.
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look; an empty list before the first frame.
- * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
- *   `createSplatRenderer` did not make.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`;
+ *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
 export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null {
   return useEngine(readEffects, renderer, 'useSplatEffects');
 }
 
 /**
- * Returns how exactly the last frame of a Canvas was drawn: its settings, what was chosen for a target and why, and the rasteriser.
- * Looks again a quarter of a second after frames, and causes a render only if something has changed.
+ * Returns the accuracy of a Canvas's last frame: its settings, the choice for a target and its
+ * reason, and the rasteriser. Looks again a quarter of a second after frames, and causes a render
+ * only if something has changed.
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first frame.
- * @throws InvalidArgumentError outside of a Canvas without `renderer`; SplatsUnsupportedRendererError for renderers that
- *   `createSplatRenderer` did not make.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`;
+ *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
 export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null {
   return useEngine(readAccuracy, renderer, 'useSplatAccuracy');

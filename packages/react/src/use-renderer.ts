@@ -7,7 +7,7 @@ export function rendererOf(state: RootState & { readonly renderer?: object }): o
   return state.renderer ?? state.gl;
 }
 
-/** Returns the renderer of the surrounding Canvas; undefined outside of one. A Canvas keeps its renderer for life. */
+/** Returns the surrounding Canvas's renderer, which it keeps for life; undefined outside of one. */
 export function useCanvasRenderer(): object | undefined {
   const store = useContext(context);
   return store ? rendererOf(store.getState()) : undefined;

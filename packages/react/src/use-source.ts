@@ -16,8 +16,9 @@ export interface SourceState {
 type Source = CacheableSource | SplatData | null;
 
 /**
- * Loads `src`, if there is one, for `renderer`, packed for `accuracy` or the renderer's own unless it was requested before.
- * Keeps the previous splats until then; if there are none, returns previews.
+ * Loads `src`, if there is one, for `renderer`, packed for `accuracy` or the renderer's own unless
+ * it was requested before. Keeps the previous splats until then; if there are none, returns
+ * previews.
  */
 export function useSource(
   src: Source,
@@ -39,8 +40,9 @@ export function useSource(
 }
 
 /**
- * Loads a source, and holds it in the cache while the component is mounted. Suspense, which hides the component, does not
- * end that, because this is a passive effect. Returns undefined until the load has begun.
+ * Loads a source, and holds it in the cache while the component is mounted. Suspense, which hides
+ * the component, does not end that, because this is a passive effect. Returns undefined until the
+ * load has begun.
  */
 function useLoadState(
   src: Source,

@@ -11,7 +11,7 @@ import { useSame } from './use-same.ts';
 export interface SplatCollider {
   /** `none` without splats, and on a server. */
   readonly status: 'none' | 'pending' | 'made' | 'failed';
-  /** In the cloud's own space; null until it is made. Empty, with no indices, where nothing is opaque. */
+  /** In the cloud's own space; null until it is made. Empty if nothing is opaque. */
   readonly mesh: ColliderMesh | null;
   /** What `makeColliderMesh` has rejected with; undefined unless it has. */
   readonly error: unknown;
@@ -27,14 +27,15 @@ const NONE: SplatCollider = { status: 'none', mesh: null, error: undefined };
 const PENDING: SplatCollider = { ...NONE, status: 'pending' };
 
 /**
- * Makes a coarse mesh around what is opaque of splats, in a worker, for physics engines:
- * `<TrimeshCollider args={[mesh.positions, mesh.indices]} />` of @react-three/rapier. The options are those of `makeColliderMesh` of
- * `@websplatter/core/collider`. Its code is fetched when the splats are there. Other splats or options begin anew; what is under way
- * is called off then, and when the component is unmounted.
+ * Makes a coarse mesh around the opaque parts of splats, in a worker, for physics engines:
+ * `<TrimeshCollider args={[mesh.positions, mesh.indices]} />` of @react-three/rapier. The options
+ * are those of `makeColliderMesh` of `@websplatter/core/collider`. Its code is fetched when the
+ * splats are there. Other splats or options begin anew; that, and unmounting, cancels work under
+ * way.
  *
  * @param splats of `useSplats` or `onLoad`; none with null. A preview gives `failed`.
- * @throws InvalidArgumentError outside of a Canvas; SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer`
- *   did not make.
+ * @throws InvalidArgumentError outside of a Canvas; SplatsUnsupportedRendererError in a Canvas
+ *   whose renderer `createSplatRenderer` did not make.
  */
 export function useSplatCollider(
   splats: SplatData | null | undefined,

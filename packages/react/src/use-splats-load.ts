@@ -29,12 +29,13 @@ const NO_LOAD: SplatsLoad = {
 };
 
 /**
- * Reads a file as `useSplats` does, but neither suspends nor throws its errors: returns how far that is, for a bar of one's own
- * and `<Splats src={load.splats}>`. Bytes cause renders as they arrive. The load is aborted half a second after its last user is
- * unmounted.
+ * Reads a file as `useSplats` does, but neither suspends nor throws its errors: returns how far
+ * that is, for a bar of one's own and `<Splats src={load.splats}>`. Bytes cause renders as they
+ * arrive. The load is aborted half a second after its last user is unmounted.
  *
  * @param source of which a change begins another load; none with null, undefined or `''`.
- * @throws SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer` did not make.
+ * @throws SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer` did not
+ *   make.
  */
 export function useSplatsLoad(
   source: CacheableSource | null | undefined,

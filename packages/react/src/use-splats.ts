@@ -9,8 +9,9 @@ import { useCanvasRenderer } from './use-renderer.ts';
 /** Options of `useSplats`. */
 export interface UseSplatsOptions {
   /**
-   * Accuracy that the file is packed for if it has not been read yet; default: that of the surrounding Canvas, or `balanced`
-   * outside of one. To be drawn more exactly, the file has to be read a second time.
+   * Accuracy that the file is packed for if it has not been read yet; default: that of the
+   * surrounding Canvas, or `balanced` outside of one. To be drawn more exactly, the file has to be
+   * read a second time.
    */
   readonly accuracy?: AccuracyRequest;
   /** Limits of reading, and how an address is fetched; the first request for a file decides. */
@@ -18,19 +19,22 @@ export interface UseSplatsOptions {
 }
 
 /**
- * What React puts into a page in place of an error on the server. Next knows this one: it neither ends the build of a static page
- * nor logs anything, but shows the fallback until the browser has the splats.
+ * Digest that React puts into a page in place of an error on the server. Next knows this one: it
+ * neither ends the build of a static page nor logs anything, but shows the fallback until the
+ * browser has the splats.
  */
 const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
 
 /**
- * Returns the splats of a file, for `<Splats src={splats}>` or for their number and bounds. Suspends until they are read, and
- * throws the errors of reading (`SplatFileError`, `SplatSourceError`). All components with the same source share its splats.
- * Without a source, returns null and reads nothing.
+ * Returns the splats of a file, for `<Splats src={splats}>` or for their number and bounds.
+ * Suspends until they are read, and throws the errors of reading (`SplatFileError`,
+ * `SplatSourceError`). All components with the same source share its splats. Without a source,
+ * returns null and reads nothing.
  *
- * A component that is unmounted before it has appeared leaves its load running, because React does not notify it;
- * `<Splats src="…">` aborts it. On a server it throws a WebSplatterError with the code `server`, so that the nearest Suspense
- * boundary shows its fallback there, also in a page that is rendered in advance; the browser reads the file.
+ * A component that is unmounted before it has appeared leaves its load running, because React does
+ * not notify it; `<Splats src="…">` aborts it. On a server it throws a WebSplatterError with the
+ * code `server`, so that the nearest Suspense boundary shows its fallback there, also in a page
+ * that is rendered in advance; the browser reads the file.
  *
  * @throws InvalidArgumentError for an empty address.
  */
@@ -59,15 +63,16 @@ export function useSplats(
   useEffect(() => (request ? sharedCache.watch(request, {}) : undefined), [request?.key]);
   if (!state) return null;
   if (state.status === 'loaded') return state.data;
-  // Not `use(state.settled)`: React would then expect `use` again when it renders again, with nothing left to wait for.
+  // Not `use(state.settled)`: React would then expect `use` again when it renders again, with
+  // nothing left to wait for.
   throw state.status === 'failed' ? state.error : state.settled;
 }
 
-/** Starts reading a file ahead of its use, and keeps it until `useSplats.clear`. Does nothing on a server. */
+/** Starts reading a file ahead of use, and keeps it until `useSplats.clear`. No-op on servers. */
 useSplats.preload = (source: CacheableSource, options: UseSplatsOptions = {}): void => {
   const { accuracy, sourceOptions } = options;
   if (!isServer()) sharedCache.preload(requestFor(source, accuracy, undefined, sourceOptions));
 };
 
-/** Releases preloaded files, of `source` or all; files on screen are released with their last user. */
+/** Releases preloaded files, of `source` or all; those on screen go with their last user. */
 useSplats.clear = (source?: CacheableSource): void => sharedCache.clear(source);

@@ -13,8 +13,8 @@ export interface StageTimingsSource {
 }
 
 /**
- * Reports what the stages of each frame cost, some frames after it was drawn. This causes no render: pass a `listener`, or
- * use `current` and `subscribe` of the result.
+ * Reports the times of each frame's stages, some frames after it was drawn. This causes no render:
+ * pass a `listener`, or use `current` and `subscribe` of the result.
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @throws InvalidArgumentError outside of a Canvas without `renderer`.
