@@ -5,9 +5,10 @@ import { COVARIANCE, LEAST_OPACITY, OPACITY } from './splat-shape.ts';
 /** Blobs of a node of the lowest level, and nodes of a node of any other. */
 export const ARITY = 8;
 /**
- * Unsigned 16-bit values of a blob: mean 3, standard deviation 3, angle 3, opacity. Deviations and angles make the lower triangle
- * L of its covariance L·Lᵀ: a row is as long as the deviation along its axis, and its direction is given by angles. Rounded
- * correlations would make thin splats thicker, by the square root of what they are rounded by.
+ * Unsigned 16-bit values of a blob: mean 3, standard deviation 3, angle 3, opacity. Deviations and
+ * angles make the lower triangle L of its covariance L·Lᵀ: a row is as long as the deviation along
+ * its axis, and its direction is given by angles. Rounded correlations would make thin splats
+ * thicker, by the square root of what they are rounded by.
  */
 export const BLOB_VALUES = 10;
 /** Means are steps between the faces of their node's box. */
@@ -18,7 +19,7 @@ export const DEVIATION_ZERO = 32768;
 /** Angles of half a turn. Even, so that there is a right angle. */
 export const ANGLE_STEPS = 65534;
 
-/** Blobs in an order in which neighbours are near each other, and the boxes around each run of ARITY. */
+/** Blobs in an order that keeps neighbours together, and the boxes around each run of ARITY. */
 export interface RayBlobs {
   readonly count: number;
   /** BLOB_VALUES each. */
@@ -28,8 +29,8 @@ export interface RayBlobs {
 }
 
 /**
- * Puts blobs, LOOSE_VALUES each, into an order in which each run of ARITY is compact, each run of ARITY such runs as well, and so
- * on; and rounds them.
+ * Puts blobs, LOOSE_VALUES each, into an order in which each run of ARITY is compact, each run of
+ * ARITY such runs as well, and so on; and rounds them.
  */
 export async function arrangeBlobs(blobs: Float32Array, turns: Turns): Promise<RayBlobs> {
   const count = blobs.length / LOOSE_VALUES;
@@ -60,7 +61,7 @@ export async function arrangeBlobs(blobs: Float32Array, turns: Turns): Promise<R
   return { count, values, boxes };
 }
 
-/** x, y, z and size of each blob. Large and small blobs are kept apart, so that the large ones widen few boxes. */
+/** x, y, z and size of each blob. Large and small ones are kept apart, so few boxes are wide. */
 function keysOf(blobs: Float32Array): Float32Array[] {
   const count = blobs.length / LOOSE_VALUES;
   const keys = [0, 1, 2, 3].map(() => new Float32Array(count));
@@ -138,7 +139,7 @@ function round(blob: Float32Array, box: Float32Array, values: Uint16Array): void
     values[3 + axis] = Math.max(0, Math.min(65535, Math.round(steps) + DEVIATION_ZERO));
   }
   const [xx, yy, zz, xy, xz, yz] = blob.subarray(COVARIANCE);
-  // Cholesky's decomposition. What is rounded off may leave less than nothing under a root.
+  // Cholesky's decomposition. Rounding may leave a negative number under a root.
   const l00 = Math.sqrt(Math.max(1e-38, xx));
   const l10 = xy / l00;
   const l20 = xz / l00;

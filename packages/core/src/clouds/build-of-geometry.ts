@@ -10,10 +10,10 @@ import { geometryPieces } from './geometry-pieces.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 export interface BuildOptions<Plan, Result> {
-  /** What to build: a name among the builders of the worker. */
+  /** Name of a builder of the worker. */
   readonly what: string;
   readonly makeWorker: () => Worker;
-  /** What is built, for messages. */
+  /** Name of the result, for messages. */
   readonly subject: string;
   readonly plan: Plan;
   /** Makes the builder for this thread, where no worker can start. */
@@ -24,10 +24,12 @@ export interface BuildOptions<Plan, Result> {
 }
 
 /**
- * Builds something of the geometry of `splats`, piece by piece: in a worker where one can start, else on this thread. It takes
- * its turn with loads, so that no more threads are at work than the machine has.
+ * Builds something of the geometry of `splats`, piece by piece: in a worker where one can start,
+ * else on this thread. It takes its turn with loads, so that no more threads are at work than the
+ * machine has.
  *
- * @throws as `geometryPieces` and the builder; WebSplatterError `worker-failed` if the worker dies; the signal's reason.
+ * @throws as `geometryPieces` and the builder; WebSplatterError `worker-failed` if the worker dies;
+ *   the signal's reason.
  */
 export async function buildOfGeometry<Plan, Result extends object>(
   splats: SplatCloud | PackedCloud,

@@ -78,7 +78,7 @@ const VALUES: Readonly<Record<string, EditedValues>> = (() => {
   };
 })();
 
-/** What a file with the values in it would hold. */
+/** The set as a file with the values in it would hold it. */
 function withValues(set: SplatSet, values: EditedValues, rows: Iterable<number> = ROWS): SplatSet {
   const { positions, scales, rotations, opacities, colors, visible } = values;
   const changed: SplatSet = {
@@ -275,7 +275,7 @@ describe('an edit', () => {
     edits.set([1, 2], { visible: false });
     expect(psnrDb(await imageOf(clouds[1], undefined, other), images[1])).toBeLessThan(60);
     other.destroy();
-    // What the engine has freed is not written; the device would complain.
+    // Buffers that the engine has freed are not written; the device would complain.
     await Promise.resolve();
     edits.set([1, 2], { visible: true });
     clouds[1].editing!.flush();

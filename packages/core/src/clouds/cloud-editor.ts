@@ -19,7 +19,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
 
-/** Splats between two that have changed are uploaded too if they are no more than this: each upload has a cost of its own. */
+/** Unchanged splats in a gap of at most this many are uploaded too: each upload has a cost. */
 const MOST_GAP_SPLATS = 32;
 /** Splats that are read back at once: 4 MiB at most. */
 const PIECE_SPLATS = 1 << 16;
@@ -27,20 +27,22 @@ const PIECE_SPLATS = 1 << 16;
 const BOUNDS_SAMPLES = 4096;
 
 /**
- * Draws a cloud with `edits`, with those that there are and with those to come, from its next frame on. What has changed is
- * uploaded before a frame, in ranges of successive splats, 32 bytes each (64 as `f32`); bounds, order, picks and rays follow. The
- * first edit of a cloud needs its geometry, 32 or 64 bytes per splat, which is read back and kept in memory; precisions that are
- * made later are edited, too.
+ * Draws a cloud with `edits`, with those that there are and with those to come, from its next frame
+ * on. Changed splats are uploaded before a frame, in ranges of successive splats, 32 bytes each (64
+ * as `f32`); bounds, order, picks and rays follow. The first edit of a cloud needs its geometry, 32
+ * or 64 bytes per splat, read back and kept in memory; precisions made later are edited too.
  *
- * Positions that were edited stay where they are in the order of storage: splats that move far apart make bounds of chunks
- * large, so that frames cull less. Sizes outside of the range that a chunk of 256 splats shares, in 65,536 steps of `packed`
- * geometry, upload that chunk with a wider range.
+ * Positions that were edited stay where they are in the order of storage: splats that move far
+ * apart make bounds of chunks large, so that frames cull less. Sizes outside of the range that a
+ * chunk of 256 splats shares, in 65,536 steps of `packed` geometry, upload that chunk with a wider
+ * range.
  *
- * @param splats the splats as they were uploaded, if they are at hand: nothing is read back then, and the cloud follows before
- *   this returns.
+ * @param splats the splats as they were uploaded, if they are at hand: nothing is read back then,
+ *   and the cloud follows before this returns.
  * @returns when the cloud follows.
- * @throws SplatSourceError for a preview; InvalidArgumentError for a cloud that follows other edits; DestroyedError if the cloud
- *   or the device ends first; GpuLimitError if reading back finds no memory.
+ * @throws SplatSourceError for a preview; InvalidArgumentError for a cloud that follows other
+ *   edits; DestroyedError if the cloud or the device ends first; GpuLimitError if reading back
+ *   finds no memory.
  */
 export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?: PackedCloud): Promise<void> {
   let geometry = splats?.geometry ?? null;
@@ -74,7 +76,7 @@ function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
   throw new InvalidArgumentError('edits', `${name} follows other edits already; edit those.`);
 }
 
-/** Reads the finest geometry of a cloud back; null if other planes have taken its place meanwhile. */
+/** Reads the finest geometry of a cloud back; null if other planes replaced it meanwhile. */
 async function geometryOf(cloud: SplatCloud): Promise<PackedGeometry | null> {
   await cloud.uploaded;
   const { planes } = cloud;
@@ -195,7 +197,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     return ((this.#dirty[splat >>> 5] >>> splat) & 1) === 1;
   }
 
-  /** Successive splats from `start` to `end` that are to be written, with the gaps that are not worth a second upload. */
+  /** Successive splats from `start` to `end` to write, with gaps not worth a second upload. */
   #runs(start: number, end: number): [from: number, to: number][] {
     const runs: [from: number, to: number][] = [];
     for (let splat = start; splat < end; splat++) {
@@ -227,12 +229,12 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#cloud.onWritten(words.byteLength);
   }
 
-  /** Bounds the chunks of splats that have moved or changed their size anew, and marks those whose packed log scales change. */
+  /** Bounds chunks of moved or resized splats anew; marks those whose packed log scales change. */
   #bound(changed: number): void {
     const cloud = this.#cloud;
     const { planes, count, origin } = cloud;
     const { minPosition, maxPosition, count: stride } = CHUNK_WORDS;
-    // A copy: what is known of chunks is known by their buffer.
+    // A copy: facts about chunks are known by their buffer.
     const chunks = new Float32Array(cloud.chunks.slice(0));
     const position = new Float32Array(3);
     for (const [page, { start, end }] of planes.ranges.entries()) {
@@ -291,7 +293,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     return robustBounds(axes, origin);
   }
 
-  /** Splats are no balls any more, once the shaders for that are there: views would have nothing to draw meanwhile. */
+  /** Splats are no balls once their shaders are there: views have something to draw meanwhile. */
   #stretch(): void {
     if (this.#isStretching) return;
     this.#isStretching = true;

@@ -2,7 +2,7 @@ import { resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { type CloudPrecision, ownShPrecision } from '../data/packing/precision.ts';
 import type { ReadOptions } from '../io/sources/splat-source.ts';
 
-/** `signal` cancels the claim until it is met; `onProgress` reports the progress of reading, if anything is read. */
+/** `signal` cancels the claim until it is met; `onProgress` reports reading, if any. */
 export type HoldOptions = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /** Planes are made until `signal` aborts. */
@@ -27,7 +27,7 @@ interface PendingClaim {
   readonly cancellation: AbortController;
 }
 
-/** A claim on precisions of one cloud: their planes stay on the GPU until the claim is changed or released. */
+/** A claim on precisions of one cloud: the planes stay until it is changed or released. */
 export class CloudLease {
   readonly #leases: CloudLeases;
   #met: Promise<void> = Promise.resolve();
@@ -37,14 +37,14 @@ export class CloudLease {
     this.#leases = leases;
   }
 
-  /** Resolves when the cloud holds the latest claim; rejects if it cannot: see `SplatCloud.hold`. */
+  /** Resolves when the cloud holds the latest claim; else rejects: see `SplatCloud.hold`. */
   get met(): Promise<void> {
     return this.#met;
   }
 
   /**
-   * Claims `precision` instead. The old claim stands until the new one is met, and remains if that fails. Cancels a claim of
-   * this lease that is still pending.
+   * Claims `precision` instead. The old claim stands until the new one is met, and remains if that
+   * fails. Cancels a claim of this lease that is still pending.
    *
    * @returns the new `met`.
    */
@@ -58,7 +58,8 @@ export class CloudLease {
   }
 
   /**
-   * Gives up all claims, cancels a pending one, and frees the planes that no other lease claims. `change` claims again.
+   * Gives up all claims, cancels a pending one, and frees the planes that no other lease claims.
+   * `change` claims again.
    */
   release(): void {
     this.#leases.release(this);
@@ -76,13 +77,13 @@ export class CloudLease {
  * All leases of one cloud. This class alone decides which planes the cloud holds:
  *
  * - A cloud holds the planes that its leases claim, and no others.
- * - `own` is the cloud's own lease. It claims the uploaded precision until the engine changes it: for `requestPrecision`, for
- *   the engine's accuracy, and for the settings chosen to meet a target. A holder whose leases cover everything that shows the
- *   cloud releases it.
- * - There is always a claim, so that there is always something to draw: when the last lease is released, its claims pass to
- *   `own`.
- * - A new claim changes nothing until all of its planes exist. Until then it protects the planes that it found: those that it
- *   needs stay, even if another holder releases them.
+ * - `own` is the cloud's own lease. It claims the uploaded precision until the engine changes it:
+ *   for `requestPrecision`, for the engine's accuracy, and for the settings chosen to meet a
+ *   target. A holder whose leases cover everything that shows the cloud releases it.
+ * - There is always a claim, so that there is always something to draw: when the last lease is
+ *   released, its claims pass to `own`.
+ * - A new claim changes nothing until all of its planes exist. Until then it protects the planes
+ *   that it found: those that it needs stay, even if another holder releases them.
  */
 export class CloudLeases {
   readonly own = new CloudLease(this);
@@ -104,7 +105,7 @@ export class CloudLeases {
     return lease;
   }
 
-  /** Makes `lease` claim a precision: instead of its other claims, or in addition to them if `isAdded`. */
+  /** Makes `lease` claim a precision, besides its others if `isAdded`, else in their place. */
   async claim(
     lease: CloudLease,
     { geometryPrecision, shPrecision }: CloudPrecision,
@@ -145,7 +146,7 @@ export class CloudLeases {
     this.#freeUnclaimed();
   }
 
-  /** Rejects pending and later claims with `reason`: the planes are gone, or none can be made any more. */
+  /** Rejects pending and later claims with `reason`: the planes are gone, or cannot be made. */
   end(reason: Error): void {
     this.#ended ??= reason;
     for (const { cancellation } of this.#pending.values()) cancellation.abort(reason);

@@ -16,8 +16,8 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 
 /**
- * Precisions that a cloud holds on the GPU, finest first. `sh` lists all at degree 0, which needs no planes, and where the source's
- * own harmonics are a palette, which stands for every precision.
+ * Precisions that a cloud holds on the GPU, finest first. `sh` lists all at degree 0, which needs
+ * no planes, and where the source's own harmonics are a palette, which stands for every precision.
  */
 export interface HeldPrecisions {
   readonly geometry: readonly GeometryPrecision[];
@@ -42,7 +42,7 @@ export interface CloudPage {
   readonly chunks: GPUBuffer;
 }
 
-/** One geometry plane and one plane of spherical harmonics of a cloud, page by page. The same object while both exist. */
+/** A cloud's planes of geometry and harmonics, by page. The same object while both exist. */
 export interface CloudPages extends CloudPrecision {
   readonly pages: readonly CloudPage[];
 }
@@ -83,14 +83,15 @@ export function splatsPerPage(limits: DeviceLimits, bytesPerSplat: number): numb
 }
 
 /**
- * Bytes per splat of the largest plane that a cloud of this degree may have. All planes are paged by it, so that any
- * geometry plane matches any plane of spherical harmonics page by page, and planes made later fit the device's bindings too.
+ * Bytes per splat of the largest plane that a cloud of this degree may have. All planes are paged
+ * by it, so that any geometry plane matches any plane of spherical harmonics page by page, and
+ * planes made later fit the device's bindings too.
  */
 export function largestPlaneBytes(degree: ShDegree): number {
   return 4 * Math.max(GEOMETRY_WORDS.f32, shWordsPerSplat(degree, 'f32'));
 }
 
-/** Returns the precision in `held` that is nearest to `wanted`: the same, else the next finer, else the finest. */
+/** Returns the precision in `held` nearest to `wanted`: itself, the next finer, or the finest. */
 export function nearestPrecision<Precision>(
   held: readonly Precision[],
   wanted: Precision,
@@ -115,7 +116,7 @@ export interface MadePlanes extends CloudPrecision {
 /** The GPU buffers of one cloud, in each precision that it holds. */
 export class CloudPlanes {
   readonly shDegree: ShDegree;
-  /** Whether the source's own harmonics are a palette: nothing is finer, so it is drawn and kept whatever is asked for. */
+  /** Whether the source's own harmonics are a palette: it is then kept, as nothing is finer. */
   readonly hasOwnPalette: boolean;
   /** Pages of every plane. */
   readonly ranges: readonly PageRange[];
@@ -147,8 +148,8 @@ export class CloudPlanes {
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError if a chunk of the largest plane cannot be bound, or the planes exceed the budget; nothing is left
-   *   allocated then.
+   * @throws GpuLimitError if a chunk of the largest plane cannot be bound, or the planes exceed the
+   *   budget; nothing is left allocated then.
    */
   static upload(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string): CloudPlanes {
     const { degree: shDegree, precision: shPrecision } = packed.harmonics;
@@ -205,8 +206,8 @@ export class CloudPlanes {
   }
 
   /**
-   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision, else the next finer one
-   * held, else the finest.
+   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision,
+   * else the next finer one held, else the finest.
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
     const { geometry, sh } = this.held;

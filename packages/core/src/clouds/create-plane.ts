@@ -4,7 +4,7 @@ import type { GeometryPrecision, OwnShPrecision } from '../data/packing/precisio
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import { type Plane, type PlanePlace, planeOf } from './cloud-planes.ts';
 
-/** Creates an empty plane for the GPU to fill. @throws GpuLimitError; nothing is left allocated then. */
+/** Creates an empty plane for the GPU to fill. @throws GpuLimitError; nothing is allocated then. */
 export function createGeometry(place: PlanePlace, precision: GeometryPrecision): Plane {
   return createPlane(place, GEOMETRY_WORDS[precision], 'geometry');
 }

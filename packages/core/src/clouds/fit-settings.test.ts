@@ -34,7 +34,7 @@ vi.stubGlobal('GPUBufferUsage', BUFFER_USAGE);
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
 const PACKED = packSet(randomSplats({ count: 1000, shDegree: 3 }), FINEST);
 
-/** Fits a cloud that was packed on the CPU into so much memory. `onProbe` is called whenever that is looked for. */
+/** Fits a cloud packed on the CPU into so much memory. `onProbe` is called on each look for it. */
 function fitInto(
   availableBytes: number,
   mode: FitMode,

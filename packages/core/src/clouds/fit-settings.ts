@@ -11,7 +11,7 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { probeMemory } from '../gpu/probe-memory.ts';
 
-/** How a cloud may be loaded: what decides its bytes per splat. */
+/** Settings of a loaded cloud that decide its bytes per splat. */
 export interface FitSettings extends CloudPrecision {
   /** Highest degree of harmonics that is stored. */
   readonly shDegree: ShDegree;
@@ -38,7 +38,7 @@ interface Fitting {
   readonly name: string;
   /** Most bytes that a load with these settings takes at once. */
   readonly bytesOf: (settings: FitSettings) => number;
-  /** What the limits say already; default to ask. */
+  /** Failure that the limits predict already; default to ask. */
   readonly failure?: GpuLimitError;
   /** Calls the search off. */
   readonly signal: AbortSignal;
@@ -64,7 +64,8 @@ const COARSER_SH: Readonly<Record<ShPrecision, readonly ShPrecision[]>> = {
 };
 
 /**
- * Settings coarser than `wanted`, the finest first: what changes colours least goes first, bands of harmonics last.
+ * Settings coarser than `wanted`, the finest first: those that change colours least, with bands of
+ * harmonics last.
  *
  * @param isGeometryFixed whether geometry stays as it is in all of them.
  */
@@ -92,8 +93,8 @@ export function coarserSettings(
  * Compares what a load needs with the budget and, by a probe, with the GPU's memory.
  *
  * @returns null if `wanted` fits.
- * @throws GpuLimitError, with the settings that would fit, if it does not and `mode` is `exact`, or nothing fits; the signal's
- *   reason.
+ * @throws GpuLimitError, with the settings that would fit, if it does not and `mode` is `exact`, or
+ *   nothing fits; the signal's reason.
  */
 export async function fitSettings(
   { memory, name, bytesOf, failure, signal, isGeometryFixed }: Fitting,
@@ -127,7 +128,8 @@ export async function fitSettings(
 /**
  * Makes a cloud that found no memory coarser, on the CPU. Its geometry stays as it is packed.
  *
- * @throws GpuLimitError, with the settings that would fit, if `mode` is `exact`, or nothing fits; the signal's reason.
+ * @throws GpuLimitError, with the settings that would fit, if `mode` is `exact`, or nothing fits;
+ *   the signal's reason.
  */
 export async function fitPacked(
   packed: PackedCloud,

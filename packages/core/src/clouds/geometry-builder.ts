@@ -8,7 +8,7 @@ export interface GeometryBuilder<Result = object> {
   finish(): Promise<Result>;
 }
 
-/** Page to worker: what to build, the splats in pieces, and their end. The next message follows the answer to the last one. */
+/** Page to worker: builder, splats in pieces, their end. Each message waits for an answer. */
 export type BuildRequest =
   | { readonly build: 'begin'; readonly what: string; readonly plan: unknown }
   | { readonly build: 'piece'; readonly piece: PackedGeometry }
@@ -29,7 +29,7 @@ export interface BuildPort {
   postMessage(reply: BuildReply, transfer: Transferable[]): void;
 }
 
-/** What a worker can build, by name. */
+/** Builders of a worker, by name. */
 export type GeometryBuilders = Readonly<Record<string, (plan: never) => GeometryBuilder>>;
 
 /** Builds what the page asks for. */

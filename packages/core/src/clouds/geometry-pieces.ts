@@ -10,11 +10,11 @@ import type { SplatCloud } from './splat-cloud.ts';
 const PIECE_SPLATS = 1 << 15;
 
 /**
- * Returns the geometry of all splats in storage order, piece by piece, each of whole chunks but the last of a page. That of a cloud
- * on the GPU is copied; that of others must not be changed.
+ * Returns the geometry of all splats in storage order, piece by piece, each of whole chunks but the
+ * last of a page. That of a cloud on the GPU is copied; that of others must not be changed.
  *
- * @throws SplatSourceError for a preview, DestroyedError if the cloud ends before its last piece, GpuLimitError if memory is
- *   lacking.
+ * @throws SplatSourceError for a preview, DestroyedError if the cloud ends before its last piece,
+ *   GpuLimitError if memory is lacking.
  */
 export async function* geometryPieces(splats: SplatCloud | PackedCloud): AsyncGenerator<PackedGeometry> {
   if ('geometry' in splats) yield* piecesInMemory(splats.geometry);
@@ -29,7 +29,7 @@ function* piecesInMemory({ precision, words, chunks }: PackedGeometry): Generato
   }
 }
 
-/** The chunks of a piece that begins at splat `first`. A copy: what is sent of a buffer is all of it. */
+/** The chunks of a piece that begins at splat `first`. A copy: buffers are sent whole. */
 function chunksFrom(chunks: Float32Array, first: number): Float32Array<ArrayBuffer> {
   const [from, end] = [first, first + PIECE_SPLATS].map((at) => (CHUNK_WORDS.count * at) / CHUNK_SPLATS);
   return chunks.slice(from, end);
@@ -40,9 +40,9 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
   if (cloud.isPreview)
     throw new SplatSourceError(name, 'it is still loading: its splats can be read once it is whole.');
   await cloud.uploaded;
-  // What was drawn last may lack edits.
+  // The last frame may lack edits.
   cloud.editing?.flush();
-  // Other planes may take their place while a piece is worked on; those nearest to packed are the smallest.
+  // Others may take their place while a piece is worked on; those nearest to packed are smallest.
   const planes = () => {
     if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
     return cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });

@@ -6,7 +6,7 @@ import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** Clouds of so few splats have a blob for each, and rays hit what is drawn. They take 12 MB then. */
+/** At most so many splats have a blob each: rays hit the drawn splats. They take 12 MB then. */
 const MOST_SMALL_BLOBS = 1 << 19;
 /** Splats of a blob in clouds for which that is not enough. */
 const SPLATS_PER_BLOB = 32;
@@ -24,7 +24,7 @@ export async function makeRayTree(
   splats: SplatCloud | PackedCloud,
   { signal, mostBlobs = MOST_SMALL_BLOBS }: MakeRayTreeOptions,
 ): Promise<RayTree> {
-  // What was drawn last may lack edits.
+  // The last frame may lack edits.
   if ('editing' in splats) splats.editing?.flush();
   const { count, origin } = splats;
   const shares = blobsOfChunks(splats, Math.max(mostBlobs, count / SPLATS_PER_BLOB));
@@ -40,12 +40,15 @@ export async function makeRayTree(
   return new RayTree(origin, blobs);
 }
 
-/** How much the angle matters. At 0, all chunks would have as many blobs; at 2, all blobs would be seen under one angle. */
+/**
+ * How much the angle matters. At 0, all chunks would have as many blobs; at 2, all blobs would be
+ * seen under one angle.
+ */
 const ANGLE_EXPONENT = 2 / 3;
 
 /**
- * Shares blobs out to chunks by the angle under which each is seen from within the scene. What is far away has few splats, which
- * all matter; what is near has many for each pixel.
+ * Shares blobs out to chunks by the angle under which each is seen from within the scene. Distant
+ * regions have few splats, which all matter; near ones have many for each pixel.
  */
 function blobsOfChunks(
   { chunks, robustBounds: { min, max }, origin }: Pick<PackedCloud, 'chunks' | 'robustBounds' | 'origin'>,
@@ -67,7 +70,7 @@ function blobsOfChunks(
     const distance = Math.max(Math.sqrt(distance2), nearest, 1e-30);
     angles[chunk] = Math.max((Math.sqrt(extent2) / distance) ** ANGLE_EXPONENT, 1e-12);
   }
-  // The factor by which as many blobs are shared out as there are: no chunk has use for more than it has splats.
+  // The factor that shares out all blobs: a chunk takes no more than it has splats.
   const shareAt = (angle: number, factor: number) => Math.max(1, Math.min(CHUNK_SPLATS, angle * factor));
   let low = 1e-3;
   let high = 1e15;

@@ -76,7 +76,7 @@ describe('a coarser precision', () => {
       expect(loaded.bytes).toBe(bytes);
       expect(engine.memory().totalBytes).toBe(held);
       const expected = await imageOf(loaded);
-      // Halves are rounded alike to the bit; steps may differ by one if both are equally near in float32.
+      // Halves are equal to the bit; steps may differ by one if both are equally near in float32.
       if (geometryPrecision === 'f32' && shPrecision === 'f16') expectSameImage(made, expected);
       else expect(psnrDb(made, expected)).toBeGreaterThan(80);
       loaded.destroy();

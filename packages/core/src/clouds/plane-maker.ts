@@ -24,7 +24,7 @@ export interface PlaneMakerContext {
   readonly dispatchRow: number;
   /** Reason why no planes can be made any more, or null. */
   readonly destroyedBecause: () => string | null;
-  /** Compiles the pipelines that draw the cloud with this precision, in every view that shows it. */
+  /** Compiles pipelines that draw the cloud with this precision, in every view that shows it. */
   readonly compileFor: (cloud: SplatCloud, precision: CloudPrecision) => Promise<void>;
   readonly openRowPlanes: OpenRowPlanes;
 }
@@ -57,13 +57,13 @@ export class PlaneMaker {
   }
 
   /**
-   * Adds the planes of `wanted` to those that `cloud` holds, all at once. Rejects with the errors that `SplatCloud.hold`
-   * lists; nothing changes then.
+   * Adds the planes of `wanted` to those that `cloud` holds, all at once. Rejects with the errors
+   * that `SplatCloud.hold` lists; nothing changes then.
    */
   async make(cloud: SplatCloud, wanted: CloudPrecision, options: MakeOptions): Promise<void> {
     if (await this.#makeFrom(null, cloud, wanted, options)) return;
-    // Requests read sources in turn, because the second request for a precision finds the planes that the first has made.
-    // Requests that need no reading do not wait.
+    // Requests read sources in turn, because the second request for a precision finds the planes
+    // that the first has made. Requests that need no reading do not wait.
     const earlier = this.#readings.get(cloud);
     const reading = this.#readAndMake(earlier, cloud, wanted, options);
     this.#readings.set(cloud, Promise.allSettled([earlier, reading]));
@@ -95,13 +95,13 @@ export class PlaneMaker {
     try {
       return await readAgain(cloud, missingOf(cloud, wanted), this.#context.openRowPlanes, options);
     } catch (error) {
-      // What ended the engine or the device also ended what was waited for.
+      // The end of the engine or the device also ended the wait.
       this.#checkUsable(options.signal);
       throw isLack(error) ? memoryError(cloud, wanted, error.neededBytes, error) : error;
     }
   }
 
-  /** @returns false, without making anything, if both the cloud's planes and `fresh` are too coarse. */
+  /** @returns false, without making anything, if the cloud's planes and `fresh` are too coarse. */
   async #makeFrom(
     fresh: FreshPlanes | null,
     cloud: SplatCloud,
@@ -126,7 +126,7 @@ export class PlaneMaker {
       await this.#withMemoryFor(cloud, wanted, bytesOf(cloud, wanted, work), () =>
         this.#make(cloud, wanted, work, made),
       );
-      // What was read has no edits. Without any, what follows is synchronous: none may come.
+      // Planes just read lack edits. The rest is synchronous without them: none may come.
       if (work.freshGeometry && cloud.editing)
         edit = await cloud.editing.rebase(work.freshGeometry.geometryPrecision, made[0].plane);
       this.#checkUsable(signal);
@@ -140,7 +140,7 @@ export class PlaneMaker {
     return true;
   }
 
-  /** Uploads and repacks. Lists each plane in `made` as soon as it exists, so that the caller can free it. */
+  /** Uploads and repacks. Lists each plane in `made` at once, so that the caller can free it. */
   #make(cloud: SplatCloud, wanted: CloudPrecision, work: Work, made: MadePlane[]): void {
     const { planes } = cloud;
     const { freshGeometry, freshSh, geometryStage, shStage } = work;
@@ -240,25 +240,25 @@ function memoryError(
   return new GpuLimitError('memory', neededBytes, 0, message, { heldBytes, cause });
 }
 
-/** Returns the precision to read, so that `wanted` can be made from it and from the planes that `cloud` holds. */
+/** Returns the precision to read, so that it and the planes of `cloud` suffice for `wanted`. */
 function missingOf(
   { planes }: SplatCloud,
   { geometryPrecision, shPrecision }: CloudPrecision,
 ): CloudPrecision {
   const { geometry, sh } = planes.held;
-  // Read whatever is not missing as coarsely as possible: at degree 3, the finest harmonics take four times the memory.
+  // Read the rest as coarsely as possible: the finest harmonics take four times the memory.
   return {
     geometryPrecision: isGeometryAsFine(geometry[0], geometryPrecision) ? 'packed' : geometryPrecision,
     shPrecision: needsPalette(planes, shPrecision) || !isShAsFine(sh[0], shPrecision) ? shPrecision : 'u8',
   };
 }
 
-/** Whether harmonics must be read again because a palette is wanted, which is found among all splats and not made on the GPU. */
+/** Whether a palette is wanted, which takes reading again: it is found on the CPU. */
 function needsPalette(planes: CloudPlanes, shPrecision: ShPrecision): boolean {
   return shPrecision === 'palette' && !planes.shPlane('palette');
 }
 
-/** Returns the work until `cloud` holds `wanted`; null if both its planes and `fresh` are too coarse. */
+/** Returns the work until `cloud` holds `wanted`; null if its planes and `fresh` are too coarse. */
 function workFor(
   { planes, shDegree }: SplatCloud,
   { geometryPrecision, shPrecision }: CloudPrecision,

@@ -11,27 +11,30 @@ import {
   WEIGHT,
 } from './splat-shape.ts';
 
-/** A blob may be more opaque in its middle than any splat: it stays opaque farther out, as what it stands for does. */
+/**
+ * A blob may be more opaque in its middle than any splat: it stays opaque farther out, as its
+ * splats together do.
+ */
 export const MOST_OPACITY = 3;
 /** Where a shape begins. */
 const X = 0;
-/** What is kept of them once they are blobs. */
+/** Values of a splat that its blob keeps. */
 export const LOOSE_VALUES = 10;
-/** What sets splats apart: x, y, z and size. A floor and the haze above it lie in one place but make no blob together. */
+/** Splats differ in x, y, z and size: a floor and the haze on it make no blob together. */
 const AXES = [X, X + 1, X + 2, SIZE] as const;
 
 interface Cluster {
   readonly start: number;
   readonly end: number;
-  /** What a split would gain. */
+  /** Gain of a split. */
   score: number;
   axis: number;
   middle: number;
 }
 
 /**
- * Makes blobs of a cloud's splats. A blob is one Gaussian that stands for neighbouring splats: as opaque as they are
- * together, with their common mean and covariance.
+ * Makes blobs of a cloud's splats. A blob is one Gaussian that stands for neighbouring splats: as
+ * opaque as they are together, with their common mean and covariance.
  */
 export class BlobCollector {
   #count = 0;
@@ -46,7 +49,10 @@ export class BlobCollector {
     this.#blobs = new Float32Array(LOOSE_VALUES * most);
   }
 
-  /** Makes at most `wanted` blobs of splats `from`…`end` of `geometry`, at most CHUNK_SPLATS, neighbours in storage order. */
+  /**
+   * Makes at most `wanted` blobs of splats `from`…`end` of `geometry`, at most CHUNK_SPLATS,
+   * neighbours in storage order.
+   */
   add(geometry: PackedGeometry, from: number, end: number, wanted: number): void {
     let kept = 0;
     const { buffer, byteOffset, length } = geometry.words;
@@ -68,7 +74,10 @@ export class BlobCollector {
     return this.#blobs.subarray(0, LOOSE_VALUES * this.#count);
   }
 
-  /** Splits the first `count` splats into `wanted` clusters, or fewer where splats coincide; those next to each other touch. */
+  /**
+   * Splits the first `count` splats into `wanted` clusters, or fewer where splats coincide; those
+   * next to each other touch.
+   */
   #clusters(count: number, wanted: number): Cluster[] {
     const clusters = [this.#cluster(0, count)];
     while (clusters.length < wanted) {

@@ -25,27 +25,27 @@ export interface RayView {
   readonly camera: Camera;
   /** From the cloud's space to the world, column-major; default none. */
   readonly modelMatrix?: ArrayLike<number>;
-  /** Height of the image, px; default 1,000. Splats are drawn larger than they are, by about half a pixel. */
+  /** Height of the image, px; default 1,000. Splats are drawn about half a pixel larger. */
   readonly heightPx?: number;
 }
 
 /** The image that a ray belongs to, and how far it goes. */
 export interface RayOptions {
   /**
-   * What the ray belongs to: it then meets splats as they are drawn there, which is how `pick` meets them. Rays of a perspective
-   * camera begin where it stands, those of an orthographic one go where it looks. Default: a camera that looks along the ray, with a
-   * field of view of 50 degrees.
+   * View of the ray: it meets splats as they are drawn there, as `pick` does. Rays of a perspective
+   * camera begin where it stands, those of an orthographic one go where it looks. Default: a camera
+   * that looks along the ray, with a field of view of 50 degrees.
    */
   readonly view?: RayView;
   /** Splats nearer than this are passed; in units of the direction's length, default 0. */
   readonly near?: number;
-  /** Splats farther away than this are not reached; in units of the direction's length, default Infinity. */
+  /** Reach, in units of the direction's length; default Infinity. */
   readonly far?: number;
   /** Least opacity of what a ray hits, 0…1; default 0.3. */
   readonly minOpacity?: number;
   /** Multiplies every splat's opacity, 0…1; default 1. */
   readonly opacity?: number;
-  /** Returns what part of its opacity a splat at this point has, 0…1: 0 where it is cut off. Default all. */
+  /** Returns the part of its opacity that a splat here has, 0…1; 0 if it is cut off. Default: 1. */
   readonly shownAt?: (x: number, y: number, z: number) => number;
 }
 
@@ -56,7 +56,7 @@ const MOST_ALPHA = 0.99;
 const LEAST_ALPHA = LEAST_OPACITY;
 /** Squared standard deviations at which the most opaque blob contributes less. */
 const MOST_SQUARED = 2 * Math.log(MOST_OPACITY / LEAST_ALPHA);
-/** A ray that begins within so many standard deviations of a blob is inside of it, and begins outside. */
+/** A ray that begins within so many standard deviations of a blob leaves that blob out. */
 const INSIDE_DEVIATIONS = 2;
 /** Boxes are met early by so many standard deviations of what drawing adds to each splat. */
 const DILATION_DEVIATIONS = 3;
@@ -64,8 +64,8 @@ const USUAL_HEIGHT_PX = 1000;
 const USUAL_FOV_DEGREES = 50;
 
 /**
- * What rays are tested against: a cloud's splats or, where there are more than half a million, blobs that each stand for some
- * neighbouring splats; and a tree of boxes around them. 24 bytes for each.
+ * Targets of rays: a cloud's splats, or blobs of neighbouring splats if there are more than half a
+ * million; and a tree of boxes around them. 24 bytes for each.
  */
 export class RayTree {
   /** @internal */
@@ -92,11 +92,13 @@ export class RayTree {
   }
 
   /**
-   * Returns where a ray in the cloud's own space meets splats: at the depth of those that contribute most to what is seen along
-   * it, as `pick` does. Splats that the ray begins inside of are left out. Waits for nothing.
+   * Returns where a ray in the cloud's own space meets splats: at the depth of those that
+   * contribute most along it, as `pick` does. Splats that the ray begins inside of are left out.
+   * Waits for nothing.
    *
    * @param direction vector of any length but 0.
-   * @returns null if all splats on the ray together have less than `minOpacity`, or the ray is not finite.
+   * @returns null if all splats on the ray together have less than `minOpacity`, or the ray is not
+   *   finite.
    */
   cast(origin: Vec3, direction: Vec3, options: RayOptions = {}): RayHit | null {
     const { near = 0, far = Number.POSITIVE_INFINITY, minOpacity = DEFAULT_MIN_OPACITY } = options;
@@ -167,7 +169,7 @@ class Walk {
     this.#far = far;
   }
 
-  /** Returns the distance of the blob that contributes most; null if all together have less opacity. */
+  /** Returns the distance of the blob that contributes most; null if all have less opacity. */
   run(minOpacity: number): number | null {
     const top = this.#levels.length - 1;
     this.#enter(top, 0, this.#levels[top].length / 6);
@@ -222,7 +224,7 @@ class Walk {
       const slack = boxSlack * (this.#ray.isOrthographic ? 1 : Math.max(-x0, x1, -y0, y1, -z0, z1, 0));
       let enter = near;
       let leave = far;
-      // Along an axis the ray is at rest on: ±Infinity, or NaN on a face, which no comparison takes.
+      // Along an axis where the ray rests: ±Infinity, or NaN on a face, which fails comparisons.
       const ax = (x0 - slack) * perX;
       const bx = (x1 + slack) * perX;
       const ay = (y0 - slack) * perY;
@@ -251,7 +253,8 @@ class Walk {
         if (az < leave) leave = az;
       }
       if (!(enter <= leave)) continue;
-      // Splats are drawn in the order of their middles' depths, which those of a box may have before the ray is in it.
+      // Splats are drawn in the order of their middles' depths, which those of a box may have
+      // before the ray is in it.
       const nearest = fx * (fx > 0 ? x0 : x1) + fy * (fy > 0 ? y0 : y1) + fz * (fz > 0 ? z0 : z1);
       this.#push(Math.max(near, nearest), 32 * index + level);
     }
@@ -285,7 +288,7 @@ class Walk {
       // From the blob's middle to the ray, on a plane at depth 1.
       const a = tangentX - middleX;
       const b = tangentY - middleY;
-      // The rows of the Jacobian: how the place on that plane follows the place in the cloud. In units of the plane.
+      // Rows of the Jacobian of places on that plane by places in the cloud, in units of the plane.
       const shearX = isOrthographic ? 0 : Math.max(minX, Math.min(maxX, middleX)) * perDepth;
       const shearY = isOrthographic ? 0 : Math.max(minY, Math.min(maxY, middleY)) * perDepth;
       const jxx = (rx - shearX * fx) * perZ;
@@ -407,7 +410,7 @@ function sineOf(angle: number): number {
   return COSINES[Math.abs(angle - ANGLE_STEPS / 2)];
 }
 
-/** A ray, and how what is around it is seen. Lengths are in the cloud's space but where another unit is given. */
+/** A ray, and the view around it. Lengths are in the cloud's space but where a unit is given. */
 interface ScreenRay {
   readonly ox: number;
   readonly oy: number;
@@ -415,7 +418,10 @@ interface ScreenRay {
   readonly dx: number;
   readonly dy: number;
   readonly dz: number;
-  /** Scalar product with it: distances in units of the direction, at which the ray is as deep in the view. */
+  /**
+   * Scalar product with it: distances in units of the direction, at which the ray is as deep in the
+   * view.
+   */
   readonly fx: number;
   readonly fy: number;
   readonly fz: number;
@@ -431,7 +437,7 @@ interface ScreenRay {
   /** Where the ray is on a plane at depth 1 (orthographic: any), from where it begins. */
   readonly tangentX: number;
   readonly tangentY: number;
-  /** What places on that plane are clamped to for the Jacobian. */
+  /** Clamps of places on that plane, for the Jacobian. */
   readonly minX: number;
   readonly maxX: number;
   readonly minY: number;
@@ -439,7 +445,7 @@ interface ScreenRay {
   readonly isOrthographic: boolean;
   /** Variance that is added on that plane. */
   readonly dilation: number;
-  /** How far outside of boxes rays meet them, per unit of their distance (orthographic: altogether). */
+  /** Distance outside of boxes at which rays meet them, per unit of depth (orthographic: all). */
   readonly boxSlack: number;
 }
 
@@ -455,7 +461,7 @@ function screenRay(
   if (!(perDepth > 0)) return null;
   // Pixels are square.
   const dilation = DILATION_PX2 / focalPx[1] ** 2;
-  // Of an orthographic image in the cloud's space: what is as long there is at least so long in view space.
+  // Of an orthographic image in the cloud's space: lengths are at least as long in view space.
   const leastScale = Math.max(Math.hypot(v[2], v[5], v[8]), 1e-30);
   return {
     ...{ ox, oy, oz, dx, dy, dz },

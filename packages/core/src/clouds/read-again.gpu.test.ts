@@ -68,7 +68,7 @@ const plyOf = (...set: Parameters<typeof splatsWithTies>) => new Blob([encodePly
 /** Whether the rows of a file went to the GPU. */
 const haveRowsGone = () => labels.includes('ingest rows');
 
-/** Files of one size, one after another: each is what is read when its turn comes, and the last from then on. */
+/** Files of one size, one after another: each is read in its turn, the last from then on. */
 function changing(...files: readonly Blob[]) {
   let reads = 0;
   const stream = () => files[Math.min(reads++, files.length - 1)].stream();
@@ -115,7 +115,7 @@ function expectHeld(cloud: SplatCloud, { geometryPrecision, shPrecision }: RowPr
   if (cloud.shDegree > 0) expect(cloud.precisions.sh).toEqual([shPrecision]);
 }
 
-/** Expects the planes that the first load of `file` in this precision makes on the GPU, and those that the CPU makes. */
+/** Expects the planes that a first load of `file` in this precision makes, on GPU and on CPU. */
 async function expectAsLoaded(cloud: SplatCloud, file: Blob, precision: RowPrecision): Promise<void> {
   const made = await wordsOf(cloud, precision);
   const loaded = await engine.load(file, { precision });

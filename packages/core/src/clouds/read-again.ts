@@ -20,7 +20,7 @@ import {
 } from './cloud-planes.ts';
 import type { CloudContents, CloudSource, SplatCloud } from './splat-cloud.ts';
 
-/** Makes planes of the rows of a file on the GPU. `finish` follows the last row; `destroy` calls everything off. */
+/** Makes planes of a file's rows on the GPU. `finish` follows the last row; `destroy` cancels. */
 export interface PlaneSink extends RowSink {
   /** The planes are the caller's. */
   finish(): Promise<{ readonly contents: CloudContents; readonly planes: CloudPlanes }>;
@@ -42,7 +42,7 @@ export type OpenRowPlanes = (options: RowPlanesOptions) => {
   readonly files: RowFiles;
 };
 
-/** Planes of a cloud that are not part of it yet. Those that are taken are the caller's; `destroy` frees all others. */
+/** Planes that are not part of their cloud yet. `destroy` frees those not taken. */
 export interface FreshPlanes extends CloudPrecision {
   /** Of harmonics that are a palette. */
   readonly paletteEntries?: number;
@@ -51,7 +51,7 @@ export interface FreshPlanes extends CloudPrecision {
   readonly destroy: () => void;
 }
 
-/** What shows that splats are the same ones. */
+/** The evidence that splats are the same ones. */
 type Identity = Pick<SplatCloud, 'count' | 'shDegree' | 'origin' | 'fileIndices' | 'chunks'>;
 
 interface ReadSplats {
@@ -60,10 +60,12 @@ interface ReadSplats {
 }
 
 /**
- * Reads the splats of `cloud` at least as finely as `wanted` from the first source that has them, and verifies that they are
- * the same splats. Rows of files that `openRowPlanes` takes become planes on the GPU; others are packed in a worker.
+ * Reads the splats of `cloud` at least as finely as `wanted` from the first source that has them,
+ * and verifies that they are the same splats. Rows of files that `openRowPlanes` takes become
+ * planes on the GPU; others are packed in a worker.
  *
- * @throws GpuLimitError, SplatSourceError, SplatFileError; the signal's reason. Nothing is left then.
+ * @throws GpuLimitError, SplatSourceError, SplatFileError; the signal's reason. Nothing is left
+ *   then.
  */
 export async function readAgain(
   cloud: SplatCloud,
@@ -192,8 +194,8 @@ function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecisio
 }
 
 /**
- * Compares the rows kept, their order, and each chunk's bounds (positions and sizes). Does not compare colours: the held ones
- * are too coarse.
+ * Compares the rows kept, their order, and each chunk's bounds (positions and sizes). Does not
+ * compare colours: the held ones are too coarse.
  *
  * @throws SplatSourceError if `read` are not the splats of `cloud`.
  */

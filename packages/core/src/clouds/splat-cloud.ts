@@ -12,7 +12,7 @@ import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
 
-/** A source from which a cloud's splats can be read again, any number of times, in other precisions than it holds. */
+/** A source to read a cloud's splats from again, any number of times, in other precisions. */
 export type CloudSource = LastingSource | URL | SplatSet<Harmonics> | PackedCloud;
 
 export interface SplatCloudOptions {
@@ -23,13 +23,16 @@ export interface SplatCloudOptions {
   /** How files among the sources are read. */
   readonly sourceOptions?: SourceOptions;
   /**
-   * Adds the planes of a precision to those that `cloud` holds; if it rejects, it adds none. Without it the cloud holds only
-   * the uploaded planes.
+   * Adds the planes of a precision to those that `cloud` holds; if it rejects, it adds none.
+   * Without it the cloud holds only the uploaded planes.
    */
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
-  /** Whether the planes belong to something else, for which the cloud stands while that is loading. Default false. */
+  /** Whether the planes belong to a load in progress, which the cloud previews. Default false. */
   readonly isPreview?: boolean;
-  /** Most visible splats that a frame of the cloud alone draws: the first in storage order. Default all. */
+  /**
+   * Most visible splats, first in storage order, that a frame of the cloud alone draws; default
+   * all.
+   */
   readonly visibleLimit?: number;
   /** Rejects if memory was lacking for the planes; null if they are there. */
   readonly checked?: Promise<void> | null;
@@ -43,7 +46,7 @@ export interface SplatCloudOptions {
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
 
-/** What is known of a cloud's splats, besides its planes. */
+/** Facts about a cloud's splats, besides its planes. */
 export interface CloudContents
   extends Pick<
     PackedCloud,
@@ -53,19 +56,19 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
-/** What keeps a cloud as its edits have it. */
+/** The hooks that keep a cloud as edited. */
 export interface CloudEditing {
   readonly edits: SplatEdits;
-  /** What the cloud was uploaded with. */
+  /** The cloud as it was uploaded. */
   readonly unedited: Pick<SplatCloud, 'chunks'>;
-  /** Uploads what has changed since the last call. Call before a frame is planned, and before planes are read. */
+  /** Uploads changes since the last call. Call before frames are planned and planes read. */
   readonly flush: () => void;
-  /** Reads unedited geometry in `plane`, which is not part of the cloud yet; call the result when it is, for it to be edited. */
+  /** Reads unedited geometry of `plane`; call the result once the cloud has that, to edit it. */
   readonly rebase: (precision: GeometryPrecision, plane: Plane) => Promise<() => void>;
   readonly end: () => void;
 }
 
-/** What to do where a cloud finds no memory. */
+/** Advice where a cloud finds no memory. */
 export const MEMORY_ADVICE = 'Load fewer splats, or with a coarser accuracy.';
 
 /** Splats on the GPU. */
@@ -73,7 +76,7 @@ export class SplatCloud {
   /** For messages and labels. */
   readonly name: string;
   readonly count: number;
-  /** Degree of the stored harmonics: bands that cannot be seen are not stored. `facts` has the file's degree. */
+  /** Degree of the stored harmonics, without invisible bands. `facts` has the file's degree. */
   readonly shDegree: ShDegree;
   /** Facts about the splats, found when they were packed; edits may change some. */
   facts: CloudFacts;
@@ -81,7 +84,7 @@ export class SplatCloud {
   readonly origin: Vec3;
   /** Bounds of the centres, scene space, as of the last frame. */
   bounds: Bounds;
-  /** Bounds without the outermost splats, scene space: the part of the cloud that a camera should show. */
+  /** Bounds without the outermost splats, scene space: the part that a camera should show. */
   robustBounds: Bounds;
   /** Numbers of dropped rows of the file, by reason. */
   readonly dropped: DropCounts;
@@ -103,9 +106,9 @@ export class SplatCloud {
   readonly isPreview: boolean;
   /** @internal See `SplatCloudOptions`. */
   readonly visibleLimit: number;
-  /** Coarser settings that the load has taken because memory was lacking (`LoadOptions.fit`); null if it has not. */
+  /** Coarser settings taken by the load for lack of memory (`LoadOptions.fit`); null if none. */
   readonly fit: CloudFit | null;
-  /** @internal Whether views keep the last image of it because the planes of this preview are changing. */
+  /** @internal Whether views keep its last image because this preview's planes are changing. */
   isHeld = false;
   /** @internal What edits the cloud; null: nothing does. */
   editing: CloudEditing | null = null;
@@ -119,8 +122,8 @@ export class SplatCloud {
   /** @internal */
   readonly onWritten: (bytes: number) => void;
   /**
-   * Resolves when the device has had memory for the cloud; views draw it from then on. Rejects with a GpuLimitError if it has
-   * not, and then the cloud has been destroyed.
+   * Resolves when the device has had memory for the cloud; views draw it from then on. Rejects with
+   * a GpuLimitError if it has not, and then the cloud has been destroyed.
    */
   readonly uploaded: Promise<void>;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
@@ -200,7 +203,8 @@ export class SplatCloud {
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError if it cannot be bound, or exceeds the engine's budget; nothing is left allocated then.
+   * @throws GpuLimitError if it cannot be bound, or exceeds the engine's budget; nothing is left
+   *   allocated then.
    */
   static upload(
     memory: GpuMemory,
@@ -228,26 +232,28 @@ export class SplatCloud {
   }
 
   /**
-   * Claims this precision until the lease is changed or released. The cloud holds the planes that its leases claim, and frees
-   * all others. Its own lease claims the uploaded precision, until the engine's accuracy, a target or
-   * `engine.requestPrecision` changes that; release `cloud.ownLease` if your leases cover everything that shows the cloud.
+   * Claims this precision until the lease is changed or released. The cloud holds the planes that
+   * its leases claim, and frees all others. Its own lease claims the uploaded precision, until the
+   * engine's accuracy, a target or `engine.requestPrecision` changes that; release `cloud.ownLease`
+   * if your leases cover everything that shows the cloud.
    *
-   * A coarser precision than the cloud holds is made on the GPU. For a finer one the splats are read again in the
-   * background, from the address, File or Blob they were loaded from, or the SplatSet they were added from. All planes of a
-   * claim become available at once, and the next frame is drawn with them; until then, and if the claim fails, nothing
-   * changes.
+   * A coarser precision than the cloud holds is made on the GPU. For a finer one the splats are
+   * read again in the background, from the address, File or Blob they were loaded from, or the
+   * SplatSet they were added from. All planes of a claim become available at once, and the next
+   * frame is drawn with them; until then, and if the claim fails, nothing changes.
    *
-   * @returns the lease, immediately. Its `met` resolves when the cloud holds the planes. It rejects with a SplatSourceError
-   *   if the source is gone (streams, buffers), unreadable, too coarse, or now has other splats; SplatFileError;
-   *   GpuLimitError if the planes do not fit into memory; InvalidArgumentError for an unknown precision; DestroyedError if
-   *   cloud, engine or device end first; the signal's reason if it aborts; and an AbortError if the lease is changed or
+   * @returns the lease, immediately. Its `met` resolves when the cloud holds the planes. It rejects
+   *   with a SplatSourceError if the source is gone (streams, buffers), unreadable, too coarse, or
+   *   now has other splats; SplatFileError; GpuLimitError if the planes do not fit into memory;
+   *   InvalidArgumentError for an unknown precision; DestroyedError if cloud, engine or device end
+   *   first; the signal's reason if it aborts; and an AbortError if the lease is changed or
    *   released first.
    */
   hold(precision: CloudPrecision, options?: HoldOptions): CloudLease {
     return this.leases.hold(precision, options);
   }
 
-  /** GPU memory of all planes of the cloud together; 0 for a preview, whose planes are not its own. */
+  /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */
   get bytes(): number {
     return this.#isDestroyed || this.isPreview ? 0 : this.planes.bytes;
   }
@@ -257,8 +263,8 @@ export class SplatCloud {
   }
 
   /**
-   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision, else the next finer one
-   * held, else the finest.
+   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision,
+   * else the next finer one held, else the finest.
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
     return this.planes.pagesFor(wanted);

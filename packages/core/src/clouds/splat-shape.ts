@@ -28,7 +28,7 @@ export function areaOf(values: Float64Array, covariance: number): number {
   return Math.sqrt(Math.max(1e-80, squares));
 }
 
-/** Writes splat `index` of `geometry`, whose words are `floats` too, to `target`; returns whether it can be seen at all. */
+/** Writes splat `index` of `geometry` to `target`; returns whether it is visible. */
 export function unpackShape(
   { precision, words, chunks }: PackedGeometry,
   floats: Float32Array,

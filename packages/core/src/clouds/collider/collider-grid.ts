@@ -13,21 +13,22 @@ export interface GridPlan {
 }
 
 /**
- * Standard deviation, in cells, by which splats are blurred, so that a sheet thinner than a cell is noticed by the nodes on both
- * sides wherever it lies between them: half a cell off, a third of it is left.
+ * Standard deviation, in cells, by which splats are blurred, so that a sheet thinner than a cell is
+ * noticed by the nodes on both sides wherever it lies between them: half a cell off, a third of it
+ * is left.
  */
 const BLUR_CELLS = 0.35;
 /** Optical depth below which a splat's share of a node is left out. */
 const LEAST_DEPTH = 0.02;
 /** Opacity of a splat is limited to this when it is drawn. */
 const MOST_ALPHA = 0.99;
-/** Splats with a larger standard deviation, in parts of the grid's longest side, are sky or haze. */
+/** Splats with larger deviations, in parts of the grid's longest side, are sky or haze. */
 const MOST_SIZE = 0.5;
 
-/** What a cloud absorbs at the nodes of a grid: 4 bytes each. */
+/** Optical depth of a cloud at the nodes of a grid: 4 bytes each. */
 export class ColliderGrid {
   readonly plan: GridPlan;
-  /** Optical depth, −ln(1 − opacity), by node, x fastest. Outermost nodes stay empty, so that every surface is closed. */
+  /** Optical depth −ln(1 − opacity) by node, x fastest. Outermost ones stay 0: surfaces close. */
   readonly depths: Float32Array;
   readonly #shape = new Float64Array(SHAPE_VALUES);
 
@@ -36,7 +37,7 @@ export class ColliderGrid {
     this.depths = new Float32Array(plan.size[0] * plan.size[1] * plan.size[2]);
   }
 
-  /** Adds splats `from`…`end` of `geometry`. The same splats in the same order always give the same grid. */
+  /** Adds splats `from`…`end` of `geometry`. Equal splats in equal order give equal grids. */
   add(geometry: PackedGeometry, from: number, end: number): void {
     const { buffer, byteOffset, length } = geometry.words;
     const floats = new Float32Array(buffer, byteOffset, length);

@@ -1,9 +1,9 @@
 import type { GridPlan } from './collider-grid.ts';
 
-/** What a collider is made of, besides splats. */
+/** A collider's options and bounds; the splats follow. */
 export interface ColliderPlan {
   readonly grid: GridPlan;
-  /** Of the geometry: what its positions are relative to. */
+  /** Origin of the geometry, which its positions are relative to. */
   readonly origin: readonly number[];
   readonly solidAt: number;
   readonly fewestTriangles: number;

@@ -45,8 +45,9 @@ const EDGES = [0, 1, 2, 3, 4, 5, 6, 7].flatMap((corner) =>
 );
 
 /**
- * Returns the surface on which the opacity at the nodes of `grid` is `solidAt`: a vertex in each cell that it passes through, in the
- * middle of where it crosses the cell's edges, and a quad for each edge between nodes that it crosses (surface nets, Gibson 1998).
+ * Returns the surface on which the opacity at the nodes of `grid` is `solidAt`: a vertex in each
+ * cell that it passes through, in the middle of where it crosses the cell's edges, and a quad for
+ * each edge between nodes that it crosses (surface nets, Gibson 1998).
  *
  * @param origin of the geometry, added to the vertices.
  * @throws InvalidArgumentError for more than 4,194,304 triangles; the reason of the turns' signal.
@@ -122,7 +123,7 @@ function checkTriangles(count: number, { cellSize }: GridPlan): void {
   throw new InvalidArgumentError('cellSize', message);
 }
 
-/** The mean of the points, 0…1 along each axis of the cell, at which the surface crosses its edges. */
+/** Mean of the points, 0…1 along each axis of a cell, at which the surface crosses its edges. */
 function middleOfCrossings(
   opacities: Float64Array,
   solids: number,
@@ -141,7 +142,7 @@ function middleOfCrossings(
   return [x / count, y / count, z / count];
 }
 
-/** Returns `triangles` without connected parts of fewer than `fewest`: splats that float about alone. */
+/** Returns `triangles` without connected parts of fewer than `fewest`: splats that float alone. */
 export function withoutIslands({ positions, indices }: Triangles, fewest: number): Triangles {
   const vertexCount = positions.length / 3;
   /** Of each vertex, another of its part; a part's own vertex stands for it. */

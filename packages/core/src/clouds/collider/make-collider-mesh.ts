@@ -11,15 +11,15 @@ import type { Triangles } from './collider-surface.ts';
 /** How fine a collider is, and of which splats. */
 export interface ColliderMeshOptions {
   /**
-   * Length of a cell's edge in the cloud's own space; default a ninety-sixth of the longest side of `bounds`. Half of it, an eighth
-   * of the work and memory are saved, or spent.
+   * Length of a cell's edge in the cloud's own space; default a ninety-sixth of the longest side of
+   * `bounds`. Half of it, an eighth of the work and memory are saved, or spent.
    */
   readonly cellSize?: number;
-  /** Part of the cloud's own space of which the mesh is made; it is closed at its sides. Default: the cloud's `robustBounds`. */
+  /** Box to mesh in the cloud's space, closed at its sides; default the cloud's `robustBounds`. */
   readonly bounds?: Bounds;
   /** Opacity of the splats about a cell from which on it is solid, 0…1 exclusive; default 0.5. */
   readonly solidAt?: number;
-  /** Connected parts of fewer triangles are left out: splats that float about alone. Default 100. */
+  /** Connected parts of fewer triangles are left out: splats that float alone. Default 100. */
   readonly fewestTriangles?: number;
   /** Calls the work off. */
   readonly signal?: AbortSignal;
@@ -27,7 +27,7 @@ export interface ColliderMeshOptions {
   readonly onProgress?: (part: number) => void;
 }
 
-/** A coarse mesh around what is opaque of a cloud, in the cloud's own space, for physics engines. */
+/** A coarse mesh around a cloud's opaque parts, in the cloud's own space, for physics engines. */
 export interface ColliderMesh extends Triangles {
   /** Length of a cell's edge. */
   readonly cellSize: number;
@@ -45,16 +45,19 @@ const MARGIN_CELLS = 2;
 const READING_PART = 0.9;
 
 /**
- * Makes a coarse, closed mesh around what is opaque of a cloud: of the opacity of its splats at the corners of cells. It lies up to a
- * cell outside of what is seen; openings narrower than about two cells are closed. Splats larger than half of the bounds are left
- * out, as sky. Made in a worker where one can start, else in turns on this thread; takes 4 bytes per cell, 64 MiB at most, and a
- * piece of the splats at a time, whatever their number. The same cloud always gives the same mesh.
+ * Makes a coarse, closed mesh around a cloud's opaque parts: of the opacity of its splats at the
+ * corners of cells. It lies up to a cell outside of the visible surface; openings narrower than
+ * about two cells are closed. Splats larger than half of the bounds are left out, as sky. Made in a
+ * worker where one can start, else in turns on this thread; takes 4 bytes per cell, 64 MiB at most,
+ * and a piece of the splats at a time, whatever their number. The same cloud always gives the same
+ * mesh.
  *
  * @param splats on the GPU, of which the geometry is read back piece by piece, or packed.
  * @returns an empty mesh where nothing is opaque.
- * @throws InvalidArgumentError for options out of range, for cells so small that there are more than 16,777,216 of them, and for more
- *   than 4,194,304 triangles; SplatSourceError for a preview; DestroyedError if cloud, engine or device end first; GpuLimitError if
- *   memory is lacking; WebSplatterError `worker-failed` if the worker dies; the signal's reason.
+ * @throws InvalidArgumentError for options out of range, for cells so small that there are more
+ *   than 16,777,216 of them, and for more than 4,194,304 triangles; SplatSourceError for a preview;
+ *   DestroyedError if cloud, engine or device end first; GpuLimitError if memory is lacking;
+ *   WebSplatterError `worker-failed` if the worker dies; the signal's reason.
  */
 export async function makeColliderMesh(
   splats: SplatCloud | PackedCloud,
@@ -129,7 +132,10 @@ function nodesAlong(sides: readonly number[], cellSize: number): [number, number
   return [x, y, z];
 }
 
-/** The smallest cell, rounded up to two digits, of which there are not too many in bounds with these sides. */
+/**
+ * The smallest cell, rounded up to two digits, of which there are not too many in bounds with these
+ * sides.
+ */
 function smallestCell(sides: readonly number[]): number {
   let [low, high] = [0, Math.max(...sides)];
   for (let i = 0; i < 50; i++) {

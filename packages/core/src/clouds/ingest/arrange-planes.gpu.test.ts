@@ -21,13 +21,13 @@ const PACKED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 const HALVES = { geometryPrecision: 'packed', shPrecision: 'f16' } as const;
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
 
-/** What lies in the planes where a row was dropped: a NaN in each word. */
+/** Content of a dropped row's place in the planes: a NaN in each word. */
 const HOLE = 0x7fc00001;
 const PAGE_SPLATS = 512;
 const ALL = 0xffffffff;
 /** Bits of packed words that are no log scales, where they are not all. */
 const KEPT_BITS: Readonly<Record<number, number>> = { 5: 0, 6: 0xffff0000 };
-/** What the sort holds besides the order, which is more than what moving words takes: keys and payloads. */
+/** Keys and payloads, which the sort holds besides the order: more than moving words takes. */
 const WORK_BYTES_PER_SPLAT = 8;
 
 let device: GPUDevice;
@@ -49,7 +49,7 @@ interface Rows {
   readonly hasRoom: boolean;
 }
 
-/** A set in which every third splat lies where the first does, so that the order of the file decides. */
+/** A set in which every third splat lies where the first does, so that the file's order decides. */
 function withTies(count: number, shDegree: ShDegree): SplatSet {
   const set = randomSplats({ count, seed: count, shDegree });
   for (let i = 0; i < count; i += 3) set.positions.copyWithin(3 * i, 0, 3);
@@ -137,7 +137,7 @@ function buffersOf({ geometry, harmonics, chunks, fileRows }: ArrangedPlanes): r
   return [...geometry, ...harmonics, ...chunks, fileRows];
 }
 
-/** What stays with whoever gave it. */
+/** The parts that stay with their giver. */
 function lentOf({ dropMask, arrivedChunks, logScaleRests }: ArrivedPlanes): readonly GPUBuffer[] {
   return [dropMask, arrivedChunks, ...(logScaleRests ? [logScaleRests] : [])];
 }
@@ -153,7 +153,8 @@ async function planeWords(plane: Plane, { ranges }: ArrangedPlanes, perSplat: nu
 }
 
 /**
- * Arranges the rows, and expects what the host makes of them, bit for bit but for log scales, which are rounded to chunks.
+ * Arranges the rows, and expects what the host makes of them, bit for bit but for log scales, which
+ * are rounded to chunks.
  *
  * @returns the most bytes that were held at once beside the given planes and those returned.
  */

@@ -44,12 +44,12 @@ export interface ArrivedPlanes extends RowPrecision {
   /** The cloud's origin in the file, about which splats are placed. */
   readonly origin: Vec3;
   readonly frame: MortonFrame;
-  /** As ingest-rows leaves them: `Chunk` structs, and what packed log scales are beside their steps, null where they are float32. */
+  /** `Chunk` structs as ingest-rows leaves them, and rests of packed log scales; null for f32. */
   readonly arrivedChunks: GPUBuffer;
   readonly logScaleRests: GPUBuffer | null;
   /** Degree to keep, at most `shDegree`. */
   readonly keptShDegree: ShDegree;
-  /** Pages of the planes in storage order, for `kept` splats; default those of the slots, as far as they are filled. */
+  /** Pages of the planes in storage order, for `kept` splats; default those of filled slots. */
   readonly pages?: readonly PageRange[];
 }
 
@@ -63,7 +63,7 @@ export interface ArrangedPlanes {
   readonly fileRows: GPUBuffer;
 }
 
-/** Rows may be this part of the slots fewer before planes are made anew instead of being arranged in place. */
+/** Planes are made anew, not arranged in place, if more than this part of the slots was dropped. */
 const SPARE_PART = 1 / 16;
 
 /** Whether planes with this many slots are much larger than those of the rows that were kept. */
@@ -96,11 +96,12 @@ export function arrangeStages(
 }
 
 /**
- * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them two words at a time, in place where few
- * rows were dropped or there is no room, and pages and degree stay, so that beside the planes there are never more than 16 bytes
- * per splat, and 4 of them last: the rows of the file. Then it settles splats about the origin, and their log scales in steps of
- * their chunk's range. Frees the planes that it replaces.
- * All stages must have been compiled. Submits, and does not wait.
+ * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them two
+ * words at a time, in place where few rows were dropped or there is no room, and pages and degree
+ * stay, so that beside the planes there are never more than 16 bytes per splat, and 4 of them last:
+ * the rows of the file. Then it settles splats about the origin, and their log scales in steps of
+ * their chunk's range. Frees the planes that it replaces. All stages must have been compiled.
+ * Submits, and does not wait.
  *
  * @throws GpuLimitError; the given planes are the caller's then, in any order.
  */
@@ -133,7 +134,7 @@ function slotsOf(ranges: readonly PageRange[]): number {
   return ranges.at(-1)?.end ?? 0;
 }
 
-/** Writes the slots to `fileRows`, those of kept splats first and in storage order: a slot is a row of the file. */
+/** Writes slots, which are rows of the file, to `fileRows`: kept ones first, in storage order. */
 function sortSplats(
   { device, pipelines, memory, dispatchRow }: ArrangeContext,
   { ranges, geometry, geometryPrecision, dropMask, kept, origin, frame }: ArrivedPlanes,

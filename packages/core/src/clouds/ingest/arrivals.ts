@@ -23,16 +23,18 @@ export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
   readonly facts: GPUBuffer;
 }
 
-/** By this factor more rows must have arrived before they are shown: no scene is shown more often than some dozens of times. */
+/** Growth in rows between two showings: any scene is shown some dozens of times at most. */
 const GROWTH = 1.25;
 /**
- * Shortest time between two showings. Frames hold up the rows behind them: on an H200, which drew frames of 26 ms, a file of a
- * million splats took twice as long when it was shown nine times on its way.
+ * Shortest time between two showings. Frames hold up the rows behind them: on an H200, which drew
+ * frames of 26 ms, a file of a million splats took twice as long when it was shown nine times on
+ * its way.
  */
 const PAUSE_MS = 250;
 /**
- * Most visible splats that are shown of a file that is arriving. Frames take more memory per splat than sorting the file does
- * afterwards, and all of an arriving file may be in sight: with this many, loading takes little more than the cloud does then.
+ * Most visible splats that are shown of a file that is arriving. Frames take more memory per splat
+ * than sorting the file does afterwards, and all of an arriving file may be in sight: with this
+ * many, loading takes little more than the cloud does then.
  */
 const MOST_VISIBLE = 3 << 18;
 
@@ -56,7 +58,7 @@ export class Arrivals {
     this.#previews = previews;
   }
 
-  /** Tells that the first `rows` rows have been submitted. @throws what showing earlier ones has thrown. */
+  /** Tells that the first `rows` rows were submitted. @throws what showing earlier ones threw. */
   add(rows: number): void {
     this.#rows = rows;
     this.check();
@@ -86,7 +88,7 @@ export class Arrivals {
     this.#isReading = true;
     this.#read()
       .catch((error: unknown) => {
-        // What was asked of a device that is lost, say, does not matter any more. A preview without memory is left out.
+        // Errors after the end do not matter. A preview without memory is left out.
         if (!this.#isOver && !(error instanceof GpuLimitError)) this.#failure = { error };
       })
       .finally(() => {

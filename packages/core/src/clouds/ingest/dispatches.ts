@@ -3,7 +3,7 @@ import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../../gpu/stages/dispatch.ts';
 
-/** Distance of parameters in their buffer: a multiple of any device's `minUniformBufferOffsetAlignment`, and room for all. */
+/** Stride of parameters: room for all, and a multiple of any `minUniformBufferOffsetAlignment`. */
 const SLICE_BYTES = 512;
 
 interface Dispatch {

@@ -5,8 +5,8 @@ import type { ArrangeContext } from './arrange-planes.ts';
 import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
 
 /**
- * A `RowIngest` whose code is fetched when a file turns out to have rows for it. It is destroyed as soon as its signal aborts,
- * unless it has finished.
+ * A `RowIngest` whose code is fetched when a file turns out to have rows for it. It is destroyed as
+ * soon as its signal aborts, unless it has finished.
  */
 export class LazyIngest implements RowSink {
   readonly mayDetach = false;
@@ -22,7 +22,7 @@ export class LazyIngest implements RowSink {
     options.signal.addEventListener('abort', this.#stop);
   }
 
-  /** Fetches the code and compiles what rows of this degree need, with a palette or not, in case that they come. */
+  /** Fetches the code and compiles the pipelines that such rows would need, should they come. */
   foresee(shDegree: ShDegree, hasPalette: boolean): void {
     const prepare = async () => {
       const { rowStages } = await import('./row-ingest.ts');

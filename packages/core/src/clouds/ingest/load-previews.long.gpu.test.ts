@@ -194,7 +194,7 @@ describe('while a file arrives', () => {
     async () => {
       const set = {
         ...SET,
-        // What arrives first are balls, for which shaders ignore rotations.
+        // The first to arrive are balls, for which shaders ignore rotations.
         logScales: SET.logScales.map((value, i) => (i < 2.1 * COUNT ? SET.logScales[i - (i % 3)] : value)),
       };
       const file = encodePly(set);

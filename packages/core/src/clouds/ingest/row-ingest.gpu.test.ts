@@ -205,7 +205,7 @@ const anyFloat = fc.oneof(
   { weight: 1, arbitrary: fc.float() },
 );
 
-/** Any PLY of splats: properties in any order, others between them, elements before, few splats of any values. */
+/** Any PLY of splats: properties in any order, others between, elements before, few splats. */
 const anyPly = fc
   .record({
     count: fc.integer({ min: 1, max: 5 }),

@@ -40,7 +40,7 @@ import { sampleCentres } from './sample-centres.ts';
 
 /** Pieces that are written, or being read by the GPU, at once. */
 const STAGING_BUFFERS = 4;
-/** Loads of fewer bytes are not foreseen: what they allocate is checked anyway. */
+/** Loads of fewer bytes are not foreseen: their allocations are checked anyway. */
 const PROBED_BYTES = 64 << 20;
 /** Most bytes per splat that putting splats into storage order takes besides the planes. */
 const ARRANGE_BYTES = 16;
@@ -52,10 +52,10 @@ export interface RowIngestOptions extends CloudPrecision {
   readonly name: string;
   /** See `LoadOptions`. */
   readonly onPreview?: (preview: SplatCloud) => void;
-  /** Pages that the planes should have if there are as many splats; default those that follow from the file. */
+  /** Pages for the planes if there are as many splats; default those that follow from the file. */
   readonly pages?: readonly PageRange[];
   readonly signal: AbortSignal;
-  /** What to do where memory is lacking; default `exact`. */
+  /** Action where memory is lacking; default `exact`. */
   readonly fit?: FitMode;
 }
 
@@ -81,7 +81,7 @@ interface Held {
   readonly facts: GPUBuffer;
   /** A `Chunk` struct for each 256 slots. */
   readonly chunks: GPUBuffer;
-  /** What log scales are beside their steps; null where they are float32. */
+  /** Rests of log scales beside their steps; null where they are float32. */
   readonly logScaleRests: GPUBuffer | null;
   /** A piece of the file. */
   readonly rows: GPUBuffer;
@@ -100,8 +100,8 @@ interface Piece {
 }
 
 /**
- * Makes a cloud of the rows of a file on the GPU: packs them as they arrive, and puts them into storage order at the end. Rows go
- * through a few staging buffers, and are copied once.
+ * Makes a cloud of the rows of a file on the GPU: packs them as they arrive, and puts them into
+ * storage order at the end. Rows go through a few staging buffers, and are copied once.
  *
  * Call `finish` after the last row, or `destroy`.
  */
@@ -146,7 +146,7 @@ export class RowIngest implements RowSink {
     const precision = { geometryPrecision, shPrecision };
     const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
     const compiled = pipelines.prepare([stage]);
-    // What is needed only at the end compiles while rows arrive.
+    // Pipelines for the end compile while rows arrive.
     pipelines.prepare(lateStages(this.#options)).catch(() => {});
     const { STORAGE, COPY_DST, COPY_SRC, MAP_WRITE } = GPUBufferUsage;
     try {
@@ -217,7 +217,10 @@ export class RowIngest implements RowSink {
     this.#compiled.catch(() => {});
   }
 
-  /** Takes coarser settings if memory is lacking and they may be taken. @returns the layout with the degree to store. */
+  /**
+   * Takes coarser settings if memory is lacking and they may be taken. @returns the layout with the
+   * degree to store.
+   */
   async #fitted(layout: RowLayout): Promise<RowLayout> {
     const { geometryPrecision, shPrecision, name, signal, fit = 'exact' } = this.#options;
     const { memory } = this.#context;
@@ -260,7 +263,8 @@ export class RowIngest implements RowSink {
   /**
    * Puts the splats into storage order. The planes are the caller's then; all else is freed.
    *
-   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; what `onPreview` has thrown; nothing is left allocated then.
+   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; errors of `onPreview`;
+   *   nothing is left allocated then.
    */
   async finish(): Promise<IngestedCloud> {
     const { device, memory, pipelines } = this.#context;
@@ -299,7 +303,7 @@ export class RowIngest implements RowSink {
       const planes = new CloudPlanes(memory, name, result.planes);
       previews?.show(planes, drawable);
       const whole = { ...drawable, fileIndices: await reading[1] };
-      // The copy of millions of rows is work enough for one task; those who wait for the cloud have more to do.
+      // The copy of millions of rows fills one task; waiting callers have more to do.
       await nextTask();
       return { contents: whole, planes, preview: previews?.shown ?? null, fit: this.#fit };
     } catch (error) {
@@ -319,8 +323,8 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Call after each wait: what was there before may have been destroyed meanwhile, and what is made now
-   * would never be freed. A load ends by its signal, or by an error of its reader.
+   * Call after each wait: earlier objects may have been destroyed meanwhile, and new ones would
+   * never be freed. A load ends by its signal, or by an error of its reader.
    *
    * @throws the signal's reason, DestroyedError.
    */
@@ -337,7 +341,7 @@ export class RowIngest implements RowSink {
     this.#held = null;
   }
 
-  /** Returns memory for one more piece that has to wait for shaders; null if there is none, or if none has to wait. */
+  /** Returns memory for one more piece that waits for shaders; null if none is left or waits. */
   #stagingForNow(): GPUBuffer | null {
     const { memory } = this.#context;
     if (!this.#waiting || this.#waiting.length >= MOST_WAITING) return null;
@@ -355,7 +359,10 @@ export class RowIngest implements RowSink {
     }
   }
 
-  /** Does work that allocates. @returns its result, and what rejects with a GpuLimitError if memory is lacking. */
+  /**
+   * Does work that allocates. @returns its result, and a promise that rejects with a GpuLimitError
+   * if memory is lacking.
+   */
   #allocate<Result>(work: () => Result): Guarded<Result> {
     return this.#context.memory.guard(this.#options.name, MEMORY_ADVICE, work, true);
   }
@@ -432,7 +439,7 @@ export class RowIngest implements RowSink {
     arrivals?.add(endRow);
   }
 
-  /** Whether there is memory for planes beside those with slots of dropped rows, if there are enough of these to matter. */
+  /** Whether memory has room for planes beside those with dropped slots, if these matter. */
   async #hasRoomFor({ count }: RowFacts): Promise<boolean> {
     const { layout } = this.#held!;
     if (!isRoomy(count, layout.count)) return true;
@@ -473,7 +480,7 @@ export class RowIngest implements RowSink {
       logScaleRests,
       pages: pages?.at(-1)?.end === found.count ? pages : undefined,
     });
-    // The planes are in other hands now: those that were kept, and those that took the place of others.
+    // The planes are in other hands now: those kept, and those that took the place of others.
     for (const buffer of [...geometry, ...harmonics]) this.#buffers.delete(buffer);
     made.push(...planes.geometry, ...planes.harmonics, ...planes.chunks);
     this.#buffers.add(fileRows);
@@ -503,9 +510,10 @@ function stagingCountOf({ count, pieceRows }: RowLayout): number {
 }
 
 /**
- * Most bytes that a file needs at once while it becomes a cloud: the planes, and what reading or arranging needs besides. Pieces
- * that wait for shaders, and planes without the slots of dropped rows, take more where there is more. Planes of fewer bands or of
- * other pages than the rows arrive in are made beside those all the same: that shows at the end, and seldom happens.
+ * Most bytes that a file needs at once while it becomes a cloud: the planes, and the memory for
+ * reading or arranging them. Pieces that wait for shaders, and planes without the slots of dropped
+ * rows, take more where there is more. Planes of fewer bands or of other pages than the rows arrive
+ * in are made beside those all the same: that shows at the end, and seldom happens.
  */
 function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   const { count, strideBytes, pieceRows } = layout;

@@ -18,7 +18,8 @@ export interface SampledGeometry {
 }
 
 /**
- * Reads the centres of the splats that robust bounds are taken from. ingest-gather must have been compiled.
+ * Reads the centres of the splats that robust bounds are taken from. ingest-gather must have been
+ * compiled.
  *
  * @returns their stored x, y and z.
  */
