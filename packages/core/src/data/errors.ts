@@ -1,8 +1,8 @@
 import { printable } from './printable.ts';
 
 /**
- * Base of every error that the engine throws on purpose. Each message names the thing, what was found and what to do about
- * it. `code` is stable and meant for programs, `message` for people.
+ * Base of every error that the engine throws on purpose. Each message names the thing, what was
+ * found and what to do about it. `code` is stable and meant for programs, `message` for people.
  */
 export class WebSplatterError extends Error {
   // Written out in every class, because minifiers change the names of classes.
@@ -47,7 +47,7 @@ export type SplatFileErrorCode =
   | 'missing-part'
   /** A value in a text body cannot be read as a number. */
   | 'bad-value'
-  /** The file has more bytes or splats than its limits allow (`maxBytes`, `maxSplats`), or than can be held. */
+  /** The file has more bytes or splats than limits (`maxBytes`, `maxSplats`) or memory allow. */
   | 'too-large'
   /** The file has no splats. */
   | 'empty';
@@ -104,8 +104,8 @@ export interface GpuLimitDetails extends ErrorOptions {
 }
 
 /**
- * A cloud or a view exceeds a limit of the device (`maxBufferSize`, …), the engine's budget (`memoryBudgetBytes`), or the GPU's
- * memory (`memory`). Everything that was there before still is.
+ * A cloud or a view exceeds a limit of the device (`maxBufferSize`, …), the engine's budget
+ * (`memoryBudgetBytes`), or the GPU's memory (`memory`). Everything that was there before still is.
  */
 export class GpuLimitError extends WebSplatterError {
   override readonly name = 'GpuLimitError';

@@ -1,12 +1,13 @@
 /**
- * The part of an address that may hold credentials, and what stands before it. Browsers take reversed slashes too, and after http
- * any number of them; blanks may be part of a password. Never tried in two ways: texts can be megabytes.
+ * The part of an address that may hold credentials, and its prefix. Browsers take reversed slashes
+ * too, and after http any number of them; blanks may be part of a password. Never tried in two
+ * ways: texts can be megabytes.
  */
 const AUTHORITY = /(:\/\/|\bhttps?:[/\\]*|(?<![^\s"'(])[/\\]{2})([^/\\?#]*)/gi;
 
 /**
- * Text from outside as messages show it: without the credentials of addresses, and without characters that terminals obey or
- * that turn the direction of text.
+ * Text from outside as messages show it: without the credentials of addresses, and without
+ * characters that terminals obey or that turn the direction of text.
  */
 export function printable(text: string): string {
   return text

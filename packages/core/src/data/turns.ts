@@ -1,7 +1,7 @@
 /** Longest time a page's thread is kept busy before its event loop gets a turn. */
 const MAX_BUSY_MS = 16;
 
-/** Resolves in a new task. Uses a message, since timers are held back to 4 ms in pages and to 1 s in hidden ones. */
+/** Resolves in a new task, by a message: timers wait for 4 ms in pages, for 1 s in hidden ones. */
 export function nextTask(): Promise<void> {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();
@@ -25,7 +25,7 @@ export class Turns {
     this.#maxBusyMs = maxBusyMs;
   }
 
-  /** Gives the event loop a turn if it has waited long; rejects with the signal's reason once it aborts. */
+  /** Gives the event loop a turn if it waited long; rejects with an aborted signal's reason. */
   async give(): Promise<void> {
     this.#signal?.throwIfAborted();
     if (performance.now() - this.#lastMs < this.#maxBusyMs) return;

@@ -2,10 +2,10 @@ import { InvalidArgumentError } from '../errors.ts';
 import { shown } from '../printable.ts';
 import { type Accuracy, type AccuracyPreset, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
 
-/** An outcome requested instead of settings: a minimum PSNR in dB, or a maximum frame time in milliseconds. */
+/** Outcome requested instead of settings: a minimum PSNR in dB, or a maximum frame time in ms. */
 export type AccuracyTarget = { readonly minPsnrDb: number } | { readonly maxFrameMs: number };
 
-/** Settings, or a target for which settings are measured and chosen: one of both targets, without settings. */
+/** Settings, or one target, without settings, for which these are measured and chosen. */
 export type AccuracyRequest =
   | AccuracyPreset
   | (Exclude<Accuracy, AccuracyPreset> & { readonly minPsnrDb?: never; readonly maxFrameMs?: never })
@@ -21,7 +21,9 @@ export function isAccuracyTarget(request: AccuracyRequest): request is AccuracyT
   );
 }
 
-/** @throws InvalidArgumentError unless the target is one positive, finite number under a known name. */
+/**
+ * @throws InvalidArgumentError unless the target is one positive, finite number under a known name.
+ */
 export function checkTarget(target: AccuracyTarget): void {
   const given: [string, unknown][] = Object.entries(target);
   const [[name, value] = [], second] = given;
@@ -35,7 +37,8 @@ export function checkTarget(target: AccuracyTarget): void {
 /**
  * Returns the settings that `request` stands for, or null if it is a target.
  *
- * @throws InvalidArgumentError for unknown settings, and for a target that is not one positive, finite number.
+ * @throws InvalidArgumentError for unknown settings, and for a target that is not one positive,
+ *   finite number.
  */
 export function checkAccuracy(request: AccuracyRequest): AccuracySettings | null {
   if (!isAccuracyTarget(request)) return resolveAccuracy(request);
@@ -47,8 +50,8 @@ const known = new WeakMap<AccuracyTarget, AccuracyTarget>();
 const interned = new Map<string, AccuracyTarget>();
 
 /**
- * Returns the target in `request`, or null if it requests settings. Equal targets are the same frozen object. An object is read
- * once; changing it later changes nothing.
+ * Returns the target in `request`, or null if it requests settings. Equal targets are the same
+ * frozen object. An object is read once; changing it later changes nothing.
  *
  * @throws InvalidArgumentError as `checkTarget` does.
  */

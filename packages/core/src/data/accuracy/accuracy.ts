@@ -10,9 +10,9 @@ import {
 import { shown } from '../printable.ts';
 
 /**
- * Precision of a record. `f32` and `f16`: axes in float32, colour and opacity in float32 or float16, 48 or 32 bytes. `paper`:
- * axes in float16 (none longer than 65504 px), colour channels and opacity in one byte each, so that colours end at 1;
- * 24 bytes.
+ * Precision of a record. `f32` and `f16`: axes in float32, colour and opacity in float32 or
+ * float16, 48 or 32 bytes. `paper`: axes in float16 (none longer than 65504 px), colour channels
+ * and opacity in one byte each, so that colours end at 1; 24 bytes.
  */
 export type RecordPrecision = 'f32' | 'f16' | 'paper';
 
@@ -22,19 +22,20 @@ export type ColorTarget = 'rgba8unorm' | 'rgba16float' | 'rgba32float';
 /** Number of bits in which depth keys may differ. */
 export type SortKeyBits = 32 | 24 | 16;
 
-/** Size of a splat's quad: as far as its own opacity reaches, or as far as that of an opaque splat would. */
+/** Size of a splat's quad: to the reach of its own opacity, or to that of an opaque splat. */
 export type Extent = 'opacity' | 'fixed';
 
-/** Which splats of the visible chunks are drawn: those whose bounding box reaches into the image, or all. */
+/** Splats drawn of visible chunks: those whose bounding box reaches into the image, or all. */
 export type Culling = 'bounding-box' | 'frustum';
 
 /**
- * What draws the splats: tiles blend them in compute shaders, front to back in float32; quads blend them by the GPU's own
- * rasteriser and blending, back to front, in the format of the layer. `auto` takes the faster of both.
+ * Rasteriser of the splats: tiles blend them in compute shaders, front to back in float32; quads
+ * use the GPU's own rasteriser and blending, back to front, in the format of the layer. `auto`
+ * takes the faster of both.
  */
 export type Rasterizer = FrameRasterizer | 'auto';
 
-/** What draws one frame. */
+/** Rasteriser of one frame. */
 export type FrameRasterizer = 'tiles' | 'quads';
 
 /** All settings that trade accuracy for time or memory. */
@@ -63,18 +64,18 @@ export interface PossibleAccuracy {
 /** Name of a preset, from the most exact to the fastest; `paper` is the precision of the paper. */
 export type AccuracyPreset = 'reference' | 'high' | 'balanced' | 'fast' | 'paper';
 
-/** One setting: its values and their origin, the stage that it acts on, and the cost of changing it. */
+/** One setting: its values and their origin, the stage it acts on, the cost of a change. */
 export interface AccuracySetting<Value> {
   /** Human-readable name. */
   readonly label: string;
   /** One sentence that says what the setting does. */
   readonly about: string;
   readonly unit: string;
-  /** Possible values, most exact first (the fastest first among equally exact ones); for a number, a range. */
+  /** Possible values, most exact first (then the fastest first); for a number, a range. */
   readonly values: readonly Value[] | { readonly min: number; readonly max: number };
   /** The stage that the setting acts on. */
   readonly stage: 'load' | 'pre-process' | 'sort' | 'rasterize' | 'composite';
-  /** What a change needs while the engine runs: a number, other shaders (compiled once), or other data on the GPU. */
+  /** A change takes a number, other shaders (compiled once), or other data on the GPU. */
   readonly change: 'uniform' | 'shader' | 'plane';
   readonly source: string;
 }
@@ -179,7 +180,7 @@ export const ACCURACY_SETTINGS: {
   },
 };
 
-/** Settings by preset. Without `float32-blendable`, `reference` blends in rgba16float and a notice says so. */
+/** Settings by preset. Without `float32-blendable`, `reference` blends in rgba16float. */
 export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings & RowPrecision>> = {
   /** The most exact settings that the GPU supports. */
   reference: {
@@ -219,8 +220,9 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
     resolutionScale: 1,
   },
   /**
-   * The largest measured savings for the least visible error (docs/accuracy.md): half the bytes of every blended layer,
-   * smaller quads, and keys so short that most splats are drawn in storage order.
+   * The largest measured savings for the least visible error (docs/accuracy.md): half the bytes of
+   * every blended layer, smaller quads, and keys so short that most splats are drawn in storage
+   * order.
    */
   fast: {
     geometryPrecision: 'packed',
@@ -235,8 +237,9 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
     resolutionScale: 1,
   },
   /**
-   * The precision of the paper: scenes as trained, float16 axes, 8-bit colours and opacities, keys of 32 bits. Sort passes
-   * over bits that all keys are known to share are skipped; the order is the same.
+   * The precision of the paper: scenes as trained, float16 axes, 8-bit colours and opacities, keys
+   * of 32 bits. Sort passes over bits that all keys are known to share are skipped; the order is
+   * the same.
    */
   paper: {
     geometryPrecision: 'f32',
@@ -287,8 +290,8 @@ const resolved = new WeakMap<object, AccuracySettings>();
 const interned = new Map<string, AccuracySettings>();
 
 /**
- * Returns the result of `resolveAccuracy` as a frozen object; equal settings are the same object. An object is read once;
- * changing it later changes nothing.
+ * Returns the result of `resolveAccuracy` as a frozen object; equal settings are the same object.
+ * An object is read once; changing it later changes nothing.
  *
  * @throws InvalidArgumentError as `resolveAccuracy` does.
  */
@@ -306,14 +309,15 @@ export function internAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracyS
   return one;
 }
 
-/** Largest opacity of a fragment. Like DILATION_PX2, fixed by training or the method, not a matter of taste. */
+/** Largest opacity of a fragment. Fixed by training or the method, like DILATION_PX2. */
 export const MAX_FRAGMENT_ALPHA = 0.99;
 /** Variance added to both screen axes, px²; scenes are trained with this value. */
 export const DILATION_PX2 = 0.3;
 
 /**
- * Returns the largest colour that is blended: the largest that both record and target hold, since an infinity turns into
- * NaN under the next splat. In float32 it is 1e37, which sixteen terms of spherical harmonics cannot exceed by much.
+ * Returns the largest colour that is blended: the largest that both record and target hold, since
+ * an infinity turns into NaN under the next splat. In float32 it is 1e37, which sixteen terms of
+ * spherical harmonics cannot exceed by much.
  */
 export function maxColor({ recordPrecision, colorTarget }: AccuracySettings): number {
   if (recordPrecision === 'paper') return 1;
@@ -326,7 +330,7 @@ export interface SizePx {
   readonly heightPx: number;
 }
 
-/** Size of the layer that splats are blended in, for an image of the given size: at least 1 px each way. */
+/** Size of the splats' layer for an image of this size: at least 1 px each way. */
 export function layerSize(
   { widthPx, heightPx }: SizePx,
   { resolutionScale }: Pick<AccuracySettings, 'resolutionScale'>,

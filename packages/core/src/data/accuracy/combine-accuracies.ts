@@ -2,8 +2,9 @@ import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, resolveAccurac
 import { type AccuracyRequest, isAccuracyTarget } from './accuracy-target.ts';
 
 /**
- * Combines the accuracy requests of a frame's clouds into one. In order of precedence: the highest `minPsnrDb`; the requested
- * settings, each at its most exact value; the lowest `maxFrameMs`. Returns undefined if no cloud requests anything.
+ * Combines the accuracy requests of a frame's clouds into one. In order of precedence: the highest
+ * `minPsnrDb`; the requested settings, each at its most exact value; the lowest `maxFrameMs`.
+ * Returns undefined if no cloud requests anything.
  *
  * @throws InvalidArgumentError for unknown settings.
  */

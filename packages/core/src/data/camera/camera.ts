@@ -4,8 +4,8 @@ import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/m
 import { shown } from '../printable.ts';
 
 /**
- * A view of the world, in three.js's conventions: the camera looks along −z with y up, matrices are column-major.
- * A splat whose centre is not in near < depth ≤ far is not drawn.
+ * A view of the world, in three.js's conventions: the camera looks along −z with y up, matrices are
+ * column-major. A splat whose centre is not in near < depth ≤ far is not drawn.
  */
 export interface Camera {
   /** World to view, rigid. */
@@ -13,8 +13,9 @@ export interface Camera {
   /** View to clip. Only x, y and w are used, so either depth convention works. */
   readonly projectionMatrix: ArrayLike<number>;
   /**
-   * Projection of the whole image, if this camera shows a part of it, such as a tile of a large picture: splats that reach into
-   * the part from outside then look as they do in the whole. Default: `projectionMatrix`.
+   * Projection of the whole image, if this camera shows a part of it, such as a tile of a large
+   * picture: splats that reach into the part from outside then look as they do in the whole.
+   * Default: `projectionMatrix`.
    */
   readonly wholeProjectionMatrix?: ArrayLike<number> | undefined;
   /** View depth up to which nothing is drawn, world units. */
@@ -83,8 +84,8 @@ export function orthographicCamera(options: LookAtOptions & { readonly height: n
 }
 
 /**
- * Makes a camera from matrices. Without `near` and `far`, they are read from the projection matrix, which must then have
- * three.js's default clip depth (−1…1).
+ * Makes a camera from matrices. Without `near` and `far`, they are read from the projection matrix,
+ * which must then have three.js's default clip depth (−1…1).
  *
  * @throws InvalidArgumentError if a matrix is not 16 finite numbers, or near and far make no range.
  */
@@ -117,12 +118,12 @@ export function cameraFromMatrices(
   });
 }
 
-/** The part of a camera and an image size that projecting splats needs; lengths in pixels, x right, y down. */
+/** Parts of a camera and image size that project splats; lengths in pixels, x right, y down. */
 export interface Projection {
   readonly isOrthographic: boolean;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** Pixels per unit of x/depth and y/depth (perspective) or of x and y (orthographic); y's is for y up. */
+  /** Pixels per unit of x/depth and y/depth (perspective) or x and y (orthographic), y up. */
   readonly focalPx: readonly [number, number];
   /** Where the line of sight meets the image. */
   readonly centerPx: readonly [number, number];
@@ -139,8 +140,9 @@ export interface Projection {
 }
 
 /**
- * How far outside the whole image the Jacobian follows x/depth, as a fraction of its width. For a centred view the clamp is
- * at 1.3 times the tangent of half the field of view, as in the affine approximation of the original implementation.
+ * How far outside the whole image the Jacobian follows x/depth, as a fraction of its width. For a
+ * centred view the clamp is at 1.3 times the tangent of half the field of view, as in the affine
+ * approximation of the original implementation.
  */
 const JACOBIAN_MARGIN = 0.15;
 
@@ -164,12 +166,15 @@ export function projectionOf(camera: Camera, widthPx: number, heightPx: number):
   };
 }
 
-/** Along x or y: the scale and shift from tangent (orthographic: length) to ndc, and what is seen at ndc −1 and 1. */
+/**
+ * Along x or y: scale and shift from tangent (orthographic: length) to ndc, and the tangents at ndc
+ * −1 and 1.
+ */
 function axisOf(
   p: ArrayLike<number>,
   axis: 0 | 1,
 ): readonly [scale: number, shift: number, edges: readonly [number, number]] {
-  // Perspective: w = depth, so ndc x = p0·x/depth − p8. Orthographic: w = p15, ndc x = (p0·x + p12) / p15.
+  // Perspective: w = depth, so ndc x = p0·x/depth − p8. Orthographic: ndc x = (p0·x + p12) / p15.
   const isOrthographic = p[11] === 0;
   const w = isOrthographic ? p[15] : -p[11];
   const scale = p[5 * axis] / w;

@@ -9,21 +9,22 @@ export interface CloudView {
   /** The cloud's origin in view space. */
   readonly translation: readonly [number, number, number];
   /**
-   * Position of the camera in cloud space, relative to the cloud's origin; null if the model matrix is singular, and for an
-   * orthographic camera, whose viewing directions are all `direction`.
+   * Position of the camera in cloud space, relative to the cloud's origin; null if the model matrix
+   * is singular, and for an orthographic camera, whose viewing directions are all `direction`.
    */
   readonly camera: readonly [number, number, number] | null;
   /** Direction in which the camera looks, in cloud space, not normalised. */
   readonly direction: readonly [number, number, number];
 }
 
-/** Fallback viewing direction: used if the camera is at the splat's centre, or if the model matrix is singular. */
+/** Viewing direction if the camera is at the splat's centre, or the model matrix is singular. */
 export const FALLBACK_DIRECTION: Vec3 = [0, 0, 1];
 
 /**
- * Returns the cloud as the camera sees it. Spherical harmonics are evaluated along the line of sight in the cloud's own
- * space. For a scaled, mirrored or sheared cloud, that takes the inverse of the whole linear part, not of its rotation
- * alone: a mirrored cloud then looks like the cloud in a mirror.
+ * Returns the cloud as the camera sees it. Spherical harmonics are evaluated along the line of
+ * sight in the cloud's own space. For a scaled, mirrored or sheared cloud, that takes the inverse
+ * of the whole linear part, not of its rotation alone: a mirrored cloud then looks like the cloud
+ * in a mirror.
  */
 export function cloudView(
   viewMatrix: ArrayLike<number>,
@@ -31,7 +32,7 @@ export function cloudView(
   origin: Vec3,
   isOrthographic: boolean,
 ): CloudView {
-  // Multiplied in float64 about the cloud's origin: far from the world's origin, float32 would lose millimetres here.
+  // In float64 about the cloud's origin: far out, float32 would lose millimetres.
   const modelView = translated4(multiply4(viewMatrix, modelMatrix), origin);
   const linear = linearPart(modelView);
   const translation = [modelView[12], modelView[13], modelView[14]] as const;

@@ -5,15 +5,16 @@ export interface DepthConvention {
   /** `greater-equal` for reversed depth: 1 at the near plane. */
   readonly compare: 'less-equal' | 'greater-equal';
   /**
-   * `projection`: the depth of the camera's projection matrix, from 0 to 1. `logarithmic`: log2(depth/near)/log2(far/near)
-   * for perspective cameras, linear between near and far for orthographic ones.
+   * `projection`: the depth of the camera's projection matrix, from 0 to 1. `logarithmic`:
+   * log2(depth/near)/log2(far/near) for perspective cameras, linear between near and far for
+   * orthographic ones.
    */
   readonly mapping: 'projection' | 'logarithmic';
 }
 
 /**
- * Stored depth of a point at view depth d and normalised device coordinates x, y (−1…1, y up): offset + factor·f(d) +
- * slope·(x, y), where f(d) is 1/d, d or log2 d.
+ * Stored depth of a point at view depth d and normalised device coordinates x, y (−1…1, y up):
+ * offset + factor·f(d) + slope·(x, y), where f(d) is 1/d, d or log2 d.
  */
 export interface DepthMapping {
   readonly offset: number;
@@ -26,8 +27,8 @@ export interface DepthMapping {
 const ROUNDING = 1e-5;
 
 /**
- * Returns the mapping in float64. f(d) is 1/d for perspective projections, d for orthographic ones, and log2 d for the
- * logarithmic depth of perspective cameras.
+ * Returns the mapping in float64. f(d) is 1/d for perspective projections, d for orthographic ones,
+ * and log2 d for the logarithmic depth of perspective cameras.
  */
 export function depthMapping(camera: Camera, mapping: DepthConvention['mapping']): DepthMapping {
   const { projectionMatrix: p, near, far } = camera;
@@ -37,7 +38,8 @@ export function depthMapping(camera: Camera, mapping: DepthConvention['mapping']
     const octaves = Math.log2(far / near);
     return { slope: [0, 0], offset: -Math.log2(near) / octaves, factor: 1 / octaves };
   }
-  // Clip z is p2·x + p6·y − p10·d + p14; clip w is −p11·d, or p15; x is (w·ndc x + p8·d)/p0, or (w·ndc x − p12)/p0.
+  // Clip z is p2·x + p6·y − p10·d + p14; clip w is −p11·d, or p15; x is (w·ndc x + p8·d)/p0, or
+  // (w·ndc x − p12)/p0.
   const slope = [p[2] / p[0], p[6] / p[5]] as const;
   const [level, shiftX, shiftY, factor] = isOrthographic
     ? [p[14] / p[15], p[12] / p[15], p[13] / p[15], -p[10] / p[15]]
@@ -45,7 +47,7 @@ export function depthMapping(camera: Camera, mapping: DepthConvention['mapping']
   return { offset: level - slope[0] * shiftX - slope[1] * shiftY, factor, slope };
 }
 
-/** Returns the depth of one point as the host's depth buffer would hold it; outside of 0…1 if the host would clip it. */
+/** Returns a point's depth as the host's depth buffer would hold it; outside of 0…1 if clipped. */
 export function storedDepth(
   depthView: number,
   camera: Camera,

@@ -39,7 +39,7 @@ describe('frustumSides', () => {
     let drawn = 0;
     fc.assert(
       fc.property(anyCamera, model, fc.nat(), fc.nat(2), (camera, modelMatrix, seed, size) => {
-        // Large splats right in front of the camera are the hard case: their Jacobian is the steepest.
+        // Large splats right in front of the camera are the hard case: their Jacobian is steepest.
         const set = randomSplats({ count: 40, seed, shDegree: 0, logScales: LOG_SCALES[size] });
         const projection = projectionOf(camera, 64, 48);
         const view = cloudView(camera.viewMatrix, modelMatrix, set.origin, projection.isOrthographic);

@@ -6,11 +6,11 @@ import type { CloudView } from './cloud-view.ts';
 export interface FrustumSide {
   readonly normal: readonly [number, number, number];
   readonly offset: number;
-  /** How far a splat reaches across the side, per unit of its largest standard deviation in cloud space. */
+  /** A splat's reach across the side, per unit of its largest standard deviation, cloud space. */
   readonly reach: number;
 }
 
-/** How far effects may move splats and how much they may enlarge them: culling by bounds must not lose such splats. */
+/** Most that effects may move and enlarge splats: culling by bounds must not lose these. */
 export interface SplatReach {
   /** Largest distance that a centre moves, in the cloud's units. */
   readonly displacement: number;
@@ -22,9 +22,10 @@ export interface SplatReach {
 const MARGIN_PX = 0.5;
 
 /**
- * Returns the six sides (left, right, bottom, top, near, far) of the frustum; a splat outside of any is not drawn. The first
- * four are exact for the affine projection: an ellipse reaches into the image if, linearly in the centre,
- * |x| − depth·tan(edge) is less than the splat's extent and dilation add. At near and far the centre decides.
+ * Returns the six sides (left, right, bottom, top, near, far) of the frustum; a splat outside of
+ * any is not drawn. The first four are exact for the affine projection: an ellipse reaches into the
+ * image if, linearly in the centre, |x| − depth·tan(edge) is less than the splat's extent and
+ * dilation add. At near and far the centre decides.
  *
  * @param alphaCutoff opacity at which a splat ends.
  * @param moved how far effects may move splats and how much they may enlarge them.
@@ -41,7 +42,7 @@ export function frustumSides(
   // Reach of a splat of opacity 1, in standard deviations.
   const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
-  // In view space every side is (x, y, z, w): the first four as multiples of x or y and of depth = −z.
+  // In view space every side is (x, y, z, w): the first four in multiples of x or y and depth = −z.
   const side = (axis: 0 | 1, sign: -1 | 1) => {
     const edges = axis === 0 ? projection.edgesX : projection.edgesY;
     const clamp = axis === 0 ? projection.clampX : projection.clampY;

@@ -15,7 +15,8 @@ export interface CropBox {
 }
 
 /**
- * The splats whose centres are in a box, or outside of it, in their order and bit for bit as they are.
+ * The splats whose centres are in a box, or outside of it, in their order and bit for bit as they
+ * are.
  *
  * @throws InvalidArgumentError 'box' if it is none, or if nothing stays.
  */

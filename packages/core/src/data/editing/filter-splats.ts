@@ -5,7 +5,8 @@ import type { SplatSet } from '../splats/splat-set.ts';
 /**
  * The splats that are to stay, in their order and bit for bit as they are; there may be none.
  *
- * @param stays told of each splat by its index in the set, of which the row in its file is `set.fileIndices[index]`.
+ * @param stays told of each splat by its index in the set, of which the row in its file is
+ *   `set.fileIndices[index]`.
  */
 export function filterSplats<Kind extends Harmonics>(
   set: SplatSet<Kind>,

@@ -12,11 +12,12 @@ import { placeSplats } from './place-splats.ts';
 import { trainedCoefficients } from './trained-coefficients.ts';
 
 /**
- * All splats of several sets as one, set after set. Harmonics have the highest degree of them; bands that a set lacks are 0. Positions
- * are kept bit by bit where all sets have the same origin; else they are taken relative to one that suits all.
+ * All splats of several sets as one, set after set. Harmonics have the highest degree of them;
+ * bands that a set lacks are 0. Positions are kept bit by bit where all sets have the same origin;
+ * else they are taken relative to one that suits all.
  *
- * Whether splats were trained with an antialias filter is kept where all sets say the same. The result is of no file: its rows are
- * numbered from 0.
+ * Whether splats were trained with an antialias filter is kept where all sets say the same. The
+ * result is of no file: its rows are numbered from 0.
  *
  * @throws InvalidArgumentError 'sets' if there are none; 'set' if one is too far away for float32.
  */

@@ -4,7 +4,8 @@ import { chooseOrigin } from '../packing/origin.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 
 /**
- * Positions in the scene's space, 3N, as the columns that hold them: relative to the origin that suits them.
+ * Positions in the scene's space, 3N, as the columns that hold them: relative to the origin that
+ * suits them.
  *
  * @throws InvalidArgumentError 'set' if one of them is too large for float32.
  */

@@ -8,7 +8,10 @@ export type Quaternion = readonly [w: number, x: number, y: number, z: number];
 
 export const IDENTITY: Quaternion = [1, 0, 0, 0];
 
-/** Rotations that turn an axis to +y, by the shortest way; −y by half a turn about x, which is how captures are put upright. */
+/**
+ * Rotations that turn an axis to +y, by the shortest way; −y by half a turn about x, which is how
+ * captures are put upright.
+ */
 const UPRIGHT: Readonly<Record<string, Quaternion>> = {
   x: [1, 0, 0, 1],
   '-x': [1, 0, 0, -1],
@@ -64,7 +67,7 @@ export function rotationMatrixOf([w, x, y, z]: Quaternion): Float64Array {
   );
 }
 
-/** Cosine and sine of half an angle, or the same multiple of both; whole numbers for multiples of right angles. */
+/** Cosine and sine of half an angle, or multiples of both: whole numbers for right angles. */
 function halfAngle(degrees: number): { cosine: number; sine: number } {
   const rest = degrees % 360;
   switch (rest) {

@@ -7,41 +7,45 @@ import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/sp
 import { placeSplats } from './place-splats.ts';
 
 /**
- * Splats as arrays, N rows in any order. Give sizes as `scales` or as `covariances`, colours as `colors` or as `sh`. Arrays are
- * copied.
+ * Splats as arrays, N rows in any order. Give sizes as `scales` or as `covariances`, colours as
+ * `colors` or as `sh`. Arrays are copied.
  */
 export interface SplatArrays {
   /** 3N: centres x, y, z. Float64Array keeps the precision of large coordinates. */
   readonly positions: ArrayLike<number>;
   /** 3N: standard deviations along the local axes, above 0, in units of `positions`. */
   readonly scales?: ArrayLike<number>;
-  /** 4N: quaternions x, y, z, w, of any length above 0, which turn local axes. Default none is turned. */
+  /** 4N: quaternions x, y, z, w, of any length above 0, which turn local axes. Default: no turn. */
   readonly rotations?: ArrayLike<number>;
   /** 6N, instead of `scales` and `rotations`: covariances xx, xy, xz, yy, yz, zz. */
   readonly covariances?: ArrayLike<number>;
   /** N: opacities at the splats' centres, 0…1. Default 1. */
   readonly opacities?: ArrayLike<number>;
-  /** 3N: base colours r, g, b, sRGB-encoded, where 0 is black and 1 is white. They look the same from everywhere. */
+  /**
+   * 3N: base colours r, g, b, sRGB-encoded, where 0 is black and 1 is white. They look the same
+   * from everywhere.
+   */
   readonly colors?: ArrayLike<number>;
   /**
-   * 3N, 12N, 27N or 48N, instead of `colors`: coefficients of spherical harmonics of degree 0, 1, 2 or 3 as they are trained, in
-   * ascending (degree, order), each as r, g, b. The first give the base colour, as 0.5 + 0.2820948 · coefficient, sRGB-encoded.
+   * 3N, 12N, 27N or 48N, instead of `colors`: coefficients of spherical harmonics of degree 0, 1, 2
+   * or 3 as they are trained, in ascending (degree, order), each as r, g, b. The first give the
+   * base colour, as 0.5 + 0.2820948 · coefficient, sRGB-encoded.
    */
   readonly sh?: ArrayLike<number>;
-  /** Whether the splats were trained with an antialias filter. Default unknown: they are drawn without one. */
+  /** Whether the splats were trained with an antialias filter. Default unknown: drawn without. */
   readonly isAntialiased?: boolean;
 }
 
 /** Coefficients of each splat, by degree. */
 const SH_WIDTHS = [3, 12, 27, 48] as const;
-/** Least standard deviation of a covariance, as a share of the largest: flat splats have none along an axis. */
+/** Least standard deviation, as a share of the largest: flat splats have none along an axis. */
 const FLATTEST = 1e-6;
 
 /**
  * Makes a set of splats of arrays. Row i is the i-th splat of each.
  *
- * @throws InvalidArgumentError naming the array that is missing, beside one that it excludes, or of a wrong length; or the array,
- *   the index and the value found.
+ * @throws InvalidArgumentError naming the array that is missing, beside one that it excludes, or of
+ *   a wrong length; or the array, the index and the value found.
  */
 export function splatsFromArrays(arrays: SplatArrays): SplatSet {
   if (typeof arrays !== 'object' || arrays === null)
@@ -129,7 +133,7 @@ function shapesOfCovariances(
   return { logScales, rotations: turned };
 }
 
-/** Quaternion w, x, y, z of the rotation that turns x, y, z to orthonormal axes, the last of which may point either way. */
+/** Quaternion w, x, y, z that turns x, y, z to orthonormal axes; the last may point either way. */
 function quaternionOfAxes(axes: Float64Array): [number, number, number, number] {
   const [ax, ay, az, bx, by, bz] = axes;
   // Right-handed.

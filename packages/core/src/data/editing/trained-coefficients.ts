@@ -1,7 +1,7 @@
 import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 
-/** Harmonics of all splats of a set as they were trained, N · 3K, K of `degree`: higher bands are left out, and missing ones are 0. */
+/** Harmonics of a set as trained, N · 3K, K of `degree`: no higher bands, missing ones 0. */
 export function trainedCoefficients(
   { count, harmonics }: SplatSet<Harmonics>,
   degree: ShDegree = harmonics.degree,

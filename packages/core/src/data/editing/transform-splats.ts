@@ -19,9 +19,11 @@ export interface SplatTransform {
 }
 
 /**
- * Moves splats with their harmonics, in float64; the origin is chosen anew. What is not changed keeps its bits.
+ * Moves splats with their harmonics, in float64; the origin is chosen anew. Unchanged values keep
+ * their bits.
  *
- * @throws InvalidArgumentError 'rotation', 'scale' or 'translation' if it is none; 'set' if a splat would be too far away for float32.
+ * @throws InvalidArgumentError 'rotation', 'scale' or 'translation' if it is none; 'set' if a splat
+ *   would be too far away for float32.
  */
 export function transformSplats(
   set: SplatSet<Harmonics>,

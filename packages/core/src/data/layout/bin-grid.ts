@@ -6,7 +6,7 @@ export interface BinGrid {
   readonly binRows: number;
 }
 
-/** Returns the bins that cover a layer of this size, px; those at its right and lower edges may reach beyond it. */
+/** Returns the bins over a layer of this size, px; the last of each axis may exceed it. */
 export function binGrid(widthPx: number, heightPx: number): BinGrid {
   const { BIN_PX } = SHADER_CONSTANTS;
   return { binColumns: Math.ceil(widthPx / BIN_PX), binRows: Math.ceil(heightPx / BIN_PX) };

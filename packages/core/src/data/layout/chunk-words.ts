@@ -1,6 +1,6 @@
 /**
- * Words of a `Chunk` struct, for what reads and writes chunks on the CPU: the load worker is spared the code that lays structs out.
- * A test holds them against `Chunk`.
+ * Words of a `Chunk` struct, for readers and writers on the CPU: the load worker is spared the code
+ * that lays structs out. A test holds them against `Chunk`.
  */
 export const CHUNK_WORDS = {
   minPosition: 0,

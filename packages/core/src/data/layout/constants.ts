@@ -1,7 +1,10 @@
 /** Splats per chunk: one workgroup culls one chunk. */
 export const CHUNK_SPLATS = 256;
 
-/** Constants that shaders import by name (`import constants::CHUNK_SPLATS;`). WebGPU's default limit is 256 threads. */
+/**
+ * Constants that shaders import by name (`import constants::CHUNK_SPLATS;`). WebGPU's default limit
+ * is 256 threads.
+ */
 export const SHADER_CONSTANTS = {
   CHUNK_SPLATS,
   /** Words of a chunk's visibility mask, one bit per splat. */

@@ -15,7 +15,10 @@ export const CoverPoint = gpuStruct('CoverPoint', {
 
 /** Constants of the stage `cover-points`, which come with it. */
 export const COVER_CONSTANTS = {
-  /** Steps in which −ln(1 − opacity) is added up: 4 for the faintest splat, 4,716 for the most opaque, so 900,000 of these fit. */
+  /**
+   * Steps in which −ln(1 − opacity) is added up: 4 for the faintest splat, 4,716 for the most
+   * opaque, so 900,000 of these fit.
+   */
   COVER_UNITS: 1024,
 } as const;
 

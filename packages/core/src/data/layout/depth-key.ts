@@ -2,8 +2,9 @@ const f32 = new Float32Array(1);
 const u32 = new Uint32Array(f32.buffer);
 
 /**
- * Returns the bits of the float32 nearest to `depthView`, as an unsigned integer in the order of the numbers: a < b exactly
- * if orderedBits(a) < orderedBits(b). −0 counts as 0. Reference of shaders/lib/depth-key.wgsl.
+ * Returns the bits of the float32 nearest to `depthView`, as an unsigned integer in the order of
+ * the numbers: a < b exactly if orderedBits(a) < orderedBits(b). −0 counts as 0. Reference of
+ * shaders/lib/depth-key.wgsl.
  */
 export function orderedBits(depthView: number): number {
   f32[0] = depthView + 0;
@@ -14,8 +15,8 @@ export function orderedBits(depthView: number): number {
 const MOST_UNITS = 1e19;
 
 /**
- * What splats are sorted by where that is their distance: its square, in units of the power of two below `near`, or of 1 for a near
- * of 0. Reference of `sortDepth` in shaders/lib/depth-key.wgsl.
+ * Key of splats that are sorted by distance: its square, in units of the power of two below `near`,
+ * or of 1 for a near of 0. Reference of `sortDepth` in shaders/lib/depth-key.wgsl.
  */
 export function sortDistance(distance: number, near: number): number {
   f32[0] = near;
@@ -29,7 +30,7 @@ export function depthKey(depthView: number, farthestBits: number): number {
   return farthestBits - Math.min(farthestBits, orderedBits(depthView));
 }
 
-/** Returns the top `keyBits` bits of `depthKey` within the range of visible depths; depths beyond it are clamped to it. */
+/** Returns the top `keyBits` bits of `depthKey` clamped to the range of visible depths. */
 export function shortDepthKey(
   depthView: number,
   farthestBits: number,

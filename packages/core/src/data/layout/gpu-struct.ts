@@ -48,9 +48,11 @@ export interface GpuStruct<Fields extends GpuFields> {
 }
 
 /**
- * Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage buffers.
+ * Lays out a struct by WGSL's rules, which for these types are the same for uniform and storage
+ * buffers.
  *
- * @throws RangeError for an unknown type, such as an array whose length is not a whole number of 1 or more.
+ * @throws RangeError for an unknown type, such as an array whose length is not a whole number of 1
+ *   or more.
  *
  * @__NO_SIDE_EFFECTS__
  */

@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { fromHalfBits, HALF_MAX, toHalfBits } from './half.ts';
 
-/** Value of binary16 bits, from the format's definition by string: independent of the code under test. */
+/** Value of binary16 bits by the format's definition: independent of the code under test. */
 function halfValue(bits: number): number {
   const text = bits.toString(2).padStart(16, '0');
   const exponent = Number.parseInt(text.slice(1, 6), 2);

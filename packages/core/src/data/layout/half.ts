@@ -2,8 +2,8 @@ const f32 = new Float32Array(1);
 const u32 = new Uint32Array(f32.buffer);
 
 /**
- * Largest colour coefficient that is stored as float32: a file may hold up to 3e38, and the sum of sixteen such terms
- * would leave float32's range.
+ * Largest colour coefficient that is stored as float32: a file may hold up to 3e38, and the sum of
+ * sixteen such terms would leave float32's range.
  */
 export const COEFFICIENT_MAX = 1e35;
 
@@ -15,8 +15,8 @@ export function clampCoefficient(value: number): number {
 export const HALF_MAX = 65504;
 
 /**
- * Returns the bits of the binary16 nearest to `value`, ties to even; beyond ±65504 the bits of ±65504, so that packing never
- * produces an infinity. `value` is finite.
+ * Returns the bits of the binary16 nearest to `value`, ties to even; beyond ±65504 the bits of
+ * ±65504, so that packing never produces an infinity. `value` is finite.
  */
 export function toHalfBits(value: number): number {
   f32[0] = Math.max(-HALF_MAX, Math.min(HALF_MAX, value));
@@ -24,7 +24,7 @@ export function toHalfBits(value: number): number {
   const sign = (bits >>> 16) & 0x8000;
   const magnitude = bits & 0x7fffffff;
   if (magnitude < 0x38800000) {
-    // Below 2^-14 binary16 is subnormal: multiples of 2^-24. Adding 0.5 to a float32 below 2^-14 rounds to just that grid.
+    // Below 2^-14 binary16 has multiples of 2^-24: adding 0.5 to a float32 rounds to that grid.
     f32[0] = Math.abs(f32[0]) + 0.5;
     return sign | (u32[0] - 0x3f000000);
   }

@@ -1,6 +1,6 @@
 /**
- * Words of the facts that ingest-rows gathers about the rows that it keeps. Smallest values are kept as the largest
- * complement of `orderedBits`, so that all facts begin at 0.
+ * Words of the facts that ingest-rows gathers about the rows that it keeps. Smallest values are
+ * kept as the largest complement of `orderedBits`, so that all facts begin at 0.
  */
 export const INGEST_FACTS = {
   FACT_MIN_POSITION: 0,

@@ -29,7 +29,10 @@ export const MortonParameters = gpuStruct('MortonParameters', {
   scale: 'vec3f',
   cellsPerUnit: 'f32',
   scaledMin: 'vec3f',
-  /** 0…5: which eight bits of the codes, the lowest first; those of round 0 in the order of slots, others in a given order. */
+  /**
+   * 0…5: which eight bits of the codes, the lowest first; those of round 0 in the order of slots,
+   * others in a given order.
+   */
   round: 'u32',
   /** The cloud's origin in the file. */
   origin: 'vec3f',

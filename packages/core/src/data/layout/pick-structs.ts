@@ -8,7 +8,7 @@ export const PickParameters = gpuStruct('PickParameters', { pixelPx: 'vec2f', bl
 export const PickBlock = gpuStruct('PickBlock', {
   /** Fraction of the light from behind the run that passes through all its splats. */
   transmittance: 'f32',
-  /** Largest share of the pixel that one of the splats has, as if nothing were in front of the run; 0 if there is none. */
+  /** Largest share of the pixel of one splat, as if nothing were in front of the run; 0 if none. */
   weight: 'f32',
   /** That splat's number, counting through all chunks of the frame. */
   splat: 'u32',

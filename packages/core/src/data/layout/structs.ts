@@ -26,7 +26,7 @@ export const Page = gpuStruct('Page', {
   /** 1 if viewing directions start at the camera, 0 if they are all `direction`. */
   cameraWeight: 'f32',
   direction: 'vec3f',
-  /** Left, right, bottom, top, near, far in cloud space: a point is inside if dot(xyz, point) + w ≥ 0. */
+  /** Left, right, bottom, top, near, far in cloud space: in if dot(xyz, point) + w ≥ 0. */
   frustum: 'array<vec4f, 6>',
   /** x: how far a splat reaches across the side, per unit of its largest standard deviation. */
   frustumReach: 'array<vec4f, 6>',
@@ -38,7 +38,7 @@ export const Page = gpuStruct('Page', {
   splatCount: 'u32',
 });
 
-/** Bounds of a chunk: of its centres, about the cloud's origin, and of its log scales, 65535 steps above the smallest. */
+/** A chunk's bounds: of centres, about the cloud's origin, and of log scales, as 65535 steps. */
 export const Chunk = gpuStruct('Chunk', {
   minPosition: 'vec3f',
   minLogScale: 'f32',
@@ -109,7 +109,7 @@ export const TilePlan = gpuStruct('TilePlan', {
   visibleCount: 'u32',
 });
 
-/** A visible splat as it is drawn; lengths in pixels, y down. Axes are at √2 standard deviations. 32 bytes. */
+/** A visible splat as it is drawn; lengths in pixels, y down. Axes at √2 deviations. 32 bytes. */
 export const SplatRecord = gpuStruct('SplatRecord', {
   centerPx: 'vec2f',
   majorPx: 'vec2f',
@@ -150,7 +150,7 @@ export const HostViewport = gpuStruct('HostViewport', {
   /** Top left of the image; modulo 2³², since it may lie outside. */
   colorOriginPx: 'vec2u',
   depthOriginPx: 'vec2u',
-  /** Width and height of the image as multiples of those of the layer that splats are blended in. */
+  /** Width and height of the image as multiples of those of the layer of splats. */
   pxPerLayerPx: 'vec2f',
 });
 

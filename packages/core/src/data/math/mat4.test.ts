@@ -42,9 +42,10 @@ describe('matrices', () => {
         const inverse = invert3(m);
         if (!inverse) return;
         const back = transform3(inverse, transform3(m, v));
-        // A cofactor is a difference of products, and off by some ulps of them, however small it is; divided by the
-        // determinant and multiplied with the matrix again, that is up to stretch³/|determinant|. The rounding of the two
-        // products grows with how much the matrix squeezes and stretches.
+        // A cofactor is a difference of products, and off by some ulps of them, however small it
+        // is; divided by the determinant and multiplied with the matrix again, that is up to
+        // stretch³/|determinant|. The rounding of the two products grows with how much the matrix
+        // squeezes and stretches.
         const stretch = stretchBound(m);
         const growth = stretch ** 3 / Math.abs(determinant(m)) + stretch * stretchBound(inverse);
         const bound = 64 * Number.EPSILON * growth * Math.hypot(...v);

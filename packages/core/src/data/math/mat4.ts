@@ -77,7 +77,7 @@ export function transform3(m: ArrayLike<number>, v: ArrayLike<number>): [number,
   ];
 }
 
-/** Returns an upper bound of the factor by which a column-major 3×3 matrix lengthens a vector (its Frobenius norm). */
+/** Returns a bound of a column-major 3×3 matrix's stretch of vectors (Frobenius norm). */
 export function stretchBound(m: ArrayLike<number>): number {
   return Math.hypot(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
 }

@@ -1,6 +1,6 @@
 /**
- * Returns the value that would stand at `place` if `values`, none of them NaN, were sorted; reorders them. Takes time in
- * proportion to their number, by Hoare's quickselect.
+ * Returns the value that would stand at `place` if `values`, none of them NaN, were sorted;
+ * reorders them. Takes time in proportion to their number, by Hoare's quickselect.
  */
 export function selectValue(values: Float32Array, place: number): number {
   let low = 0;
@@ -17,7 +17,7 @@ export function selectValue(values: Float32Array, place: number): number {
       values[left++] = values[right];
       values[right--] = value;
     }
-    // What stands between the two equals the pivot.
+    // The value between the two equals the pivot.
     if (place <= right) high = right;
     else if (place >= left) low = left;
     else return pivot;

@@ -78,7 +78,7 @@ describe('how far a band reaches', () => {
   });
 
   test('is that of the coefficients before they were rounded, whatever they are repacked to', () => {
-    // What a byte next to the 1 cannot hold.
+    // A value that a byte next to the 1 cannot hold.
     const row = [1, ...new Array<number>(43).fill(0), 0.002];
     const exact = packedRows(3, 'f32', [row.map(Math.fround)]);
     const reach = shBandReach(exact, 1);

@@ -2,12 +2,13 @@ import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../s
 import { type Harmonics, isPacked, isPalette, type PackedHarmonics, readCoefficients } from './harmonics.ts';
 
 /**
- * For each band 1…degree, the most that it can change any colour channel of any splat, in any direction: at least 0, in
- * units of the colours (0…1 from black to white).
+ * For each band 1…degree, the most that it can change any colour channel of any splat, in any
+ * direction: at least 0, in units of the colours (0…1 from black to white).
  *
- * Band l adds Σ cₘYₗₘ(d) to a channel. By Cauchy–Schwarz that is at most ‖c‖·√(Σ Yₗₘ(d)²), and by the addition theorem
- * the sum is (2l + 1)/4π in every direction d. So √((2l + 1)/4π)·‖c‖ is never exceeded, and it is reached where c is a
- * multiple of Yₗ at some direction; no function of the band stays below 1/√(2l + 1) of it, its root mean square.
+ * Band l adds Σ cₘYₗₘ(d) to a channel. By Cauchy–Schwarz that is at most ‖c‖·√(Σ Yₗₘ(d)²), and by
+ * the addition theorem the sum is (2l + 1)/4π in every direction d. So √((2l + 1)/4π)·‖c‖ is never
+ * exceeded, and it is reached where c is a multiple of Yₗ at some direction; no function of the
+ * band stays below 1/√(2l + 1) of it, its root mean square.
  */
 export function shBandReach(harmonics: Harmonics, count: number): readonly number[] {
   if (isPacked(harmonics) && harmonics.bandReach) return harmonics.bandReach;
@@ -47,7 +48,7 @@ export class ShReachMeter {
     this.#squares = Array.from({ length: degree }, () => 0);
   }
 
-  /** Takes one splat's 3K values, from `start` on, as float32 stores them, whatever the array holds. */
+  /** Takes one splat's 3K values, from `start` on, as float32 stores them. */
   include(values: Float32Array | Float64Array, start: number): void {
     let at = start;
     for (let i = 0; i < this.#squares.length; i++) {

@@ -9,7 +9,7 @@ export function emptyBounds(): {
   return { min: [most, most, most], max: [-most, -most, -most] };
 }
 
-/** Least and greatest coordinates, by axis, of the first `count` positions; ±Infinity if there are none. */
+/** Least and greatest coordinates, by axis, of the first `count` positions; ±Infinity if none. */
 export function centerBounds(
   positions: Float32Array | Float64Array,
   count: number,

@@ -41,7 +41,7 @@ export function setLogScales(chunks: Float32Array, chunk: number, { min, step }:
   chunks[chunk * WORDS + logScaleStep] = step;
 }
 
-/** The largest standard deviation along any axis, with room for what is rounded: as in cull-chunks. */
+/** The largest standard deviation along any axis, with room for rounding: as in cull-chunks. */
 export function maxScaleOf(chunks: Float32Array, chunk: number): number {
   const { min, step } = logScalesOf(chunks, chunk);
   return 1.001 * Math.exp(min + 65535 * step);

@@ -33,7 +33,7 @@ afterAll(() => device?.destroy());
 
 interface Drawn {
   readonly image: Float32Array;
-  /** What it takes, and what had to be compiled for it that no engine on the device had compiled before. */
+  /** Its costs, and the shaders that no engine on the device had compiled before. */
   readonly costs: {
     readonly memory: GpuMemoryReport;
     readonly uploadedBytes: number;
@@ -70,7 +70,7 @@ async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatC
   return { image, costs, again };
 }
 
-/** Least milliseconds of a frame of each, drawn in turn, there and back: what else the machine does only adds to them. */
+/** Least milliseconds of a frame of each, in turn, there and back: other load only adds to them. */
 async function timesOf(all: readonly Drawn[]): Promise<string> {
   const times = new Map<Drawn, number[]>(all.map((each) => [each, []]));
   const order = [...all];

@@ -2,43 +2,44 @@ import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../splats/spla
 import { shBandReach } from './band-reach.ts';
 import { entryCountOf, type Harmonics, isPalette } from './harmonics.ts';
 
-/** Facts about a cloud's splats that hold from any viewpoint, found in the data when they are packed. */
+/** Facts about a cloud's splats that hold from any viewpoint, found when they are packed. */
 export interface CloudFacts {
   /** Degree of the spherical harmonics in the file. */
   readonly declaredShDegree: ShDegree;
   /**
-   * Degree of the harmonics that can be seen: only these are stored and drawn. All bands above it together change no
-   * channel of any splat's colour by as much as UNSEEN_CHANGE.
+   * Degree of the harmonics that can be seen: only these are stored and drawn. All bands above it
+   * together change no channel of any splat's colour by as much as UNSEEN_CHANGE.
    */
   readonly trueShDegree: ShDegree;
   /**
-   * For each band 1…declaredShDegree, the most that it can change a channel of any splat's colour, in any direction.
+   * For each band 1…declaredShDegree, the most that it can change a channel of any splat's colour,
+   * in any direction.
    */
   readonly shBandReach: readonly number[];
-  /** Number of entries of the palette that the harmonics were before packing; null if each splat had its own. */
+  /** Entries of the palette of the harmonics before packing; null if each splat had its own. */
   readonly paletteEntries: number | null;
   /** Whether the three scales of each splat are equal, so that its rotation cannot be seen. */
   readonly isIsotropic: boolean;
-  /** Whether the splats were trained with an antialias filter; null where the format does not say. */
+  /** Whether the splats were trained with an antialias filter; null if the format does not say. */
   readonly isAntialiased: boolean | null;
   /** Null where the splats are of no file. */
   readonly fileFacts: FileFacts | null;
 }
 
 /**
- * A change of colour below this, a sixteenth of an 8-bit step, counts as invisible: blending in float16 rounds a
- * channel near white by as much, 2⁻¹², with each splat.
+ * A change of colour below this, a sixteenth of an 8-bit step, counts as invisible: blending in
+ * float16 rounds a channel near white by as much, 2⁻¹², with each splat.
  *
- * A pixel changes by no more than its splats' colours do. It is Σ wᵢcᵢ plus its background. The weights wᵢ ≥ 0 follow
- * from shapes, opacities and order, not from colours, and sum to at most 1; so |Σ wᵢΔcᵢ| ≤ max |Δcᵢ|. Each cᵢ is
- * max(0, …) of the harmonics, which never enlarges a change. Effects that brighten colours afterwards brighten the
- * difference as well.
+ * A pixel changes by no more than its splats' colours do. It is Σ wᵢcᵢ plus its background. The
+ * weights wᵢ ≥ 0 follow from shapes, opacities and order, not from colours, and sum to at most 1;
+ * so |Σ wᵢΔcᵢ| ≤ max |Δcᵢ|. Each cᵢ is max(0, …) of the harmonics, which never enlarges a change.
+ * Effects that brighten colours afterwards brighten the difference as well.
  */
 export const UNSEEN_CHANGE = 1 / (16 * 255);
 
 /**
- * Facts about `set`, whose rows must be finite. Takes a pass over the splats, and one over their harmonics unless their
- * reach is known already.
+ * Facts about `set`, whose rows must be finite. Takes a pass over the splats, and one over their
+ * harmonics unless their reach is known already.
  */
 export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
   const reach = shBandReach(set.harmonics, set.count);

@@ -6,7 +6,7 @@ import { type ClusterOptions, clusterHarmonics } from './cluster-harmonics.ts';
 import type { HarmonicsPalette } from './harmonics-palette.ts';
 import { packHarmonics } from './repack-harmonics.ts';
 
-/** Harmonics of `count` splats near a few centres; `spread` is the largest distance along each coefficient. */
+/** Harmonics of `count` splats near a few centres, at most `spread` off in each coefficient. */
 function around(centres: number, count: number, degree: ShDegree, spread: number): TrainedHarmonics {
   const random = seededRandom(centres + count);
   const length = coefficientsPerSplat(degree);
@@ -24,7 +24,7 @@ const cluster = (harmonics: TrainedHarmonics, options: ClusterOptions) =>
   clusterHarmonics(harmonics, countOf(harmonics), options);
 const entryCountOf = ({ degree, entries }: HarmonicsPalette) => entries.length / coefficientsPerSplat(degree);
 
-/** What each splat has by the palette. */
+/** The coefficients of each splat by the palette. */
 function expanded({ degree, entries, indices }: HarmonicsPalette): Float32Array {
   const length = coefficientsPerSplat(degree);
   return Float32Array.from({ length: indices.length * length }, (_, i) => {

@@ -13,7 +13,7 @@ import { squaredDistance } from './squared-distance.ts';
 export interface ClusterOptions {
   /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer where fewer harmonics differ. */
   readonly entryCount: number;
-  /** Most splats that entries are found from, which bounds memory; default 2²⁰. Others only look for their entry at the end. */
+  /** Most splats to find entries from, which bounds memory; default 2²⁰. Others look at the end. */
   readonly mostSampled?: number;
   /** Ends the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
@@ -21,27 +21,29 @@ export interface ClusterOptions {
   readonly onProgress?: (fraction: number) => void;
 }
 
-/** With 16 for each entry, rare harmonics of some scenes would be missed, of which most of the error is made. */
+/** With 16 for each entry, rare harmonics, which make most of the error, would be missed. */
 const MOST_SAMPLED = 2 ** 20;
 /** Splats that tell along which axes harmonics vary. */
 const AXES_SAMPLE = 2 ** 14;
 const MOST_ROUNDS = 12;
 /** A round that takes less than this part off the error is the last. */
 const LEAST_GAIN = 0.002;
-/** A splat whose squared distance from its entry is that many times the mean is looked after more thoroughly. */
+/** A splat at this many times the mean squared distance from its entry gets a longer search. */
 const FAR = 4;
 /** Part of the work that is done before the first round, and before the last pass. */
 const PROGRESS = { rounds: 0.2, lastPass: 0.9 } as const;
 
 /**
- * Finds a palette for the harmonics of `count` splats: k-means, with squares of differences of coefficients as the error. Where
- * there are no more different harmonics than entries, the palette has just those. Equal harmonics give equal palettes: nothing is random.
+ * Finds a palette for the harmonics of `count` splats: k-means, with squares of differences of
+ * coefficients as the error. Where there are no more different harmonics than entries, the palette
+ * has just those. Equal harmonics give equal palettes: nothing is random.
  *
- * A tree of cuts gives the first entries (`splitRows`), in time N·log E. In each round then, splats move to nearer entries, and entries
- * to the means of their splats. Only neighbours of a splat's entry are looked at, in coordinates along the axes of largest variance,
- * where a few values tell that an entry is too far away; finding the neighbours takes time E^1.5. Comparing each splat with each entry
- * would take N·E. Memory beyond the palette: 4 bytes for each coefficient of the splats of the sample, 20 for each of the entries, and
- * 400 for each entry.
+ * A tree of cuts gives the first entries (`splitRows`), in time N·log E. In each round then, splats
+ * move to nearer entries, and entries to the means of their splats. Only neighbours of a splat's
+ * entry are looked at, in coordinates along the axes of largest variance, where a few values tell
+ * that an entry is too far away; finding the neighbours takes time E^1.5. Comparing each splat with
+ * each entry would take N·E. Memory beyond the palette: 4 bytes for each coefficient of the splats
+ * of the sample, 20 for each of the entries, and 400 for each entry.
  *
  * Rejects with InvalidArgumentError 'entryCount', or with the signal's reason.
  */
@@ -96,7 +98,10 @@ export async function clusterHarmonics(
   return { degree, entries, indices };
 }
 
-/** Numbers of `sampleCount` of `count` splats, ascending: all, or at uneven steps, so that nothing that recurs is missed. */
+/**
+ * Numbers of `sampleCount` of `count` splats, ascending: all, or at uneven steps, so that nothing
+ * that recurs is missed.
+ */
 function sampleOf(count: number, sampleCount: number): Uint32Array {
   const goldenRatio = (Math.sqrt(5) - 1) / 2;
   return Uint32Array.from({ length: sampleCount }, (_, i) =>
@@ -258,7 +263,7 @@ async function assignOthers(
   }
 }
 
-/** The mean of each entry's splats. Entries without any are left out, and `indices` count the others. */
+/** The mean of each entry's splats. Entries without any are left out; `indices` count the rest. */
 async function entriesOf(
   harmonics: Harmonics,
   indices: Uint16Array,

@@ -4,8 +4,9 @@ import { type Harmonics, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
 
 /**
- * Drops the splats of `set` that are not finite, and adds them to the counts of those dropped before; returns the very
- * same object if there are none. Shaders assume that there are no NaNs and infinities, so they have to be found here.
+ * Drops the splats of `set` that are not finite, and adds them to the counts of those dropped
+ * before; returns the very same object if there are none. Shaders assume that there are no NaNs and
+ * infinities, so they have to be found here.
  */
 export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): SplatSet<Kind> {
   const kept: number[] = [];

@@ -35,8 +35,8 @@ export function editedGeometry(
 }
 
 /**
- * Packs splats `from` up to but not including `to` with their edits. What was not edited keeps its bits, unless it is packed as
- * `packed` from `f32`, or the range of its chunk is another one.
+ * Packs splats `from` up to but not including `to` with their edits. Unedited values keep their
+ * bits, unless it is packed as `packed` from `f32`, or the range of its chunk is another one.
  *
  * @param precision that of the geometry, or a coarser one.
  * @param chunks with the ranges of log scales for `packed`.
@@ -172,7 +172,7 @@ export function editedPosition(
   }
 }
 
-/** The range of a chunk's log scales: that before any edit, or a wider one if edited splats leave that. */
+/** The range of a chunk's log scales: that before edits, or a wider one if edits leave that. */
 export function editedLogScales(
   { geometry, fileIndices, edits }: EditedGeometry,
   chunk: number,

@@ -26,7 +26,8 @@ export class EntrySearch {
 
   /**
    * @param entries of `length` values each.
-   * @param cells First entry of each group of entries that lie near each other, then the number of entries.
+   * @param cells First entry of each group of entries that lie near each other, then the number of
+   *   entries.
    */
   private constructor(entries: Float32Array, length: number, cells: Uint32Array) {
     this.#entries = entries;
@@ -40,11 +41,13 @@ export class EntrySearch {
   }
 
   /**
-   * Finds the neighbours of each entry: among those of the nearest few cells, so that not all pairs need to be looked at.
+   * Finds the neighbours of each entry: among those of the nearest few cells, so that not all pairs
+   * need to be looked at.
    *
-   * @param reaches By entry: the squared distance of its farthest row. Neighbours that are more than twice as far are left out: no row
-   * of the entry is nearer to them.
-   * @param before The search among the same entries before they were last moved, whose neighbours most still are.
+   * @param reaches By entry: the squared distance of its farthest row. Neighbours that are more
+   *   than twice as far are left out: no row of the entry is nearer to them.
+   * @param before The search among the same entries before they were last moved, whose neighbours
+   *   most still are.
    */
   static async among(
     entries: Float32Array,
@@ -83,8 +86,9 @@ export class EntrySearch {
   }
 
   /**
-   * The nearest entry to a row that is found: goes from entry to entry for as long as a neighbour is nearer, and looks through the
-   * nearest cells if that ends far away. `distance` tells how near it is.
+   * The nearest entry to a row that is found: goes from entry to entry for as long as a neighbour
+   * is nearer, and looks through the nearest cells if that ends far away. `distance` tells how near
+   * it is.
    *
    * @param at Where the row begins in `rows`.
    * @param from Entry to begin with.
@@ -150,7 +154,7 @@ class Nearest {
   readonly items: Int32Array;
   readonly distances: Float64Array;
   count = 0;
-  /** What is not nearer is not among them. */
+  /** Rows that are not nearer are not among them. */
   bound = 0;
 
   constructor(most: number) {

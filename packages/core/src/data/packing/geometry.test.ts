@@ -29,7 +29,7 @@ const anySplats = fc.array(anySplat, { minLength: 1, maxLength: 6 });
 
 const clamped = (value: number, limit: number) => Math.max(-limit, Math.min(limit, value));
 
-/** Largest difference of any element of the rotations' matrices: blind to a quaternion's sign and length. */
+/** Largest difference of the rotations' matrices: blind to a quaternion's sign and length. */
 function rotationError(actual: readonly number[], expected: readonly number[]): number {
   const [a, b] = [actual, expected].map(([w, x, y, z]) => rotationMatrix(w, x, y, z));
   return Math.max(...a.map((value, i) => Math.abs(value - b[i])));
@@ -51,7 +51,7 @@ describe('packed geometry', () => {
             const scale = Math.exp(clamped(splat.logScales![axis], LOG_SCALE_LIMIT));
             expect(unpacked.scale[axis]).toBe(Math.fround(scale));
           }
-          // Four roundings of a unit quaternion, each of 2^-24, doubled by products with the others.
+          // Four roundings of a unit quaternion, 2^-24 each, doubled by products with the others.
           expect(rotationError(unpacked.rotation, splat.rotation!)).toBeLessThan(8 * 2 ** -24);
           expect(Math.hypot(...unpacked.rotation)).toBeCloseTo(1, 6);
         }
@@ -85,8 +85,9 @@ describe('packed geometry', () => {
               range / 65_535 / 2 + (range + LOG_SCALE_LIMIT) * 2 ** -24 + 1e-9,
             );
           }
-          // Three components err by half of √½/16383 = 2.2e-5 each; the one left out, at least ½, by at most their sum
-          // over its own size; matrix elements by at most 4 times the quaternion's error.
+          // Three components err by half of √½/16383 = 2.2e-5 each; the one left out, at least ½,
+          // by at most their sum over its own size; matrix elements by at most 4 times the
+          // quaternion's error.
           const half = Math.SQRT1_2 / 16_383 / 2;
           const quaternionError = Math.hypot(half, half, half, 3 * half * Math.SQRT2);
           expect(rotationError(unpacked.rotation, splat.rotation!)).toBeLessThan(4 * quaternionError);
@@ -139,7 +140,7 @@ describe('packed geometry', () => {
 
   test('packed: log scales are as exact as the range of their chunk, whatever others hold', () => {
     const set = randomSplats({ count: 1500, shDegree: 0 });
-    // Chunk after chunk in steps that are half as large, and the last with a splat as large as any can be, and as small.
+    // Each chunk's steps are half the last's; the last has the largest and smallest splat.
     for (const i of set.logScales.keys()) set.logScales[i] *= 2 ** -Math.floor(i / 768);
     set.logScales.set([-1e9, 1e9], set.logScales.length - 2);
     const { chunks } = packGeometry(set, 'packed');

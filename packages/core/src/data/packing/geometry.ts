@@ -9,7 +9,7 @@ import { largestComponent, normalizedRotation } from './rotation.ts';
 /** 32-bit words per splat, as in shaders/lib/packing.wgsl. */
 export const GEOMETRY_WORDS: Readonly<Record<GeometryPrecision, number>> = { f32: 16, packed: 8 };
 
-/** Geometry, base colour and opacity of N splats, GEOMETRY_WORDS words each, as the GPU reads them. */
+/** Geometry, base colour and opacity of N splats, GEOMETRY_WORDS words each, as on the GPU. */
 export interface PackedGeometry {
   readonly precision: GeometryPrecision;
   readonly words: Uint32Array;
@@ -22,8 +22,9 @@ export interface PackedGeometry {
  *
  * f32, 64 bytes: position, opacity | rotation w, x, y, z | scale, 0 | dc, 0.
  *
- * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the chunk's range |
- * rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit 15 of the first and second).
+ * packed, 32 bytes: position 3×f32 | dc 3×f16 | opacity unorm16 | log scale 3×unorm16 over the
+ * chunk's range | rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit
+ * 15 of the first and second).
  *
  * @param chunks default: those of `set`.
  */

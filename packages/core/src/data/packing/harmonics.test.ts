@@ -29,7 +29,7 @@ function bound(precision: OwnShPrecision, value: number, row: readonly number[])
   // Half a step of binary16: 2^-11 of the value, 2^-25 among the subnormals.
   if (precision === 'f16') return Math.max(Math.abs(value) * 2 ** -11, 2 ** -25);
   const largest = Math.max(...row.map(Math.abs));
-  // Half a step of the scale, which is the largest value rounded up to binary16: at most 2^-10 of it, or 2^-24, more.
+  // Half a step of the scale, the largest value rounded up to binary16 by at most 2^-10, or 2^-24.
   return (0.5 / 127) * (largest * (1 + 2 ** -10) + 2 ** -24) * (1 + 1e-12);
 }
 

@@ -4,9 +4,10 @@ import type { HarmonicsPalette } from './harmonics-palette.ts';
 import type { OwnShPrecision } from './precision.ts';
 
 /**
- * Spherical harmonics above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit words per splat, which
- * hold its 3K coefficients in ascending (degree, order), each as r, g, b. f32: a word each. f16: two to a word, low half
- * first. u8: the first half-word is the splat's scale in binary16, then a signed byte each, value = scale · byte / 127.
+ * Spherical harmonics above degree 0 of N splats, as the GPU reads them: `wordsPerSplat` 32-bit
+ * words per splat, which hold its 3K coefficients in ascending (degree, order), each as r, g, b.
+ * f32: a word each. f16: two to a word, low half first. u8: the first half-word is the splat's
+ * scale in binary16, then a signed byte each, value = scale · byte / 127.
  */
 export interface PackedHarmonics {
   readonly degree: ShDegree;
@@ -15,8 +16,9 @@ export interface PackedHarmonics {
   /** N · wordsPerSplat words. */
   readonly words: Uint32Array;
   /**
-   * `shBandReach` of the coefficients before they were rounded, so the same in every precision. Leave it out where that
-   * is not known, or where words were changed: it is then measured on the words.
+   * `shBandReach` of the coefficients before they were rounded, so the same in every precision.
+   * Leave it out where that is not known, or where words were changed: it is then measured on the
+   * words.
    */
   readonly bandReach?: readonly number[];
 }
@@ -26,7 +28,7 @@ export interface PackedPalette extends HarmonicsPalette {
   readonly precision: 'palette';
 }
 
-/** Spherical harmonics above degree 0 as a reader gives them: packed, or the file's own palette, which is smaller than that. */
+/** Harmonics above degree 0 from a reader: packed, or the file's own palette, which is smaller. */
 export type ReadHarmonics = PackedHarmonics | HarmonicsPalette;
 
 /** Spherical harmonics above degree 0 as a cloud stores them. */
@@ -62,14 +64,15 @@ export function shBytesPerSplat(degree: ShDegree, precision: OwnShPrecision): nu
 }
 
 /**
- * How entries of palettes are stored: as trained, so that a palette stands for every precision. 65,536 of them take 12 MB. Images of
- * random coefficients of ±0.3 came within 136 dB of float64, and within 92 dB with entries in float16.
+ * How entries of palettes are stored: as trained, so that a palette stands for every precision.
+ * 65,536 of them take 12 MB. Images of random coefficients of ±0.3 came within 136 dB of float64,
+ * and within 92 dB with entries in float16.
  */
 export const ENTRY_PRECISION = 'f32';
 
 /**
- * Returns a function that makes the words of a page of splats as the GPU reads them: all entries, then the entry of each splat from
- * `start` to `end`, two to a word.
+ * Returns a function that makes the words of a page of splats as the GPU reads them: all entries,
+ * then the entry of each splat from `start` to `end`, two to a word.
  */
 export function paletteWordsOf({ entries, indices }: PackedPalette) {
   return (start: number, end: number): Uint32Array => {
@@ -83,7 +86,7 @@ export function paletteWordsOf({ entries, indices }: PackedPalette) {
 const f32 = new Float32Array(1);
 const f32Bits = new Uint32Array(f32.buffer);
 
-/** Packs one splat's 3K finite `values` into `words` from `wordOffset` on. Out-of-range values are clamped. */
+/** Packs one splat's 3K finite `values` into `words` from `wordOffset` on, clamped to range. */
 export function packCoefficients(
   degree: ShDegree,
   precision: OwnShPrecision,
@@ -113,7 +116,7 @@ export function packCoefficients(
   if (count > 0) words[wordOffset] = scaleBits;
   if (scale === 0) return;
   for (let i = 0; i < count; i++) {
-    // Not Math.round and Math.min, of whose time this takes two thirds: reading a scene spends most of its time here.
+    // Two thirds of the time of Math.round and Math.min: reading a scene spends most of it here.
     let byte = Math.floor((values[i] / scale) * 127 + 0.5);
     if (byte < -127) byte = -127;
     else if (byte > 127) byte = 127;

@@ -11,7 +11,7 @@ export function clampLogScale(logScale: number): number {
   return Math.max(-LOG_SCALE_LIMIT, Math.min(LOG_SCALE_LIMIT, logScale));
 }
 
-/** The range from the smallest to the largest clamped log scale, in float32, each step rounded as in shaders/lib/pack-splat.wgsl. */
+/** Range of clamped log scales, float32, each step rounded as in shaders/lib/pack-splat.wgsl. */
 export function logScaleRange(smallest: number, largest: number): LogScaleRange {
   // Not −0, which the order of splats would decide about.
   const min = Math.fround(smallest) + 0;

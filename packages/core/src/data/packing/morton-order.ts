@@ -14,8 +14,8 @@ const COLUMN_BITS = 16;
 /** Rows of a step, which takes a millisecond or so. */
 const STEP_ROWS = 1 << 14;
 /**
- * From here on, three passes with digits of 16 bits take less time than six with digits of 8. Below, tables of 65,536 counts
- * take most of it: a millisecond for a cloud of any size.
+ * From here on, three passes with digits of 16 bits take less time than six with digits of 8.
+ * Below, tables of 65,536 counts take most of it: a millisecond for a cloud of any size.
  */
 const MANY_SPLATS = 32_768;
 
@@ -25,16 +25,18 @@ const SMALLEST_NORMAL = 2 ** -126;
 const LARGEST_POWER = 2 ** 127;
 
 /**
- * The grid of cells, 2¹⁶ along the longest axis, from which Morton codes are made. All numbers are float32, and so is every
- * step from a coordinate to its cell, each rounded to nearest: the GPU finds the same cells as the host to the bit.
+ * The grid of cells, 2¹⁶ along the longest axis, from which Morton codes are made. All numbers are
+ * float32, and so is every step from a coordinate to its cell, each rounded to nearest: the GPU
+ * finds the same cells as the host to the bit.
  *
  *     cell = min(65535, floor((p · scale − scaledMin) · cellsPerUnit)), where p is 0 if it is subnormal
  */
 export interface MortonFrame {
   /**
-   * By axis. A power of two that brings the longest extent to 1…2, or as near to that as float32 allows, so that all other
-   * numbers are within range for any cloud; 0 where all centres have one coordinate, which may be too large for that. The
-   * product with it is exact wherever it decides on the cell.
+   * By axis. A power of two that brings the longest extent to 1…2, or as near to that as float32
+   * allows, so that all other numbers are within range for any cloud; 0 where all centres have one
+   * coordinate, which may be too large for that. The product with it is exact wherever it decides
+   * on the cell.
    */
   readonly scale: Vec3;
   /** Least corner of the centres, times `scale`. */
@@ -47,7 +49,7 @@ export interface MortonFrame {
 export function mortonFrame(min: ArrayLike<number>, max: ArrayLike<number>): MortonFrame {
   const low = vec3((axis) => withoutSubnormals(min[axis]));
   const extents = vec3((axis) => withoutSubnormals(max[axis]) - low[axis]);
-  // One step for all axes: cells are cubes, so a flat scene does not waste its order on its thin side.
+  // One step for all axes: cells are cubes, so a flat scene wastes no order on its thin side.
   const extent = Math.max(...extents);
   // Of no splats, the least coordinate is above the largest.
   if (!(extent > 0)) return { scale: [0, 0, 0], scaledMin: [0, 0, 0], cellsPerUnit: 0 };
@@ -70,8 +72,9 @@ function withoutSubnormals(value: number): number {
 }
 
 /**
- * Storage order of splats: by the Morton code of their centres within the bounds; equal codes keep the given order.
- * Neighbours in space become neighbours in memory, so that a run of splats has small bounds.
+ * Storage order of splats: by the Morton code of their centres within the bounds; equal codes keep
+ * the given order. Neighbours in space become neighbours in memory, so that a run of splats has
+ * small bounds.
  *
  * @param positions 3N finite coordinates.
  * @returns N indices into the given order.
@@ -195,7 +198,7 @@ function encodeRows(
     const x = mortonCell(positions[3 * i], 0, frame);
     const y = mortonCell(positions[3 * i + 1], 1, frame);
     const z = mortonCell(positions[3 * i + 2], 2, frame);
-    // 16 bits of code take 5⅓ bits of each axis: interleave bit by bit through a table of spread bytes.
+    // 16 bits of code take 5⅓ bits of each axis, interleaved through a table of spread bytes.
     const lowBits = spread(x & 0xff) | (spread(y & 0xff) << 1) | (spread(z & 0xff) << 2);
     const highBits = spread(x >> 8) | (spread(y >> 8) << 1) | (spread(z >> 8) << 2);
     low[i] = lowBits & 0xffff;

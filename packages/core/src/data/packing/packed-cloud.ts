@@ -16,14 +16,14 @@ export interface Bounds {
   readonly max: Vec3;
 }
 
-/** Splats as they are uploaded: in storage order, packed, with the bounds of each chunk of CHUNK_SPLATS. */
+/** Splats as they are uploaded: in storage order, packed, with bounds of each CHUNK_SPLATS. */
 export interface PackedCloud {
   readonly count: number;
   /** Scene-space point that positions are relative to. */
   readonly origin: Vec3;
   /** Bounds of the centres, in scene space. */
   readonly bounds: Bounds;
-  /** Bounds of the centres without the outermost 2 % at either end of each axis: where the scene is. */
+  /** Bounds of the centres but the outermost 2 % at either end of each axis: where the scene is. */
   readonly robustBounds: Bounds;
   readonly geometry: PackedGeometry;
   /** Of degree `facts.trueShDegree`: bands above it cannot be seen and are left out. */
@@ -41,14 +41,16 @@ export interface PackedCloud {
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
   /**
-   * Default: the precision of the set's harmonics; f32 if they are as trained. Harmonics that are a palette stay one, whatever is
-   * wanted: nothing would be finer, and little smaller. Others become none: they are packed as u8 then.
+   * Default: the precision of the set's harmonics; f32 if they are as trained. Harmonics that are a
+   * palette stay one, even if another precision is wanted: nothing would be finer, and little
+   * smaller. Others become none: they are packed as u8 then.
    */
   readonly shPrecision?: ShPrecision;
 }
 
 /**
- * Arranges `set`, which may have any order, in storage order and packs it. Takes about a second per two million splats.
+ * Arranges `set`, which may have any order, in storage order and packs it. Takes about a second per
+ * two million splats.
  *
  * @throws InvalidArgumentError for a precision that there is not.
  */
@@ -80,8 +82,8 @@ function precisionOf(harmonics: Harmonics): ShPrecision {
 }
 
 /**
- * Leaves out bands that cannot be seen before it packs the others, so that these get the whole range of a byte and no
- * work is wasted.
+ * Leaves out bands that cannot be seen before it packs the others, so that these get the whole
+ * range of a byte and no work is wasted.
  */
 function packedHarmonics(
   { harmonics, count }: SplatSet<Harmonics>,
@@ -115,9 +117,9 @@ export function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   return { min, max };
 }
 
-/** Captures scatter a few splats far around the scene: this fraction at either end counts as scattered. */
+/** Captures scatter a few splats far around the scene: this fraction at either end. */
 const OUTER_PART = 0.02;
-/** Number of splats sampled for quantiles, evenly spread over the storage order and so over space. */
+/** Splats sampled for quantiles, evenly spread over the storage order and so over space. */
 const SAMPLES = 1 << 16;
 
 /** Indices of the splats, in storage order, that robust bounds are taken from. */
@@ -126,7 +128,7 @@ export function boundsSamples(count: number): Uint32Array {
   return Uint32Array.from({ length: Math.ceil(count / step) }, (_, i) => i * step);
 }
 
-/** Bounds of most of the sampled centres, in scene space. @param axes the samples' x, y and z about `origin`. */
+/** Bounds of most sampled centres, scene space. @param axes their x, y and z about `origin`. */
 export function robustBounds(axes: readonly Float32Array[], origin: Vec3): Bounds {
   const [x, y, z] = axes.map((samples, axis) => {
     const values = samples.slice();

@@ -6,19 +6,20 @@ export const GEOMETRY_PRECISIONS = ['f32', 'packed'] as const;
 /** From the finest on. */
 export const SH_PRECISIONS = ['f32', 'f16', 'u8', 'palette'] as const;
 
-/** How centres, rotations, scales, base colours and opacities are stored: 64 or 32 bytes per splat. */
+/** Storage of centres, rotations, scales, base colours, opacities: 64 or 32 bytes per splat. */
 export type GeometryPrecision = (typeof GEOMETRY_PRECISIONS)[number];
 
 /**
- * How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the splat's own, and `palette` the number
- * of an entry that splats share, where the file has such a palette: others have `u8` then.
+ * How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the
+ * splat's own, and `palette` the number of an entry that splats share, where the file has such a
+ * palette: others have `u8` then.
  */
 export type ShPrecision = (typeof SH_PRECISIONS)[number];
 
 /** Precisions in which each splat has coefficients of its own. */
 export type OwnShPrecision = Exclude<ShPrecision, 'palette'>;
 
-/** What splats have where a palette is wanted and the file has none: the next finer. */
+/** The precision of splats where a palette is wanted and the file has none: the next finer. */
 export function ownShPrecision(wanted: ShPrecision): OwnShPrecision {
   return wanted === 'palette' ? 'u8' : wanted;
 }

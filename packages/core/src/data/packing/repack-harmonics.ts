@@ -13,8 +13,9 @@ import type { HarmonicsPalette } from './harmonics-palette.ts';
 import type { OwnShPrecision } from './precision.ts';
 
 /**
- * `harmonics` as f32 words, clamped to ± COEFFICIENT_MAX. They are the memory of the coefficients themselves unless one
- * has to be clamped: harmonics are most of a scene's bytes, and a copy would double them while a set is packed.
+ * `harmonics` as f32 words, clamped to ± COEFFICIENT_MAX. They are the memory of the coefficients
+ * themselves unless one has to be clamped: harmonics are most of a scene's bytes, and a copy would
+ * double them while a set is packed.
  */
 export function packHarmonics({ degree, coefficients }: TrainedHarmonics): PackedHarmonics {
   const wordsPerSplat = shWordsPerSplat(degree, 'f32');
@@ -42,8 +43,8 @@ export function repackHarmonics(
 }
 
 /**
- * Bands 1 to `degree` alone, as they are stored; the very same object if there are no others. Bytes keep the scale that
- * they were stored with.
+ * Bands 1 to `degree` alone, as they are stored; the very same object if there are no others. Bytes
+ * keep the scale that they were stored with.
  */
 export function truncateHarmonics(
   harmonics: PackedHarmonics,

@@ -2,8 +2,8 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import type { FileFacts, ShDegree } from '../splats/splat-set.ts';
 
 /**
- * Harmonics that the splats of a file share. Their values are handed on before the rows, which have the index of an entry as a
- * float32 in the place of their first coefficient, and no others.
+ * Harmonics that the splats of a file share. Their values are handed on before the rows, which have
+ * the index of an entry as a float32 in the place of their first coefficient, and no others.
  */
 export interface RowPalette {
   readonly entryCount: number;

@@ -9,7 +9,7 @@ export interface RowTree {
   readonly axes: Int8Array;
   /** Rows whose value is below it belong to the first child. */
   readonly thresholds: Float64Array;
-  /** By node: its first child, which the second follows; of leaves, their number from left to right. */
+  /** By node: its first child, which the second follows; of leaves, their number from the left. */
   readonly children: Int32Array;
   readonly leafCount: number;
   /** By leaf: its first row; then the number of rows. */
@@ -19,10 +19,11 @@ export interface RowTree {
 }
 
 /**
- * Divides rows into at most `mostLeaves` groups of similar rows: again and again the group with the largest sum of squared distances
- * from its mean is cut at the mean of the value that varies most (Su and Dy's Var-Part, which gives k-means a start that is better
- * than random rows, and always the same). Rows are put into the order of their leaves, and `ids` with them. Rows that are alike stay
- * together, so there may be fewer leaves.
+ * Divides rows into at most `mostLeaves` groups of similar rows: again and again the group with the
+ * largest sum of squared distances from its mean is cut at the mean of the value that varies most
+ * (Su and Dy's Var-Part, which gives k-means a start that is better than random rows, and always
+ * the same). Rows are put into the order of their leaves, and `ids` with them. Rows that are alike
+ * stay together, so there may be fewer leaves.
  *
  * @param rows of `length` values each.
  */

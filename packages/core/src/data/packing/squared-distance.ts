@@ -1,6 +1,6 @@
 /**
- * Squared distance of two vectors of `length` values, a multiple of three, in `a` from `i` and in `b` from `j` on; or some number that
- * is not below `bound`, if the distance is not.
+ * Squared distance of two vectors of `length` values, a multiple of three, in `a` from `i` and in
+ * `b` from `j` on; or some number that is not below `bound`, if the distance is not.
  */
 export function squaredDistance(
   a: Float32Array,

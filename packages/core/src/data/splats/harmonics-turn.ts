@@ -1,7 +1,10 @@
 import { shRestBasis } from './spherical-harmonics.ts';
 import type { ShDegree } from './splat-set.ts';
 
-/** Gauss–Legendre nodes and weights of four points on −1…1: with eight turns, exact for products of two functions of degree 3. */
+/**
+ * Gauss–Legendre nodes and weights of four points on −1…1: with eight turns, exact for products of
+ * two functions of degree 3.
+ */
 const NODES: readonly (readonly [z: number, weight: number])[] = [-1, 1].flatMap((sign) => {
   const root = (2 / 7) * Math.sqrt(6 / 5);
   return [
@@ -12,8 +15,9 @@ const NODES: readonly (readonly [z: number, weight: number])[] = [-1, 1].flatMap
 const TURNS = 8;
 
 /**
- * Turns the colours of splats along with the splats: harmonics are functions of a direction, and a function of one degree that is
- * turned is one of the same degree. Mirrors are as exact as rotations.
+ * Turns the colours of splats along with the splats: harmonics are functions of a direction, and a
+ * function of one degree that is turned is one of the same degree. Mirrors are as exact as
+ * rotations.
  */
 export class HarmonicsTurn {
   /** For each degree from 1 on, a matrix of 2l + 1 rows. */
@@ -69,7 +73,7 @@ export class HarmonicsTurn {
   }
 }
 
-/** Adds to each degree's matrix the products of its functions after and before the turn, one point of ∫ Yₘ(d) Yₙ(turn⁻¹ d). */
+/** Adds to each degree's matrix one point of ∫ Yₘ(d) Yₙ(turn⁻¹ d). */
 function addProducts(
   matrices: readonly Float64Array[],
   after: readonly number[],

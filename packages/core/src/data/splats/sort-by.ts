@@ -4,9 +4,9 @@ import type { FileFacts } from './splat-set.ts';
 export const SORTED_BY = ['auto', 'depth', 'distance'] as const;
 
 /**
- * What the splats of a frame are sorted by, farthest first: their depths along the camera's axis, as in most training, or their
- * distances from the camera; `auto`: distances where a file asks for them (`FileFacts.isSortedByDistance`), depths otherwise.
- * Without perspective both orders are one.
+ * Sort key of a frame's splats, farthest first: their depths along the camera's axis, as in most
+ * training, or their distances from the camera; `auto`: distances where a file asks for them
+ * (`FileFacts.isSortedByDistance`), depths otherwise. Without perspective both orders are one.
  */
 export type SortBy = (typeof SORTED_BY)[number];
 

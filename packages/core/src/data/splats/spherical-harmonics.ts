@@ -8,7 +8,7 @@ const C3_XYZ = Math.sqrt(105 / (4 * Math.PI));
 const C3_XZZ = Math.sqrt(21 / (32 * Math.PI));
 const C3_ZZZ = Math.sqrt(7 / (16 * Math.PI));
 
-/** Real spherical harmonics of degrees 1 to `degree` at the unit vector x, y, z, with the signs that scenes are trained with. */
+/** Real spherical harmonics of degrees 1 to `degree` at the unit vector x, y, z, as trained. */
 export function shRestBasis(degree: ShDegree, x: number, y: number, z: number): number[] {
   const basis: number[] = [];
   if (degree >= 1) basis.push(-C1 * y, C1 * z, -C1 * x);

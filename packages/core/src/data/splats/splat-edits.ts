@@ -11,12 +11,12 @@ export interface RowRange {
   readonly count: number;
 }
 
-/** Rows of splats: successive ones, a list of them, or those that are selected at the time of the call. */
+/** Rows of splats: successive ones, a list, or those selected at the time of the call. */
 export type EditedRows = RowRange | ArrayLike<number> | SplatSelection;
 
 /**
- * New values of splats. Each array has values for every row, in the order of the rows, or for one splat, and then all rows get
- * those. What is left out stays as it is.
+ * New values of splats. Each array has values for every row, in the order of the rows, or for one
+ * splat, and then all rows get those. Missing ones stay as they are.
  */
 export interface EditedValues {
   /** Centres x, y, z in the cloud's own space. */
@@ -27,13 +27,13 @@ export interface EditedValues {
   readonly rotations?: ArrayLike<number>;
   /** Opacities at the splats' centres, 0…1. */
   readonly opacities?: ArrayLike<number>;
-  /** Base colours r, g, b, sRGB-encoded, where 0 is black and 1 is white. Harmonics above the base stay. */
+  /** Base colours r, g, b, sRGB-encoded, 0 black and 1 white. Harmonics above the base stay. */
   readonly colors?: ArrayLike<number>;
-  /** Whether the splats are drawn. Those that are hidden keep their opacity for when they are shown again. */
+  /** Whether the splats are drawn. Hidden ones keep their opacity for later. */
   readonly visible?: boolean;
 }
 
-/** Columns of edited values, as splats are trained: log scales, quaternions w, x, y, z, coefficients of degree 0. */
+/** Columns of edits, as trained: log scales, quaternions w, x, y, z, coefficients of degree 0. */
 type Column = Exclude<keyof EditedValues, 'visible'>;
 
 /** @internal What of a row has been edited: bits of its mask. */
@@ -55,7 +55,7 @@ const WIDTHS: Readonly<Record<Column, number>> = {
 };
 const COLUMNS = Object.keys(WIDTHS) as readonly Column[];
 
-/** What each column takes, in words for messages. */
+/** Values that each column takes, in words for messages. */
 const DOMAINS: Readonly<Record<Column, { readonly what: string; readonly has: (value: number) => boolean }>> =
   {
     positions: { what: 'finite numbers that float32 holds', has: isF32 },
@@ -73,7 +73,10 @@ const BLOCK_BITS = 10;
 /** Rows that lie in memory together, once one of them is edited. */
 const BLOCK_ROWS = 1 << BLOCK_BITS;
 
-/** @internal Edits of successive rows: what has been edited of each, and columns of values, null before the first. */
+/**
+ * @internal Edits of successive rows: which columns of each are edited, and columns of values, null
+ *   before the first edit.
+ */
 export class EditedBlock {
   /** Bits of `EDITED`. */
   readonly masks = new Uint8Array(BLOCK_ROWS);
@@ -128,7 +131,7 @@ export interface EditsFollower {
   rowsChanged(rows: RowRange | Uint32Array, changed: number): void;
 }
 
-/** @throws InvalidArgumentError naming the argument, unless `values` are an array. `advice` follows what is wrong. */
+/** @throws InvalidArgumentError naming `name`, unless `values` are an array. `advice` follows. */
 export function checkArray(name: string, values: unknown, advice = ''): asserts values is ArrayLike<number> {
   const isArray = Array.isArray(values) || (ArrayBuffer.isView(values) && !(values instanceof DataView));
   if (isArray) return;
@@ -170,10 +173,11 @@ export function checkColumn(name: string, column: Column, values: ArrayLike<numb
 }
 
 /**
- * Edits of splats by their rows: new positions, sizes, rotations, opacities and base colours, and which rows are hidden. The
- * rows are those of the file or arrays that the splats are from. Edits are kept apart from the splats, 4 bytes for each value and 8
- * for those of positions, so they outlive clouds, engines and devices: clouds that follow them (`followEdits`) are drawn as edited from their next
- * frame on, and those that are uploaded later, too.
+ * Edits of splats by their rows: new positions, sizes, rotations, opacities and base colours, and
+ * which rows are hidden. The rows are those of the file or arrays that the splats are from. Edits
+ * are kept apart from the splats, 4 bytes for each value and 8 for those of positions, so they
+ * outlive clouds, engines and devices: clouds that follow them (`followEdits`) are drawn as edited
+ * from their next frame on, and those that are uploaded later, too.
  */
 export class SplatEdits {
   /** Rows that may be edited: those from 0 to below this. */
@@ -183,7 +187,10 @@ export class SplatEdits {
   #version = 0;
   #hasUnevenScales = false;
 
-  /** @param rowCount number of rows; edits of rows beyond it are refused. Default any: clouds ignore rows that they lack. */
+  /**
+   * @param rowCount number of rows; edits of rows beyond it are refused. Default any: clouds ignore
+   *   rows that they lack.
+   */
   constructor(rowCount = 2 ** 31) {
     this.rowCount = rowCount;
   }
@@ -199,9 +206,11 @@ export class SplatEdits {
   }
 
   /**
-   * Gives rows new values. The clouds that follow upload what has changed, and nothing else, before their next frame.
+   * Gives rows new values. The clouds that follow upload the changed splats, and no others, before
+   * their next frame.
    *
-   * @throws InvalidArgumentError naming the row or the array, its index and the value; nothing changes then.
+   * @throws InvalidArgumentError naming the row or the array, its index and the value; nothing
+   *   changes then.
    */
   set(rows: EditedRows, values: EditedValues): void {
     const edited = this.#rowsOf(rows);
@@ -240,7 +249,7 @@ export class SplatEdits {
     if (count > 0) this.#announce(cleared, all);
   }
 
-  /** @internal The block that a row is in, where it has `placeInBlock(row)`. Undefined if none of its rows was edited. */
+  /** @internal The block of a row, at `placeInBlock(row)`; undefined if unedited. */
   blockOf(row: number): EditedBlock | undefined {
     return this.#blocks[row >>> BLOCK_BITS];
   }
@@ -250,14 +259,14 @@ export class SplatEdits {
     return this.blockOf(row)?.masks[placeInBlock(row)] ?? 0;
   }
 
-  /** The edited values of a row in one column, as splats are trained; `maskOf(row)` must have the bit of `column`. */
+  /** A row's edited values in a column, as trained. `maskOf(row)` must have the bit of `column`. */
   valuesOf(row: number, column: Column): Float64Array | Float32Array {
     const width = WIDTHS[column];
     const at = width * placeInBlock(row);
     return this.blockOf(row)![column]!.subarray(at, at + width);
   }
 
-  /** Tells `follower` of each change from now on, until the returned function is called. */
+  /** Tells `follower` of each change from now on, until the result is called. */
   follow(follower: EditsFollower): () => void {
     this.#followers.add(follower);
     return () => this.#followers.delete(follower);

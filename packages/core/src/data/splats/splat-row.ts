@@ -16,7 +16,7 @@ export const ROW_SLOT = {
   harmonics: 14,
 } as const;
 
-/** Why a splat with these values cannot be drawn; undefined if it can. Logits of ±Infinity are opacities of 0 and 1. */
+/** Why these values cannot be drawn; undefined if they can. Logits of ±∞ mean opacity 0 or 1. */
 export function reasonToDrop(row: Float64Array): DropReason | undefined {
   if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
   if (!isFiniteFloat32(row, ROW_SLOT.logScale, 3)) return 'non-finite-scale';

@@ -6,8 +6,9 @@ const LAST_ROW = 2 ** 31 - 1;
 let versionsGiven = 0;
 
 /**
- * A set of selected splats, one bit per row of their file. The same selection serves every cloud of that file and
- * outlives them; a cloud ignores rows that it does not have. It takes GPU memory only while it is drawn.
+ * A set of selected splats, one bit per row of their file. The same selection serves every cloud of
+ * that file and outlives them; a cloud ignores rows that it does not have. It takes GPU memory only
+ * while it is drawn.
  */
 export class SplatSelection {
   /** Bit `row % 32` of word `row / 32`; rows beyond the words are not selected. */
@@ -29,19 +30,19 @@ export class SplatSelection {
     return ((this.#words[Math.floor(row / 32)] >>> (row % 32)) & 1) === 1;
   }
 
-  /** @throws InvalidArgumentError for anything that is not a row; the selection is then unchanged. */
+  /** @throws InvalidArgumentError for anything that is not a row; nothing changes then. */
   add(rows: Iterable<number>): void {
     this.#set(rows, true);
   }
 
-  /** @throws InvalidArgumentError for anything that is not a row; the selection is then unchanged. */
+  /** @throws InvalidArgumentError for anything that is not a row; nothing changes then. */
   delete(rows: Iterable<number>): void {
     this.#set(rows, false);
   }
 
   /**
-   * Selects exactly the rows whose bits are set: bit `row % 32` of word `row / 32`; rows beyond the words are not selected. For
-   * millions of rows, much faster than one by one.
+   * Selects exactly the rows whose bits are set: bit `row % 32` of word `row / 32`; rows beyond the
+   * words are not selected. For millions of rows, much faster than one by one.
    */
   setWords(words: Uint32Array): void {
     this.#words = words.slice();
@@ -69,7 +70,7 @@ export class SplatSelection {
   /** @internal One bit per entry of `rows`, lowest bit first: whether that row is selected. */
   bitsOf(rows: Uint32Array): Uint32Array<ArrayBuffer> {
     const bits = new Uint32Array(Math.ceil(rows.length / 32));
-    // Looking beyond the end of an array takes five times as long: zeros stand for the rows that the words do not reach.
+    // Reads beyond an array's end take five times as long: zeros stand for rows beyond the words.
     const words = new Uint32Array(Math.max(this.#words.length, bits.length));
     words.set(this.#words);
     // A word at a time: millions of rows are looked up between two frames.

@@ -12,7 +12,7 @@ export function coefficientsPerSplat(degree: ShDegree): number {
 /** Spherical harmonics above degree 0 of N splats, as trained. */
 export interface TrainedHarmonics {
   readonly degree: ShDegree;
-  /** N · 3K: each splat's coefficients in ascending (degree, order), each as r, g, b. K = SH_REST_COEFFICIENTS[degree]. */
+  /** N · 3K in ascending (degree, order), each as r, g, b. K = SH_REST_COEFFICIENTS[degree]. */
   readonly coefficients: Float32Array;
 }
 
@@ -31,28 +31,32 @@ export type DropReason = (typeof DROP_REASONS)[number];
 /** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
 
-/** What a file says of itself. */
+/** Facts that a file states about itself. */
 export interface FileFacts {
   /** Name of the format, e.g. `spz`. */
   readonly format: string;
-  /** Version or kind within the format, e.g. `3` or `binary_little_endian`; absent where there is only one. */
+  /**
+   * Version or kind within the format, e.g. `3` or `binary_little_endian`; absent where there is
+   * only one.
+   */
   readonly variant?: string;
   /** Program that wrote the file, if the file says so. */
   readonly writer?: string;
-  /** True where the file asks for splats to be sorted by their distances from the camera instead of their depths. */
+  /** True where the file asks for splats to be sorted by distances instead of depths. */
   readonly isSortedByDistance?: boolean;
-  /** What is shown otherwise than the file has it, a sentence each; absent if nothing is. */
+  /** Differences between file and picture, a sentence each; absent if there are none. */
   readonly notes?: readonly string[];
 }
 
 /**
- * Splats on the CPU without their harmonics: a column per property, N = `count` rows, in any order. Values are as
- * trained (log scales, logit opacity): readers change nothing, and only drop and count rows that are not finite.
+ * Splats on the CPU without their harmonics: a column per property, N = `count` rows, in any order.
+ * Values are as trained (log scales, logit opacity): readers change nothing, and only drop and
+ * count rows that are not finite.
  */
 export interface SplatColumns {
   /** Number of splats, N. */
   readonly count: number;
-  /** Scene-space point that positions are relative to, in float64: large coordinates keep their precision. */
+  /** Scene-space origin of positions, in float64: large coordinates keep their precision. */
   readonly origin: readonly [number, number, number];
   /** 3N: x, y, z relative to `origin`. */
   readonly positions: Float32Array;
@@ -64,19 +68,20 @@ export interface SplatColumns {
   readonly opacityLogits: Float32Array;
   /** 3N: spherical-harmonics coefficient of degree 0 for r, g, b. */
   readonly colorDc: Float32Array;
-  /** N: each splat's row in its file, 0-based; what picking returns. */
+  /** N: each splat's row in its file, 0-based; picking returns it. */
   readonly fileIndices: Uint32Array;
   /** Rows of the file that were dropped, by reason. */
   readonly dropped: DropCounts;
-  /** Whether the splats were trained with an antialias filter; absent where the format does not say. */
+  /** Whether splats were trained with an antialias filter; absent if the format does not say. */
   readonly isAntialiased?: boolean;
   /** Absent where the splats are of no file. */
   readonly fileFacts?: FileFacts;
 }
 
 /**
- * Splats on the CPU. Harmonics are as trained, like all else, unless the type says otherwise: readers return
- * `SplatSet<PackedHarmonics>`, since harmonics are most of a scene's bytes and are packed as they are read.
+ * Splats on the CPU. Harmonics are as trained, like all else, unless the type says otherwise:
+ * readers return `SplatSet<PackedHarmonics>`, since harmonics are most of a scene's bytes and are
+ * packed as they are read.
  */
 export interface SplatSet<Harmonics extends { readonly degree: ShDegree } = TrainedHarmonics>
   extends SplatColumns {
@@ -84,7 +89,7 @@ export interface SplatSet<Harmonics extends { readonly degree: ShDegree } = Trai
   readonly harmonics: Harmonics;
 }
 
-/** What all parts of a scene say of an antialias filter; undefined where they differ, or say nothing. */
+/** The antialias filter that all parts of a scene name; undefined if they differ or name none. */
 export function agreedAntialiasing(
   parts: readonly { readonly isAntialiased?: boolean }[],
 ): boolean | undefined {
