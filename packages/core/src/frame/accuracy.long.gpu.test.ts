@@ -12,7 +12,7 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { visibleSplatOf } from '../testing/visible-splat.ts';
 import type { SplatView } from '../views/splat-view.ts';
 
-/** Images with each setting, against float64 with the same settings. The stages have tests of their own. */
+/** Images with each setting, against float64 with equal settings. Stages have their own tests. */
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const CAMERAS = testCameras(1);
@@ -74,7 +74,7 @@ describe('accuracy settings', () => {
         for (const set of [SCENE, large]) {
           const plain = await drawWith({}, set, camera);
           const other = await drawWith(settings, set, camera);
-          // Other corners, other roundings of the same interpolated numbers; a pixel at the cutoff may fall either way.
+          // Other corners round otherwise; pixels at the cutoff fall either way.
           const { psnrDb, p999Error } = compareImages(other, plain, SIZE);
           expect(psnrDb).toBeGreaterThan(70);
           expect(p999Error).toBeLessThan(1e-3);
@@ -91,7 +91,7 @@ describe('accuracy settings', () => {
     const exact = await drawWith({}, set, camera);
     for (const sortKeyBits of [24, 16] as const) {
       const data = await drawWith({ sortKeyBits }, set, camera);
-      // Splats change places if their float32 depths fall on the other side of a step, which the reference does not model.
+      // Splats swap if their float32 depths cross a step, which the reference does not model.
       expect(psnrAgainstReference(data, { sortKeyBits }, set, camera), `${sortKeyBits} bits`).toBeGreaterThan(
         55,
       );
@@ -134,7 +134,7 @@ describe('accuracy settings', () => {
   gpuTest('an 8-bit target: every value a step of it', async () => {
     const data = await drawWith({ colorTarget: 'rgba8unorm' });
     expect(data.every((value) => Math.abs(255 * value - Math.round(255 * value)) < 1e-4)).toBe(true);
-    // Each layer rounds by half a step, partly covered by later layers; a single rounding is 58.9 dB.
+    // Each layer rounds by half a step, partly covered by later ones; a single rounding is 58.9 dB.
     expect(psnrAgainstReference(data, {})).toBeGreaterThan(44);
   });
 

@@ -4,17 +4,18 @@ import { maxScaleOf } from '../data/packing/chunks.ts';
 
 /** Chunks per group. Chunks lie in Morton order, so that the chunks of a group are neighbours. */
 const GROUP_CHUNKS = 16;
-/** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep every chunk that the GPU keeps. */
+/** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep all that it keeps. */
 const SLACK = 1e-4;
 
 const { minPosition: MIN, minLogScale: SCALE, maxPosition: MAX, count: WORDS } = CHUNK_WORDS;
 
-/** Bounds of the groups of chunks, as `Chunk` structs but with their largest scales at SCALE, by the chunks' buffer. */
+/** Bounds of groups as `Chunk` structs, with largest scales at SCALE, by the chunks' buffer. */
 const known = new WeakMap<ArrayBuffer, Float32Array>();
 
 /**
- * Returns the number of chunks that may reach into a frustum: all that the GPU finds there, and a few at its sides. Most groups
- * are wholly inside or outside, which spares their chunks the test: six million splats take a quarter of the time.
+ * Returns the number of chunks that may reach into a frustum: all that the GPU finds there, and a
+ * few at its sides. Most groups are wholly inside or outside, which spares their chunks the test:
+ * six million splats take a quarter of the time.
  *
  * @param buffer one `Chunk` struct per chunk; must not change.
  */
@@ -53,8 +54,9 @@ function boundGroups(chunks: Float32Array): Float32Array {
 }
 
 /**
- * Tests bounds against all sides; null if they are inside in part. What is inside or outside is so with all that it contains: the
- * nearest corner of a part is no nearer to a side than that of the whole, and its slack is no larger.
+ * Tests bounds against all sides; null if they are inside in part. A bound's parts are all inside
+ * or outside with it: the nearest corner of a part is no nearer to a side than that of the whole,
+ * and its slack is no larger.
  */
 function isInside(
   sides: readonly FrustumSide[],

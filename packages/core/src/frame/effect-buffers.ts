@@ -6,7 +6,7 @@ import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 import { SelectionBits } from './selection-bits.ts';
 
-/** Parameters and selections of the effects of a frame's clouds; holds nothing if no effect takes any. */
+/** Parameters and selections of the effects of a frame's clouds; empty if no effect takes any. */
 export class EffectBuffers {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;

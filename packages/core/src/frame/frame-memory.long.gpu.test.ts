@@ -13,8 +13,9 @@ import { ROOM_PERIOD_MS } from './recent-peak.ts';
 
 const SIZE = { widthPx: 32, heightPx: 32 };
 /**
- * More splats than there is always room for; small ones, so that most chunks are clearly in or out. All but one in 26 are too
- * faint to be drawn, for which there is room all the same: drawn on the CPU, frames of all would take seconds.
+ * More splats than there is always room for; small ones, so that most chunks are clearly in or out.
+ * All but one in 26 are too faint to be drawn, for which there is room all the same: drawn on the
+ * CPU, frames of all would take seconds.
  */
 const MANY = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7], opacityLogits: [-400, 10] });
 const OVERVIEW = cameraAt([0, 0, 5]);
@@ -74,7 +75,7 @@ describe('room for visible splats', () => {
     const overview = { ...detail, camera: OVERVIEW };
     const detailImage = await draw(view, detail);
     const { totalBytes: detailBytes, scene, frames } = engine.memory();
-    // What grows with the loaded splats is a few words per chunk, besides the layer and a ring of statistics.
+    // Loaded splats add a few words per chunk; the layer and a ring of statistics come besides.
     const visibleBytes = 56 * (view.shape?.visibleCapacity ?? 0);
     expect(frames.totalBytes - visibleBytes).toBeLessThan(100_000);
     expect(frames.totalBytes).toBeLessThan(0.4 * scene.totalBytes);

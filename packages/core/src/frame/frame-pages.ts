@@ -28,7 +28,7 @@ export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] =
   );
 });
 
-/** Largest number of workgroups that the visible splats of a page can take, at one thread per splat. */
+/** Most workgroups that the visible splats of a page can take, at one thread per splat. */
 export function projectWorkgroups(chunkCount: number): number {
   return Math.ceil((chunkCount * CHUNK_SPLATS) / SHADER_CONSTANTS.PROJECT_WORKGROUP);
 }
@@ -38,7 +38,7 @@ export function totalChunks(pages: readonly FramePage[]): number {
   return pages.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
 }
 
-/** Finds the cloud of splat `number`, which counts through all chunks of the frame, and its place in storage order there. */
+/** Finds the cloud of splat `number`, counted through the frame's chunks, and its storage index. */
 export function locateSplat(
   pages: readonly FramePage[],
   number: number,

@@ -13,7 +13,7 @@ export interface SharedBuffers {
   readonly records: GPUBuffer;
   /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
-  /** Keys of the visible splats until they are sorted; then a word per visible splat for any use. */
+  /** Keys of the visible splats until they are sorted; then a word per splat for any use. */
   readonly keys: GPUBuffer;
   /** The visible splats back to front, after the sort. */
   readonly order: GPUBuffer;
@@ -49,7 +49,7 @@ export interface LayerTextures {
   readonly depthLayer: GPUTexture | null;
 }
 
-/** GPU memory that parts share. Each part publishes its own when it makes them, and reads other parts' in `bind` and `record`. */
+/** GPU memory that parts share: each publishes its own and reads others' in `bind` and `record`. */
 export class SharedMemory {
   /** A new object whenever one of them is replaced. */
   buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
@@ -77,7 +77,7 @@ export interface PartContext {
 
 /** A change of a part's buffers and textures that the device's limits allow. */
 export interface PartChange {
-  /** Frees what the change replaces. All parts free before any makes: old and new are never held together. */
+  /** Frees the replaced memory. All parts free before any makes: old and new never coexist. */
   free(): void;
   /** Makes what takes its place. Fails only for lack of memory, and ends all parts then. */
   make(): void;
@@ -109,7 +109,7 @@ export interface Recording {
 }
 
 export interface OrderRecording extends Recording {
-  /** Whether only colours have changed since the last frame, so that the visible splats and their order stay. */
+  /** Whether only colours have changed since the last frame: visible splats and order stay. */
   readonly isColorsOnly: boolean;
 }
 
@@ -128,12 +128,13 @@ export interface DrawRecording extends Recording {
 }
 
 /**
- * A group of a frame's stages with the GPU memory that they need. A part that a shape does not use runs no stages and holds
- * nothing. Only frame.ts orders parts.
+ * A group of a frame's stages with the GPU memory that they need. A part that a shape does not use
+ * runs no stages and holds nothing. Only frame.ts orders parts.
  */
 export interface FramePart<R extends Recording = Recording> {
   /**
-   * Returns the change that gives the part the memory that `plan` needs; null if it has that memory already.
+   * Returns the change that gives the part the memory that `plan` needs; null if it has that memory
+   * already.
    *
    * @throws GpuLimitError if a buffer would exceed the device's limits.
    */

@@ -5,8 +5,9 @@ import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import type { FrameShape } from './frame-shape.ts';
 
 /**
- * Everything that follows from a frame request, worked out once per frame and never changed. The data written to the GPU,
- * the shaders that run, and the comparison with the last frame are all based on it.
+ * Everything that follows from a frame request, worked out once per frame and never changed. The
+ * data written to the GPU, the shaders that run, and the comparison with the last frame are all
+ * based on it.
  */
 export interface FramePlan {
   /** The caller's request, with copies of its lists. */
@@ -23,11 +24,11 @@ export interface FramePlan {
   readonly needs: FrameNeeds;
   /** Whether the last frame shows the same, so that there is nothing to draw. */
   readonly stands: boolean;
-  /** Whether the buffers of the last frame hold the visible splats of this one, in the same order. */
+  /** Whether the buffers of the last frame hold this one's visible splats, in the same order. */
   readonly keepsOrder: boolean;
 }
 
-/** What a frame needs, that changes as the camera moves; buffers and shaders are made for a little more. */
+/** Needs of a frame, which change as the camera moves; buffers and shaders are made for more. */
 export interface FrameNeeds {
   /** Never less than the number of visible splats. */
   readonly visibleSplats: number;

@@ -17,13 +17,13 @@ import { isSameColors, isSameOrder } from './plan-difference.ts';
 import { RecentNeeds } from './recent-needs.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
-/** What plans of a view depend on that stays the same. */
+/** Constants of a view that its plans depend on. */
 export type PlannerContext = Pick<
   FrameShape,
   'dispatchRow' | 'workgroupBytes' | 'hasNarrowSubgroups' | 'ballots'
 >;
 
-/** What is decided for a frame besides its request. */
+/** Decisions about a frame besides its request. */
 export interface FrameSettings {
   /** Equal settings are the same object. */
   readonly accuracy: AccuracySettings;
@@ -34,7 +34,7 @@ export interface FrameSettings {
   readonly sizes?: Pick<FrameShape, 'visibleCapacity' | 'keyBits' | 'shortensKeys'>;
 }
 
-/** Plans the frames of one view, each once: by its request, its settings and the frames before it. */
+/** Plans the frames of one view, each once: by its request, settings and earlier frames. */
 export class FramePlanner {
   /** Whether round splats may have shaders of their own; false to measure without them. */
   mayBeIsotropic = true;
@@ -45,7 +45,8 @@ export class FramePlanner {
   #needs = new RecentNeeds();
 
   /**
-   * @param isReady whether a shape has its shaders: while the rasteriser for `auto` lacks some, that of the last frame goes on.
+   * @param isReady whether a shape has its shaders: while that of `auto` lacks some, the last
+   *   frame's rasteriser goes on.
    */
   constructor(context: PlannerContext, output: FrameOutput, isReady: (shape: FrameShape) => boolean) {
     this.#context = context;
@@ -59,10 +60,11 @@ export class FramePlanner {
   }
 
   /**
-   * Plans a frame. Its shape is that of the last frame until it changes, and buffers stay as they are while they are large enough
-   * or were needed a moment ago.
+   * Plans a frame. Its shape is that of the last frame until it changes, and buffers stay as they
+   * are while they are large enough or were needed a moment ago.
    *
-   * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of callers' own effects.
+   * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of
+   *   callers' own effects.
    */
   plan(request: FrameRequest, { accuracy, depth, faster, sizes }: FrameSettings): FramePlan {
     const { dispatchRow, workgroupBytes, hasNarrowSubgroups, ballots } = this.#context;
@@ -86,10 +88,10 @@ export class FramePlanner {
       recent.visibleSplats,
     );
     const shapes = clouds.map((cloud) => cloudShape(cloud, accuracy, this.mayBeIsotropic));
-    // More bits than the depths need take a pass more and sort the same; other buffers and shaders take longer than that.
+    // Excess bits take a pass more and sort the same; other buffers and shaders take longer.
     const keyBits = Math.min(Math.max(needs.depthBits, recent.depthBits), accuracy.sortKeyBits);
     const shapeBy = (asked: FrameRasterizer): FrameShape => {
-      // Compute shaders cannot write r16float, the only depth that devices without float32-blendable blend.
+      // Compute shaders cannot write r16float, the only depth to blend without float32-blendable.
       const rasterizer = depth?.layerFormat === 'r16float' ? 'quads' : asked;
       const shape = {
         clouds: shapes,
@@ -132,8 +134,9 @@ export class FramePlanner {
   }
 
   /**
-   * Plans the same frame with the settings and effects of the last one, so that the view keeps moving while shaders compile.
-   * Null if there is no last frame, or if it had other clouds. The last frame itself if it had previews.
+   * Plans the same frame with the settings and effects of the last one, so that the view keeps
+   * moving while shaders compile. Null if there is no last frame, or if it had other clouds. The
+   * last frame itself if it had previews.
    *
    * @param depths those that the last frame may have had.
    */

@@ -17,15 +17,15 @@ export interface CloudInstance {
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 the cloud is not drawn. */
   readonly opacity?: number;
   /**
-   * Highest degree of spherical harmonics to evaluate; stored bands above it are not read. Default 3: the degree that is
-   * stored, within the frame's accuracy.
+   * Highest degree of spherical harmonics to evaluate; stored bands above it are not read. Default
+   * 3: the degree that is stored, within the frame's accuracy.
    */
   readonly shDegree?: ShDegree;
   /** Effects to draw this cloud with, each at most once: `[tint([1, 0.8, 0.6])]`. */
   readonly effects?: readonly EffectUse[];
 }
 
-/** What a caller asks a view to draw. */
+/** A view's order to draw: clouds, camera, size and more. */
 export interface FrameRequest {
   readonly camera: Camera;
   /** Their order is that in which equal depths are drawn. */
@@ -36,11 +36,11 @@ export interface FrameRequest {
   /** Colour behind the splats on a canvas, sRGB-encoded, 0…1; default black. */
   readonly background?: Vec3;
   /**
-   * Settings, or a target: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same object every frame: each
-   * object is read once.
+   * Settings, or a target: see `SplatView.onAccuracyChosen`. Default the engine's. Pass the same
+   * object every frame: each object is read once.
    */
   readonly accuracy?: AccuracyRequest;
-  /** The order in which splats are blended; default `auto`: what the clouds' files ask for. */
+  /** The order in which splats are blended; default `auto`: as the clouds' files ask. */
   readonly sortBy?: SortBy;
   /** Draw even if nothing has changed, e.g. for a benchmark. */
   readonly force?: boolean;
@@ -62,8 +62,8 @@ function isMatrix(values: ArrayLike<number> | undefined): boolean {
 }
 
 /**
- * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud, GpuLimitError
- *   for one that found no memory.
+ * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a
+ *   destroyed cloud, GpuLimitError for one that found no memory.
  */
 export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   const { camera, clouds, widthPx, heightPx, background = [0, 0, 0], sortBy = 'auto' } = request ?? {};

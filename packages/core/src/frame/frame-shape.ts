@@ -7,7 +7,7 @@ import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { StorableCanvasFormat } from '../gpu/stages/composite.ts';
 import { isSameDepth, type RasterizeDepth } from '../gpu/stages/rasterize.ts';
 
-/** Everything about one cloud that decides which shaders a frame runs and how large its buffers are. */
+/** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {
   readonly cloud: SplatCloud;
   /** The planes to draw: of those that the cloud holds, the nearest to the frame's accuracy. */
@@ -32,12 +32,12 @@ export type FrameOutput =
   /** Into another renderer's frame. */
   | { readonly kind: 'host' };
 
-/** Everything that decides which shaders a frame runs and how large its buffers are. The object is kept until it changes. */
+/** Everything that decides a frame's shaders and buffer sizes. One object until it changes. */
 export interface FrameShape {
   /** In the request's order; a cloud may occur more than once. */
   readonly clouds: readonly CloudShape[];
   readonly isOrthographic: boolean;
-  /** Whether splats are sorted by their distances from the camera, not by their depths: only with perspective. */
+  /** Whether splats are sorted by distance from the camera, not by depth: only with perspective. */
   readonly sortsByDistance: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
@@ -57,7 +57,7 @@ export interface FrameShape {
   /** How the host's depth hides splats; null if nothing can hide them. */
   readonly depth: RasterizeDepth | null;
   readonly output: FrameOutput;
-  /** What draws the splats. With tiles, quads draw the frames whose pairs do not fit. */
+  /** Rasteriser of the splats. Even with tiles, quads draw the frames whose pairs do not fit. */
   readonly rasterizer: FrameRasterizer;
   /** Bins of the layer; 0 for quads. */
   readonly binCount: number;
@@ -68,7 +68,7 @@ export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
   return accuracy.resolutionScale < 1;
 }
 
-/** Whether frames of both shapes can be pre-processed with the same buffers, maybe by other shaders. */
+/** Whether frames of both shapes can be pre-processed with the same buffers, if not shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
   if (a === b) return true;
   return (

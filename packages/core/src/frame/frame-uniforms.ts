@@ -31,7 +31,8 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
 /**
  * Writes the contents of a frame's `pageUniforms` buffer.
  *
- * @param contents PAGE_STRIDE_BYTES per page; reused for every frame, since allocating memory of this size is slow.
+ * @param contents PAGE_STRIDE_BYTES per page; reused for every frame, since allocating memory of
+ *   this size is slow.
  */
 export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayBuffer): void {
   const pages = pagesOf(shape);

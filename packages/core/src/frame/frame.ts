@@ -27,13 +27,13 @@ import { Upscale } from './parts/upscale.ts';
 
 // The order of a frame. Nothing else orders parts; each part orders its own stages.
 //
-// The visible splats are found and sorted, and then drawn.
-// A view inside another renderer's frame submits the first half itself and records the second half for its host to submit.
+// The visible splats are found and sorted, and then drawn. A view inside another renderer's frame
+// submits the first half itself and records the second half for its host to submit.
 
 /** Parts that find the visible splats, their order and, for tiles, their place. */
 const ORDERING = [Preprocess, Sort, TileLists] as const satisfies readonly PartClass<OrderRecording>[];
 
-/** Parts that draw the visible splats. Output, depth and scale of a shape decide which of them it uses. */
+/** Parts that draw the visible splats. Output, depth and scale of a shape decide which it uses. */
 const DRAWING = [
   ResolveDepth,
   Tiles,
@@ -50,7 +50,7 @@ export const frameStages = perShape((shape): readonly CompiledStage[] =>
   PARTS.flatMap((part) => part.stages(shape)),
 );
 
-/** The parts of one view's frames, with their GPU memory. Fit and record frames under `GpuMemory.guard`. */
+/** Parts of one view's frames, with their memory. Fit and record frames under `GpuMemory.guard`. */
 export class FrameParts {
   readonly preprocess: Preprocess;
   readonly sort: Sort;
@@ -106,8 +106,9 @@ export class FrameParts {
   /**
    * Makes room for a frame, binds its stages and writes its uniforms.
    *
-   * @throws GpuLimitError if something exceeds the device's limits: nothing changes then. If it exceeds the engine's budget, or a
-   *   device throws because memory is lacking, what was replaced is gone, and the parts have ended.
+   * @throws GpuLimitError if something exceeds the device's limits: nothing changes then. If it
+   *   exceeds the engine's budget, or a device throws because memory is lacking, the replaced
+   *   memory is gone, and the parts have ended.
    */
   fit(plan: FramePlan): void {
     const { shape } = plan;
@@ -118,7 +119,7 @@ export class FrameParts {
     }
     const isReplaced = changes.length > 0;
     try {
-      // The old memory is freed before the new is made: both together would be the most that a view ever holds.
+      // Old memory is freed before new is made: both together would be the most that a view holds.
       for (const change of changes) change.free();
       for (const change of changes) change.make();
       if (isReplaced || shape !== this.shape) for (const part of this.#parts) part.bind?.(shape);
@@ -138,7 +139,7 @@ export class FrameParts {
     for (const part of this.#ordering) part.record(recording);
   }
 
-  /** Records drawing the visible splats to `destination`. @throws GpuLimitError before it records anything. */
+  /** Records the visible splats to `destination`. @throws GpuLimitError before any is recorded. */
   recordDraw(encoder: GPUCommandEncoder, destination: Destination, sample: QuadsSample | null = null): void {
     const recording = { encoder, timer: this.timer, shape: this.shape!, destination, sample };
     if (destination.kind === 'host') this.compose.fitHost(recording.shape, destination.pass);

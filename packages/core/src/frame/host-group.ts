@@ -1,6 +1,6 @@
 type HostResource = GPUTexture | number | null | undefined;
 
-/** A bind group with textures that a host hands over: most hosts hand over the same ones in every frame. */
+/** A bind group with a host's textures: most hosts hand over the same ones in every frame. */
 export class HostGroup {
   #group: GPUBindGroup | null = null;
   #of: readonly HostResource[] = [];

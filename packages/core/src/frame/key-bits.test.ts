@@ -18,7 +18,7 @@ function planned({ viewMatrix }: Camera, set: SplatSet, modelMatrix: Mat4 = iden
   return { instance: { cloud }, view, reach: { displacement: 0, growth: 1 } };
 }
 
-/** Keys of the splats between near and far: in float32, rounded after every operation, as on a GPU that fuses none. */
+/** Keys of the splats between near and far in float32, each operation rounded: none is fused. */
 function keysOf(set: SplatSet, camera: Camera, modelMatrix: Mat4, isByDistance: boolean): number[] {
   const f = Math.fround;
   const { linear, translation } = cloudView(camera.viewMatrix, modelMatrix, set.origin, false);

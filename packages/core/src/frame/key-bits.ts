@@ -3,9 +3,10 @@ import { orderedBits, sortDistance } from '../data/layout/depth-key.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
 /**
- * Bounds the number of bits in which the sort keys of a frame can differ, from near, far and the clouds' bounds, which the
- * CPU knows. Depths within a factor of 2^k of each other differ in fewer than 23 + k bits (each power of two holds 2^23 floats),
- * and squares of distances in one more, so most scenes need fewer passes than 32 bits would.
+ * Bounds the number of bits in which the sort keys of a frame can differ, from near, far and the
+ * clouds' bounds, which the CPU knows. Depths within a factor of 2^k of each other differ in fewer
+ * than 23 + k bits (each power of two holds 2^23 floats), and squares of distances in one more, so
+ * most scenes need fewer passes than 32 bits would.
  *
  * @param isByDistance whether splats are sorted by distance, with perspective.
  * @returns 16, 24, 27 or 32: the key widths that sorts are made for.

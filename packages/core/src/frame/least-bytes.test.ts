@@ -77,7 +77,7 @@ describe('leastBytes', () => {
     // The first pass makes its payloads, the last writes no keys.
     const scattered = { read: (3 + 2) * 4 * VISIBLE + 3 * digitCounts, written: (3 + 2) * 4 * VISIBLE };
     expect(bytesOf('sort', 'sort-scatter')).toEqual(scattered);
-    // One pass by bin, whose digits are counted while pairs are listed; payloads are given and keys written.
+    // One pass by bin: digits are counted while pairs are listed; payloads are given, keys written.
     expect(bytesOf('tile lists', 'sort-histogram')).toEqual({ read: 0, written: 0 });
     expect(bytesOf('tile lists', 'sort-scatter')).toMatchObject({ written: 2 * 4 * PAIRS });
   });

@@ -41,7 +41,7 @@ interface Counts {
   readonly layerBytes: number;
   readonly imagePixels: number;
   readonly imageBytes: number;
-  /** Mean bytes of a splat's planes; visible splats of several clouds are taken to be spread over them as all splats are. */
+  /** Mean bytes of a splat's planes; visible splats spread over clouds as all do. */
   readonly geometryBytes: number;
   readonly harmonicsBytes: number;
   /** Mean bytes of the range of a chunk's log scales. */
@@ -179,13 +179,14 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
 };
 
 /**
- * Returns the bytes that the passes of a stage must read and write at the least in `frame`, by the label of their pass and the
- * name of their stage; null for passes of other frames.
+ * Returns the bytes that the passes of a stage must read and write at the least in `frame`, by the
+ * label of their pass and the name of their stage; null for passes of other frames.
  *
- * Counts every element that a pass needs, once: a splat's whole geometry, record or coefficients even where only some of their
- * fields are used, since memory gives no less; lists and keys; each pixel of a layer, written once. Counts nothing twice that
- * caches could keep, no uniforms or plans, and no blending: neither pixels that several quads cover, nor splats that several
- * tiles load. Takes no tile to end before its last splat.
+ * Counts every element that a pass needs, once: a splat's whole geometry, record or coefficients
+ * even where only some of their fields are used, since memory gives no less; lists and keys; each
+ * pixel of a layer, written once. Counts nothing twice that caches could keep, no uniforms or
+ * plans, and no blending: neither pixels that several quads cover, nor splats that several tiles
+ * load. Takes no tile to end before its last splat.
  */
 export function leastBytes(frame: DrawnFrame): (part: string, stage: string) => PassBytes | null {
   const counts = countsOf(frame);
@@ -230,7 +231,7 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
   };
 }
 
-/** Of each entry of a palette, or of as many as there are visible splats if those are fewer: once, on whatever page. */
+/** Of each entry of a palette, or one per visible splat if those are fewer: once, on any page. */
 function entryBytesOf({ cloud, planes, shDegree }: CloudShape, visible: number): number {
   const [page] = planes.pages;
   if (planes.shPrecision !== 'palette' || !page?.shRest) return 0;

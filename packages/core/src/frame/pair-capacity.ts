@@ -2,11 +2,11 @@ import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { LEAST_USE, RecentPeak } from './recent-peak.ts';
 
 /**
- * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin, which take the place of key and
- * record before the sort.
+ * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin,
+ * which take the place of key and record before the sort.
  */
 export const PAIR_BYTES = 2 * 4 + (SHADER_CONSTANTS.BIN_TILES * SHADER_CONSTANTS.BIN_TILES) / 8;
-/** Most bytes that the tiles of a view may take, unless the caller says otherwise: 33 million pairs. */
+/** Most bytes that the tiles of a view may take by default: 33 million pairs. */
 export const DEFAULT_TILE_BUDGET_BYTES = 2 ** 29;
 /** Spare room, so that a moving camera does not need larger buffers every frame. */
 const HEADROOM = 1.35;
@@ -18,7 +18,7 @@ const MOST_PAIRS_OF_FOUR = 1 << 17;
 const MOST_PAIRS_OF_TWO = 1_000_000;
 /** Room is made in steps of this many pairs, so that small changes need none. */
 const STEP = 1 << 14;
-/** Room, which may have been a guess, is judged once after this many frames: by then some have been measured. */
+/** Room, maybe a guess, is judged once after this many frames: some have been measured by then. */
 const FRAMES_TO_JUDGE = 12;
 /** It stays unless what is needed takes less than this share of it. */
 const GOOD_GUESS = 0.85;
@@ -49,7 +49,7 @@ export function pairCapacity(
   return Math.min(roomy, Math.max(mostPairs, 1));
 }
 
-/** Generous where that costs little. Where it is too low, quads draw the frame, and the next one has room. */
+/** Generous where that is cheap. If it is too low, quads draw the frame, and the next has room. */
 function firstGuess(visibleCapacity: number): number {
   return Math.max(
     visibleCapacity,
@@ -58,7 +58,7 @@ function firstGuess(visibleCapacity: number): number {
   );
 }
 
-/** The largest number of pairs of a view's recent frames, and the room to make for those of the next. */
+/** Largest number of pairs of a view's recent frames, and the room to make for the next. */
 export class PairRoom extends RecentPeak {
   /** Most splats that there was room for in those frames. */
   #visibleCapacity = 0;

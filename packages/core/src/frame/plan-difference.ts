@@ -3,10 +3,10 @@ import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 
-/** What tells whether plans draw the same splats in the same order. */
+/** The parts of plans that tell whether they draw the same splats in the same order. */
 type PlannedOrder = Pick<FramePlan, 'request' | 'camera' | 'clouds' | 'shape'>;
 
-/** Whether both frames show the same splats in the same places and the same order, whichever rasteriser draws them. */
+/** Whether both frames show the same splats in the same places and order, by any rasteriser. */
 export function isSameOrder(a: PlannedOrder, b: PlannedOrder): boolean {
   return isSameCamera(a.camera, b.camera) && showsSameSplats(a, b);
 }

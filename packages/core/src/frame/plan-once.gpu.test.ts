@@ -110,7 +110,7 @@ describe('a frame is planned once: uses of effects, view and frustum of each clo
     expect(callsOf(() => view.render(request(4)))).toEqual(ONCE_EACH);
     expect(callsOf(() => view.render(request(4, [glow(0.2)])))).toEqual(ONCE_EACH);
     expect(callsOf(() => view.render({ ...request(4), widthPx: 40 }))).toEqual(ONCE_EACH);
-    // A forced frame keeps no colours, unlike the ones before: its shaders have to be compiled first.
+    // A forced frame keeps no colours, unlike the ones before: its shaders must be compiled first.
     view.render({ ...request(4), force: true });
     await view.whenDrawn();
     expect(callsOf(() => view.render({ ...request(4), force: true }))).toEqual(ONCE_EACH);

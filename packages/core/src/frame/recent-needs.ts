@@ -1,10 +1,10 @@
 import type { FrameNeeds } from './frame-plan.ts';
 import { RecentPeak } from './recent-peak.ts';
 
-/** Wide keys cost a pass more. But other widths need other buffers and bindings, which take longer than a frame. */
+/** Wide keys cost a pass more; other widths need other buffers and bindings, which take longer. */
 const KEYS_PERIOD_MS = 30_000;
 
-/** What the recent frames of a view needed, as long as they show the same clouds. */
+/** Needs of a view's recent frames, as long as they show the same clouds. */
 export class RecentNeeds {
   readonly #visibleSplats = new RecentPeak();
   /** Powers of two, so that a need of fewer bits is less than half. */

@@ -5,15 +5,16 @@ const PERIOD_FRAMES = 30;
 export const ROOM_PERIOD_MS = 5000;
 /** Room is given back when less than this share of it was needed by all recent frames. */
 export const LEAST_USE = 0.4;
-/** Room has up to half of a need to spare, so that it may be given back when less than this share of the need is left. */
+/** Spare room is up to half of a need: it may be given back once less than this share is needed. */
 const FALLEN = 1.5 * LEAST_USE;
 
 /**
- * The largest of the recent values of a need, by which room is given back. Time alone is not recent: a view at rest draws
- * nothing, and what it needs next is not known.
+ * The largest of the recent values of a need, by which room is given back. Time alone is not
+ * recent: a view at rest draws nothing, and its next need is not known.
  *
- * Where the need returns after room for it was given back, as it does in every round of an orbit, the peak stands four times as
- * long from then on. A motion that repeats is thus soon left alone, however slow it is.
+ * If the need returns after its room was given back, as in every round of an orbit, the peak stands
+ * four times as long from then on. A motion that repeats is thus soon left alone, however slow it
+ * is.
  */
 export class RecentPeak {
   readonly #periodMs: number;
@@ -26,7 +27,7 @@ export class RecentPeak {
   #highest = 0;
   #former = Number.POSITIVE_INFINITY;
 
-  /** @param periodMs time that a peak stands at least; it stands for twice that at most, if frames are drawn. */
+  /** @param periodMs least time that a peak stands; at most twice that, if frames are drawn. */
   constructor(periodMs = ROOM_PERIOD_MS) {
     this.#periodMs = periodMs;
   }

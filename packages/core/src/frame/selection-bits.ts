@@ -39,7 +39,7 @@ export class SelectionBits {
     this.#queue = queue;
   }
 
-  /** Makes room for the bits of these clouds; holds nothing if none of their effects takes a selection. */
+  /** Makes room for the bits of these clouds; empty if none of their effects takes a selection. */
   fit(clouds: readonly CloudShape[], pages: readonly FramePage[]): void {
     const slices = slicesOf(clouds, pages);
     if (slices.length === this.#slices.length && slices.every((each, i) => isSame(each, this.#slices[i])))

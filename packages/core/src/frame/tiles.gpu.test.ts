@@ -140,7 +140,7 @@ describe('tiles draw as float64 does', () => {
 });
 
 describe('tiles keep every setting', () => {
-  /** Tiles round each pixel once, to the target: 58.9 dB in 8 bits, however many layers there are. */
+  /** Tiles round each pixel once, to the target: 58.9 dB in 8 bits, for any number of layers. */
   const MIN_PSNR_DB = {
     f32: { rgba32float: 95, rgba16float: 75, rgba8unorm: 58.5 },
     f16: { rgba32float: 70, rgba16float: 70, rgba8unorm: 58 },
@@ -164,7 +164,7 @@ describe('tiles keep every setting', () => {
         const scene = { clouds: [{ set }], camera };
         const plain = await draw(scene);
         for (const settings of [{ extent: 'fixed' }, { culling: 'frustum' }] as const) {
-          // A tile may end a few splats earlier or later, where less than 2⁻¹⁶ of their light passes.
+          // A tile may end some splats earlier or later, where less than 2⁻¹⁶ of light passes.
           const { maxError } = compareImages(await draw(scene, settings), plain, SIZE);
           expect(maxError, JSON.stringify(settings)).toBeLessThan(2 ** -15);
         }
@@ -176,7 +176,7 @@ describe('tiles keep every setting', () => {
     const set = randomSplats({ count: 1500, seed: 85, halfExtent: 30, logScales: [-2, 0] });
     for (const sortKeyBits of [24, 16] as const) {
       const db = await psnrAgainstReference({ clouds: [{ set }], camera: CAMERAS.inside }, { sortKeyBits });
-      // Splats change places if their float32 depths fall on the other side of a step, which the reference does not model.
+      // Splats swap if their float32 depths cross a step, which the reference does not model.
       expect(db).toBeGreaterThan(55);
     }
   });
@@ -205,7 +205,7 @@ describe('a view with tiles', () => {
       [{ set: SET, modelMatrix: away }],
       [{ set: SET, opacity: 0 }],
     ]) {
-      // What the last frame left in the layer must not show.
+      // The last frame's layer must not show.
       expect(Math.max(...(await draw(ONE)))).toBeGreaterThan(0);
       expect((await draw({ clouds })).every((value) => value === 0)).toBe(true);
     }

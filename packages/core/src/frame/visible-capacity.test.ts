@@ -19,7 +19,7 @@ const ALPHA_CUTOFF = 1 / 255;
 const SIZE = { widthPx: 64, heightPx: 48 };
 const CAMERA = perspectiveCamera({ position: [0, 0, 0], target: [0, 0, 1], fovYDegrees: 50, aspect: 1.3 });
 
-/** More splats than there is always room for; small ones, so that most chunks are clearly in or out. */
+/** More splats than always have room; small ones, so that most chunks are clearly in or out. */
 const set = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
 const cloud = packed(set);
 
@@ -112,7 +112,7 @@ describe('visibleCapacity', () => {
     );
   });
 
-  /** Changes of the capacity in each of six rounds, from near the edge of the cloud, looking out, to where most of it is in sight. */
+  /** Changes of capacity in each of six rounds, from the edge, looking out, to most in sight. */
   function changesByRound(roundMs: number): number[] {
     const framesPerRound = 200;
     const recent = new RecentNeeds();

@@ -3,7 +3,7 @@ import { countChunksInFrustum } from './chunk-groups.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import { LEAST_USE } from './recent-peak.ts';
 
-/** Up to this count, room for all splats (about 15 MB) is cheaper than finding out how many are visible. */
+/** Up to this count, room for all splats (about 15 MB) is cheaper than counting visible ones. */
 const ALWAYS_ROOM_FOR = 1 << 18;
 /** Spare room, so that a moving camera does not need larger buffers every frame. */
 const HEADROOM = 1.25;
@@ -18,8 +18,9 @@ export function mostDrawnSplats(clouds: readonly Pick<CloudPlan, 'instance'>[]):
 }
 
 /**
- * Returns a number of splats that is never less than those that a frame of `clouds` draws. The CPU tests the chunks as the GPU
- * will, so nothing has to be read back, and no image ever lacks splats for lack of room.
+ * Returns a number of splats that is never less than those that a frame of `clouds` draws. The CPU
+ * tests the chunks as the GPU will, so nothing has to be read back, and no image ever lacks splats
+ * for lack of room.
  */
 export function mostVisibleSplats(clouds: readonly SidedCloud[]): number {
   const total = mostDrawnSplats(clouds);

@@ -58,7 +58,7 @@ export interface FeatureOfView extends FeatureOf<DrawnFrame> {
 }
 
 /**
- * An effect that splats, camera or host make necessary. The frame's shape decides whether it is on, and thereby which
- * shaders run; this entry gives the reason.
+ * An effect that splats, camera or host make necessary. The frame's shape decides whether it is on,
+ * and thereby which shaders run; this entry gives the reason.
  */
 export type AutomaticFeature = FeatureOfCloud | FeatureOfView;

@@ -17,7 +17,7 @@ const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['
 
 const variants = await allStageVariants();
 
-/** Hundreds are linked twice for each effect: in the short run, some of each stage stand for all. */
+/** Hundreds are linked twice for each effect: the short run takes some of each stage. */
 const LINKED_EACH = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 12;
 
 function variantsWithout(conditions: readonly string[], ownStage: string | undefined): StageDefinition[] {

@@ -19,18 +19,21 @@ import { type FrameShape, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';
 import { depthView, isMultisampled, layerView } from '../host-views.ts';
 
-/** The splats blended over the host's image, at the viewport's size. Valid until the view draws again. */
+/** The splats over the host's image, at the viewport's size. Valid until the view draws again. */
 export interface EmbeddedImage {
-  /** rgba16float: linear light, premultiplied, over the host's image; opacity is 0 exactly where there is no splat. */
+  /**
+   * rgba16float: linear light, premultiplied, over the host's image; opacity is 0 exactly where
+   * there is no splat.
+   */
   readonly color: GPUTexture;
   /**
-   * r32float: depth of the splats, in the host's mapping: by tiles the median, by quads the mean; −1 where they cover less than
-   * half. Null unless requested.
+   * r32float: depth of the splats, in the host's mapping: by tiles the median, by quads the mean;
+   * −1 where they cover less than half. Null unless requested.
    */
   readonly depth: GPUTexture | null;
 }
 
-/** Two variants: whether the host's depth has several samples is known only when the frame is drawn. */
+/** Two variants: a frame learns the samples of the host's depth only when it is drawn. */
 const stageOf = perShape(({ depth, output }) => {
   if (output.kind !== 'host') return null;
   const variant = (isEdged: boolean) => [compose(depth, isEdged), composeState(depth)] as const;
@@ -41,7 +44,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] =>
   Object.values(stageOf(shape) ?? {}).filter((stage) => stage !== null),
 );
 
-/** Blends the splats over the host's image, in the space that splats are blended in, for the host to show. */
+/** Blends the splats over the host's image, in the splats' blending space, for the host to show. */
 export class Compose implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #viewport: GPUBuffer | null = null;
@@ -113,7 +116,7 @@ export class Compose implements FramePart<DrawRecording> {
     pass.end();
   }
 
-  /** Makes the textures for drawing over `host`. Call before anything is recorded. @throws GpuLimitError */
+  /** Makes the textures for drawing over `host`. Call before recording. @throws GpuLimitError */
   fitHost(shape: FrameShape, { color: { format, usage } }: HostPass): void {
     const { width, height } = this.#fitImage(shape).color;
     if (usage & GPUTextureUsage.TEXTURE_BINDING || this.#behindCopy?.format === format) return;
@@ -165,7 +168,7 @@ export class Compose implements FramePart<DrawRecording> {
     device.queue.writeBuffer(this.#viewport!, 0, contents);
   }
 
-  /** Returns the host's colour if it can be bound, otherwise a copy of the viewport's part of it. */
+  /** Returns the host's colour if it can be bound, else a copy of the viewport's part. */
   #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTexture {
     const { color, xPx, yPx, layer = 0 } = host;
     if (color.usage & GPUTextureUsage.TEXTURE_BINDING) return color;

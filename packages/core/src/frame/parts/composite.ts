@@ -12,7 +12,7 @@ import {
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 
-/** The stages that put the splats on the canvas, of which a frame runs one; null for frames without a canvas. */
+/** Stages that put the splats on the canvas; a frame runs one. Null without a canvas. */
 const stageOf = perShape(({ output, rasterizer }) => {
   if (output.kind !== 'canvas') return null;
   if (rasterizer === 'tiles' && output.storable) return { compute: compositeInCompute(output.storable) };

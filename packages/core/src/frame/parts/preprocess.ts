@@ -48,7 +48,7 @@ function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: numbe
     slotCount: [4, STORAGE],
     /** Per slot: a bit per splat. */
     visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
-    /** Per slot: its number of visible splats; after the scan, the number of visible splats before it. */
+    /** Per slot: its number of visible splats; after the scan, the number of those before it. */
     splatOffsets: [4 * (chunkCount + 1), STORAGE],
     // A binding holds at least one element, even if there is nothing to draw.
     pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
@@ -91,7 +91,7 @@ interface Groups {
 const cloudStages = perShape((shape) =>
   shape.clouds.map((cloud) => {
     const { accuracy, shortensKeys } = shape;
-    // What their variants depend on has one name everywhere; the planes at hand may not be those of the settings.
+    // Inputs of variants have one name everywhere; planes at hand may differ from the settings'.
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
     return {
       cullSplats: cullSplats(variant),
@@ -116,7 +116,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => [
   ...cloudStages(shape).map((stages) => stages.project),
 ]);
 
-/** Finds the visible splats, lists them in storage order, and writes each one's record and sort key. */
+/** Finds the visible splats, lists them in storage order, and writes their records and keys. */
 export class Preprocess implements FramePart<OrderRecording> {
   readonly #context: PartContext;
   /** Memory of `#held`. */
@@ -286,7 +286,7 @@ export class Preprocess implements FramePart<OrderRecording> {
   }
 }
 
-/** Writes the contents that never change while the buffers exist: planes of any precision have the same pages. */
+/** Writes contents that last as long as the buffers: planes of all precisions share pages. */
 function writeConstants(
   queue: GPUQueue,
   buffers: Buffers,

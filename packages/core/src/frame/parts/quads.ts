@@ -18,7 +18,7 @@ const stagesOf = perShape((shape): readonly CompiledStage[] => [stageOf(shape)])
 /** Places of the order that a sample takes splats from: near ones are larger than far ones. */
 const SAMPLED_PLACES = 16;
 
-/** Blends the visible splats in their sorted order, one instanced quad each, into a layer of its own. */
+/** Blends the visible splats in order, one instanced quad each, into a layer of its own. */
 export class Quads implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #layer: LayerTextures | null = null;
@@ -84,7 +84,7 @@ export class Quads implements FramePart<DrawRecording> {
     pass.end();
   }
 
-  /** Draws part of the quads, from places all over their order, to be timed. The layer is to be overwritten. */
+  /** Draws some quads, spread over their order, to be timed. The layer is overwritten. */
   recordSample({ encoder, timer, shape, sample }: DrawRecording): void {
     if (!sample || shape.rasterizer !== 'tiles') return;
     const pass = this.#begin(encoder, shape, 'quads sample', timer.writes('quads-sample'));

@@ -6,7 +6,10 @@ import { isScaled, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';
 import { depthView, isMultisampled } from '../host-views.ts';
 
-/** Two variants: whether the host's depth has several samples is known only when the frame is drawn. Null without depth. */
+/**
+ * Two variants: whether the host's depth has several samples is known only when the frame is drawn.
+ * Null without depth.
+ */
 const stageOf = perShape((shape) => {
   const { depth, output } = shape;
   if (!depth || output.kind !== 'host') return null;
@@ -17,7 +20,10 @@ const stageOf = perShape((shape) => {
 
 const stagesOf = perShape((shape): readonly CompiledStage[] => Object.values(stageOf(shape) ?? {}));
 
-/** Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in another format. */
+/**
+ * Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in
+ * another format.
+ */
 export class ResolveDepth implements FramePart<DrawRecording> {
   readonly #context: PartContext;
   #depth: GPUTexture | null = null;

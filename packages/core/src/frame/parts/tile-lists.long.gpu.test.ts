@@ -13,7 +13,10 @@ import { PAIR_BYTES } from '../pair-capacity.ts';
 /** A row of 64 bins. */
 const SIZE = { widthPx: 4096, heightPx: 1 };
 const CAMERA = orthographicCamera({ position: [0, 0, 3], target: [0, 0, 0], aspect: 4096, height: 2 });
-/** Each splat covers every bin. Room is made for 16,384 pairs at first: for more than one pair per splat, for fewer than 64. */
+/**
+ * Each splat covers every bin. Room is made for 16,384 pairs at first: for more than one pair per
+ * splat, for fewer than 64.
+ */
 const COVERING = splatsOf(
   Array.from({ length: 300 }, (_, i) => ({
     position: [0, 0, i / 300],

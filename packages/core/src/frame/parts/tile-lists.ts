@@ -85,8 +85,8 @@ interface Groups {
 }
 
 /**
- * Lists, for each bin of the layer, the visible splats that it may show, front to back, with the tiles that each may touch.
- * Where a frame's pairs do not fit, `drawArguments` leaves the frame to the quads.
+ * Lists, for each bin of the layer, the visible splats that it may show, front to back, with the
+ * tiles that each may touch. `drawArguments` leaves a frame to the quads if its pairs do not fit.
  */
 export class TileLists implements FramePart<OrderRecording> {
   readonly #context: PartContext;
@@ -118,7 +118,7 @@ export class TileLists implements FramePart<OrderRecording> {
     return `tiles would need ${needed} for their lists, and ${allowed} are allowed`;
   }
 
-  /** Takes the number of pairs of a frame whose statistics arrived at `atMs`, so that the next one has room. */
+  /** Takes the pairs of a frame whose statistics arrived at `atMs`: the next one has room. */
   expect(neededPairs: number, atMs: number): void {
     this.#room.take(neededPairs, atMs);
   }
@@ -135,7 +135,7 @@ export class TileLists implements FramePart<OrderRecording> {
     const isSame = held?.visibleCapacity === visibleCapacity && held.binCount === binCount;
     const pairs = this.#room.next(current, visibleCapacity, this.#mostPairs(), isSame);
     if (isSame && pairs === current) return null;
-    // No buffer is larger than those of the pairs, whose number has been limited, or of the records.
+    // No buffer is larger than those of the pairs, whose number is limited, or of the records.
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {

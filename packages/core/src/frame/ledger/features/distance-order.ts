@@ -1,6 +1,6 @@
 import type { FeatureOfCloud } from '../automatic-feature.ts';
 
-/** The order of distances. All clouds of a frame have one order; it is on for those that ask for this one. */
+/** The order of distances. A frame has one order; it is on for clouds that ask for this one. */
 export const distanceOrder: FeatureOfCloud = {
   of: 'cloud',
   name: 'distance-order',
