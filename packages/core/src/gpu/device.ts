@@ -7,7 +7,7 @@ export interface DeviceOptions {
   /** An adapter that has not given a device yet: each gives only one. */
   readonly adapter?: GPUAdapter;
   readonly powerPreference?: GPUPowerPreference;
-  /** Whether to request all features that the adapter has, but for experimental ones: for a renderer that shares the device. */
+  /** Whether to request all stable features of the adapter: for renderers that share the device. */
   readonly allFeatures?: boolean;
   /** Limits that a renderer that shares the device needs. */
   readonly requiredLimits?: Readonly<Record<string, number>>;
@@ -26,7 +26,7 @@ const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
 /** Names of features that are in no specification. */
 const EXPERIMENTAL = /^(chromium|dawn)-/;
 
-/** Limits that bound the size of a scene, or of the blocks that are sorted at a time; requested at the adapter's maximum. */
+/** Limits on the size of a scene or of sorted blocks; requested at the adapter's maximum. */
 const WIDENED_LIMITS = [
   'maxBufferSize',
   'maxStorageBufferBindingSize',
@@ -36,7 +36,8 @@ const WIDENED_LIMITS = [
 ] as const;
 
 /**
- * Requests a device with every feature and limit of the adapter that the engine, or a renderer sharing the device, can use.
+ * Requests a device with every feature and limit of the adapter that the engine, or a renderer
+ * sharing the device, can use.
  *
  * @throws WebGpuUnavailableError if there is no WebGPU, no adapter or no device.
  */
@@ -79,8 +80,9 @@ async function requestAdapter({
 }
 
 /**
- * Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". wgpu names vendors and devices by
- * number, and mostly describes the adapter besides; Firefox names nothing.
+ * Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". wgpu
+ * names vendors and devices by number, and mostly describes the adapter besides; Firefox names
+ * nothing.
  */
 export function adapterLabel(info: GPUAdapterInfo): string {
   const { vendor, architecture, device, description, isFallbackAdapter } = info;
@@ -101,8 +103,8 @@ export function isSoftwareAdapter({ isFallbackAdapter, architecture, description
 const NARROW_SUBGROUP = 8;
 
 /**
- * Whether few threads of the device run in lockstep, so that barriers within a workgroup take long. False where the browser does
- * not tell.
+ * Whether few threads of the device run in lockstep, so that barriers within a workgroup take long.
+ * False where the browser does not tell.
  */
 export function hasNarrowSubgroups({ adapterInfo }: Pick<GPUDevice, 'adapterInfo'>): boolean {
   const { subgroupMaxSize } = adapterInfo;
@@ -122,14 +124,14 @@ export interface BallotDevice extends SubgroupSizes {
 }
 
 /**
- * The device, where sorts are faster if they rank keys by ballots; otherwise null. Measured so on GPUs of NVIDIA alone
- * (docs/measurements.md).
+ * The device, where sorts are faster if they rank keys by ballots; otherwise null. Measured so on
+ * GPUs of NVIDIA alone (docs/measurements.md).
  */
 export function fasterBallots(device: GPUDevice): BallotDevice | null {
   return device.adapterInfo.vendor === 'nvidia' ? ballotDeviceOf(device) : null;
 }
 
-/** The device as one that may rank keys by ballots; null if it has no subgroups, or the browser does not tell their sizes. */
+/** The device if it can rank keys by ballots; null without subgroups of known sizes. */
 export function ballotDeviceOf({
   features,
   adapterInfo,

@@ -1,4 +1,4 @@
-/** Counts of an engine's work since it was created; they only grow. Tests and displays compare their differences. */
+/** Counts of an engine's work since it was created, to be compared by their differences. */
 export interface EngineCounters {
   /** Clouds uploaded. */
   readonly uploads: number;
@@ -9,7 +9,7 @@ export interface EngineCounters {
   readonly framesPrepared: number;
   /** Frames whose splats were drawn. */
   readonly framesDrawn: number;
-  /** Pipelines compiled for this engine, except those that another engine on the device had already compiled. */
+  /** Pipelines compiled for this engine, without those of earlier engines on the device. */
   readonly pipelinesCompiled: number;
   /** Images and picks read back; measurements are not counted. */
   readonly readbacks: number;

@@ -3,7 +3,7 @@ import { GpuMemory } from './gpu-memory.ts';
 
 vi.stubGlobal('GPUBufferUsage', { STORAGE: 128 });
 
-/** A buffer of 16 bytes in a part of some memory, and what ends its map. */
+/** A buffer of 16 bytes in a part of some memory, and the function that ends its map. */
 function memoryWithBuffer() {
   let isHeld = true;
   let succeed = () => {};

@@ -16,12 +16,12 @@ const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
   rgba32float: 16,
 };
 
-/** What work that may allocate has returned, and whether there was memory for it. */
+/** Result of work that may allocate, and whether there was memory for it. */
 export interface Guarded<Result> {
   readonly result: Result;
   /**
-   * Rejects, some time later, with a GpuLimitError if memory was lacking: what the work made is of no use then, and to be
-   * destroyed. Null if nothing was allocated. Need not be awaited.
+   * Rejects, some time later, with a GpuLimitError if memory was lacking: the result is of no use
+   * then, and to be destroyed. Null if nothing was allocated. Need not be awaited.
    */
   readonly checked: Promise<void> | null;
 }
@@ -66,13 +66,15 @@ export class GpuMemory {
   }
 
   /**
-   * Does `work`, which may create buffers and textures, and use them in commands that it submits. The device reports a lack of
-   * memory later, and refuses those commands: both are collected, and told once.
+   * Does `work`, which may create buffers and textures, and use them in commands that it submits.
+   * The device reports a lack of memory later, and refuses those commands: both are collected, and
+   * told once.
    *
    * @param what begins the sentence that says what finds no memory: "garden", "A frame".
    * @param advice says what to do about that.
    * @param isAlways also if nothing is allocated, because `work` uses what is still being checked.
-   * @throws GpuLimitError if a buffer cannot be mapped for lack of memory, or would exceed the budget; the errors of `work`.
+   * @throws GpuLimitError if a buffer cannot be mapped for lack of memory, or would exceed the
+   *   budget; the errors of `work`.
    */
   guard<Result>(what: string, advice: string, work: () => Result, isAlways = false): Guarded<Result> {
     const root = this.#root;
@@ -109,7 +111,7 @@ export class GpuMemory {
     return this.#root.#totalBytes;
   }
 
-  /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed the device's limits or the budget. */
+  /** @throws GpuLimitError, before it is allocated, if it would exceed limits or budget. */
   createBuffer(
     label: string,
     bytes: number,
@@ -122,14 +124,14 @@ export class GpuMemory {
     return this.#counted(this.device.createBuffer({ label, size, usage, mappedAtCreation }), size);
   }
 
-  /** Creates a storage buffer with the contents `words`, which can be read back and written anew. */
+  /** Creates a storage buffer with `words`, which can be read back and written anew. */
   createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
     const { STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
     const usage = STORAGE | COPY_SRC | COPY_DST;
     const size = sizeOf(words.byteLength);
     this.check(label, size, usage);
     this.#begin(label, size);
-    // Mapped at creation: the data goes straight to the driver's staging memory, without a second copy here.
+    // Mapped at creation: data goes straight to the driver's staging memory, not copied twice.
     const buffer = this.device.createBuffer({ label, size, usage, mappedAtCreation: true });
     new Uint32Array(buffer.getMappedRange()).set(words);
     buffer.unmap();
@@ -145,7 +147,7 @@ export class GpuMemory {
     return this.#counted(this.device.createTexture(descriptor), bytes);
   }
 
-  /** Creates a texture to draw into and to read afterwards, by shaders or by the CPU; `usage` is added to that. */
+  /** Creates a texture to draw into and to read later, by shaders or the CPU; `usage` is added. */
   createTarget(
     label: string,
     format: GPUTextureFormat,
@@ -162,7 +164,7 @@ export class GpuMemory {
     return resource ? (this.#bytes.get(resource) ?? 0) : 0;
   }
 
-  /** Maps all of a buffer, which is not destroyed before that has ended. A rejection need not be handled. */
+  /** Maps all of a buffer, which is destroyed only after that. Rejections need no handling. */
   map(buffer: GPUBuffer, mode: GPUMapModeFlags): Promise<void> {
     const mapping = buffer.mapAsync(mode);
     this.#mapping.set(buffer, mapping);
@@ -171,12 +173,12 @@ export class GpuMemory {
     return mapping;
   }
 
-  /** No longer counts what is destroyed here, at once or, if it is about to be mapped, after that. */
+  /** Destroys a resource, after its map if one is pending, and no longer counts it. */
   destroy(resource: GPUBuffer | GPUTexture): void {
     this.#forget(resource);
     const destroy = () => resource.destroy();
     const mapping = this.#mapping.get(resource);
-    // Dawn's bindings for Node 0.6.2 now and then reject a map twice if its buffer is destroyed meanwhile, and crash.
+    // Dawn's bindings for Node 0.6.2 may reject a map twice if its buffer is destroyed, and crash.
     if (mapping) mapping.then(destroy, destroy);
     else destroy();
   }

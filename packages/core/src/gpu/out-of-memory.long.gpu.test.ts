@@ -29,8 +29,9 @@ beforeAll(async () => {
 afterAll(() => failing?.device.destroy());
 
 /**
- * Calls `attempt` with one allocation after another failing, or every `step`th, until none is left to fail. `attempt` calls `stop`
- * before it allocates for other purposes, which returns whether the allocation has failed.
+ * Calls `attempt` with one allocation after another failing, or every `step`th, until none is left
+ * to fail. `attempt` calls `stop` before it allocates for other purposes, which returns whether the
+ * allocation has failed.
  */
 async function failEach(attempt: (stop: () => boolean) => Promise<void>, step = 1): Promise<void> {
   let hasFailed = true;
@@ -64,7 +65,7 @@ describe('an allocation that fails, whichever it is', () => {
     { preset: 'reference', rasterizer: 'quads', resolutionScale: 1 },
   ];
   const isFull = process.env.WEBSPLATTER_FULL === '1';
-  // The short run lets every third allocation fail: those of one part follow each other, and fail in the same way.
+  // The short run lets every third allocation fail: successive ones of a part fail alike.
   const step = isFull ? 1 : 3;
   // The first has every part of a frame.
   for (const accuracy of isFull ? all : all.slice(0, 1)) {
@@ -280,7 +281,7 @@ gpuTest('pixels above the largest buffer are read in strips', async () => {
   engine.destroy();
 });
 
-/** `failing`, and what is called when a frame's memory has been given up and is being reclaimed. */
+/** A failing device that calls `onReclaim` when a frame's lost memory is being reclaimed. */
 function reclaiming(onReclaim: () => void): GPUDevice {
   const { device } = failing;
   return deviceWith(device, {
@@ -454,7 +455,7 @@ describe('a budget', () => {
     gpuTest(
       `that a load exceeds, packed on the ${packer}: it says what would fit, and takes it`,
       async () => {
-        // With the harmonics of degree 3 in bytes the cloud takes 320 kB, and the GPU needs 1.9 MB more while it packs.
+        // With degree 3 in bytes the cloud takes 320 kB, and 1.9 MB more while it is packed.
         const memoryBudgetBytes = ingestMinRows === 1 ? 2_150_000 : 200_000;
         const engine = await SplatEngine.create({
           device: failing.device,

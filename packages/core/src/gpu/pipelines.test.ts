@@ -8,7 +8,7 @@ beforeAll(() => {
   vi.stubGlobal('GPUShaderStage', { VERTEX: 1, FRAGMENT: 2, COMPUTE: 4 });
 });
 
-/** A device whose pipelines and shader modules are empty objects, and references to all that it made. */
+/** A device whose pipelines and shader modules are empty objects, and references to these. */
 function fakeDevice() {
   const made: WeakRef<object>[] = [];
   const make = () => {

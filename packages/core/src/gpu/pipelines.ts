@@ -39,12 +39,13 @@ export type Bindings<Binding extends string> = Readonly<
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
 
 /**
- * Most pipelines that are kept for frames that may return, and as many shader texts and modules. A frame of one cloud runs 20 to
- * 30 of them; without a bound, a page that goes through settings or effects would gather all that there are.
+ * Most pipelines that are kept for frames that may return, and as many shader texts and modules. A
+ * frame of one cloud runs 20 to 30 of them; without a bound, a page that goes through settings or
+ * effects would gather all that there are.
  */
 export const MAX_KEPT_PIPELINES = 256;
 
-/** Compiled pipelines of one device by their inputs, so that engines on the same device compile nothing twice. */
+/** Compiled pipelines of one device by inputs, so that its engines compile nothing twice. */
 interface DeviceCache {
   /** As many as there are lists of bindings, a few dozen. */
   readonly layouts: Map<string, GPUBindGroupLayout>;
@@ -56,11 +57,12 @@ interface DeviceCache {
 const caches = new WeakMap<GPUDevice, DeviceCache>();
 
 /**
- * Links, compiles and caches pipelines, each variant once. Compiling never blocks: `compute` and `render` return undefined
- * until the pipeline exists, and `prepare` waits for it.
+ * Links, compiles and caches pipelines, each variant once. Compiling never blocks: `compute` and
+ * `render` return undefined until the pipeline exists, and `prepare` waits for it.
  *
- * A prepared stage object has its pipeline for as long as somebody holds that object, as a live plan does through its shape.
- * Besides, the pipelines that were used last are kept, for equal stages of other shapes.
+ * A prepared stage object has its pipeline for as long as that object is held, as a live plan does
+ * through its shape. Besides, the pipelines that were used last are kept, for equal stages of other
+ * shapes.
  */
 export class Pipelines {
   readonly #device: GPUDevice;
@@ -68,7 +70,10 @@ export class Pipelines {
   readonly #cache: DeviceCache;
   readonly #linked = new RecentMap<string, string>(MAX_KEPT_PIPELINES);
   readonly #compiled = new RecentMap<string, Pipeline>(MAX_KEPT_PIPELINES);
-  /** Pipelines by the identity of stage and state, which needs no string keys; those of compute stages by the stage twice. */
+  /**
+   * Pipelines by the identity of stage and state, which needs no string keys; those of compute
+   * stages by the stage twice.
+   */
   readonly #found = new WeakMap<StageDefinition, WeakMap<StageDefinition | RenderState, Pipeline>>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
@@ -97,7 +102,7 @@ export class Pipelines {
     return stages.every((entry) => ('bindings' in entry ? this.compute(entry) : this.render(...entry)));
   }
 
-  /** Compiles those of `stages` that are not compiled yet. The next call retries those that fail. */
+  /** Compiles those of `stages` that are not compiled yet. The next call retries failures. */
   async prepare(stages: Iterable<CompiledStage>): Promise<void> {
     await Promise.all(
       Array.from(stages, async (entry) => {
@@ -111,7 +116,7 @@ export class Pipelines {
     );
   }
 
-  /** Makes a bind group for all of the stage's bindings; other entries of `bindings` are ignored. */
+  /** Makes a bind group for all of the stage's bindings; ignores other entries of `bindings`. */
   bindGroup<Binding extends string>(
     stage: StageDefinition<Binding>,
     bindings: Bindings<NoInfer<Binding>>,
@@ -127,7 +132,7 @@ export class Pipelines {
     });
   }
 
-  /** Finds a pipeline. Frames pass the same objects again and again, so their string keys are made once. */
+  /** Finds a pipeline. Frames pass the same objects again, so string keys are made once. */
   #find(stage: StageDefinition, state: RenderState | undefined): Pipeline | undefined {
     const known = this.#found.get(stage)?.get(state ?? stage);
     if (known) return known;

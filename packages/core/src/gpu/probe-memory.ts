@@ -20,8 +20,9 @@ export async function probeMemory({ device, availableBytes }: GpuMemory, bytes: 
 }
 
 /**
- * Waits until what was destroyed is free. Dawn gives memory back when a submission that follows is done; without one, a buffer of
- * 256 MiB was still missing after `onSubmittedWorkDone`, and an empty list of commands did not count.
+ * Waits until what was destroyed is free. Dawn gives memory back when a submission that follows is
+ * done; without one, a buffer of 256 MiB was still missing after `onSubmittedWorkDone`, and an
+ * empty list of commands did not count.
  */
 export async function reclaimMemory(device: GPUDevice): Promise<void> {
   device.queue.submit([device.createCommandEncoder({ label: 'reclaim memory' }).finish()]);

@@ -4,7 +4,8 @@ import { DestroyedError, GpuLimitError } from '../data/errors.ts';
  * Copies bytes to the CPU. Submits before it returns, so that nothing that follows changes them.
  *
  * @param record records the copy into a buffer of `size` bytes.
- * @throws GpuLimitError if `size` exceeds `maxBufferSize`, or memory is lacking; DestroyedError if the device ends before.
+ * @throws GpuLimitError if `size` exceeds `maxBufferSize`, or memory is lacking; DestroyedError if
+ *   the device ends before.
  */
 export async function readBack(
   device: GPUDevice,

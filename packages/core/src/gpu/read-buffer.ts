@@ -1,6 +1,6 @@
 import { readBack } from './read-back.ts';
 
-/** Copies `count` words of a buffer from word `first` on to the CPU, by default all. @throws GpuLimitError if memory is lacking. */
+/** Copies `count` words of a buffer from `first` on; default all. @throws GpuLimitError. */
 export async function readWords(
   device: GPUDevice,
   buffer: GPUBuffer,

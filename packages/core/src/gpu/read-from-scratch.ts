@@ -4,10 +4,11 @@ import type { GpuMemory } from './gpu-memory.ts';
 export type MakeScratch = (label: string, bytes: number, usage: GPUBufferUsageFlags) => GPUBuffer;
 
 /**
- * Returns what `find` reads back, in buffers that live no longer. `find` submits before it returns, so later work makes no difference.
+ * Returns what `find` reads back, in buffers that live no longer. `find` submits before it returns,
+ * so later work makes no difference.
  *
- * @param name, advice what needs the memory, and what to do where it is lacking: see `GpuMemory.guard`.
- * @throws GpuLimitError if memory is lacking, and what `find` rejects with.
+ * @param name, advice as for `GpuMemory.guard`.
+ * @throws GpuLimitError if memory is lacking, and the errors of `find`.
  */
 export async function readFromScratch(
   memory: GpuMemory,
@@ -23,7 +24,7 @@ export async function readFromScratch(
   };
   try {
     const { result, checked } = memory.guard(name, advice, () => find(create));
-    // What memory lacks says more than that the result is missing.
+    // The lack of memory says more than the missing result.
     result.catch(() => {});
     await checked;
     return await result;

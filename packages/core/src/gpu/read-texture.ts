@@ -18,11 +18,11 @@ const CHANNELS = {
 } as const;
 
 /**
- * Copies a texture in one of the `ColorTarget` formats to the CPU, in strips where it exceeds `maxBufferSize`. Submits before it
- * returns.
+ * Copies a texture in one of the `ColorTarget` formats to the CPU, in strips where it exceeds
+ * `maxBufferSize`. Submits before it returns.
  *
- * @throws GpuLimitError if memory is lacking, or a row of pixels exceeds `maxBufferSize`; DestroyedError if the device ends
- *   before.
+ * @throws GpuLimitError if memory is lacking, or a row of pixels exceeds `maxBufferSize`;
+ *   DestroyedError if the device ends before.
  */
 export async function readTexture(device: GPUDevice, texture: GPUTexture): Promise<TextureImage> {
   const { width, height, format } = texture;

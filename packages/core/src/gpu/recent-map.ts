@@ -1,4 +1,4 @@
-/** A map of the entries that were used last: when it is full, a new entry takes the place of the one that has waited longest. */
+/** A map of the entries used last: once it is full, a new one replaces the one used longest ago. */
 export class RecentMap<Key, Value> {
   readonly #limit: number;
   /** A `Map` lists entries in the order in which they were added. */

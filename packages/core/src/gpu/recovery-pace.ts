@@ -1,12 +1,13 @@
 /** How long to wait before the first, second, … attempt in a row to get a GPU again. */
 const WAITS_MS = [0, 1000, 4000, 16_000];
-/** A device that has lasted this long after it was put to use has recovered, and its loss is the first in a row. */
+/** A device that lasts this long in use has recovered: its loss is the first in a row. */
 const RECOVERED_AFTER_MS = 60_000;
 
 /**
- * Paces attempts to get a GPU again after the device was lost: at once, then after 1, 4 and 16 seconds, and then no more. What
- * brings the GPU down again and again, such as a scene that its memory is too small for, must not do so for ever; and a browser
- * may have no adapter while its GPU process restarts.
+ * Paces attempts to get a GPU again after the device was lost: at once, then after 1, 4 and 16
+ * seconds, and then no more. Causes of a loss that recur, such as a scene too large for the GPU's
+ * memory, must not do so for ever; and a browser may have no adapter while its GPU process
+ * restarts.
  */
 export class RecoveryPace {
   #attempts = 0;
@@ -16,7 +17,8 @@ export class RecoveryPace {
    * Call when the device was lost, and when an attempt to get another has failed.
    *
    * @param nowMs present time on any clock, ms.
-   * @returns how long to wait before the next attempt, ms; null: leave it to a person to try again, with a new pace.
+   * @returns how long to wait before the next attempt, ms; null: leave it to a person to try again,
+   *   with a new pace.
    */
   next(nowMs = performance.now()): number | null {
     if (nowMs - this.#recoveredMs > RECOVERED_AFTER_MS) this.#attempts = 0;
@@ -25,9 +27,10 @@ export class RecoveryPace {
   }
 
   /**
-   * Call when everything is on the screen again; further calls change nothing. If the device lasts for a minute from then on, its
-   * loss counts as the first. Waiting for a device, reading files and uploading them may take longer than that, and what brings
-   * the GPU down may come only then: none of it counts.
+   * Call when everything is on the screen again; further calls change nothing. If the device lasts
+   * for a minute from then on, its loss counts as the first. Waiting for a device, reading files
+   * and uploading them may take longer than that, and the cause of a loss may come only then: none
+   * of it counts.
    *
    * @param nowMs present time on the same clock, ms.
    */

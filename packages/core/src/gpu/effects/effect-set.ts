@@ -4,7 +4,7 @@ import type { BindingKind, StageDefinition } from '../pipelines.ts';
 import type { ShaderModules } from '../shaders/shader-linker.ts';
 import type { EffectHooks, EffectUse, SplatEffect } from './effect.ts';
 
-/** The effects that one cloud is drawn with, in the order in which they act. Equal lists are the same object. */
+/** Effects that one cloud is drawn with, in the order they act. Equal lists are the same object. */
 export interface EffectSet {
   readonly effects: readonly SplatEffect[];
   /** The modules that shaders import these effects from. */
@@ -25,7 +25,7 @@ export const NO_EFFECTS: EffectSet = {
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
-/** Binding of one bit per splat of the page and selection, in stages with hooks that take `selected`. */
+/** Binding of a bit per splat of the page and selection, in stages whose hooks take `selected`. */
 const SELECTED_BINDING = 17;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 export const STRUCT_ALIGNMENT = 16;
@@ -60,7 +60,7 @@ export function hasHook({ effects }: EffectSet, hook: keyof EffectHooks): boolea
   return effects.some(({ hooks }) => hooks[hook] !== undefined);
 }
 
-/** Returns the set for stages that do not compute colours: NO_EFFECTS if all its effects change only colours. */
+/** Returns the set for stages without colours: NO_EFFECTS if effects change only colours. */
 export function geometryEffects(set: EffectSet): EffectSet {
   return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
 }
@@ -119,8 +119,9 @@ const HOOK_FUNCTIONS: Readonly<
 };
 
 /**
- * Returns the modules `effects`, whose functions apply one effect after another, and `parameters`, which has the structs, and
- * the modules of the effects themselves. Only what a stage uses of them is linked.
+ * Returns the modules `effects`, whose functions apply one effect after another, and `parameters`,
+ * which has the structs, and the modules of the effects themselves. Only what a stage uses of them
+ * is linked.
  */
 function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   const withParameters = effects.filter(({ parameters }) => parameters !== null);
@@ -182,7 +183,7 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   };
 }
 
-/** Returns the bindings that a stage needs to apply effects at these hooks; only those that some effect uses. */
+/** Returns the bindings of a stage that applies effects at these hooks, as far as used. */
 export function effectBindings(set: EffectSet, hooks: readonly SelectionHook[]): StageDefinition['bindings'] {
   const bindings: Record<string, readonly [number, BindingKind]> = {};
   if (set.parameterBytes > 0) bindings.effects = [PARAMETERS_BINDING, 'uniform'];

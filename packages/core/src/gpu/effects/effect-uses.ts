@@ -20,8 +20,9 @@ interface EffectSource {
 }
 
 /**
- * Returns the effects that a cloud is drawn with, in order: the caller's own in the given order, since they may move splats,
- * then those of CLOUD_EFFECTS, including the ones that the cloud itself needs.
+ * Returns the effects that a cloud is drawn with, in order: the caller's own in the given order,
+ * since they may move splats, then those of CLOUD_EFFECTS, including the ones that the cloud itself
+ * needs.
  *
  * @throws InvalidArgumentError if an effect is used twice, or the opacity is out of range.
  */
@@ -34,7 +35,7 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
     );
   const uses = [...requested];
   const { opacity: factor = 1 } = source;
-  // Host objects always have an opacity: if it is 1, the caller's effects may include the opacity effect.
+  // Host objects always have an opacity: if it is 1, a caller's effects may include that effect.
   if (factor !== 1) uses.push(opacity(factor));
   if (source.cloud?.facts.isAntialiased && !uses.some(({ effect }) => effect === antialias.effect))
     uses.push(antialias());

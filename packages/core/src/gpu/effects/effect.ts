@@ -5,24 +5,27 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import type { SplatSelection } from '../../data/splats/splat-selection.ts';
 
 /**
- * Names of the functions in an effect's shader, by the place where they act. The last argument of each function is the
- * effect's parameters, if it has any: a struct named like the effect (`wind-sway`: `WindSway`). If the effect takes a
- * selection, functions for splats and colours take `selected: bool` before it.
+ * Names of the functions in an effect's shader, by the place where they act. The last argument of
+ * each function is the effect's parameters, if it has any: a struct named like the effect
+ * (`wind-sway`: `WindSway`). If the effect takes a selection, functions for splats and colours take
+ * `selected: bool` before it.
  */
 export interface EffectHooks {
   /**
-   * `fn name(splat: Splat, splatIndex: u32, …) -> Splat`: changes a splat in its cloud's space, in cull-splats and in
-   * project, before they use it. `splatIndex` counts within a page, and is the same in every frame.
+   * `fn name(splat: Splat, splatIndex: u32, …) -> Splat`: changes a splat in its cloud's space, in
+   * cull-splats and in project, before they use it. `splatIndex` counts within a page, and is the
+   * same in every frame.
    */
   readonly splat?: string;
   /**
-   * `fn name(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, …) -> f32`: changes a splat's opacity depending on its
-   * shape on the screen, in cull-splats and in project.
+   * `fn name(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32, …) -> f32`: changes a splat's
+   * opacity depending on its shape on the screen, in cull-splats and in project.
    */
   readonly opacity?: string;
   /**
-   * `fn name(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, …) -> vec3f`: changes a splat's colour, in
-   * project, before it is clamped; sRGB-encoded, like the images that scenes are trained with.
+   * `fn name(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, …) -> vec3f`: changes
+   * a splat's colour, in project, before it is clamped; sRGB-encoded, like the images that scenes
+   * are trained with.
    */
   readonly color?: string;
 }
@@ -54,12 +57,12 @@ export interface SplatEffect {
   readonly takesSelection: boolean;
 }
 
-/** An effect with a caller's options, for one cloud of one frame. Made by the effect's function: `tint([1, 0, 0])`. */
+/** An effect with options, for one cloud of one frame; made by its function: `tint([1, 0, 0])`. */
 export interface EffectUse {
   readonly effect: SplatEffect;
   /** Options that the caller passed. */
   readonly options: unknown;
-  /** A clause that says why the effect is on now; null if its options change nothing, which turns it off. */
+  /** Clause that says why the effect is on; null if its options change nothing: it is off then. */
   readonly reason: string | null;
   readonly reach: SplatReach;
   /** Null if the effect takes no selection. */
@@ -71,9 +74,9 @@ export interface EffectUse {
 /** Argument of `defineEffect`. */
 export interface EffectDefinition<Options, Fields extends GpuFields>
   extends Pick<SplatEffect, 'name' | 'label' | 'about' | 'hooks' | 'wgsl'> {
-  /** Fields of the struct that the functions take as their last argument: WGSL types by name; default none. */
+  /** Fields of the struct that functions take last: WGSL types by name; default none. */
   readonly fields?: Fields;
-  /** Returns a clause that says why these options change a frame, or null if they change nothing. */
+  /** Returns a clause that says why these options change a frame; null if they do not. */
   readonly calledFor: (options: Options) => string | null;
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
@@ -95,10 +98,12 @@ export interface EffectFunction<Options> {
 const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 
 /**
- * Defines a new effect: returns a function that makes uses of it for `CloudInstance.effects`. Shaders contain an effect's
- * code only if a cloud of the frame uses the effect and `calledFor` returns a reason.
+ * Defines a new effect: returns a function that makes uses of it for `CloudInstance.effects`.
+ * Shaders contain an effect's code only if a cloud of the frame uses the effect and `calledFor`
+ * returns a reason.
  *
- * @throws InvalidArgumentError for a name that is not lower case with hyphens, or an effect without hooks.
+ * @throws InvalidArgumentError for a name that is not lower case with hyphens, or an effect without
+ *   hooks.
  */
 export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,

@@ -39,7 +39,10 @@ const stagesWith = (effects: EffectSet) => [
   project({ ...PROJECT, effects }),
 ];
 
-/** Checks that the stage's text is the same without the effects' own modules, and contains none of their code. */
+/**
+ * Checks that the stage's text is the same without the effects' own modules, and contains none of
+ * their code.
+ */
 function expectNothingOf(effects: readonly SplatEffect[], stage: StageDefinition): void {
   const input = linkInput(stage);
   const unknown = effects.map(({ name }) => `package::effects::${name.replaceAll('-', '_')}`);
@@ -59,7 +62,7 @@ const sway = defineEffect<{ by: number }, { by: 'f32' }>({
   label: 'Sway',
   about: 'Moves everything.',
   hooks: { splat: 'swaySplat' },
-  // Braces at the beginning of lines, because the reflection of WGSL in this test looks for them there.
+  // Braces begin lines, because the reflection of WGSL in this test looks for them there.
   wgsl: `import package::lib::packing::Splat;
 import parameters::TestSway;
 fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {

@@ -17,7 +17,7 @@ export * from './reveal/reveal.ts';
 export * from './tint/tint.ts';
 
 /**
- * The functions of all effects of this package, in the order in which effects act. To add one, write its folder, and list it
- * here.
+ * The functions of all effects of this package, in the order in which effects act. To add one,
+ * write its folder, and list it here.
  */
 export const EFFECTS = { clip, reveal, opacity, antialias, brightness, tint, highlight, fog } as const;

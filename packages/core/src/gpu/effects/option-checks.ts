@@ -39,7 +39,7 @@ export function checkVector(
   throw invalidOption(argument, value, `${what}: ${length} finite numbers${rule}`);
 }
 
-/** @throws InvalidArgumentError unless `value` is a length of 0 or more that is finite in float32. */
+/** @throws InvalidArgumentError unless `value` is a length of 0 or more, finite in float32. */
 export function checkLength(argument: string, value: number, what: string): void {
   if (isFiniteF32(value) && value >= 0) return;
   throw invalidOption(argument, value, `${what}: a finite number of world units, 0 or more`);
@@ -57,7 +57,7 @@ export function checkRange(argument: string, value: number, max: number, what: s
   throw invalidOption(argument, value, `${what}, 0…${max}`);
 }
 
-/** Returns the error for an invalid option. `expected`: meaning of the option and its valid values. */
+/** Returns the error for an invalid option. `expected`: its meaning and valid values. */
 export function invalidOption(argument: string, value: unknown, expected: string): InvalidArgumentError {
   return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it is ${expected}.`);
 }

@@ -12,7 +12,7 @@ export function tileSource(stage: keyof typeof TILE_TEXTS): () => Promise<LaterT
   };
 }
 
-/** Starts loading the texts of the tiles, so that they arrive while a device is asked for. A failure is told to callers that need them. */
+/** Loads the tiles' texts while a device is asked for. A failure reaches callers that need them. */
 export function foreseeTiles(): void {
   loadTiles().catch(() => {});
 }

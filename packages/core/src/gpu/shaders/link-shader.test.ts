@@ -153,9 +153,9 @@ describe('linked shaders', () => {
 });
 
 /**
- * Returns the loops whose end could depend on memory that another workgroup writes. A loop is safe if its own counter is
- * compared with, and moved by, a number, a constant, a local value or a member of a uniform (by name: not an index, a call or
- * a pointer).
+ * Returns the loops whose end could depend on memory that another workgroup writes. A loop is safe
+ * if its own counter is compared with, and moved by, a number, a constant, a local value or a
+ * member of a uniform (by name: not an index, a call or a pointer).
  */
 function openLoops(wgsl: string): string[] {
   const operand = String.raw`(?:\d+u?|[A-Za-z_]\w*(?:\.\w+)?)(?:\s*\/\s*\d+u?)?`;

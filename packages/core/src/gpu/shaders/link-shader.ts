@@ -4,8 +4,8 @@ import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../../data/lay
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 /**
- * All shader files, except those of effects, which bring their own, and those that come later: with code that only some pages need, or
- * see `later-source.ts`.
+ * All shader files, except those of effects, which bring their own, and those that come later: with
+ * code that only some pages need, or see `later-source.ts`.
  */
 const files = import.meta.glob<string>(
   [
@@ -25,12 +25,12 @@ function modulesOf(texts: Readonly<Record<string, string>>): ShaderModules {
   return Object.fromEntries(Object.entries(texts).map(named));
 }
 
-/** Returns `package::stages::cull_splats` for `stages/cull-splats`: WGSL identifiers have no hyphens. */
+/** Returns `package::stages::cull_splats` for `stages/cull-splats`: WGSL names have no hyphens. */
 function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
-/** What comes of a variant later. */
+/** Results of a variant, later. */
 export interface LaterTexts {
   readonly source: string;
   readonly libraries?: ShaderVariant['libraries'];
@@ -42,7 +42,7 @@ export interface ShaderVariant {
   readonly stage: string;
   /** Text of that file, or what loads it, if it is not among the engine's own modules. */
   readonly source?: string | (() => Promise<LaterTexts>);
-  /** Texts of other files below shaders/ that are not among those modules, by their names without endings. */
+  /** Texts of other files below shaders/ than those modules, by their names without endings. */
   readonly libraries?: Readonly<Record<string, string>>;
   /** Structs that it may import besides those of all shaders. */
   readonly structs?: readonly ShaderStruct[];
@@ -50,19 +50,19 @@ export interface ShaderVariant {
   readonly constants?: Readonly<Record<string, number>>;
   /** Whether it uses built-in functions of subgroups, which are a feature of devices. */
   readonly usesSubgroups?: boolean;
-  /** Provides the modules `effects` and `parameters`; equal modules are the same object. Default none. */
+  /** Provides modules `effects` and `parameters`; equal ones are the same object. Default none. */
   readonly effects?: { readonly modules: ShaderModules };
 }
 
-/** Loads the variant's texts where they are still to be loaded, as it must be before it is linked. */
+/** Loads a variant's missing texts, as it must be before it is linked. */
 export async function loadVariant<Variant extends ShaderVariant>(variant: Variant): Promise<Variant> {
   const { source } = variant;
   return typeof source === 'function' ? { ...variant, ...(await source()) } : variant;
 }
 
 /**
- * Replaces some text of a shader, to show that tests notice: with a remedy removed, the test case for it must fail. Only used
- * in tests.
+ * Replaces some text of a shader, to show that tests notice: with a remedy removed, the test case
+ * for it must fail. Only used in tests.
  */
 export interface ShaderMutation {
   /** File below shaders/ without its ending, e.g. `lib/covariance`. */
@@ -116,7 +116,7 @@ export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): s
   return variant.usesSubgroups ? `enable subgroups;\n${linked}` : linked;
 }
 
-/** Returns a variant as input of the linker: the host's structs and constants become modules, like files. */
+/** Returns a variant as input of the linker: host structs and constants become modules. */
 export function linkInput(
   { stage, source, libraries = {}, structs = [], conditions = {}, constants = {}, effects }: ShaderVariant,
   mutation?: ShaderMutation,
@@ -142,7 +142,7 @@ export function linkInput(
 
 function mutated(known: ShaderModules, { file, find, replace }: ShaderMutation): ShaderModules {
   const name = moduleName(file);
-  // An engine's mutation is there for all of its shaders, and the file may come with only one of them.
+  // A mutation is for all shaders of an engine; the file may come with only one of them.
   if (!(name in known)) return known;
   const parts = known[name].split(find);
   if (parts.length !== 2)

@@ -348,7 +348,7 @@ fn square(/* any */ x: f32) -> f32 {
   });
 });
 
-/** What wesl links, which knows of no unrolled loops: those are written out beforehand, as text. */
+/** Text linked by wesl, which knows no unrolled loops: those are written out beforehand. */
 function weslText({ modules, root, conditions, counts }: LinkInput): Promise<string> {
   const { layout, constants, ...files } = modules;
   const weslSrc = Object.fromEntries(
@@ -362,7 +362,7 @@ function weslText({ modules, root, conditions, counts }: LinkInput): Promise<str
   return linkByWesl({ ...options, keepComments: false, sourceMap: false }).then(({ dest }) => dest);
 }
 
-/** Writes out unrolled loops, each of which ends at the first brace that is indented like its beginning. */
+/** Writes out unrolled loops, each of which ends at the first brace indented like its start. */
 function unrolledText(
   text: string,
   conditions: LinkInput['conditions'],
@@ -382,8 +382,9 @@ function unrolledText(
 }
 
 /**
- * Returns the declarations of a WGSL text, sorted, each as its tokens in one line, without commas after the last element of a
- * list: they mean nothing, and wesl, which rewrites lists, adds or removes them.
+ * Returns the declarations of a WGSL text, sorted, each as its tokens in one line, without commas
+ * after the last element of a list: they mean nothing, and wesl, which rewrites lists, adds or
+ * removes them.
  */
 function declarationsIn(wgsl: string): string[] {
   const declarations: string[] = [];

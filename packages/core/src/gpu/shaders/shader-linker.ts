@@ -1,23 +1,25 @@
 /**
- * Links the WGSL of shaders/: joins one module and the declarations that it needs from others into one text. In addition to
- * WGSL, modules may contain
+ * Links the WGSL of shaders/: joins one module and the declarations that it needs from others into
+ * one text. In addition to WGSL, modules may contain
  *
  *     import package::lib::packing::unpackSplat;
  *     import package::lib::srgb::{decodeSrgb, encodeSrgb};
  *     @if(SH_1 && !SH_F32) …
  *
- * where the condition precedes an import, a declaration, a member of a struct or a statement, which is removed if the
- * condition is not met. Comments are removed too. A loop of the form
+ * where the condition precedes an import, a declaration, a member of a struct or a statement, which
+ * is removed if the condition is not met. Comments are removed too. A loop of the form
  *
  *     @unroll(!NARROW) for (var item = 0u; item < ITEMS; item++) { … }
  *
- * becomes a block per value of its counter, which stands there as a number: drivers do not unroll loops that contain
- * barriers, and an array that such a loop indexes then lies in memory instead of registers. Where the condition is not met,
- * the loop stays as it is; without a condition it is always written out.
+ * becomes a block per value of its counter, which stands there as a number: drivers do not unroll
+ * loops that contain barriers, and an array that such a loop indexes then lies in memory instead of
+ * registers. Where the condition is not met, the loop stays as it is; without a condition it is
+ * always written out.
  *
- * The linker neither renames anything nor follows scopes. To keep that safe, code that would need either is an error: two
- * linked modules that declare the same name, a local name that hides one of its module, and the use of another module's
- * declaration without an import. Every word that is a name of its module is then a use of that name.
+ * The linker neither renames anything nor follows scopes. To keep that safe, code that would need
+ * either is an error: two linked modules that declare the same name, a local name that hides one of
+ * its module, and the use of another module's declaration without an import. Every word that is a
+ * name of its module is then a use of that name.
  */
 
 /** Text of modules by name, e.g. `package::lib::packing`. */
@@ -25,7 +27,7 @@ export type ShaderModules = Readonly<Record<string, string>>;
 
 export interface LinkInput {
   readonly modules: ShaderModules;
-  /** The module whose declarations all stay; from others only the declarations that it reaches stay. */
+  /** The module whose declarations all stay; others keep only those that it reaches. */
   readonly root: string;
   /** Every condition that modules may use. */
   readonly conditions: Readonly<Record<string, boolean>>;
@@ -60,7 +62,8 @@ interface Import {
 type Scope = ReadonlyMap<string, Named>;
 
 /**
- * Returns the WGSL of the root module with everything that it reaches, each declaration once and after those that it uses.
+ * Returns the WGSL of the root module with everything that it reaches, each declaration once and
+ * after those that it uses.
  * @throws RangeError with module and line if the modules cannot be linked.
  */
 export function linkModules({ modules, root, conditions, counts }: LinkInput): string {
@@ -146,8 +149,9 @@ function tokensOf(module: string, source: string): readonly Token[] {
 }
 
 function tokenize(module: string, source: string): Token[] {
-  // As coarse as possible, since the gaps restore the original text: numbers and most operators may be split, as long as no
-  // part looks like a name; the operators of conditions and imports stay whole.
+  // As coarse as possible, since the gaps restore the original text: numbers and most operators may
+  // be split, as long as no part looks like a name; the operators of conditions and imports stay
+  // whole.
   const pattern = /\s+|\/\/.*|\/\*|\w+|::|&&|\|\||./y;
   const tokens: Token[] = [];
   let line = 1;
@@ -230,8 +234,8 @@ class Cursor {
   }
 
   /**
-   * Moves past one statement, declaration or import: each ends with its semicolon, or with its last brace if no `else`
-   * follows. A semicolon after the braces of an import or struct belongs to it.
+   * Moves past one statement, declaration or import: each ends with its semicolon, or with its last
+   * brace if no `else` follows. A semicolon after the braces of an import or struct belongs to it.
    */
   skipStatement(): void {
     const first = this.#beginning();
@@ -321,7 +325,7 @@ function selectMet(tokens: readonly Token[], conditions: LinkInput['conditions']
   return met;
 }
 
-/** Evaluates `(A && !(B || C))`. Always reads both sides of an operator, so that every unknown name is found. */
+/** Evaluates `(A && !(B || C))`. Reads both sides of an operator: unknown names are found. */
 function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boolean {
   function takeOr(): boolean {
     let value = takeAnd();
@@ -346,7 +350,7 @@ function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boo
   return value;
 }
 
-/** Returns the tokens without marks `@unroll`, and with every loop so marked written out if its condition is met. */
+/** Returns the tokens without marks `@unroll`; such loops are written out on their condition. */
 function unroll(
   tokens: readonly Token[],
   conditions: LinkInput['conditions'],
@@ -443,7 +447,7 @@ function takeDeclaration(cursor: Cursor): Declaration {
   return { name: tokens[nameAt], isFunction: tokens[keywordAt].text === 'fn', tokens };
 }
 
-/** Returns the words of a declaration, except its name, names of members, parameters and locals, and words after a dot. */
+/** Returns a declaration's words but its name, members, parameters, locals, words after dots. */
 function wordsUsed({ name, isFunction, tokens }: Declaration, scope: Scope): Token[] {
   const used: Token[] = [];
   const locals = new Set<string>();

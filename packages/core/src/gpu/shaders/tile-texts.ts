@@ -9,7 +9,7 @@ import tilePlan from '../../../../../shaders/stages/tile-plan.wgsl?raw';
 import tileRanges from '../../../../../shaders/stages/tile-ranges.wgsl?raw';
 import tileRasterize from '../../../../../shaders/stages/tile-rasterize.wgsl?raw';
 
-/** Texts of the stages that only tiles need. Loaded by `tileSource`, so that they arrive besides the engine's own code. */
+/** Texts of stages for tiles alone; `tileSource` loads them beside the engine's own code. */
 export const TILE_TEXTS = {
   'tile-count': tileCount,
   'tile-emit': tileEmit,

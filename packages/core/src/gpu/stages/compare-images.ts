@@ -2,7 +2,7 @@ import source from '../../../../../shaders/stages/compare-images.wgsl?raw';
 import { COMPARE_CONSTANTS, COMPARE_STRUCTS } from '../../data/layout/compare-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 
-/** Compares two layers of equal size: writes a `CompareTile` per tile, and how often each absolute error occurs. */
+/** Compares layers of equal size: writes a `CompareTile` per tile, counts absolute errors. */
 export const compareImages = {
   stage: 'compare-images',
   source,
@@ -18,10 +18,13 @@ export const compareImages = {
   },
 } as const satisfies StageDefinition;
 
-/** Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128 of one another. */
+/**
+ * Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128
+ * of one another.
+ */
 const DROPPED_BITS = 16;
 
-/** Number of counts for errors of 0…1. The first stays 0: the number of equal values follows from the others. */
+/** Number of counts for errors of 0…1. The first stays 0: equal values follow from the others. */
 export const ERROR_COUNTS = 1 + (0x3f800000 >> DROPPED_BITS);
 
 /** Returns the middle of the errors that are counted at `index`. */

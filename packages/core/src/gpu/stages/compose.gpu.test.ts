@@ -42,7 +42,7 @@ function randomImage(seed: number): Float32Array {
   return values;
 }
 
-/** Places the image at its origin within a larger one, with garbage around it; `values` per pixel. */
+/** Places the image in a larger one, with garbage around it; `values` per pixel. */
 function placed(image: ArrayLike<number>, values: number, [xPx, yPx]: readonly [number, number]) {
   const size = { widthPx: SIZE.widthPx + xPx + 1, heightPx: SIZE.heightPx + yPx + 2 };
   const larger = new Float32Array(values * size.widthPx * size.heightPx).fill(0.123);
@@ -55,8 +55,9 @@ function placed(image: ArrayLike<number>, values: number, [xPx, yPx]: readonly [
 }
 
 /**
- * View depths of every pixel's samples, on one surface or several. No two depths are about 5 % apart, because rounding would
- * decide whether they lie on one surface. 35 and 40, the far plane, are two surfaces; their logarithms would make them one.
+ * View depths of every pixel's samples, on one surface or several. No two depths are about 5 %
+ * apart, because rounding would decide whether they lie on one surface. 35 and 40, the far plane,
+ * are two surfaces; their logarithms would make them one.
  */
 function randomSamples(far: number): Float64Array {
   const random = seededRandom(8);
@@ -170,7 +171,7 @@ const CONVENTIONS: Readonly<Record<string, readonly [Camera, DepthConvention['ma
 
 const DEPTH = { mapping: 'projection', compare: 'less-equal', layerFormat: null } as const;
 
-/** WGSL's pow errs by about 2^-20 of its value; two of them, for colours of up to 1.5. SwiftShader errs by 6e-7. */
+/** Two of WGSL's pow, each within 2^-20 of its value, for colours up to 1.5; SwiftShader: 6e-7. */
 const COLOR_BOUND = 1e-5;
 /** Some roundings of terms of about 1. SwiftShader errs by 7e-8. */
 const DEPTH_BOUND = 1e-6;

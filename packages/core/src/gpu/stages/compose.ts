@@ -2,7 +2,7 @@ import type { BindingKind, RenderState, StageDefinition } from '../pipelines.ts'
 import { rareSource } from '../shaders/later-source.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 
-/** Formats of compose's targets: the image in linear light, and the splats' depth as the host stores it. */
+/** Formats of compose's targets: linear light, and the splats' depth as the host stores it. */
 export const COMPOSED_COLOR_FORMAT = 'rgba16float';
 export const COMPOSED_DEPTH_FORMAT = 'r32float';
 
@@ -10,7 +10,8 @@ export const COMPOSED_DEPTH_FORMAT = 'r32float';
  * Composes the blended splats over the host's image.
  *
  * @param depth the host's depth, which hides splats; null if there is none.
- * @param isMultisampled whether the host's depth has several samples per pixel: if so, edges of meshes stay smooth.
+ * @param isMultisampled whether the host's depth has several samples per pixel: if so, edges of
+ *   meshes stay smooth.
  */
 export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): StageDefinition {
   const bindings: Record<string, readonly [number, BindingKind]> = {

@@ -46,7 +46,7 @@ describe('composite', () => {
       device.queue.submit([encoder.finish()]);
       const { data } = await readTexture(device, target);
       const expected = compositeReference(layer, background);
-      // Three roundings of numbers up to 1. Eight bits round by half a step, to which WebGPU adds a tenth.
+      // Three roundings of numbers up to 1. Eight bits: half a step, to which WebGPU adds a tenth.
       const bound = format === 'rgba8unorm' ? 0.6 / 255 : 4 * 2 ** -24;
       for (const [i, value] of expected.entries()) {
         expect(Math.abs(data[i] - value), `value ${i}`).toBeLessThanOrEqual(bound);

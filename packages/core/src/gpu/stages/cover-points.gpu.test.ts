@@ -50,7 +50,7 @@ function pointAt(
   return transform3(invert3(linearPart(v))!, [x - v[12], y - v[13], -depthView - v[14]]);
 }
 
-/** Compares what covers random points with the reference's answer, for the numbers that the stage reads. */
+/** Compares the cover of random points with the reference's, for numbers that the stage reads. */
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx'>, count = 60): Promise<number[]> {
   const frame = await InspectedFrame.draw(device, { ...options, ...SIZE });
   const splats = (await readRecords(frame)).map(visibleSplatOf);

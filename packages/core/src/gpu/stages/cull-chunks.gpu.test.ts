@@ -8,8 +8,8 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 
 /**
- * The shader keeps chunks that fail the test of a side by less than 1e-5 of its terms, and its own rounding of about ten
- * operations on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
+ * The shader keeps chunks that fail the test of a side by less than 1e-5 of its terms, and its own
+ * rounding of about ten operations on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
  */
 const KEPT_BEYOND = 1.2e-5;
 

@@ -14,7 +14,7 @@ afterAll(() => device.destroy());
 const SIZE = { widthPx: 48, heightPx: 32 };
 const SPLATS = 1500;
 
-/** Draws the frame and checks which splats it drew; returns the numbers of drawn splats and of those left to rounding. */
+/** Draws a frame, checks which splats it drew; counts the drawn ones and those left to rounding. */
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
   const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
   const { visibleCount, unsureCount, mismatches, flaws } = await compareCulling(frame);
@@ -97,7 +97,7 @@ describe('cull-splats', () => {
     clouds: [{ set: large }, chunkFar],
     camera: testCameras(1.5)[camera],
   });
-  /** What is drawn by the settings that the others are compared with, by camera. */
+  /** Splats drawn with the settings that the others are compared with, by camera. */
   const plain: Record<string, ReturnType<typeof check>> = {};
   for (const settings of [
     { extent: 'fixed' },

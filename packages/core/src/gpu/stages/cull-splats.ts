@@ -15,7 +15,7 @@ export interface CullSplatsVariant {
   readonly geometryPrecision: GeometryPrecision;
   readonly extent: Extent;
   readonly culling: Culling;
-  /** Whether splats are sorted by their distances from the camera, not by their depths; default false. */
+  /** Whether splats are sorted by distance from the camera, not by depth; default false. */
   readonly sortsByDistance?: boolean;
   /** Effects of the page's cloud; default none. */
   readonly effects?: EffectSet;

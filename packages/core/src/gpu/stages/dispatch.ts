@@ -1,13 +1,14 @@
-/** Reference of shaders/lib/dispatch.wgsl: dispatch size in x, y and z for `count` workgroups in rows of `row`. */
+/** Reference of shaders/lib/dispatch.wgsl: x, y, z of `count` workgroups in rows of `row`. */
 export function dispatchSize(count: number, row: number): [number, number, number] {
   return count <= row ? [count, 1, 1] : [row, Math.ceil(count / row), 1];
 }
 
 /**
- * Up to this many workgroups, it is cheaper to start all that may have work than to read their number on the GPU: Dawn checks the
- * arguments of every indirect dispatch in a dispatch of its own. Measured with Dawn on an NVIDIA H200: a hundred of them took 14
- * of the 16 ms that recording and submitting a frame of 50 small clouds took on the CPU; on the GPU, a frame of six million
- * splats got 0.06 ms faster without them, although most of the workgroups return at once.
+ * Up to this many workgroups, it is cheaper to start all that may have work than to read their
+ * number on the GPU: Dawn checks the arguments of every indirect dispatch in a dispatch of its own.
+ * Measured with Dawn on an NVIDIA H200: a hundred of them took 14 of the 16 ms that recording and
+ * submitting a frame of 50 small clouds took on the CPU; on the GPU, a frame of six million splats
+ * got 0.06 ms faster without them, although most of the workgroups return at once.
  */
 const MAX_DIRECT_WORKGROUPS = 32_768;
 
@@ -18,8 +19,8 @@ export interface IndirectArguments {
 }
 
 /**
- * Dispatches the number of workgroups in `indirect`, at most `bound`. A small `bound` is dispatched directly; workgroups without
- * work return at once.
+ * Dispatches the number of workgroups in `indirect`, at most `bound`. A small `bound` is dispatched
+ * directly; workgroups without work return at once.
  */
 export function dispatchAtMost(
   pass: GPUComputePassEncoder,

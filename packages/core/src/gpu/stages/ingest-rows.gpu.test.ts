@@ -160,7 +160,7 @@ describe('ingest-rows', () => {
         `takes harmonics from a palette: degree ${storedDegree} of 3, ${precision.shPrecision}`,
         async () => {
           const set = hardSplats(3);
-          // Every splat shares its harmonics with the one before or behind it, and some cannot be drawn.
+          // Every splat shares its harmonics with a neighbour, and some cannot be drawn.
           for (let i = 1; i < set.count; i += 2)
             set.harmonics.coefficients.copyWithin(45 * i, 45 * (i - 1), 45 * i);
           set.harmonics.coefficients.fill(Number.NaN, 45 * 8, 45 * 8 + 1);

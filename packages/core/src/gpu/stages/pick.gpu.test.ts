@@ -61,8 +61,8 @@ function drawnByReference({ clouds, projection, accuracy: { alphaCutoff } }: Ins
 }
 
 /**
- * Weights are products of float32 within a block of 256, whose roundings add up to 256·2^-23 = 3e-5, and opacities come
- * from an `exp` of some ulp.
+ * Weights are products of float32 within a block of 256, whose roundings add up to 256·2^-23 =
+ * 3e-5, and opacities come from an `exp` of some ulp.
  */
 const WEIGHT_ERROR = 5e-5;
 
@@ -70,11 +70,11 @@ interface CheckOptions {
   readonly pixels?: number;
   /** Permitted error of the image's alpha: in rgba16float many faint layers stall. */
   readonly imageError?: number;
-  /** Permitted difference from a pick of the scene in float64, which depends on the precision of records. */
+  /** Permitted difference from a pick in float64, which depends on the precision of records. */
   readonly exactError?: number;
 }
 
-/** Compares picks at pixels all over the image with the reference's; returns those that found a splat. */
+/** Compares picks all over the image with the reference's; returns those that found a splat. */
 async function check(
   scene: Scene,
   { pixels = 30, imageError = 4e-3, exactError = 2e-3 }: CheckOptions = {},

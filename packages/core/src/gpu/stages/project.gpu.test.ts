@@ -28,7 +28,7 @@ async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'key
   const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
   const records = await readRecords(frame);
   expect(records.length).toBeGreaterThan(SPLATS / 50);
-  // Dilation makes every axis at least this long, so that shaders may divide by it; float16 rounds it.
+  // Dilation makes every axis this long, so that shaders may divide by it; float16 rounds it.
   const shortest =
     Math.sqrt(2 * DILATION_PX2) * (frame.accuracy.recordPrecision === 'paper' ? 0.999 : 0.99999);
   for (const { minorLengthPx } of records) expect(minorLengthPx).toBeGreaterThanOrEqual(shortest);

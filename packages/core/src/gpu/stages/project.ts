@@ -20,7 +20,7 @@ export interface ProjectVariant {
   readonly storedShDegree: ShDegree;
   /** Degree that is evaluated, at most the stored one. */
   readonly shDegree: ShDegree;
-  /** Whether splats are sorted by their distances from the camera, not by their depths; default false. */
+  /** Whether splats are sorted by distance from the camera, not by depth; default false. */
   readonly sortsByDistance?: boolean;
   /** Effects of the page's cloud; default none. */
   readonly effects?: EffectSet;

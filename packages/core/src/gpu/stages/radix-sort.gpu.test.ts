@@ -122,7 +122,7 @@ async function sortPairs(
   return sorted;
 }
 
-/** Shapes of frames on devices with little and with much workgroup memory, as far as `device` has it, and by ballots. */
+/** Shapes for little and much workgroup memory, as far as `device` has it, and by ballots. */
 function shapesFor(bits: number, isNarrow = false): SortShape[] {
   const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes, isNarrow));
   const distinct = shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));

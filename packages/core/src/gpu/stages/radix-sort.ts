@@ -8,25 +8,29 @@ import { scanLanesFor, scanWorkgroups, sortScan } from './sort-scan.ts';
 import { sortScatter } from './sort-scatter.ts';
 import { blockKeysOf, type SortShape } from './sort-shape.ts';
 
-/** What to sort, and how. */
+/** Payloads and outputs of a sort, beside its size. */
 export type RadixSortOptions = SortSize & {
   readonly shape: SortShape;
   /** Largest number of keys. */
   readonly capacity: number;
   /** Largest number of workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
-  /** What is sorted by the keys: their indices, or words that the caller writes to `payloads`. Default 'index'. */
+  /** Words sorted by the keys: their indices, or `payloads` of the caller. Default 'index'. */
   readonly payloads?: 'index' | 'given';
-  /** Whether `sortedKeys` is written. Default false, which saves the last pass half of its writes. */
+  /** Whether `sortedKeys` is written. Default false, which saves half of the last pass's writes. */
   readonly writesKeys?: boolean;
-  /** Whether a histogram counts the digits of the first pass, or the caller writes `digitCounts`. Default 'counted'. */
+  /**
+   * Whether a histogram counts the digits of the first pass, or the caller writes `digitCounts`.
+   * Default 'counted'.
+   */
   readonly firstCounts?: 'counted' | 'given';
   /**
-   * Eight bytes per key, a multiple of 256 keys, that the caller lends for the duration of the sort. It holds the keys and payloads
-   * that the result does not: the given ones if the number of passes is odd.
+   * Eight bytes per key, a multiple of 256 keys, that the caller lends for the duration of the
+   * sort. It holds the keys and payloads that the result does not: the given ones if the number of
+   * passes is odd.
    */
   readonly spare?: GPUBuffer;
-  /** Takes the order, four bytes per key; it stays the caller's. By default the sort has a buffer of its own for it. */
+  /** Takes the order, four bytes per key; stays the caller's. Default: the sort's own buffer. */
   readonly order?: GPUBuffer;
   /** Begins the labels of the buffers. Default 'sort'. */
   readonly label?: string;
@@ -42,7 +46,7 @@ type SortSize =
   | {
       /** A `SortPlan` that the caller writes: plan-sort does not run. */
       readonly plan: GPUBuffer;
-      /** Dispatch over the plan's blocks; by default there is a workgroup for each block of `capacity` keys. */
+      /** Dispatch over the plan's blocks; default a workgroup for each block of `capacity` keys. */
       readonly blockDispatch?: IndirectArguments;
     };
 
@@ -71,9 +75,9 @@ interface SortPass {
 }
 
 /**
- * A stable least-significant-digit radix sort, reduce-then-scan. Each pass takes three dispatches: a histogram of each block,
- * a scan of each digit's counts over all blocks, and a scatter. No workgroup waits for another, and the number of keys never
- * leaves the GPU.
+ * A stable least-significant-digit radix sort, reduce-then-scan. Each pass takes three dispatches:
+ * a histogram of each block, a scan of each digit's counts over all blocks, and a scatter. No
+ * workgroup waits for another, and the number of keys never leaves the GPU.
  *
  * Source: the paper, "A Wait-Free Radix Sort".
  */
@@ -85,11 +89,11 @@ export class RadixSort {
   readonly payloads: GPUBuffer;
   /** Where the caller writes both. */
   readonly input: { readonly keys: GPUBufferBinding; readonly payloads: GPUBufferBinding };
-  /** After `record`: the payloads in ascending order of keys, those of equal keys in their given order. */
+  /** After `record`: the payloads in ascending order of keys, equal keys in given order. */
   readonly order: GPUBuffer;
   /** After `record`: the keys in ascending order; null if they are not written. */
   readonly sortedKeys: GPUBuffer | null;
-  /** Number of keys per digit and block of keys: all blocks of digit 0, then all blocks of digit 1, … */
+  /** Number of keys per digit and block: all blocks of digit 0, then all blocks of digit 1, … */
   readonly digitCounts: GPUBuffer;
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
@@ -107,7 +111,7 @@ export class RadixSort {
   readonly #blockDispatch: IndirectArguments | null;
   readonly #passes: SortPass[];
 
-  /** @throws GpuLimitError if a buffer would exceed the device's limits; then nothing is left allocated. */
+  /** @throws GpuLimitError if a buffer would exceed the limits; nothing is left allocated then. */
   constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, options: RadixSortOptions) {
     const { shape, capacity, dispatchRow, writesKeys = false, label = 'sort' } = options;
     const { payloads: payloadKind = 'index', firstCounts = 'counted' } = options;
@@ -123,7 +127,7 @@ export class RadixSort {
     this.#dispatchRow = dispatchRow;
     this.#scanLanes = scanLanesFor(this.#maxBlocks);
 
-    // A single pass need not have a second buffer of keys, nor a first of payloads: nothing is then read or written there.
+    // A single pass needs no second buffer of keys, nor a first of payloads: neither is used.
     const hasMany = shape.passes > 1;
     const usesKeys = [true, hasMany || writesKeys];
     const usesPayloads = [hasMany || payloadKind === 'given', true];

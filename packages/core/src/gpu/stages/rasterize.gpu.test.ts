@@ -17,7 +17,7 @@ let device: GPUDevice;
 let pipelines: Pipelines;
 const FORMAT = 'rgba32float';
 const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null });
-/** Without blending: a single splat needs none, and rgba32float is not blendable on every device. */
+/** Unblended: a single splat needs no blending, and rgba32float may not blend. */
 const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 
 beforeAll(async () => {
@@ -111,8 +111,9 @@ function drawByReference(splat: DrawnSplat, widthPx: number, heightPx: number) {
 async function check(splat: DrawnSplat, widthPx = 64, heightPx = 48): Promise<number> {
   const actual = await drawOnGpu(splat, widthPx, heightPx);
   const { expected, alphas } = drawByReference(splat, widthPx, heightPx);
-  // Interpolation is linear between corners: it errs by some roundings of the largest local coordinate that a corner has,
-  // on the box or on the ellipse's own quad, whose sides reach two standard units and a snapping step further.
+  // Interpolation is linear between corners: it errs by some roundings of the largest local
+  // coordinate that a corner has, on the box or on the ellipse's own quad, whose sides reach two
+  // standard units and a snapping step further.
   const reach = Math.sqrt(Math.log(splat.opacity / ALPHA_CUTOFF));
   const farthestPx = Math.hypot(widthPx + 2, heightPx + 2, splat.centerPx[0], splat.centerPx[1]);
   const quadLocal = 2 * reach + 0.1 / splat.minorLengthPx;

@@ -8,7 +8,7 @@ export interface RasterizeDepth {
   readonly mapping: DepthConvention['mapping'];
   readonly compare: DepthConvention['compare'];
   readonly isOrthographic: boolean;
-  /** Format of the second target, which receives the depth of the splats; null if it was not requested. */
+  /** Format of the second target, for the splats' depth; null if that was not requested. */
   readonly layerFormat: DepthLayerFormat | null;
 }
 
@@ -23,7 +23,7 @@ export function isSameDepth(a: RasterizeDepth | null, b: RasterizeDepth | null):
   );
 }
 
-/** Formats of the splats' depth: r32float if the device has `float32-blendable`, otherwise r16float. */
+/** Formats of the splats' depth: r32float if the device has `float32-blendable`, else r16float. */
 export type DepthLayerFormat = 'r32float' | 'r16float';
 
 /** Variant of the rasterize stage to link. */

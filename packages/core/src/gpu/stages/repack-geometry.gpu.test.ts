@@ -42,7 +42,7 @@ async function repackOnGpu(finer: PackedGeometry, count: number): Promise<Packed
   return { ...finer, precision: 'packed', words: await readWords(device, coarser) };
 }
 
-/** Compares every splat to within one step of each of its parts; positions, colours and zeros to the bit. */
+/** Compares every splat's parts to within a step; positions, colours and zeros to the bit. */
 async function check(set: SplatSet): Promise<void> {
   const finer = packGeometry(set, 'f32');
   const made = await repackOnGpu(finer, set.count);

@@ -79,7 +79,7 @@ function layerFor(
   };
 }
 
-// If a layer is smaller, the image's size is odd, so that no middle of a layer's pixel lies between two host pixels.
+// Images of smaller layers have odd sizes: no middle of a layer's pixel lies between host pixels.
 const PLACES: Readonly<Record<string, LayerPlace>> = {
   'the whole image': layerFor([17, 9], [17, 9], [0, 0]),
   'a part of the image': layerFor([17, 9], [17, 9], [5, 2]),

@@ -6,7 +6,8 @@ import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 /**
  * Copies the host's depth under the splats' image: the farthest sample of each pixel.
  *
- * @param isScaled whether splats are blended in a smaller layer, whose pixels take the depth at their middles.
+ * @param isScaled whether splats are blended in a smaller layer, whose pixels take the depth at
+ *   their middles.
  */
 export function resolveDepth(
   compare: DepthConvention['compare'],

@@ -20,7 +20,7 @@ afterAll(() => device.destroy());
 
 const BEHIND = 0xdeadbeef;
 
-/** Scans counts on the GPU and by the reference; words after the counts and the totals must not change. */
+/** Scans counts on the GPU and by the reference; words after counts and totals must not change. */
 async function scan(
   counts: Uint32Array,
   digitBits: number,

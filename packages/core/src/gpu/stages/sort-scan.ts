@@ -4,7 +4,7 @@ import type { SortShape } from './sort-shape.ts';
 
 const { SCAN_WORKGROUP, SCAN_ITEMS } = SHADER_CONSTANTS;
 
-/** Replaces the counts of each digit by their exclusive sums over all blocks, and writes the digits' totals. */
+/** Replaces each digit's counts by their exclusive sums over all blocks; writes digits' totals. */
 export function sortScan({ digitBits }: Pick<SortShape, 'digitBits'>) {
   return {
     stage: 'sort-scan',
@@ -23,8 +23,9 @@ export function sortScan({ digitBits }: Pick<SortShape, 'digitBits'>) {
 const MAX_ALONE = 64;
 
 /**
- * Number of threads that scan one digit's counts: 1 for few, otherwise 16 to 256, enough for `maxBlocks` counts at a time. For
- * few blocks, SwiftShader took 140 ms with 256 threads per digit, 5 ms with 16 and 0.2 ms with one, which needs no barriers.
+ * Number of threads that scan one digit's counts: 1 for few, otherwise 16 to 256, enough for
+ * `maxBlocks` counts at a time. For few blocks, SwiftShader took 140 ms with 256 threads per digit,
+ * 5 ms with 16 and 0.2 ms with one, which needs no barriers.
  */
 export function scanLanesFor(maxBlocks: number): number {
   if (maxBlocks <= MAX_ALONE) return 1;

@@ -38,7 +38,7 @@ async function scatter(options: {
   const dispatchRow = 2;
   const count = options.countOf(blockKeys);
   const pass = { digitShift: digitBits, digitBits, blockKeys };
-  // Few digits in the first half, so that their counts within a block are large; all digits in the second.
+  // Few digits in the first half, so that counts within a block are large; all in the second.
   const keys = Uint32Array.from(
     { length: count },
     (_, i) => random() * (i < count / 2 ? 2 ** (digitBits + 2) : 2 ** bits),

@@ -1,7 +1,7 @@
 import type { StageDefinition } from '../pipelines.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
-/** Moves keys and payloads to their places; each pass decides whether it makes the payloads and whether it writes the keys. */
+/** Moves keys and payloads to their places; each pass may make the payloads, and write the keys. */
 export function sortScatter(shape: SortShape) {
   return {
     stage: 'sort-scatter',

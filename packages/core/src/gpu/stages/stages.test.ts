@@ -10,7 +10,7 @@ function basenames(files: Readonly<Record<string, unknown>>): ReadonlySet<string
   return new Set(Object.keys(files).map((path) => /([^/.]+)[^/]*$/.exec(path)![1]));
 }
 
-/** Files outside the rule that a stage is a shader, a host, a reference and a GPU test of one basename, with reasons. */
+/** Exceptions, with reasons, to a stage's shader, host, reference and GPU test of one basename. */
 const EXCEPTIONS: Readonly<Record<string, string>> = {
   'stages/dispatch.ts': 'is the host’s reference of shaders/lib/dispatch.wgsl, which all stages share',
   'stages/radix-sort.ts': 'combines the stages of the sort: plan-sort, and the three stages of every pass',

@@ -31,7 +31,10 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** For each bin, the ranks that it lists, front to back; in masks, half of the tiles of each, and bits of no pair. */
+/**
+ * For each bin, the ranks that it lists, front to back; in masks, half of the tiles of each, and
+ * bits of no pair.
+ */
 function pairsOf(count: number) {
   const { binColumns, binRows } = binGrid(SIZE.widthPx, SIZE.heightPx);
   const random = seededRandom(7);
@@ -54,7 +57,7 @@ function pairsOf(count: number) {
   return { ranks, binStarts, masks, binColumns, listOf };
 }
 
-/** Runs both passes over `ranked` splats, nearest first; `before` is what their contributions have at first. */
+/** Runs both passes over `ranked` splats, nearest first; `before` are their first contributions. */
 async function run(ranked: readonly DrawnSplat[], recordPrecision: RecordPrecision, before = 0) {
   const packed = rankedRecords(ranked, recordPrecision);
   const pairs = pairsOf(ranked.length);
@@ -100,7 +103,7 @@ function isDoubtful(records: readonly RankedRecord[], x: number, y: number): boo
   });
 }
 
-/** Splats of moderate sizes in and around the layer, nearest first, and small ones behind them, most of which are hidden. */
+/** Moderate splats in and around the layer, nearest first, and small ones behind, mostly hidden. */
 function splats(count: number): DrawnSplat[] {
   const random = seededRandom(count);
   return Array.from({ length: count }, (_, i) => {

@@ -3,7 +3,7 @@ import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
-/** Contributions are counted in parts of a pixel of this number: as fine as float32 tells a weight from 1. */
+/** Units of contribution to a pixel: as fine as float32 tells a weight from 1. */
 export const CONTRIBUTION_UNITS = 2 ** 24;
 /** A splat that contributes less, px, cannot change any pixel by as much as a step of 8 bits. */
 export const UNSEEN_PX = 1 / 256;
@@ -11,7 +11,7 @@ export const UNSEEN_PX = 1 / 256;
 /** Planes of a word per pixel that the stage writes. */
 export const COST_PLANES = 3;
 
-/** @param pass what is written: counts and sums of contributions, or a map that is made from these sums. */
+/** @param pass writes counts and sums of contributions, or a map made from these sums. */
 export function tileCosts(recordPrecision: RecordPrecision, pass: 'counts' | 'map'): StageDefinition {
   const isMap = pass === 'map';
   const bindings: Record<string, readonly [number, BindingKind]> = {

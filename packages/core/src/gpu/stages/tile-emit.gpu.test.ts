@@ -34,7 +34,10 @@ afterAll(() => device.destroy());
 
 const faint = (splat: DrawnSplat): DrawnSplat => ({ ...splat, opacity: 0.003 });
 
-/** Splats without rounding at the borders of bins: some at the ends and in long runs too faint, some over the whole layer. */
+/**
+ * Splats without rounding at the borders of bins: some at the ends and in long runs too faint, some
+ * over the whole layer.
+ */
 function splats(count: number, size: SizePx, precision: RecordPrecision): DrawnSplat[] {
   const random = seededRandom(count);
   const grid = binGrid(size.widthPx, size.heightPx);

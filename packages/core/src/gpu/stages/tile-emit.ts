@@ -3,7 +3,7 @@ import { tileSource } from '../shaders/later-source.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 import { type TileListVariant, tileListConditions } from './tile-count.ts';
 
-/** Lists the pairs, and counts the digits of their keys for the first pass of a sort of this shape. */
+/** Lists pairs, and counts the digits of their keys for the first pass of a sort of this shape. */
 export function tileEmit(variant: TileListVariant, shape: SortShape) {
   return {
     stage: 'tile-emit',

@@ -102,7 +102,7 @@ interface ListOptions {
   readonly alphaCutoff: number;
 }
 
-/** A pixel where the record is clearly drawn, in a tile that `isLeftOut`, by looking at every pixel; null if there is none. */
+/** A pixel where the record is clearly drawn, in a tile that `isLeftOut`; null if there is none. */
 function drawnPixel(
   record: Parameters<typeof alphaAt>[0],
   alphaCutoff: number,
@@ -136,7 +136,7 @@ const nearSplat: fc.Arbitrary<DrawnSplat> = fc
   })
   .map(({ slimness, ...splat }) => ({ ...splat, majorLengthPx: splat.minorLengthPx * slimness }));
 
-/** Needles up to 10⁶ px long through a point of the layer, with centres up to twice as far outside. */
+/** Needles up to 10⁶ px long through a point of the layer, with centres twice as far out. */
 const needle: fc.Arbitrary<DrawnSplat> = fc
   .record({
     through: fc.tuple(uniform(-5, 136), uniform(-5, 75)),

@@ -31,7 +31,10 @@ beforeAll(async () => {
 });
 afterAll(() => device.destroy());
 
-/** Pairs of splats of every size with the bins that they touch, and with one that they do not; the first `pairCount`. */
+/**
+ * Pairs of splats of every size with the bins that they touch, and with one that they do not; the
+ * first `pairCount`.
+ */
 async function mask(pairCount: number, recordPrecision: RecordPrecision) {
   const random = seededRandom(pairCount);
   const packed = rankedRecords(

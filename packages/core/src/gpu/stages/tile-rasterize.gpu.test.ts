@@ -62,7 +62,7 @@ interface Scene {
   readonly isMasked?: (pair: number, tile: number) => boolean;
 }
 
-/** Pairs of a scene: for each bin, front to back. The bins of the layer lie in one list, so most begin within a word of the masks. */
+/** A scene's pairs: by bin, front to back. Bins share a list: most begin inside words of masks. */
 function pairsOf({ ranked, size = SIZE, isListed, isMasked }: Scene) {
   const { binColumns, binRows } = binGrid(size.widthPx, size.heightPx);
   const random = seededRandom(77);
@@ -167,9 +167,10 @@ function isShown(
 }
 
 /**
- * Bound of the error of a value blended from `records` at a pixel, if each has a value of at most 1. A splat's alpha moves the value
- * by at most the light that reaches it. It errs by some roundings of the local coordinates, |d exp(−p²)/dp| ≤ 0.86, and of the
- * exponential; near the cutoff, rounding decides whether the splat is drawn.
+ * Bound of the error of a value blended from `records` at a pixel, if each has a value of at most
+ * 1. A splat's alpha moves the value by at most the light that reaches it. It errs by some
+ * roundings of the local coordinates, |d exp(−p²)/dp| ≤ 0.86, and of the exponential; near the
+ * cutoff, rounding decides whether the splat is drawn.
  */
 function errorBound(records: readonly RankedRecord[], x: number, y: number): number {
   let [light, error] = [1, 0];
@@ -183,11 +184,14 @@ function errorBound(records: readonly RankedRecord[], x: number, y: number): num
     if (alpha >= ALPHA_CUTOFF) light *= 1 - alpha;
     if (light < OPAQUE / 2) break;
   }
-  // Reference and shader end pixels at different splats: behind both, less than OPAQUE of the light passes through.
+  // Reference and shader end pixels at different splats: less than OPAQUE of the light passes both.
   return error + (light < 2 * OPAQUE ? OPAQUE : 0);
 }
 
-/** View depths of the records that may make a pixel more than half covered, if opacities err by up to `error`. */
+/**
+ * View depths of the records that may make a pixel more than half covered, if opacities err by up
+ * to `error`.
+ */
 function possibleMedians(
   records: readonly RankedRecord[],
   [x, y]: readonly [number, number],
@@ -211,7 +215,7 @@ function formatError(colorTarget: ColorTarget, value: number): number {
   return colorTarget === 'rgba16float' ? Math.max(Math.abs(value) * 2 ** -10, 2 ** -24) : 0;
 }
 
-/** Compares every pixel of both kinds of threads with the reference; returns statistics of the image. */
+/** Compares every pixel of both kinds of threads with the reference; returns statistics. */
 async function check(scene: Scene, drawing = pipelines) {
   const { size = SIZE, colorTarget = 'rgba32float', host } = scene;
   const { widthPx, heightPx } = size;
@@ -254,7 +258,7 @@ async function check(scene: Scene, drawing = pipelines) {
           if (!(Math.abs(got - expected) <= bound))
             expect.fail(`${place()}, channel ${channel}: got ${got}, expected ${expected} ± ${bound}`);
         }
-        // What covers less than half of a pixel has no median.
+        // A cover of less than half a pixel has no median.
         if (depths && reference.rgba[3] > 0.5 + error) {
           const bound = 2 * farthest * error;
           const possible = possibleMedians(shown, [x, y], error).map(
@@ -273,7 +277,10 @@ async function check(scene: Scene, drawing = pipelines) {
   return { covered, hidden, ended, medians, data: together.data };
 }
 
-/** Splats of moderate sizes in and around a layer, nearest first: depths of 0.503…60 in 24 steps, far from the host's surfaces. */
+/**
+ * Splats of moderate sizes in and around a layer, nearest first: depths of 0.503…60 in 24 steps,
+ * far from the host's surfaces.
+ */
 function splats(count: number, { widthPx, heightPx }: SizePx = SIZE, mostOpacity = 1): DrawnSplat[] {
   const random = seededRandom(count);
   return Array.from({ length: count }, (_, i) => {
@@ -428,7 +435,7 @@ describe('tile-rasterize with the depth of a host', () => {
       expect(covered).toBeGreaterThan(2000);
       expect(medians).toBeGreaterThan(1000);
       expect(hidden).toBeGreaterThan(2000);
-      // What the host's depth means does not depend on whether a depth is written.
+      // The host's depth means the same whether a depth is written or not.
       if (isFull || index === 0) await check({ ...scene, host: { ...host, hasDepthLayer: false } });
     });
 

@@ -9,7 +9,7 @@ import type { RasterizeDepth } from './rasterize.ts';
 export interface TileRasterizeVariant {
   readonly recordPrecision: RecordPrecision;
   readonly colorTarget: ColorTarget;
-  /** The host's depth; null if nothing can hide a splat. Its layer's format is r32float, or there is none. */
+  /** The host's depth; null if nothing can hide a splat. Its layer is r32float, or missing. */
   readonly depth: RasterizeDepth | null;
   /** Whether splats come in exact order of depth: a tile then ends at its farthest host depth. */
   readonly isExactOrder: boolean;
@@ -17,7 +17,7 @@ export interface TileRasterizeVariant {
   readonly isNarrow: boolean;
 }
 
-/** Threads that blend a tile together: as many as most GPUs run in lockstep, so that barriers among them are cheap. */
+/** Threads that blend a tile: as many as most GPUs run in lockstep, so that barriers are cheap. */
 export const TILE_THREADS = 32;
 /** Threads that blend a tile where each works alone. */
 const NARROW_TILE_THREADS = 8;

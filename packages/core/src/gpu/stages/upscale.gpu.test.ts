@@ -77,7 +77,8 @@ describe('upscale', () => {
       const written = [(await readTexture(device, image)).data, await readFloats(device, depthImage)];
       for (const [i, values] of written.entries()) {
         const expected = upscaleReference(layers[i], size(from), size(to));
-        // A place errs by some roundings of up to 16 px, and its value by that share of its neighbours' difference.
+        // A place errs by some roundings of up to 16 px, and its value by that share of its
+        // neighbours' difference.
         const bound = 64 * 16 * 2 ** -24 * [1, 1000][i];
         // Of depths, one value of four is written.
         const step = expected.length / values.length;

@@ -3,7 +3,7 @@ import type { BindingKind, StageDefinition } from '../pipelines.ts';
 import { rareSource } from '../shaders/later-source.ts';
 import { layerConditions } from './format-conditions.ts';
 
-/** Scales splats that were blended in a smaller layer to the image's size. Depths are written as r32float. */
+/** Scales splats blended in a smaller layer to the image's size. Writes depths as r32float. */
 export function upscale(colorTarget: ColorTarget, hasDepthLayer: boolean): StageDefinition {
   const bindings: Record<string, readonly [number, BindingKind]> = {
     parameters: [0, 'uniform'],

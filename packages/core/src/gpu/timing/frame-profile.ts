@@ -25,11 +25,12 @@ interface ProfiledPass {
 }
 
 /**
- * Splits a frame into passes of its own for each stage, and times each by itself. The frame's work and image stay the same, but
- * the GPU pauses between passes: their times add up to more than the undivided frame takes.
+ * Splits a frame into passes of its own for each stage, and times each by itself. The frame's work
+ * and image stay the same, but the GPU pauses between passes: their times add up to more than the
+ * undivided frame takes.
  *
- * Wraps the command encoder that a frame is recorded into, so that recording knows nothing of it and unprofiled frames pay
- * nothing. Needs the feature `timestamp-query`.
+ * Wraps the command encoder that a frame is recorded into, so that recording knows nothing of it
+ * and unprofiled frames pay nothing. Needs the feature `timestamp-query`.
  */
 export class FrameProfile {
   readonly #memory: GpuMemory;
@@ -47,7 +48,7 @@ export class FrameProfile {
     this.#readback = memory.createBuffer('profile', bytes, MAP_READ | COPY_DST);
   }
 
-  /** Returns an encoder that records into `encoder` and splits its passes. Finish it before the next call. */
+  /** Returns an encoder into `encoder` that splits passes. Finish it before the next. */
   split(encoder: GPUCommandEncoder): GPUCommandEncoder {
     this.#passes = [];
     return withMethods(encoder, {
@@ -64,7 +65,7 @@ export class FrameProfile {
     });
   }
 
-  /** Returns the times of the last frame that was split and submitted, stage by stage in the order of their first passes. */
+  /** Returns times of the last frame split and submitted, by stage in the order of first passes. */
   async read(): Promise<PassTime[]> {
     const passes = this.#passes;
     await this.#memory.map(this.#readback, GPUMapMode.READ);
@@ -154,7 +155,7 @@ export class FrameProfile {
   }
 }
 
-/** Returns `target` with some methods replaced. All others act on `target` itself, as those of WebGPU's objects must. */
+/** Returns `target` with some methods replaced. Others act on `target`, as WebGPU's must. */
 function withMethods<Target extends object>(target: Target, replaced: Partial<Target>): Target {
   return new Proxy(target, {
     get(_, name) {

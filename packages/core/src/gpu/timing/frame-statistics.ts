@@ -18,23 +18,30 @@ export type TimedPass = (typeof TIMED_PASSES)[number];
 /** Times of one frame, in milliseconds. */
 export interface StageTimings {
   /**
-   * `gpu-timestamps`: measured by the GPU at the ends of its passes. `wall-clock`: this device has no timestamps, so
-   * only `totalMs` is known, from submission to completion, and the stages are NaN.
+   * `gpu-timestamps`: measured by the GPU at the ends of its passes. `wall-clock`: this device has
+   * no timestamps, so only `totalMs` is known, from submission to completion, and the stages are
+   * NaN.
    */
   readonly source: 'gpu-timestamps' | 'wall-clock';
-  /** Culling, projection and colours; 0, like `sortMs`, if an embedded view kept its last order because nothing moved. */
+  /** Culling, projection and colours; 0, like `sortMs`, if an embedded view kept its last order. */
   readonly preprocessMs: number;
   readonly sortMs: number;
   /**
-   * Drawing the splats and blending them over the background or the host's image: with the lists of the tiles, where tiles
-   * draw, but without a sample of the quads.
+   * Drawing the splats and blending them over the background or the host's image: with the lists of
+   * the tiles, where tiles draw, but without a sample of the quads.
    */
   readonly rasterizeMs: number;
-  /** From the first pass to the last; inside another renderer's frame that includes the host's work in between. */
+  /** From the first pass to the last; with the host's work in between, if embedded. */
   readonly totalMs: number;
-  /** From submission to completion by the CPU's clock: includes waiting for earlier frames and for the browser. */
+  /**
+   * From submission to completion by the CPU's clock: includes waiting for earlier frames and for
+   * the browser.
+   */
   readonly wallClockMs: number;
-  /** Each pass that the frame ran; empty without timestamps. Tiles run as `tile-lists` and `tiles`, quads as `rasterize`. */
+  /**
+   * Each pass that the frame ran; empty without timestamps. Tiles run as `tile-lists` and `tiles`,
+   * quads as `rasterize`.
+   */
   readonly passMs: Readonly<Partial<Record<TimedPass, number>>>;
 }
 
@@ -52,13 +59,13 @@ export function wallClockTimings(wallClockMs: number): StageTimings {
   };
 }
 
-/** If they differ by more than both this factor and this time, timestamps and wall clock do not describe the same work. */
+/** Timestamps and wall clock that differ by more than both of these describe different work. */
 const PLAUSIBLE_FACTOR = 3;
 const PLAUSIBLE_DIFFERENCE_MS = 20;
 
 /**
- * Whether GPU timestamps fit the wall clock. Some browsers have been seen to report a hundredth of the true time; a few
- * milliseconds more on the wall clock are the browser's own.
+ * Whether GPU timestamps fit the wall clock. Some browsers have been seen to report a hundredth of
+ * the true time; a few milliseconds more on the wall clock are the browser's own.
  */
 export function isPlausible({ totalMs, wallClockMs }: StageTimings): boolean {
   const ratio = Math.max(totalMs, wallClockMs) / Math.min(totalMs, wallClockMs);
@@ -74,11 +81,14 @@ export interface FrameStatistics {
   readonly candidateSplats: number;
   /** Splats drawn. */
   readonly visibleSplats: number;
-  /** What drew them. */
+  /** Rasteriser that drew them. */
   readonly rasterizer: FrameRasterizer;
-  /** Pairs of a visible splat and a bin that it may touch, drawn or not; null where tiles were not asked for. */
+  /**
+   * Pairs of a visible splat and a bin that it may touch, drawn or not; null where tiles were not
+   * asked for.
+   */
   readonly tilePairs: number | null;
-  /** Time of a sample of the quads that was drawn besides the image, to compare both rasterisers; null if there was none. */
+  /** Time of a sample of quads drawn besides the image, to compare rasterisers; null if none. */
   readonly quadsSampleMs: number | null;
   readonly timing: StageTimings;
 }

@@ -9,12 +9,12 @@ import {
   wallClockTimings,
 } from './frame-statistics.ts';
 
-/** Number of read-backs that may be pending at once; if none is free, a frame goes unmeasured instead of waiting. */
+/** Read-backs that may be pending at once; if none is free, a frame goes unmeasured. */
 const RING_SIZE = 4;
 
 const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
 const COUNTS_BYTES = 8;
-/** Timestamps, then the numbers of visible chunks and visible splats, a word each, then one `TilePlan`. */
+/** Timestamps, then the numbers of visible chunks and splats, a word each, then one `TilePlan`. */
 const READBACK_BYTES = TIMESTAMP_BYTES + COUNTS_BYTES + TilePlan.bytes;
 
 /** Buffers with the counts of a frame. */
@@ -25,7 +25,7 @@ export interface FrameCounts {
   readonly tilePlan?: GPUBuffer;
 }
 
-/** Measures frames without ever waiting for the GPU: results are read through a ring of buffers, some frames later. */
+/** Measures frames without waits for the GPU: a ring of buffers is read some frames later. */
 export class GpuTimer {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
@@ -59,7 +59,7 @@ export class GpuTimer {
     this.#recorded = this.#querySet;
   }
 
-  /** Returns `timestampWrites` for the descriptor of a pass; undefined if this frame or device is not timed. */
+  /** Returns `timestampWrites` of a pass; undefined if this frame or device is not timed. */
   writes(pass: TimedPass): GPUComputePassTimestampWrites | undefined {
     this.#passes.add(pass);
     if (!this.#recorded || !this.#measuring) return undefined;
@@ -144,7 +144,8 @@ export class GpuTimer {
 
   /**
    * Makes the set of queries, and keeps it only if it works: Metal has 32 for all pages together
-   * (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that failed are not run.
+   * (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that failed are not
+   * run.
    */
   async #makeQuerySet(device: GPUDevice): Promise<void> {
     device.pushErrorScope('validation');
@@ -161,7 +162,7 @@ export class GpuTimer {
     if (this.#hasTimestamps)
       this.#resolved = memory.createBuffer('timestamps', TIMESTAMP_BYTES, QUERY_RESOLVE | COPY_SRC);
     const ring: GPUBuffer[] = [];
-    // What exists when one fails is listed, to be freed.
+    // Objects are listed as made, to be freed if one fails.
     this.#ring = ring;
     for (let i = 0; i < RING_SIZE; i++)
       ring.push(memory.createBuffer(`statistics ${i}`, READBACK_BYTES, MAP_READ | COPY_DST));
@@ -170,10 +171,10 @@ export class GpuTimer {
   }
 }
 
-/** Returns the time from the beginning of the first to the end of the last of some passes, ms; 0 if none of them ran. */
+/** Returns the time from the first start to the last end of some passes, ms; 0 if none ran. */
 type SpanMs = (...candidates: TimedPass[]) => number;
 
-/** @param passes the passes that the frame ran: queries of the others are stale, or were never written. */
+/** @param passes passes that the frame ran: queries of others are stale or unwritten. */
 function spansOf(nanoseconds: BigUint64Array, passes: ReadonlySet<TimedPass>): SpanMs {
   return (...candidates) => {
     const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));
@@ -189,7 +190,7 @@ function timingsOf(spanMs: SpanMs, passes: ReadonlySet<TimedPass>, wallClockMs: 
     source: 'gpu-timestamps',
     preprocessMs: spanMs('preprocess'),
     sortMs: spanMs('sort'),
-    // Three spans: a host's own work may lie behind the lists, and a sample of the quads before the tiles.
+    // Three spans: a host's work may follow the lists, and a sample of quads precede the tiles.
     rasterizeMs:
       spanMs('tile-lists') + spanMs('resolve-depth') + spanMs('tiles', 'rasterize', 'upscale', 'composite'),
     totalMs: spanMs(...TIMED_PASSES),

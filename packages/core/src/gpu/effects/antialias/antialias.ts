@@ -3,10 +3,11 @@ import { invalidOption } from '../option-checks.ts';
 import wgsl from './antialias.wgsl?raw';
 
 /**
- * Multiplies every splat's opacity by √(det Σ / det Σ′), where Σ is its covariance on the screen and Σ′ is Σ with the
- * dilation that it is drawn with: splats thinner than a pixel become fainter, not only wider. Scenes trained with
- * antialiasing (Mip-Splatting, gsplat's `antialiased`) expect it; others become fainter than they were trained to be. It is
- * on automatically for clouds whose file says that they were trained so, unless `antialias(false)` is among their effects.
+ * Multiplies every splat's opacity by √(det Σ / det Σ′), where Σ is its covariance on the screen
+ * and Σ′ is Σ with the dilation that it is drawn with: splats thinner than a pixel become fainter,
+ * not only wider. Scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`) expect
+ * it; others become fainter than they were trained to be. It is on automatically for clouds whose
+ * file says that they were trained so, unless `antialias(false)` is among their effects.
  */
 export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   name: 'antialias',

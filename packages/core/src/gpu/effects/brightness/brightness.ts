@@ -6,8 +6,8 @@ import wgsl from './brightness.wgsl?raw';
 const LARGEST_FACTOR = 2 ** 20;
 
 /**
- * Multiplies every splat's linear light by a factor, 0…2²⁰, as an exposure does: 2 is one stop brighter, and 1 changes
- * nothing. A grey tint, in contrast, multiplies sRGB-encoded values.
+ * Multiplies every splat's linear light by a factor, 0…2²⁰, as an exposure does: 2 is one stop
+ * brighter, and 1 changes nothing. A grey tint, in contrast, multiplies sRGB-encoded values.
  */
 export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   name: 'brightness',

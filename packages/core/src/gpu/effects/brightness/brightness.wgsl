@@ -1,5 +1,6 @@
-// Effect `brightness`: scales a splat's light, as a longer or shorter exposure does. Runs per visible splat in project.
-// Reads the colour and the factor; returns the colour. Scales linear light instead of the encoded values.
+// Effect `brightness`: scales a splat's light, as a longer or shorter exposure does. Runs per
+// visible splat in project. Reads the colour and the factor; returns the colour. Scales linear
+// light instead of the encoded values.
 import package::lib::packing::Splat;
 import package::lib::srgb::decodeSrgb;
 import package::lib::srgb::encodeSrgb;

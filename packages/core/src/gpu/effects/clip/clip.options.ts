@@ -2,7 +2,7 @@ import type { Vec3 } from '../../../data/math/mat4.ts';
 import { effectOptions } from '../../../options/effect-options.ts';
 import { type ClipOptions, type ClipVolume, clip } from './clip.ts';
 
-/** A volume that cuts the scene off. What belongs to other shapes stays as it was chosen for them. */
+/** A volume that cuts the scene off. Options of other shapes keep the values chosen for them. */
 export interface ClipValues {
   readonly shape: 'plane' | 'box' | 'sphere';
   /** Middle of the box or of the sphere, a point of the plane; world units. */

@@ -46,7 +46,7 @@ function depthInside(volume: ClipVolume, position: Vec3): number {
 
 function depthInBox({ center, size, rotation = [0, 0, 0, 1] }: ClipBox, position: Vec3): number {
   const [x, y, z, w] = rotation;
-  // The matrix is row-major and is read as column-major: this is its transpose, the inverse rotation.
+  // The row-major matrix is read as column-major: its transpose, the inverse rotation.
   const back = rotationMatrix(w, x, y, z);
   const beyond = transform3(back, difference(position, center)).map(
     (offset, axis) => Math.abs(offset) - size[axis] / 2,

@@ -75,9 +75,9 @@ const AXES: readonly Vec3[] = [
 ];
 
 /**
- * Cuts a cloud off at boxes, spheres and planes: only splats whose centres are on the kept side of all of them are drawn.
- * Each splat is kept or hidden as a whole, so it extends past the surface by its own size. Within `softEdge` of the surface,
- * splats fade towards it.
+ * Cuts a cloud off at boxes, spheres and planes: only splats whose centres are on the kept side of
+ * all of them are drawn. Each splat is kept or hidden as a whole, so it extends past the surface by
+ * its own size. Within `softEdge` of the surface, splats fade towards it.
  */
 export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   name: 'clip',
@@ -99,7 +99,8 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   calledFor: ({ volumes }) =>
     volumes.length === 1 ? `a ${volumes[0].shape} cuts it off` : `${volumes.length} volumes cut it off`,
   valuesAt({ volumes, softEdge = 0 }, { modelMatrix, origin }) {
-    // Positions in shaders are relative to the cloud's origin, so its product is computed here, in float64.
+    // Positions in shaders are relative to the cloud's origin, so its product is computed here, in
+    // float64.
     const toWorld = translated4(modelMatrix, origin);
     const at = (index: number) => (volumes[index] ? valuesOf(volumes[index], toWorld) : NO_VOLUME);
     return {
@@ -167,11 +168,11 @@ function valuesOf(volume: ClipVolume, toWorld: Mat4): number[] {
   }
 }
 
-/** Returns factors of x, y, z and 1: distance of a cloud's point from `start` along a unit vector of the world. */
+/** Returns factors of x, y, z and 1: a cloud's point's distance from `start` along `direction`. */
 function distanceAlong(direction: Vec3, start: Vec3, toWorld: Mat4): number[] {
   const along = (x: number, y: number, z: number) => direction[0] * x + direction[1] * y + direction[2] * z;
   const column = (c: number) => along(toWorld[4 * c], toWorld[4 * c + 1], toWorld[4 * c + 2]);
-  // Subtract first: far from the world's origin, each product would have lost the digits of the difference.
+  // Subtract first: far from the world's origin, each product would lose the difference's digits.
   const offset = along(toWorld[12] - start[0], toWorld[13] - start[1], toWorld[14] - start[2]);
   return [column(0), column(1), column(2), offset];
 }

@@ -18,7 +18,9 @@ export interface FogBetween extends FogColor {
 
 /** Like three's `FogExp2`. */
 export interface FogOfDensity extends FogColor {
-  /** Density per world unit, 0 or more: at view depth d, e^−(density·d)² of a splat's light is left. */
+  /**
+   * Density per world unit, 0 or more: at view depth d, e^−(density·d)² of a splat's light is left.
+   */
   readonly density: number;
 }
 
@@ -26,8 +28,9 @@ export interface FogOfDensity extends FogColor {
 export type FogOptions = FogBetween | FogOfDensity;
 
 /**
- * Mixes the colour of splats with that of fog by the view depth of their centres, in perspective and orthographic views
- * alike. It mixes in linear light, so that splats and meshes in the same fog look the same. Opacities do not change.
+ * Mixes the colour of splats with that of fog by the view depth of their centres, in perspective
+ * and orthographic views alike. It mixes in linear light, so that splats and meshes in the same fog
+ * look the same. Opacities do not change.
  */
 export const fog = /* @__PURE__ */ defineEffect<
   FogOptions,

@@ -1,5 +1,6 @@
-// Effect `fog`: mixes a splat's colour with the fog's, more of it with distance. Runs per visible splat in project.
-// Reads the colour and the centre's view depth; returns the colour. Mixes in linear light, as fog on meshes does.
+// Effect `fog`: mixes a splat's colour with the fog's, more of it with distance. Runs per visible
+// splat in project. Reads the colour and the centre's view depth; returns the colour. Mixes in
+// linear light, as fog on meshes does.
 import package::lib::edge_fade::edgeFade;
 import package::lib::packing::Splat;
 import package::lib::srgb::decodeSrgb;

@@ -8,11 +8,11 @@ export interface RevealOptions {
   /** Where the cloud appears from: a point in world space, or the camera's position. */
   readonly from: Vec3 | 'camera';
   /**
-   * Hides splats farther away than this; world units, 0 or more. 0 hides everything; Infinity shows everything and turns the
-   * effect off, which ends an animation.
+   * Hides splats farther away than this; world units, 0 or more. 0 hides everything; Infinity shows
+   * everything and turns the effect off, which ends an animation.
    */
   readonly radius: number;
-  /** Width of the band inside the radius in which splats fade in, world units; default 0, a hard edge. */
+  /** Width of the band inside the radius where splats fade in, world units; default 0, hard. */
   readonly softEdge?: number;
   /** Whether splats in the band also grow from nothing to their size; default true. */
   readonly grow?: boolean;
@@ -45,8 +45,9 @@ export const reveal = /* @__PURE__ */ defineEffect<
       ? null
       : `only what is within ${radius} of ${from === 'camera' ? 'the camera' : from.join(', ')} is there`,
   valuesAt({ from, radius, softEdge = 0, grow = true }, { modelMatrix, origin, viewMatrix }) {
-    // Distances from the camera are distances from view space's origin, because the view matrix is rigid. Both matrices are
-    // in float64, and about the cloud's origin, like the shader's positions.
+    // Distances from the camera are distances from view space's origin, because the view matrix is
+    // rigid. Both matrices are in float64, and about the cloud's origin, like the shader's
+    // positions.
     const toPlace = translated4(from === 'camera' ? multiply4(viewMatrix, modelMatrix) : modelMatrix, origin);
     const start = from === 'camera' ? [0, 0, 0] : from;
     return {

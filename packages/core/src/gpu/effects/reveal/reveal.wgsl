@@ -1,5 +1,6 @@
-// Effect `reveal`: lets a cloud appear outward from a point. Runs per splat in cull-splats and project.
-// Reads a splat, the point and the radius; returns the splat with the opacity, and optionally the size, that it has so far.
+// Effect `reveal`: lets a cloud appear outward from a point. Runs per splat in cull-splats and
+// project. Reads a splat, the point and the radius; returns the splat with the opacity, and
+// optionally the size, that it has so far.
 import package::lib::edge_fade::edgeFade;
 import package::lib::packing::Splat;
 import parameters::Reveal;

@@ -3,7 +3,7 @@ import { defineEffect } from '../effect.ts';
 import { checkVector } from '../option-checks.ts';
 import wgsl from './tint.wgsl?raw';
 
-/** Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; [1, 1, 1] changes nothing. */
+/** Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; no change at 1. */
 export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
   name: 'tint',
   label: 'Tint',

@@ -1,5 +1,5 @@
-// Effect `tint`: colours a cloud, as a filter in front of it does. Runs per visible splat in project.
-// Reads the colour and the filter's; returns their product.
+// Effect `tint`: colours a cloud, as a filter in front of it does. Runs per visible splat in
+// project. Reads the colour and the filter's; returns their product.
 import package::lib::packing::Splat;
 import parameters::Tint;
 
