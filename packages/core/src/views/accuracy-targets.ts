@@ -31,11 +31,11 @@ interface TargetContext {
     request: FrameRequest,
     options: TargetOptions,
   ) => Promise<AccuracyChoice>;
-  /** Makes the clouds hold the planes for `choice`, as far as possible, and frees those that no view draws; never rejects. */
+  /** Makes clouds hold planes for `choice`, if possible, frees undrawn ones; never rejects. */
   readonly adopt: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => Promise<void>;
 }
 
-/** The targets of an engine's views, each met by measuring the views' frames: one measurement at a time. */
+/** Targets of an engine's views, met by measuring the views' frames: one measurement at a time. */
 export class AccuracyTargets {
   readonly #context: TargetContext;
   /** Keys are made of target and clouds. */
@@ -47,7 +47,7 @@ export class AccuracyTargets {
     this.#context = context;
   }
 
-  /** Returns the last choice for `target` (interned), for any clouds; null before the first choice. */
+  /** Returns the last choice for `target` (interned), for any clouds; null before the first. */
   latest(target: AccuracyTarget): AccuracyChoice | null {
     return this.#latest.get(target) ?? null;
   }
@@ -75,7 +75,7 @@ export class AccuracyTargets {
     for (const scene of this.#scenes.values()) if (scene.target === target) scene.pause();
   }
 
-  /** Stops the measurements of scenes with `cloud`, or of all scenes. Pending choices reject with `reason`. */
+  /** Stops measuring scenes with `cloud`, or all scenes. Pending choices reject with `reason`. */
   stop(reason: Error, cloud?: SplatCloud): void {
     for (const [key, scene] of this.#scenes) {
       if (cloud && !scene.clouds.has(cloud)) continue;
@@ -98,7 +98,7 @@ export class AccuracyTargets {
   }
 }
 
-/** A target and the clouds that it is for. All views that draw the clouds with this target share one choice. */
+/** A target and its clouds. All views that draw the clouds with this target share one choice. */
 export class TargetScene {
   readonly target: AccuracyTarget;
   readonly clouds: ReadonlySet<SplatCloud>;
@@ -144,7 +144,7 @@ export class TargetScene {
     if (!this.#largestRequest()) clearTimeout(this.#timer);
   }
 
-  /** Records a finished frame. Schedules a measurement some time after the first frame, and after each change of size. */
+  /** Records a finished frame. Schedules measuring after the first frame and changes of size. */
   show(view: TargetView, request: FrameRequest): void {
     const before = this.#views.get(view);
     this.#views.set(view, request);
@@ -156,8 +156,8 @@ export class TargetScene {
   /**
    * Measures now and passes the choice to all views. Cancels a measurement that is already running.
    *
-   * @throws InvalidArgumentError if there is no frame yet; the signal's reason; an AbortError if a later call takes over;
-   *   errors of `measureAccuracy`. On failure the settings stay.
+   * @throws InvalidArgumentError if there is no frame yet; the signal's reason; an AbortError if a
+   *   later call takes over; errors of `measureAccuracy`. On failure the settings stay.
    */
   async choose({ signal, onProgress }: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
     const request = this.#largestRequest();
@@ -181,7 +181,7 @@ export class TargetScene {
       for (const [view, shown] of this.#views) if (shown) view.onChosen(choice, shown);
       return choice;
     } catch (error) {
-      // What ended the measurement also ended what it waited for.
+      // The end of the measurement also ended its waits.
       options.signal.throwIfAborted();
       throw error;
     } finally {

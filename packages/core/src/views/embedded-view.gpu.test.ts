@@ -234,7 +234,7 @@ function edgeScene() {
   return { camera, near: sheet(1, -0.5, [1.5, 1, -1]), far: sheet(-1, 4, [-1, 1.2, 0.8]) };
 }
 
-/** A wall with a slanting edge in front of the sky, drawn with four samples as a host would; its colours are resolved. */
+/** A wall with a slanting edge before the sky, drawn with four samples, resolved, as by a host. */
 function drawSlantedWall(camera: Camera, { compare, mapping }: DepthConvention) {
   const texture = (format: GPUTextureFormat, sampleCount: number, usage: GPUTextureUsageFlags) =>
     device.createTexture({
@@ -288,9 +288,9 @@ function drawSlantedWall(camera: Camera, { compare, mapping }: DepthConvention) 
 }
 
 /**
- * Draws `sets` at the slanting wall and compares the pixels on its edge with the expected colour: the mean, in linear light,
- * of the colours three pixels further into the wall and three pixels out of it, weighted by the part of the pixel that the
- * wall covers.
+ * Draws `sets` at the slanting wall and compares the pixels on its edge with the expected colour:
+ * the mean, in linear light, of the colours three pixels further into the wall and three pixels out
+ * of it, weighted by the part of the pixel that the wall covers.
  */
 async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly SplatSet[]) {
   const wall = drawSlantedWall(camera, depth);
@@ -324,8 +324,8 @@ async function drawEdge(camera: Camera, depth: DepthConvention, sets: readonly S
 }
 
 /**
- * Without `float32-blendable`, splats' depth is blended in r16float, which compute shaders cannot write: quads draw such
- * frames in any case.
+ * Without `float32-blendable`, splats' depth is blended in r16float, which compute shaders cannot
+ * write: quads draw such frames in any case.
  */
 const VARIANTS = [
   { rasterizer: 'quads', features: [] },
@@ -588,7 +588,7 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       view.destroy();
       view.destroy();
       expect(() => view.prepare(other)).toThrow(DestroyedError);
-      // What the host has recorded so far stays valid.
+      // Commands that the host has recorded so far stay valid.
       const last = device.createCommandEncoder();
       expect(() => view.draw(last, pass)).toThrow(DestroyedError);
       device.queue.submit([last.finish()]);
@@ -639,7 +639,7 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
   });
 });
 
-/** `camera` with a near plane that is not parallel to the image, as a mirror's: stored depths depend on the pixel. */
+/** `camera` with a slanting near plane, as a mirror's: stored depths depend on the pixel. */
 function oblique(camera: Camera): Camera {
   const projectionMatrix = Float64Array.from(camera.projectionMatrix);
   projectionMatrix[2] += 0.06;
@@ -656,7 +656,7 @@ describe('both rasterisers', () => {
   });
   afterAll(() => stop());
 
-  /** Draws twice from one preparation, as a host with two passes does, and returns image and depth. */
+  /** Draws twice from one preparation, as a host with two passes, and returns image and depth. */
   async function drawnBy(
     by: SplatEngine,
     rasterizer: FrameRasterizer,

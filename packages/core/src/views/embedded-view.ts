@@ -15,25 +15,25 @@ export interface EmbeddedFrameRequest
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**
-   * Whether the host's depth may have something that hides splats; default true. If false, splats are drawn without a depth
-   * test. The value may change from frame to frame.
+   * Whether the host's depth may have something that hides splats; default true. If false, splats
+   * are drawn without a depth test. The value may change from frame to frame.
    */
   readonly hasOccluders?: boolean;
-  /** Whether the image gets the splats' depth too; only with `depth`. Tiles draw it then, where `auto` leaves that open. */
+  /** Whether the image gets the splats' depth too; only with `depth`. `auto` then prefers tiles. */
   readonly writesDepth?: boolean;
 }
 
 /**
- * Splats inside another renderer's frame: hidden by its meshes, and blended over its image in the space that splats are
- * trained in. The host ends its pass, lets this view record into its encoder, shows the image in its next pass, opaque
- * where there are splats, and goes on.
+ * Splats inside another renderer's frame: hidden by its meshes, and blended over its image in the
+ * space that splats are trained in. The host ends its pass, lets this view record into its encoder,
+ * shows the image in its next pass, opaque where there are splats, and goes on.
  *
- * `prepare` makes one submission and the host makes that of `draw`, however long they take: only a `SplatView` divides frames that
- * keep the GPU for long (`EngineOptions.submissionBudgetMs`). On slow devices, ask for a smaller `resolutionScale`, or for
- * `{ maxFrameMs }`.
+ * `prepare` makes one submission and the host makes that of `draw`, however long they take: only a
+ * `SplatView` divides frames that keep the GPU for long (`EngineOptions.submissionBudgetMs`). On
+ * slow devices, request a smaller `resolutionScale`, or for `{ maxFrameMs }`.
  */
 export class EmbeddedView extends View {
-  /** Called when missing shaders of a frame have been compiled, or its accuracy has been chosen: prepare the frame again. */
+  /** Called when a frame's missing shaders or accuracy have come: prepare the frame again. */
   onReady: (() => void) | null = null;
   /** The drawn shape whose successor with occluders has its shaders. */
   #foreseen: FrameShape | null = null;
@@ -47,12 +47,13 @@ export class EmbeddedView extends View {
   }
 
   /**
-   * Finds and sorts the visible splats. Submits that work at once, or none if camera, clouds, size and accuracy are those
-   * of the last frame.
+   * Finds and sorts the visible splats. Submits that work at once, or none if camera, clouds, size
+   * and accuracy are those of the last frame.
    *
-   * @returns whether there is something to draw. False without clouds or pixels, while shaders compile and the last frame
-   *   cannot take their place (`onReady` is called when they are ready), and after the loss of the device. True where memory
-   *   is lacking, for the last frame for which there was some: the next call throws, once, and later ones look for memory.
+   * @returns whether there is something to draw. False without clouds or pixels, while shaders
+   *   compile and the last frame cannot take their place (`onReady` is called when they are ready),
+   *   and after the loss of the device. True where memory is lacking, for the last frame for which
+   *   there was some: the next call throws, once, and later ones look for memory.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   prepare(request: EmbeddedFrameRequest): boolean {
@@ -78,11 +79,12 @@ export class EmbeddedView extends View {
   }
 
   /**
-   * Records drawing the last prepared frame, between two passes of the host; the host submits the work.
+   * Records drawing the last prepared frame, between two passes of the host; the host submits the
+   * work.
    *
-   * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth and the host has none;
-   *   GpuLimitError if limits or the engine's budget do not allow the image; DestroyedError. Nothing is recorded then, and the
-   *   host can submit what it has.
+   * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth
+   *   and the host has none; GpuLimitError if limits or the engine's budget do not allow the image;
+   *   DestroyedError. Nothing is recorded then, and the host can submit what it has.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     this.#shapeOver(pass);
@@ -94,7 +96,8 @@ export class EmbeddedView extends View {
   }
 
   /**
-   * Makes the image that the next `draw` over `pass` fills: for a host that records what shows it before.
+   * Makes the image that the next `draw` over `pass` fills: for a host that records the display of
+   * it before.
    *
    * @throws as `draw`.
    */
@@ -104,7 +107,7 @@ export class EmbeddedView extends View {
     return this.parts.compose.image!;
   }
 
-  /** Frees the view's GPU memory, after the host has submitted what it is recording; the clouds stay. */
+  /** Frees the view's GPU memory, after the host has submitted its recording; the clouds stay. */
   destroy(): void {
     if (this.end()) queueMicrotask(() => this.parts.destroy());
   }
@@ -114,7 +117,7 @@ export class EmbeddedView extends View {
     this.onAccuracyChosen?.(choice);
   }
 
-  /** The host may have drawn fewer clouds meanwhile, those whose shaders were there: it is to try again in any case. */
+  /** The host may have drawn fewer clouds meanwhile, those with shaders: it has to try again. */
   protected override retry(): null {
     this.onReady?.();
     return null;
@@ -131,7 +134,10 @@ export class EmbeddedView extends View {
     });
   }
 
-  /** Returns the shape of the prepared frame. @throws DestroyedError, InvalidArgumentError if it cannot be drawn over `pass`. */
+  /**
+   * Returns the shape of the prepared frame. @throws DestroyedError, InvalidArgumentError if it
+   * cannot be drawn over `pass`.
+   */
   #shapeOver(pass: HostPass): FrameShape {
     this.checkUsable();
     const { shape } = this;
@@ -147,7 +153,7 @@ export class EmbeddedView extends View {
     return shape;
   }
 
-  /** Returns the requested depth test, then the alternatives to draw with while its shaders compile. */
+  /** Returns the requested depth test, then alternatives while its shaders compile. */
   #depthsFor(request: EmbeddedFrameRequest): PossibleDepths {
     const { camera, depth, hasOccluders = true, writesDepth = false } = request;
     if (!depth) return [null];

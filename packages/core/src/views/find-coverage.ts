@@ -21,19 +21,20 @@ export const MAX_COVER_POINTS = 1024;
 export interface PointToCover {
   readonly point: Vec3;
   /**
-   * Splats and the host's objects that are in front of the point by less than this do not cover it, world units along the line
-   * of sight; default 0. A point on a surface needs some: its splats lie on both sides of it.
+   * Splats and the host's objects that are in front of the point by less than this do not cover it,
+   * world units along the line of sight; default 0. A point on a surface needs some: its splats lie
+   * on both sides of it.
    */
   readonly tolerance?: number;
 }
 
-/** What is in front of a point in the last frame. */
+/** The cover of a point in the last frame. */
 export interface PointCoverage {
-  /** Whether the point is in the image, between the camera's near and far planes. If not, nothing covers it. */
+  /** Whether the point is in the image, between near and far planes. If not, nothing covers it. */
   readonly isInImage: boolean;
   /** Opacity of all splats in front of it together, 0…1, at its pixel. */
   readonly opacity: number;
-  /** Whether the depth that the splats were tested against, that of a host's opaque objects, is in front of it. */
+  /** Whether the depth that splats were tested against, of a host's opaque objects, is nearer. */
   readonly isBehindHost: boolean;
 }
 
@@ -79,10 +80,12 @@ export function coverStage({ shared }: FrameParts, { shape }: FramePlan): StageD
 }
 
 /**
- * Finds what is in front of each of `points` in the frame of `plan`, the last of `frame`. Submits before it returns, so later
- * frames make no difference. The `stage`, that of `coverStage`, must be compiled.
+ * Finds the cover of each of `points` in the frame of `plan`, the last of `frame`. Submits before
+ * it returns, so later frames make no difference. The `stage`, that of `coverStage`, must be
+ * compiled.
  *
- * @throws GpuLimitError if memory is lacking, DestroyedError if engine or device end before the result is read.
+ * @throws GpuLimitError if memory is lacking, DestroyedError if engine or device end before the
+ *   result is read.
  */
 export async function findCoverage(
   context: CoverContext,

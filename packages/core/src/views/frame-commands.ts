@@ -12,20 +12,21 @@ export interface CommandPart {
 
 /** A dispatch, or a pass that draws. */
 export interface FrameCommand extends Work {
-  /** Encodes the whole, or a part: of the tiles of `tile-rasterize`, or of the quads of `rasterize`. */
+  /** Encodes all, or a part: of the tiles of `tile-rasterize`, or of the quads of `rasterize`. */
   readonly encode: (encoder: GPUCommandEncoder, part?: CommandPart) => void;
 }
 
 type Stamps = GPUComputePassTimestampWrites & GPURenderPassTimestampWrites;
 
-/** What a workgroup takes on the slowest devices. */
+/** Time of a workgroup on the slowest devices. */
 const SLOWEST_WORKGROUP_MS = 1;
-/** Workgroups of a dispatch whose number only the GPU knows: there are no fewer, or it would be dispatched directly. */
+/** Workgroups of a dispatch whose number only the GPU knows: fewer would be dispatched directly. */
 const INDIRECT_WORKGROUPS = 65_536;
 
 /**
- * Records a frame as a list of commands that can be submitted one by one, each in a pass of its own. Parts of a frame know
- * nothing of it; what they call is there, and anything else fails at once.
+ * Records a frame as a list of commands that can be submitted one by one, each in a pass of its
+ * own. Parts of a frame know nothing of it; the methods that they call are there, and any others
+ * fail at once.
  *
  * @param dispatchRow most workgroups in one dimension of a dispatch.
  */

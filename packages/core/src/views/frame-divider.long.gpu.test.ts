@@ -21,12 +21,12 @@ const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** Times of a complete submission, ms. */
 interface Taken {
   readonly elapsedMs: number;
-  /** Of all cores together: what other processes take is no part of it. */
+  /** Of all cores together: without other processes. */
   readonly cpuMs: number;
 }
 /** The submissions that were made; null while they are not complete. */
 let submissions: (Taken | null)[] = [];
-/** For each part of a frame: the number of tasks of the page, as far as they came between parts, before it. */
+/** By part of a frame: the page's tasks before it, as far as they came between parts. */
 let tasksBeforeParts: number[] = [];
 /** Called before each submission for a frame, with the number of those before it. */
 let onSubmit: (before: number) => void = () => {};
@@ -318,7 +318,7 @@ describe('a frame in parts', () => {
   });
 
   gpuTest('has few parts where the device is only looked at now and then', async () => {
-    // As Firefox does, every tenth of a second; by a clock of its own, which a busy machine does not turn.
+    // As Firefox does, every tenth of a second; by its own clock, not a busy machine's.
     let nowMs = 0;
     const clock = vi.spyOn(performance, 'now').mockImplementation(() => nowMs);
     const seldom = deviceWith(device, {

@@ -15,7 +15,7 @@ const TILES_PER_BIN = BIN_TILES * BIN_TILES;
 
 /** Pixels of quads are counted in cells of this side. */
 const CELL_PX = 8;
-/** What blending a splat over a cell takes the slowest devices, and what drawing a quad takes besides its pixels. */
+/** Time of blending a splat over a cell, and of a quad without pixels, on the slowest devices. */
 const SLOWEST_CELL_MS = 1.3e-3;
 
 /** Work that is done by the first look may have taken this part of the time until then, or more. */
@@ -41,14 +41,15 @@ export interface DividedFrame {
 }
 
 /**
- * Submits frames of one view in parts, each complete before the next is submitted, so that no part takes longer than the budget
- * and the page runs in between. Draws the same images, bit for bit, as one submission: quads range after range of their order,
- * tiles range after range. A dispatch that finds or sorts splats, one quad, and one tile are not divided.
+ * Submits frames of one view in parts, each complete before the next is submitted, so that no part
+ * takes longer than the budget and the page runs in between. Draws the same images, bit for bit, as
+ * one submission: quads range after range of their order, tiles range after range. A dispatch that
+ * finds or sorts splats, one quad, and one tile are not divided.
  */
 export class FrameDivider {
   readonly #context: Context;
   readonly #pacer: SubmissionPacer;
-  /** The shortest time after which a submission was known to be complete: Firefox, for one, looks every tenth of a second. */
+  /** Shortest time until a submission was known complete: Firefox looks every tenth of a second. */
   #waitMs = Number.POSITIVE_INFINITY;
 
   constructor(context: Context) {
@@ -57,15 +58,16 @@ export class FrameDivider {
   }
 
   /**
-   * Returns the time of all parts, without the pauses between them, ms; null if something that the frame needs has gone.
+   * Returns the time of all parts, without the pauses between them, ms; null if a resource of the
+   * frame has gone.
    *
-   * @throws GpuLimitError if there is no memory for what tells how to divide the frame.
+   * @throws GpuLimitError if there is no memory for the counts that divide the frame.
    */
   async submit(frame: DividedFrame): Promise<number | null> {
     try {
       return await this.#submitParts(frame);
     } catch (error) {
-      // What was waited for may end with the view.
+      // Awaited resources may end with the view.
       if (!frame.canDraw()) return null;
       throw error;
     }
@@ -149,8 +151,8 @@ export class FrameDivider {
   }
 
   /**
-   * Per unit: what those before it would take the slowest device, and at last what all would. Other stages are one unit. Null if
-   * something that the frame needs has gone.
+   * Per unit: the slowest device's time for those before it, and at last for all. Other stages are
+   * one unit. Null if a resource of the frame has gone.
    */
   async #slowestMsOfUnits(stage: string, frame: DividedFrame): Promise<Float64Array | null> {
     if (stage === 'tile-rasterize') return this.#slowestMsOfTiles(frame);

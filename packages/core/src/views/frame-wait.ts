@@ -4,7 +4,7 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 
-/** What a request waits for: shaders and clouds; memory besides; the frame before, which is being submitted in parts. */
+/** Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts. */
 export type WaitReason = 'shaders' | 'memory' | 'parts';
 
 interface Wait {
@@ -15,7 +15,7 @@ interface Wait {
   drawn: Promise<void>;
 }
 
-/** Which shapes have their shaders, and the request that waits: the newest takes the place of those before. */
+/** Shapes that have their shaders, and the request that waits: the newest replaces earlier ones. */
 export class FrameWait {
   readonly #pipelines: Pick<Pipelines, 'areReady' | 'prepare'>;
   readonly #retry: (request: FrameRequest | null) => Promise<void> | null;
@@ -24,8 +24,8 @@ export class FrameWait {
   #wait: Wait | null = null;
 
   /**
-   * @param retry called when a wait is over, with the newest request; with null if another was drawn meanwhile. Returns what
-   *   settles when the request has been drawn.
+   * @param retry called when a wait is over, with the newest request; with null if another was
+   *   drawn meanwhile. Returns a promise that settles when the request has been drawn.
    */
   constructor(
     pipelines: Pick<Pipelines, 'areReady' | 'prepare'>,
@@ -35,7 +35,7 @@ export class FrameWait {
     this.#retry = retry;
   }
 
-  /** What the newest request waits for; null if it does not wait. */
+  /** Reason why the newest request waits; null if it does not wait. */
   get reason(): WaitReason | null {
     return this.#wait?.reason ?? null;
   }
@@ -47,7 +47,7 @@ export class FrameWait {
     return isReady;
   }
 
-  /** Whether the shaders of a shape are compiled; compiles those that are not, for frames to come. */
+  /** Whether the shaders of a shape are compiled; compiles missing ones for frames to come. */
   isReadyOrCompiling(shape: FrameShape): boolean {
     const isReady = this.isReady(shape);
     // A frame that needs one that does not compile tells.
@@ -62,10 +62,10 @@ export class FrameWait {
   }
 
   /**
-   * Lets a request wait until `until` resolves. If one waits for the same reason, this takes its place instead; one that waits
-   * for another reason is left out.
+   * Lets a request wait until `until` resolves. If one waits for the same reason, this takes its
+   * place instead; one that waits for another reason is left out.
    *
-   * @returns what settles when the request, or a newer one in its place, has been drawn.
+   * @returns a promise that settles when the request, or a newer one in its place, has been drawn.
    */
   begin(request: FrameRequest, reason: WaitReason, until: () => Promise<unknown>): Promise<void> {
     if (this.#wait?.reason === reason) {
@@ -75,7 +75,8 @@ export class FrameWait {
     const wait: Wait = { request, reason, drawn: Promise.resolve() };
     this.#wait = wait;
     wait.drawn = this.#drawAfter(until(), wait);
-    // The device itself reports a shader that does not compile; callers that do not await the frame get no second error.
+    // The device itself reports a shader that does not compile; callers that do not await the frame
+    // get no second error.
     wait.drawn.catch(() => {});
     return wait.drawn;
   }

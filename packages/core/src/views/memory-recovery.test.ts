@@ -28,7 +28,7 @@ function planOf(
   } as unknown as FramePlan;
 }
 
-/** A view whose frames find memory as `checked` says: what the device answers, later; null if nothing is allocated. */
+/** A view whose frames find memory by `checked`, the device's answer; null: nothing allocated. */
 function viewWith(members: Partial<RecoveringView> = {}) {
   const state = { parts: { isDestroyed: false }, checked: null as Promise<void> | null, availableBytes: 1e9 };
   const device = deviceWithoutGpu(async () => {});

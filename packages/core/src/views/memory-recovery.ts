@@ -6,7 +6,7 @@ import type { RasterizerChoice } from './rasterizer-choice.ts';
 
 type HeldParts = Pick<FrameParts, 'isDestroyed'>;
 
-/** What a view does where a frame finds no memory. */
+/** Actions of a view whose frame finds no memory. */
 export interface RecoveringView {
   /** The buffers and textures of its frames. Others take their place when the view starts over. */
   parts(): HeldParts;
@@ -14,12 +14,13 @@ export interface RecoveringView {
   startOver(): void;
   /** Leaves frames of this load, which tiles cannot draw, to quads. */
   rejectTiles: RasterizerChoice['rejectTiles'];
-  /** Draws a sound frame again, unless another has been drawn since. Resolves when that is done, as far as it can be. */
+  /** Draws a sound frame again, unless another was drawn since. Resolves when that has ended. */
   restore(sound: FramePlan): Promise<void>;
   /**
-   * Draws what is to take the place of a frame: the request that waits for it or, if `again` is still the newest, that one.
+   * Draws the replacement of a frame: the request that waits for it or, if `again` is still the
+   * newest, that one.
    *
-   * @returns what settles when that has been drawn; null if nothing follows.
+   * @returns a promise that settles when that has been drawn; null if nothing follows.
    */
   follow(again: FramePlan | null): Promise<void> | null;
 }
@@ -36,19 +37,20 @@ interface Lack {
 
 const ADVICE = 'Draw a smaller image, or with a coarser accuracy or by quads, or load fewer splats.';
 
-/** Shortest time between two probes for memory that was lacking, ms: a page may ask for the same frame sixty times a second. */
+/** Shortest time between two probes for memory, ms: a page may draw sixty times a second. */
 const PROBE_PAUSE_MS = 250;
 
 /**
- * Recovers from frames that find no memory, which the device tells later: frees theirs, draws the last sound frame again, tells
- * the error once, and looks for memory before a frame as large is drawn.
+ * Recovers from frames that find no memory, which the device tells later: frees theirs, draws the
+ * last sound frame again, tells the error once, and looks for memory before a frame as large is
+ * drawn.
  */
 export class MemoryRecovery {
-  /** Why the last frame could not be drawn. To be cleared when a caller has been told, or another frame is drawn. */
+  /** Why the last frame could not be drawn; cleared once a caller knows or another is drawn. */
   error: Error | null = null;
   readonly #memory: GpuMemory;
   readonly #view: RecoveringView;
-  /** The last frame for which there was memory, and the one before: to divide a frame takes memory, too. */
+  /** The last frame that had memory, and the one before: dividing a frame takes memory, too. */
   #sound: FramePlan | null = null;
   #soundBefore: FramePlan | null = null;
   /** The newest of the checks under way. */
@@ -98,12 +100,13 @@ export class MemoryRecovery {
   }
 
   /**
-   * Makes room for a frame, and records and submits it, by `work`. If memory is lacking for it, which the device tells later,
-   * the last sound frame is drawn again.
+   * Makes room for a frame, and records and submits it, by `work`. If memory is lacking for it,
+   * which the device tells later, the last sound frame is drawn again.
    *
-   * @returns what settles when the device has told, and rejects if the frame was void and nothing follows; null if the frame
-   *   takes no more than those before.
-   * @throws GpuLimitError if limits or the engine's budget do not allow the frame; the last one stays, or is drawn again.
+   * @returns a promise that settles when the device has told, and rejects if the frame was void and
+   *   nothing follows; null if the frame takes no more than those before.
+   * @throws GpuLimitError if limits or the engine's budget do not allow the frame; the last one
+   *   stays, or is drawn again.
    */
   draw(plan: FramePlan, work: () => void): Promise<void> | null {
     const parts = this.#view.parts();
@@ -138,8 +141,8 @@ export class MemoryRecovery {
   }
 
   /**
-   * Frees a frame that found no memory, draws the last sound one, and lets another take its place: the newest request, or the
-   * same one by quads.
+   * Frees a frame that found no memory, draws the last sound one, and lets another take its place:
+   * the newest request, or the same one by quads.
    *
    * @param parts those of the frame.
    * @throws `error` if none follows; else why that one could not be drawn.
@@ -189,7 +192,10 @@ function hasChosenTiles({ shape }: FramePlan): boolean {
   return shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
 }
 
-/** What decides how much memory a frame needs: visible splats, pixels of the layer, pixels of the image, and whether by tiles. */
+/**
+ * Numbers that decide how much memory a frame needs: visible splats, pixels of the layer, pixels of
+ * the image, and whether by tiles.
+ */
 function sizesOf({ shape, layer, request }: FramePlan): readonly number[] {
   const hasTiles = Number(shape.rasterizer === 'tiles');
   return [

@@ -34,7 +34,7 @@ export interface SplatPick {
   readonly point: Vec3;
   /** The splat's opacity at the pixel, cutoff…0.99. */
   readonly alpha: number;
-  /** The splat's share of the pixel: `alpha` times the transmittance of the splats in front of it. */
+  /** The splat's share of the pixel: `alpha` times the transmittance in front of it. */
   readonly weight: number;
   /** Opacity of all splats at the pixel together. */
   readonly totalOpacity: number;
@@ -50,9 +50,10 @@ interface PickContext {
 }
 
 /**
- * Finds the splat that contributes most to one pixel of the layer that `frame` was last sorted for; the foremost among equal
- * contributions. Submits before it returns, so later frames and the destruction of `frame` make no difference. Repeated picks
- * in the same frame return the same splat. Ignores everything that other renderers draw in front of the splats.
+ * Finds the splat that contributes most to one pixel of the layer that `frame` was last sorted for;
+ * the foremost among equal contributions. Submits before it returns, so later frames and the
+ * destruction of `frame` make no difference. Repeated picks in the same frame return the same
+ * splat. Ignores everything that other renderers draw in front of the splats.
  *
  * `pickStage` must be compiled.
  *
@@ -60,8 +61,8 @@ interface PickContext {
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
  * @returns null if no splat reaches the cutoff at the pixel, and for splats of previews.
- * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking, DestroyedError if engine or device end
- *   before the result is read.
+ * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking,
+ *   DestroyedError if engine or device end before the result is read.
  */
 export async function pickSplat(
   context: PickContext,
@@ -100,8 +101,8 @@ export async function pickSplat(
 }
 
 /**
- * As `pickSplat`, for a pixel of the image, which the layer may be smaller than: the pixel of the layer behind its centre. Null
- * outside the image.
+ * As `pickSplat`, for a pixel of the image, which the layer may be smaller than: the pixel of the
+ * layer behind its centre. Null outside the image.
  */
 export async function pickInImage(
   context: PickContext,
@@ -117,7 +118,7 @@ export async function pickInImage(
   return pickSplat(context, frame, plan, layerX, layerY);
 }
 
-/** Runs the stage and copies its blocks to the CPU: enough for the largest number of visible splats. */
+/** Runs the stage and copies its blocks to the CPU: enough for the most visible splats. */
 async function readBlocks(
   { device, pipelines, memory }: PickContext,
   { shared, shape }: FrameParts,
@@ -152,7 +153,7 @@ async function readBlocks(
   }
 }
 
-/** Combines the blocks front to back, in float64. Returns the splat with the largest weight, or null if there is none. */
+/** Combines blocks front to back, in float64. Returns the splat of the largest weight, or null. */
 function heaviestOf(blocks: ArrayBuffer) {
   const floats = new Float32Array(blocks);
   const words = new Uint32Array(blocks);

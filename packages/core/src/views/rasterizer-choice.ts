@@ -5,7 +5,7 @@ import type { FrameShape } from '../frame/frame-shape.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 
-/** The rasteriser that draws a view, and what is known about both. */
+/** A view's rasteriser, and the facts known about both. */
 export interface RasterizerReport {
   readonly rasterizer: FrameRasterizer;
   /** Why, for people. */
@@ -39,8 +39,8 @@ export interface RasterizerChoiceOptions {
 /** Frames whose median counts as a rasteriser's time. */
 const FRAMES = 5;
 /**
- * Shares of the quads that are drawn as samples, one after another, as long as the next is short enough. The first tells what a
- * pass takes that draws nothing.
+ * Shares of the quads that are drawn as samples, one after another, as long as the next is short
+ * enough. The first tells the time of a pass that draws nothing.
  */
 const SAMPLE_SHARES = [0, 1 / 1024, 1 / 128, 1 / 16] as const;
 /** Samples of each share, whose median counts. */
@@ -49,9 +49,9 @@ const SAMPLES = 3;
 const LONGEST_SAMPLE = 0.4;
 /** The other rasteriser is tried where it is expected to take less than this part of the time. */
 const HYSTERESIS = 0.87;
-/** Tiles are tried where they are expected to take at most this much longer than quads: the estimate is rough. */
+/** Tiles are tried if expected to take at most this much longer than quads: a rough estimate. */
 const WORTH_A_TRY = 1.3;
-/** Visible splats or pixels have moved if they are this many times as many, or as few, as when both were compared. */
+/** Factor by which visible splats or pixels change, either way, before both are compared again. */
 const MOVED = 1.6;
 /** Frames between two comparisons. */
 const REST_FRAMES = 60;
@@ -67,10 +67,11 @@ interface Known {
 }
 
 /**
- * Chooses between the two rasterisers by their times on this device and view. Tiles draw first, unless quads were found faster
- * on this adapter before. While tiles draw, growing samples of the quads are drawn besides, in places of the layer that the
- * tiles then overwrite, until their time shows what all of them would take; no frame is slowed by more than a part of itself.
- * The other rasteriser draws whole frames only where it promises to be faster, and stays only if it is.
+ * Chooses between the two rasterisers by their times on this device and view. Tiles draw first,
+ * unless quads were found faster on this adapter before. While tiles draw, growing samples of the
+ * quads are drawn besides, in places of the layer that the tiles then overwrite, until their time
+ * shows the time of all; no frame is slowed by more than a part of itself. The other rasteriser
+ * draws whole frames only where it promises to be faster, and stays only if it is.
  */
 export class RasterizerChoice {
   readonly #options: RasterizerChoiceOptions;
@@ -133,13 +134,16 @@ export class RasterizerChoice {
     );
   }
 
-  /** The rasteriser for frames with this depth. Those that write depth get tiles, whose depth is better, unless these cannot draw. */
+  /**
+   * The rasteriser for frames with this depth. Those that write depth get tiles, whose depth is
+   * better, unless these cannot draw.
+   */
   rasterizerFor(depth: RasterizeDepth | null): FrameRasterizer {
     if (!depth?.layerFormat) return this.#rasterizer;
     return this.#hasRejectedTiles ? 'quads' : 'tiles';
   }
 
-  /** The sample of the quads that a frame is to draw besides its image, after one with these statistics. */
+  /** Sample of the quads to draw besides a frame's image, after a frame with these statistics. */
   sampleFor({ shape }: FramePlan, last: FrameStatistics | null): QuadsSample | null {
     const share = this.sampleShare;
     if (share === null || !last || shape.accuracy.rasterizer !== 'auto') return null;
@@ -162,7 +166,7 @@ export class RasterizerChoice {
     this.take({ rasterizer, elapsedMs, visibleSplats, pixels, sampleMs: quadsSampleMs });
   }
 
-  /** Leaves this view to the quads because tiles cannot draw it; they are tried again when the load has moved. */
+  /** Leaves this view, which tiles cannot draw, to the quads until the load has moved. */
   rejectTiles(reason: string, load: Load): void {
     this.#switch('quads', reason);
     this.#hasRejectedTiles = true;

@@ -27,9 +27,12 @@ const LIKELY_CAMERA = perspectiveCamera({
   aspect: LIKELY_SIZE.widthPx / LIKELY_SIZE.heightPx,
 });
 
-/** Draws clouds whenever something has changed: on a canvas, or into a texture that can be read back. */
+/** Draws clouds whenever something has changed: on a canvas, or into a texture for read-back. */
 export class SplatView extends View {
-  /** @internal Splits frames into their passes and times those; such frames have no statistics. Null for whole frames. */
+  /**
+   * @internal Splits frames into their passes and times those; such frames have no statistics. Null
+   *   for whole frames.
+   */
   profile: FrameProfile | null = null;
   readonly #canvas: GPUCanvasContext | null;
   /** Background of the image on the canvas. */
@@ -39,7 +42,7 @@ export class SplatView extends View {
   #divider: FrameDivider | null = null;
   /** Those of the frame that is being submitted in parts: its buffers must stay as they are. */
   #inParts: FrameParts | null = null;
-  /** Whether the last frame was left in the middle, so that nothing of it can be used but its image. */
+  /** Whether the last frame was left in the middle, so that only its image can be used. */
   #isUnfinished = false;
 
   /**
@@ -66,13 +69,16 @@ export class SplatView extends View {
   }
 
   /**
-   * Draws `request`: submits the GPU's work and returns at once. If camera, clouds, size, background and accuracy are those
-   * of the last frame, nothing is submitted. If a shader is still compiling, the frame follows automatically when it is
-   * ready; until then the same clouds are drawn with their old settings and effects. A frame that may keep the GPU for long is
-   * submitted in parts; of the requests that come meanwhile, the newest is drawn next. `whenDrawn` waits for the frame.
+   * Draws `request`: submits the GPU's work and returns at once. If camera, clouds, size,
+   * background and accuracy are those of the last frame, nothing is submitted. If a shader is still
+   * compiling, the frame follows automatically when it is ready; until then the same clouds are
+   * drawn with their old settings and effects. A frame that may keep the GPU for long is submitted
+   * in parts; of the requests that come meanwhile, the newest is drawn next. `whenDrawn` waits for
+   * the frame.
    *
-   * If memory turns out to be lacking, which the device tells some time later, the picture before is drawn again, `whenDrawn`
-   * rejects, and so does the next call, once. Later calls look for memory and draw when there is some.
+   * If memory turns out to be lacking, which the device tells some time later, the picture before
+   * is drawn again, `whenDrawn` rejects, and so does the next call, once. Later calls look for
+   * memory and draw when there is some.
    *
    * @returns whether work was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
@@ -110,15 +116,15 @@ export class SplatView extends View {
     return this.drawn;
   }
 
-  /** @internal Compiles the shaders that the first frame of such a cloud alone is likely to need. */
+  /** @internal Compiles shaders that the first frame of such a cloud alone is likely to need. */
   expectCloud(cloud: SplatCloud): void {
     this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
   /**
-   * Resolves when the last requested frame has been submitted and the device has had memory for it. Rejects with a GpuLimitError
-   * if it has not, if shaders do not compile, and with a DestroyedError if one of its clouds, the view, the engine or the device
-   * ends before.
+   * Resolves when the last requested frame has been submitted and the device has had memory for it.
+   * Rejects with a GpuLimitError if it has not, if shaders do not compile, and with a
+   * DestroyedError if one of its clouds, the view, the engine or the device ends before.
    */
   async whenDrawn(): Promise<void> {
     await this.drawn;
@@ -126,11 +132,11 @@ export class SplatView extends View {
   }
 
   /**
-   * Reads back the last image, without its background: premultiplied RGBA in the space that splats are blended in
-   * (sRGB-encoded), top row first, 4·width·height values.
+   * Reads back the last image, without its background: premultiplied RGBA in the space that splats
+   * are blended in (sRGB-encoded), top row first, 4·width·height values.
    *
-   * @throws InvalidArgumentError before the first frame; DestroyedError if the view, its engine or the device ends before the
-   *   image is read; what `whenDrawn` rejects with.
+   * @throws InvalidArgumentError before the first frame; DestroyedError if the view, its engine or
+   *   the device ends before the image is read; the errors of `whenDrawn`.
    */
   async readPixels(): Promise<TextureImage> {
     // Most pages never do.
@@ -153,7 +159,7 @@ export class SplatView extends View {
     return super.chooseAccuracy(options);
   }
 
-  /** @internal The texture and the buffers of the last image, for what compares and counts on the GPU: see measure/ and inspect/. */
+  /** @internal Texture and buffers of the last image, for measure/ and inspect/ on the GPU. */
   blended(): {
     readonly context: ViewContext;
     readonly color: GPUTexture | null;
@@ -220,11 +226,11 @@ export class SplatView extends View {
     return settled;
   }
 
-  /** @param checked settles when the device has told whether it had memory for the frame's buffers. */
+  /** @param checked settles when the device has told whether the frame's buffers had memory. */
   async #drawInParts(plan: FramePlan, checked: Promise<void>): Promise<void> {
     const { request } = plan;
     const { parts } = this;
-    // Nothing collects the errors of parts, so none is submitted before its buffers are known to exist.
+    // Errors of parts are not collected, so none is submitted before its buffers surely exist.
     await checked;
     // Another frame has taken its place.
     if (parts !== this.parts) return;
@@ -233,12 +239,12 @@ export class SplatView extends View {
     if (isDrawn instanceof Error) return this.recovery.giveUp(plan, parts, isDrawn);
     if (isDrawn) return;
     if (!this.isDestroyed && parts === this.parts) {
-      // A preview that is held is not drawn again: its image stays until another cloud takes its place.
+      // A held preview is not drawn again: its image stays until another cloud takes its place.
       this.#isUnfinished = request.clouds.some(({ cloud }) => cloud.isHeld);
       if (!this.#isUnfinished) this.startOver();
     }
     if (this.wait.reason === 'parts') return;
-    // What waits for this frame must not wait for itself.
+    // Awaiters of this frame must not wait for themselves.
     this.settled = DONE;
     // Where something that it needs has ended, those who wait for the frame are told.
     return this.#drawWaiting(request);

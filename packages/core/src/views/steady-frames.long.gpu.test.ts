@@ -18,9 +18,12 @@ vi.mock('../gpu/shaders/link-shader.ts', async (original) => {
 });
 
 const SIZE = { widthPx: 32, heightPx: 32 };
-/** Frames of a round. A view that chooses between rasterisers has compared them after more than a hundred, and is at rest. */
+/**
+ * Frames of a round. A view that chooses between rasterisers has compared them after more than a
+ * hundred, and is at rest.
+ */
 const FRAMES = { quads: 200, tiles: 200, auto: 300 };
-/** Time of a round, ms: a view that gives back room must do so by the clock, not by the speed of this machine. */
+/** Time of a round, ms: a view must give back room by the clock, not by this machine's speed. */
 const ROUND_MS = 16_700;
 
 let counted: ReturnType<typeof countedDevice>;
@@ -30,8 +33,8 @@ beforeAll(async () => {
 afterAll(() => counted?.device.destroy());
 
 /**
- * A round about the origin, nearer on one side, where depths differ in more bits. All splats are in sight everywhere: an `auto`
- * view compares both rasterisers again when many come and go.
+ * A round about the origin, nearer on one side, where depths differ in more bits. All splats are in
+ * sight everywhere: an `auto` view compares both rasterisers again when many come and go.
  *
  * @param round share of the round that has been gone, 0 to 1.
  */
@@ -111,7 +114,8 @@ describe.each(['SplatView', 'EmbeddedView'] as const)('frames of an orbit in a %
       let passedMs = 0;
       const now = performance.now.bind(performance);
       const beganMs = now();
-      // What this machine takes counts for so little that a round lasts as long on a busy one, and still tells frames apart.
+      // Time on this machine counts for so little that a round lasts as long on a busy one, and
+      // still tells frames apart.
       const clock = vi
         .spyOn(performance, 'now')
         .mockImplementation(() => passedMs + (now() - beganMs) / 1000);
@@ -127,7 +131,7 @@ describe.each(['SplatView', 'EmbeddedView'] as const)('frames of an orbit in a %
         made.push(difference({ ...counted.calls, linked }, before));
       }
       clock.mockRestore();
-      // Keys became wider; what that takes is kept.
+      // Keys became wider; their memory is kept.
       expect(made[0].createBuffer).toBeGreaterThan(0);
       expect(made[1]).toEqual({});
       engine.destroy();

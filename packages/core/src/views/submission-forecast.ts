@@ -3,17 +3,21 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
 /**
- * An eighth of the two seconds after which Windows resets a driver, so that a frame may take eight times what was foreseen, as
- * where the camera jumps. Twice the longest frame at which a page still seems to follow the hand.
+ * An eighth of the two seconds after which Windows resets a driver, so that a frame may take eight
+ * times what was foreseen, as where the camera jumps. Twice the longest frame at which a page still
+ * seems to follow the hand.
  */
 export const DEFAULT_SUBMISSION_BUDGET_MS = 250;
 
-/** What a pixel of a quad or tile takes on the slowest devices, which draw in software on a core or two. */
+/** Time of a pixel of a quad or tile on the slowest devices: in software on a core or two. */
 const SLOWEST_PIXEL_MS = 2e-5;
-/** What a splat takes there that covers no pixel. */
+/** Time there of a splat that covers no pixel. */
 const SLOWEST_SPLAT_MS = 4e-3;
 
-/** Frames of which one must have been short by the wall clock: any other work of the page or the browser makes one seem long. */
+/**
+ * Frames of which one must have been short by the wall clock: other work of the page or the browser
+ * makes one seem long.
+ */
 const WALL_CLOCK_FRAMES = 3;
 
 export type ForecastPlan = Pick<FramePlan, 'needs' | 'layer'> & {
@@ -21,16 +25,17 @@ export type ForecastPlan = Pick<FramePlan, 'needs' | 'layer'> & {
 };
 
 /**
- * Foresees, from frames that were measured, whether one submission may draw a view's next frame. It may where even the slowest
- * device would be done in time with splats that all cover the whole image; otherwise only frames of clouds that were drawn
- * before, as long as the last of them was short enough for what has been added since.
+ * Foresees from measured frames whether one submission may draw a view's next frame. It may where
+ * even the slowest device would be done in time with splats that all cover the whole image;
+ * otherwise only frames of clouds that were drawn before, as long as the last of them was short
+ * enough for what has been added since.
  */
 export class SubmissionForecast {
   readonly #budgetMs: number;
   /** By the storage of their planes, which the previews of a load share. */
   readonly #drawn = new WeakSet<object>();
   #elapsedMs = 0;
-  /** What the last measured frame might have taken the slowest device. */
+  /** Time that the last measured frame might have taken the slowest device. */
   #slowestMs = 0;
   #wallClocksMs: number[] = [];
 

@@ -4,7 +4,7 @@ import { SubmissionPacer } from './submission-pacer.ts';
 
 const BUDGET_MS = 250;
 
-/** What units before each would take the slowest device, ms, then what all would. */
+/** Times of the slowest device, ms, for the units before each, then for all. */
 function sumsOf(unitsMs: readonly number[]): Float64Array {
   const sums = new Float64Array(unitsMs.length + 1);
   for (const [i, ms] of unitsMs.entries()) sums[i + 1] = sums[i] + ms;
@@ -17,8 +17,9 @@ function told(ms: number, tickMs: number): number {
 }
 
 /**
- * Submits all units in turn on a device that takes `shareAt(unit)` of the slowest device's time for each, by a clock that tells
- * multiples of `tickMs`. Returns the time and the number of units of each submission.
+ * Submits all units in turn on a device that takes `shareAt(unit)` of the slowest device's time for
+ * each, by a clock that tells multiples of `tickMs`. Returns the time and the number of units of
+ * each submission.
  */
 function submitAll(
   pacer: SubmissionPacer,
@@ -92,7 +93,8 @@ describe('SubmissionPacer', () => {
           return submitAll(pacer, unitsMs, () => share, tickMs);
         };
         const submissions = submitAfterOther(tickMs);
-        // Where work of less than a tick is told to take no time, eight times as much may follow, to the next unit.
+        // Work of less than a tick is told to take no time: eight times as much may follow, to the
+        // next unit.
         const mostMs = Math.max(BUDGET_MS, 8 * (tickMs + 5));
         expect(Math.max(...submissions.map(({ ms }) => ms))).toBeLessThanOrEqual(mostMs);
         const exact = submitAfterOther(0);

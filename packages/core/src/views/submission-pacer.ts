@@ -1,22 +1,29 @@
 /** Work of one stage, to be submitted. */
 export interface Work {
   readonly stage: string;
-  /** What it would take the slowest device, ms. Only comparable within a stage: other stages may be far from theirs. */
+  /** Time of the slowest device, ms; comparable within a stage: other stages may be far off. */
   readonly slowestMs: number;
 }
 
-/** Submissions are made for this part of the budget, so that one may take four times what is predicted. */
+/** Submissions aim at this part of the budget, so that one may take four times its prediction. */
 const AIM = 1 / 4;
-/** A stage that was never measured may be this many times slower, next to the slowest device, than all that were. */
+/** Factor that an unmeasured stage may be slower by, next to the slowest device, than others. */
 const UNKNOWN_STAGE = 8;
-/** A stage's prediction falls to no less than this part of the last: work that follows may be harder. It rises at once. */
+/**
+ * A stage's prediction falls to no less than this part of the last: work that follows may be
+ * harder. It rises at once.
+ */
 const LEAST_FALL = 1 / 4;
-/** Work that was foreseen to take longer is not taken for shorter than this, ms: clocks of browsers tell whole ones, or less. */
+/**
+ * Work that was foreseen to take longer is not taken for shorter than this, ms: clocks of browsers
+ * tell whole ones, or less.
+ */
 const LEAST_MS = 1;
 
 /**
- * Divides the work of frames into submissions that stay within a budget, by the times of those before. Predicts for each stage
- * which part of the slowest device's time this one takes. Begins with the slowest device's own times.
+ * Divides the work of frames into submissions that stay within a budget, by the times of those
+ * before. Predicts the part of the slowest device's time that this one takes, by stage. Begins with
+ * that device's own times.
  */
 export class SubmissionPacer {
   readonly #aimMs: number;
@@ -37,7 +44,7 @@ export class SubmissionPacer {
   /**
    * Returns how many units, from `first` on, may be submitted together: at least one.
    *
-   * @param slowestMs per unit: what those before it would take the slowest device, and at last what all of them would.
+   * @param slowestMs per unit: the slowest device's time for those before it, and at last for all.
    */
   unitsFrom(first: number, stage: string, slowestMs: Float64Array): number {
     const most = slowestMs[first] + this.#aimMs / this.#shareOf(stage);

@@ -7,9 +7,9 @@ import type { AccuracyTargets, ChooseAccuracyOptions, TargetScene, TargetView } 
 
 /** The engine's part in the settings of a frame. */
 export interface AccuracyContext {
-  /** Returns the target in `asked` (default: the engine's), or null for settings. Equal targets are the same object. */
+  /** Returns the target in `asked` (default the engine's), interned; null for settings. */
   readonly targetFor: (asked: AccuracyRequest | undefined) => AccuracyTarget | null;
-  /** Returns the closest settings that the device supports (default: the engine's). Equal settings are the same object. */
+  /** Returns the closest settings that the device supports (default the engine's), interned. */
   readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly targets: AccuracyTargets;
 }
@@ -21,7 +21,7 @@ export class ViewAccuracy implements TargetView {
   #scene: TargetScene | null = null;
   #reported: AccuracyChoice | null = null;
 
-  /** @param onChosen called with each new choice and the request to draw again with it, in a microtask of its own. */
+  /** @param onChosen called, in a microtask, with each new choice and the request to draw again. */
   constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, request: FrameRequest) => void) {
     this.#context = context;
     this.#onChosen = onChosen;

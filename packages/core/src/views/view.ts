@@ -48,15 +48,16 @@ export type PossibleDepths = readonly [RasterizeDepth | null, ...(RasterizeDepth
 /** The frame that a view draws in response to a request. */
 export interface NextFrame {
   /**
-   * The plan to draw: the requested one or, while its shaders compile, the same clouds with the settings and effects of the
-   * last frame. Null if there is nothing to draw until then.
+   * The plan to draw: the requested one or, while its shaders compile, the same clouds with the
+   * settings and effects of the last frame. Null if there is nothing to draw until then.
    */
   readonly plan: FramePlan | null;
   /** Whether that frame is shown already, so that there is nothing to draw. */
   readonly stands: boolean;
   /**
-   * Whether `plan` is the requested one. If not, it follows: shaders are compiling, clouds are being uploaded, or a preview is
-   * held, which another will replace. Or it lacks memory, which is sought now and then.
+   * Whether `plan` is the requested one. If not, it follows: shaders are compiling, clouds are
+   * being uploaded, or a preview is held, which another will replace. Or it lacks memory, which is
+   * sought now and then.
    */
   readonly status: 'ready' | 'waiting' | 'lacking';
 }
@@ -64,23 +65,24 @@ export interface NextFrame {
 /** Bits in which the depths of most scenes differ that a camera stands in. */
 const LIKELY_KEY_BITS = 27;
 
-/** What has nothing to wait for. */
+/** The promise of nothing to wait for. */
 export const DONE = Promise.resolve();
 
 let picking: typeof import('./pick-splat.ts') | null = null;
 
 /**
- * What all views have, whatever they draw into: the next frame for a request, statistics and picks of the last one. Subclasses
- * decide when a frame is drawn and where its image goes.
+ * The common part of all views, whatever they draw into: the next frame for a request, statistics
+ * and picks of the last one. Subclasses decide when a frame is drawn and where its image goes.
  */
 export abstract class View {
   /** Called with the statistics of each measured frame, some frames later. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
   /**
-   * Called when settings have been chosen for a target (`accuracy: { minPsnrDb: 45 }`). Measuring takes seconds and begins half
-   * a second after the first frame, and after the last change of its size. A scene is measured again when its clouds change,
-   * but not when the camera moves. A `SplatView` has already drawn its last frame again with the choice; an `EmbeddedView`
-   * has called `onReady`, for its host to prepare the frame again.
+   * Called when settings have been chosen for a target (`accuracy: { minPsnrDb: 45 }`). Measuring
+   * takes seconds and begins half a second after the first frame, and after the last change of its
+   * size. A scene is measured again when its clouds change, but not when the camera moves. A
+   * `SplatView` has already drawn its last frame again with the choice; an `EmbeddedView` has
+   * called `onReady`, for its host to prepare the frame again.
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   protected readonly context: ViewContext;
@@ -88,7 +90,7 @@ export abstract class View {
   protected parts: FrameParts;
   protected readonly recovery: MemoryRecovery;
   protected readonly wait: FrameWait;
-  /** Settles when the newest request has been drawn, where that had to wait; null if it is the last frame. */
+  /** Settles when the newest request, if waiting, has been drawn; null if it is the last frame. */
   protected waiting: Promise<void> | null = null;
   /** Settles when the last frame is complete as far as the device had memory for it. */
   protected settled = DONE;
@@ -124,7 +126,7 @@ export abstract class View {
     this.#accuracy = new ViewAccuracy(context, (choice, request) => this.onChosen(choice, request));
   }
 
-  /** @internal Whether round splats may have shaders of their own; false to measure without them. */
+  /** @internal Whether round splats may have shaders of their own; false to measure without. */
   set mayBeIsotropic(mayBeIsotropic: boolean) {
     this.#planner.mayBeIsotropic = mayBeIsotropic;
   }
@@ -134,17 +136,18 @@ export abstract class View {
     return this.#statistics;
   }
 
-  /** The last choice for the target; null before the first choice, and if settings were requested. */
+  /** The last choice for the target; null before the first, and if settings were requested. */
   get accuracyChoice(): AccuracyChoice | null {
     return this.#accuracy.choice;
   }
 
   /**
-   * Measures the last frame now, and chooses the settings that meet its target again: for all views with the same target and the
-   * same clouds, at the size of the largest.
+   * Measures the last frame now, and chooses the settings that meet its target again: for all views
+   * with the same target and the same clouds, at the size of the largest.
    *
-   * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a target; DestroyedError; an AbortError if
-   *   the view is destroyed or a later call takes over; the signal's reason. On failure the settings stay.
+   * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a target;
+   *   DestroyedError; an AbortError if the view is destroyed or a later call takes over; the
+   *   signal's reason. On failure the settings stay.
    */
   async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
     this.checkUsable();
@@ -152,26 +155,29 @@ export abstract class View {
   }
 
   /**
-   * Returns the splat that contributes most to a pixel of the last image, whatever another renderer draws in front of it;
-   * null if there is none, outside the image, and before the first frame.
+   * Returns the splat that contributes most to a pixel of the last image, whatever another renderer
+   * draws in front of it; null if there is none, outside the image, and before the first frame.
    *
-   * @param xPx, yPx from the top left of the image; a fractional position belongs to the pixel that contains it.
+   * @param xPx, yPx from the top left of the image; a fractional position belongs to the pixel that
+   *   contains it.
    * @throws DestroyedError if the view or its engine ends before the result is read.
    */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
     this.checkUsable();
-    // Most pages never pick. Once the code is there, the frame that stands now is the one that is searched.
+    // Most pages never pick. The present frame is the one that is searched once the code is there.
     picking ??= await import('./pick-splat.ts');
     const { pickStage, pickInImage } = picking;
     return this.#search(pickStage, (plan) => pickInImage(this.context, this.parts, plan, xPx, yPx));
   }
 
   /**
-   * Returns what is in front of each of at most 1,024 points of the world in the last frame: splats, and opaque objects of the
-   * renderer that the view is embedded in. One small read-back for all of them. Null before the first frame.
+   * Returns the cover of each of at most 1,024 points of the world in the last frame: splats, and
+   * opaque objects of the host's renderer. One small read-back for all of them. Null before the
+   * first frame.
    *
-   * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError if memory is lacking;
-   *   DestroyedError if the view or its engine ends before the result is read.
+   * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError
+   *   if memory is lacking; DestroyedError if the view or its engine ends before the result is
+   *   read.
    */
   async coverage(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
     this.checkUsable();
@@ -183,7 +189,7 @@ export abstract class View {
     );
   }
 
-  /** Runs `find` over the last frame, as soon as the stage that it needs is compiled; null without a frame. */
+  /** Runs `find` over the last frame, once its stage is compiled; null without a frame. */
   async #search<Found>(
     stageOf: (plan: FramePlan) => StageDefinition,
     find: (plan: FramePlan, stage: StageDefinition) => Promise<Found>,
@@ -199,8 +205,8 @@ export abstract class View {
   }
 
   /**
-   * Lists all effects of the last frame, on and off, with the reason; empty before the first frame. While shaders for other
-   * effects compile, the last frame has the old effects.
+   * Lists all effects of the last frame, on and off, with the reason; empty before the first frame.
+   * While shaders for other effects compile, the last frame has the old effects.
    */
   effects(): readonly EffectEntry[] {
     const plan = this.prepared;
@@ -261,7 +267,7 @@ export abstract class View {
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
-  /** Draws a frame again whose memory has been freed. Settles when it is complete, as far as the device had memory for it. */
+  /** Draws a frame again whose memory was freed. Settles when it is complete, memory permitting. */
   protected abstract redraw(plan: FramePlan): Promise<void>;
 
   /** Called when settings have been chosen for a target; `request` is that of the last frame. */
@@ -270,8 +276,9 @@ export abstract class View {
   /**
    * Called when a request need not wait any more.
    *
-   * @param request the newest one: draw it, or let it wait again. Null if another was drawn meanwhile.
-   * @returns what settles when that has been drawn; null if no frame follows.
+   * @param request the newest one: draw it, or let it wait again. Null if another was drawn
+   *   meanwhile.
+   * @returns a promise that settles when that has been drawn; null if no frame follows.
    */
   protected abstract retry(request: FrameRequest | null): Promise<void> | null;
 
@@ -279,8 +286,8 @@ export abstract class View {
    * Checks a request.
    *
    * @returns whether it has pixels.
-   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a destroyed cloud,
-   *   GpuLimitError for a cloud that found no memory.
+   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a
+   *   destroyed cloud, GpuLimitError for a cloud that found no memory.
    */
   protected check(request: FrameRequest): boolean {
     checkRequest(request, this.context.device);
@@ -304,7 +311,7 @@ export abstract class View {
   /**
    * Plans a frame and, where it cannot be drawn yet, lets its request wait.
    *
-   * @param depths the requested depth test, then the alternatives to draw with while its shaders compile.
+   * @param depths the requested depth test, then alternatives while its shaders compile.
    */
   protected next(request: FrameRequest, depths: PossibleDepths): NextFrame {
     for (const { cloud } of request.clouds) cloud.editing?.flush();
@@ -338,7 +345,7 @@ export abstract class View {
     return this.#planner.plan(request, { accuracy, depth, faster: this.#choice.rasterizerFor(depth) });
   }
 
-  /** Compiles the shaders of frames like `request`, for depths near and far, without drawing any. */
+  /** Compiles the shaders of frames like `request`, for depths near and far. Draws none. */
   protected foresee(request: FrameRequest): void {
     const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
     const keyBits = Math.min(LIKELY_KEY_BITS, shape.accuracy.sortKeyBits);
@@ -351,7 +358,10 @@ export abstract class View {
     return this.settled;
   }
 
-  /** Makes room for a frame and writes its uniforms. Call within `submit`, before recording. @throws GpuLimitError */
+  /**
+   * Makes room for a frame and writes its uniforms. Call within `submit`, before recording. @throws
+   * GpuLimitError
+   */
   protected makeRoom(plan: FramePlan): void {
     this.parts.fit(plan);
     this.#planner.take(plan, performance.now());
@@ -379,7 +389,7 @@ export abstract class View {
   }
 
   #follow(again: FramePlan | null): Promise<void> | null {
-    // What gives up a frame must not wait for itself.
+    // A frame's end must not wait for itself.
     if (!this.prepared) this.settled = DONE;
     // A caller may have asked for another one meanwhile.
     return this.retry(again && this.#asked === again ? again.request : null);
@@ -416,7 +426,7 @@ export abstract class View {
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const read = () => this.parts.timer.read(++this.#frameNumber, totalSplats, submittedMs);
     const { memory } = this.context;
-    // What is read may turn out not to exist.
+    // Buffers to read may turn out not to exist.
     const statistics = await memory.guard('A frame', '', read, this.recovery.isChecking).result;
     if (!statistics || this.#isDestroyed || !this.prepared) return null;
     const { tilePairs } = statistics;
@@ -432,7 +442,7 @@ export abstract class View {
     return statistics;
   }
 
-  /** Ends the view, unless it has ended already. Destroy `parts` when nothing uses them any more. */
+  /** Ends the view, unless it has ended. Destroy `parts` when nothing uses them any more. */
   protected end(): boolean {
     if (this.#isDestroyed) return false;
     this.#isDestroyed = true;
