@@ -22,7 +22,7 @@ const usually = (usual: fc.Arbitrary<number>, rare: fc.Arbitrary<number>) =>
   fc.oneof({ weight: 4, arbitrary: usual }, { weight: 1, arbitrary: rare });
 const triple = (value: fc.Arbitrary<number>) => fc.tuple(value, value, value);
 
-/** Positions stay where float32 can distinguish depths; all other properties may have any value that a file may hold. */
+/** Positions stay where float32 can tell depths; other properties have any value of a file. */
 const anySplat: fc.Arbitrary<SplatValues> = fc.record({
   position: triple(usually(uniform(-2, 2), uniform(-1e4, 1e4))),
   logScales: triple(usually(uniform(-8, 1), fc.oneof(uniform(-120, 90), finite))),

@@ -56,8 +56,9 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
 }
 
 /**
- * Whether the reference draws the splat, and whether that is sure or rounding may decide otherwise: the reference runs again with
- * cutoff, near, far and the image's edges moved by float32's largest error, once against the splat and once in its favour.
+ * Whether the reference draws the splat, and whether that is sure or rounding may decide otherwise:
+ * the reference runs again with cutoff, near, far and the image's edges moved by float32's largest
+ * error, once against the splat and once in its favour.
  */
 function verdict(
   cloud: InspectedCloud,
@@ -71,7 +72,7 @@ function verdict(
   if (clearance < -CHUNKS_KEPT_BEYOND) return { isDrawn: false, isSure: true };
   const errors = projectionErrors(stored, index, view, projection);
   const drawn = (direction: -1 | 0 | 1) => {
-    // The Gaussian reaches at most 3.4 standard deviations; its extent errs by that many times the rows' error.
+    // A Gaussian reaches 3.4 standard deviations at most: its extent errs by as many rows' errors.
     const edgePx = (axis: 0 | 1) => direction * (errors.centerPx[axis] + 4 * errors.rowsPx + 1e-5);
     const moved = {
       ...projection,
@@ -81,7 +82,7 @@ function verdict(
       near: projection.near - direction * (errors.depthView + FLOAT32_ROUNDING * Math.abs(projection.near)),
       far: projection.far + direction * (errors.depthView + FLOAT32_ROUNDING * Math.abs(projection.far)),
     };
-    // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: equivalent to another cutoff.
+    // Opacity and cutoff are rounded to float32, and `log` errs by 3 ulp: like another cutoff.
     const cutoff = alphaCutoff * (1 - direction * 16 * FLOAT32_ROUNDING);
     const settings = {
       alphaCutoff: cutoff,
@@ -97,8 +98,8 @@ function verdict(
 }
 
 /**
- * The shader keeps chunks that fail the test of a side by less than 1e-5 of its terms, and its own rounding of about ten
- * operations on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
+ * The shader keeps chunks that fail the test of a side by less than 1e-5 of its terms, and its own
+ * rounding of about ten operations on float32 uniforms is below 20 · 2^-24 = 1.2e-6 of them.
  */
 const CHUNKS_KEPT_BEYOND = 1.2e-5;
 
@@ -114,7 +115,7 @@ function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): nu
   return chunkClearance(bounds, planes);
 }
 
-/** Compares the range of depths with those of the visible splats: they must agree to the bit, distances within their bounds. */
+/** Compares the range of depths with the splats': equal to the bit, distances within bounds. */
 async function depthRangeFlaws(frame: InspectedFrame): Promise<string[]> {
   const depths = await sortDepths(frame);
   if (depths.length === 0) return [];

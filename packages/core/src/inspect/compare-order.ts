@@ -9,10 +9,11 @@ export interface KeyBounds {
 }
 
 /**
- * Lists the flaws of the frame's keys and order; empty if there are none. Integers leave no tolerance: the keys must be
- * those of the records' depths, shortened if the frame's accuracy requires it, and the order must be their stable ascending
- * order by as many low bits as the sort reads. Distances are known within the bounds of `sortDepths`: keys and order must be
- * possible within those.
+ * Lists the flaws of the frame's keys and order; empty if there are none. Integers leave no
+ * tolerance: the keys must be those of the records' depths, shortened if the frame's accuracy
+ * requires it, and the order must be their stable ascending order by as many low bits as the sort
+ * reads. Distances are known within the bounds of `sortDepths`: keys and order must be possible
+ * within those.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   const { passes, digitBits } = frame.parts.sort.sort.shape;
@@ -49,8 +50,8 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
 }
 
 /**
- * Describes the first flaw of `order`; null if it names every key once, in ascending order, equal keys in given order. Where
- * keys are known within bounds, null if that is possible.
+ * Describes the first flaw of `order`; null if it names every key once, in ascending order, equal
+ * keys in given order. Where keys are known within bounds, null if that is possible.
  */
 export function orderFlaw(keys: ArrayLike<number> | readonly KeyBounds[], order: Uint32Array): string | null {
   if (order.length !== keys.length) return `${order.length} places for ${keys.length} keys`;

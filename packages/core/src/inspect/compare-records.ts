@@ -10,7 +10,7 @@ import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
 import { type DecodedRecord, readRecords } from './read-records.ts';
 
-/** Compared numbers of a record: lengths in px, Σ in px², alpha of the Gaussian around its own centre. */
+/** Compared numbers of a record: lengths in px, Σ in px², alpha around its own centre. */
 export const RECORD_FIELDS = [
   'centerPx.x',
   'centerPx.y',
@@ -39,7 +39,7 @@ const LONGEST_AXIS_PX = 1e18;
 /** Middle of an image so wide that nothing lies outside of it. */
 const MIDDLE_PX = 5e8;
 
-/** Compares every record of the frame with its float64 reference; see `compareRecord` for the bounds. */
+/** Compares every record of the frame with its float64 reference; bounds: `compareRecord`. */
 export async function compareRecords(frame: InspectedFrame): Promise<FieldErrors<RecordField>> {
   const errors = new FieldErrors<RecordField>();
   for (const record of await readRecords(frame)) compareRecord(frame, record, errors);
@@ -78,7 +78,7 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
   compareAlpha(record, reference, bounds, rounding, add);
 }
 
-/** The reference's record of a splat wherever it lies: every splat that the GPU kept must match its reference. */
+/** The reference's record of a splat anywhere: all splats that the GPU kept must match theirs. */
 export function referenceOf(
   { projection }: InspectedFrame,
   { stored, view, effects }: InspectedCloud,
@@ -107,9 +107,10 @@ interface RecordRounding {
 }
 
 /**
- * Rounding to binary16, which some hardware does by truncating, errs by 2^-10 of the value. A colour also errs by half the
- * smallest step. An axis is never shorter than 0.77 px; a component of it below 2^-14 that is flushed to zero adds a tenth.
- * Unorm8 rounds to the nearest of its steps, half-way cases by an ulp of float32.
+ * Rounding to binary16, which some hardware does by truncating, errs by 2^-10 of the value. A
+ * colour also errs by half the smallest step. An axis is never shorter than 0.77 px; a component of
+ * it below 2^-14 that is flushed to zero adds a tenth. Unorm8 rounds to the nearest of its steps,
+ * half-way cases by an ulp of float32.
  */
 function roundingOf({ accuracy: { recordPrecision } }: InspectedFrame): RecordRounding {
   switch (recordPrecision) {
@@ -128,16 +129,20 @@ function referenceLengths({ covariance }: VisibleSplat): [major: number, minor: 
   return [Math.hypot(...majorPx), Math.hypot(...minorPx)];
 }
 
-/** Bound of a length's error: by Weyl a singular value moves no more than the matrix does; 16u for sums and roots. */
+/**
+ * Bound of a length's error: by Weyl a singular value moves no more than the matrix does; 16u for
+ * sums and roots.
+ */
 function lengthBound(majorPx: number, { rowsPx }: ProjectionErrors): number {
   return Math.SQRT2 * rowsPx + 16 * u * majorPx;
 }
 
 /**
- * Axes may point either way, and anywhere for a circle, so this compares their lengths and the Σ that they span,
- * Σ = ½(major·majorᵀ + minor·minorᵀ). With B the rows and δ their error, |δΣ| ≤ 2|B|δ ≤ 2√(a+c)·δ, and 32u(a+c) for
- * the operations after it. The minor length comes from a cross product whose rounding is relative to both rows: equivalent
- * to more error of the rows. Axes that are then rounded by h of their lengths add 2h(a+c) to the first order.
+ * Axes may point either way, and anywhere for a circle, so this compares their lengths and the Σ
+ * that they span, Σ = ½(major·majorᵀ + minor·minorᵀ). With B the rows and δ their error, |δΣ| ≤
+ * 2|B|δ ≤ 2√(a+c)·δ, and 32u(a+c) for the operations after it. The minor length comes from a cross
+ * product whose rounding is relative to both rows: equivalent to more error of the rows. Axes that
+ * are then rounded by h of their lengths add 2h(a+c) to the first order.
  */
 function compareShape(
   record: DecodedRecord,
@@ -166,8 +171,9 @@ function compareShape(
 }
 
 /**
- * Basis functions are below 2.9 and change by less than 12 per unit of direction; sums of 16 terms. Opacity is rounded
- * once, after an `exp` on the CPU in float64 or as unorm16, and twice more by that of the cloud: 8u.
+ * Basis functions are below 2.9 and change by less than 12 per unit of direction; sums of 16 terms.
+ * Opacity is rounded once, after an `exp` on the CPU in float64 or as unorm16, and twice more by
+ * that of the cloud: 8u.
  */
 function compareColor(
   frame: InspectedFrame,
@@ -200,17 +206,18 @@ function compareColor(
 }
 
 /**
- * Alpha of the record's Gaussian and of the reference's, both in float64, at k = 0, 1 and 2 of the reference's standard
- * deviations √λ along each axis e.
+ * Alpha of the record's Gaussian and of the reference's, both in float64, at k = 0, 1 and 2 of the
+ * reference's standard deviations √λ along each axis e.
  *
- * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows is equivalent to more
- * error of them). With E = Σ^-½ δΣ Σ^-½ the exponent's quadratic form is q' = k² eᵀ(I + E)⁻¹e, so that
- * |q' − q| ≤ k²(|eᵀEe| + |E|²/(1 − |E|)), where |eᵀEe| ≤ 2δ/√λ + (δ/√λ)² and |E| ≤ 2δ/√λ₂ + (δ/√λ₂)². From there
- * |α' − α| ≤ α·(e^(½|q' − q|) − 1), and no alpha is further from another than the opacity. A needle so thin that
- * rounding turns it away from its own axis (|E| ≥ 1) has only that last bound.
+ * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows
+ * is equivalent to more error of them). With E = Σ^-½ δΣ Σ^-½ the exponent's quadratic form is q' =
+ * k² eᵀ(I + E)⁻¹e, so that |q' − q| ≤ k²(|eᵀEe| + |E|²/(1 − |E|)), where |eᵀEe| ≤ 2δ/√λ + (δ/√λ)²
+ * and |E| ≤ 2δ/√λ₂ + (δ/√λ₂)². From there |α' − α| ≤ α·(e^(½|q' − q|) − 1), and no alpha is further
+ * from another than the opacity. A needle so thin that rounding turns it away from its own axis
+ * (|E| ≥ 1) has only that last bound.
  *
- * Axes A that are rounded by h of their lengths become A(I + D), |D| ≤ h·(√(λ₁/λ₂) + √(λ₂/λ₁)) in units of the axes, and
- * the exponent, |A⁻¹x|², changes by no more than the factor (1 − |D|)⁻².
+ * Axes A that are rounded by h of their lengths become A(I + D), |D| ≤ h·(√(λ₁/λ₂) + √(λ₂/λ₁)) in
+ * units of the axes, and the exponent, |A⁻¹x|², changes by no more than the factor (1 − |D|)⁻².
  */
 function compareAlpha(
   record: DecodedRecord,
@@ -248,7 +255,7 @@ function compareAlpha(
   }
 }
 
-/** Alpha of a record's Gaussian at `offsetPx` from its centre: opacity·exp(−|p|²) in units of its axes. */
+/** Alpha of a record's Gaussian at `offsetPx` from its centre: opacity·exp(−|p|²) by its axes. */
 function recordAlpha({ majorPx, minorPx, color }: DecodedRecord, [x, y]: readonly number[]): number {
   const determinant = majorPx[0] * minorPx[1] - majorPx[1] * minorPx[0];
   const p = (x * minorPx[1] - y * minorPx[0]) / determinant;

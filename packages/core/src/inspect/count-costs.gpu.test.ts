@@ -52,7 +52,7 @@ const layers = (count: number, opacityLogit: number, from: number): SplatValues[
 describe('counting what a frame costs', () => {
   gpuTest('tells steps until pixels end, what they blend, what quads would blend, and lists', async () => {
     await withEngine({}, async (engine) => {
-      // Ten opaque layers, of which four leave less than 2⁻¹⁶: of 0.01 each, (0.01)² > 2⁻¹⁶ > (0.01)³.
+      // Ten opaque layers, of which four leave less than 2⁻¹⁶: (0.01)² > 2⁻¹⁶ > (0.01)³.
       const cloud = engine.add(splatsOf(layers(10, 20, 0)));
       for (const rasterizer of ['quads', 'tiles'] as const) {
         const costs = await countCosts(engine, {
@@ -129,7 +129,7 @@ describe('contributions of splats', () => {
       expect(sorted[0]).toBeCloseTo(0.99 * PIXELS, 2);
       expect(sorted[1]).toBeCloseTo(0.0099 * PIXELS, 3);
       expect(sorted[2]).toBeCloseTo(0.000099 * PIXELS, 3);
-      // The fourth layer, and what is behind it.
+      // The fourth layer, and those behind it.
       expect([sorted[3], sorted[4]]).toEqual([0, 0]);
       expect(sorted.filter((px) => px < UNSEEN_PX).length).toBe(2);
       const places = [...map.unseen.keys()].filter((i) => map.unseen[i] > 0);

@@ -19,19 +19,19 @@ export interface CostRequest extends FrameRequest {
   readonly accuracy: AccuracySettings;
 }
 
-/** A number for each pixel of the layer that a frame's splats are blended in: smaller than the image if the resolution is scaled. */
+/** A number per pixel of a frame's layer: smaller than the image if the resolution is scaled. */
 interface PixelMap {
   readonly widthPx: number;
   readonly heightPx: number;
 }
 
-/** What a frame costs; counts per pixel, top row first. */
+/** Costs of a frame: counts per pixel, top row first. */
 export interface FrameCosts extends PixelMap {
-  /** Entries of its tile's list that are gone through until next to no light passes through the pixel. */
+  /** Entries of its tile's list to go through until next to no light passes through the pixel. */
   readonly steps: Uint32Array;
   /** Splats among them that reach the cutoff there, and are blended. */
   readonly blended: Uint32Array;
-  /** All splats that reach the cutoff there, also those that nothing is seen of: what quads blend. */
+  /** All splats that reach the cutoff there, hidden ones too: as quads blend them. */
   readonly fragments: Uint32Array;
   /** Length of each tile's list, row by row. */
   readonly tileEntries: Uint32Array;
@@ -41,15 +41,15 @@ export interface FrameCosts extends PixelMap {
   readonly tilePx: number;
 }
 
-/** What the splats of a frame contribute to its image. */
+/** Contributions of a frame's splats to its image. */
 export interface FrameContributions extends PixelMap {
-  /** Per pixel: log₂ of what its splats contribute to the whole image, px; the mean, weighted by what each contributes here. */
+  /** Per pixel: mean log₂ of its splats' contributions to the image, px, weighted by those here. */
   readonly meanLog2: Float32Array;
   /** Per pixel, 0…1. */
   readonly opacity: Float32Array;
-  /** Per pixel: splats with their centres there that contribute less than `UNSEEN_PX` to the whole image. */
+  /** Per pixel: splats with centres there that contribute less than `UNSEEN_PX` to the image. */
   readonly unseen: Uint32Array;
-  /** Of each splat that culling kept: the sum over all pixels of its opacity times the transmittance of those in front of it, px. */
+  /** By splat kept: opacity times the transmittance in front of it, summed over pixels, px. */
   readonly contributionsPx: Float32Array;
 }
 
@@ -75,8 +75,8 @@ export interface CountedView {
 /**
  * Counts what the frame of `request` costs: draws it by tiles once more, in a view of its own.
  *
- * @throws GpuLimitError if memory is lacking or the tiles' lists exceed the engine's budget for them; what `SplatView.render`
- *   and `whenDrawn` throw.
+ * @throws GpuLimitError if memory is lacking or the tiles' lists exceed the engine's budget for
+ *   them; errors of `SplatView.render` and `whenDrawn`.
  */
 export async function countCosts(engine: CountedEngine, request: CostRequest): Promise<FrameCosts> {
   const { pixels, rest, ...size } = await walkTiles(engine, request, 'counts');
@@ -87,7 +87,8 @@ export async function countCosts(engine: CountedEngine, request: CostRequest): P
 }
 
 /**
- * Adds up what each splat contributes to the frame of `request`: draws it by tiles once more, in a view of its own.
+ * Adds up what each splat contributes to the frame of `request`: draws it by tiles once more, in a
+ * view of its own.
  *
  * @throws as `countCosts`.
  */
@@ -113,7 +114,7 @@ function planesOf(pixels: Words): readonly Words[] {
   return Array.from({ length: COST_PLANES }, (_, i) => pixels.subarray(i * length, (i + 1) * length));
 }
 
-/** What one walk over a frame's tiles gives. */
+/** Result of one walk over a frame's tiles. */
 interface Walk extends PixelMap {
   readonly pixels: Words;
   /** Of counts, the lengths of the tiles' lists; of maps, two words per visible splat. */

@@ -9,7 +9,7 @@ export const FLOAT32_ROUNDING = 2 ** -24;
 /** Error of denormals that are flushed to zero in the terms of a view coordinate. */
 const FLUSHED = 8 * 2 ** -126;
 
-/** Bounds of the GPU's difference from the reference for one splat, derived from the splat's own numbers. */
+/** Bounds of the GPU's difference from the reference for one splat, derived from its numbers. */
 export interface ProjectionErrors {
   /** Bound of the view depth, world units. */
   readonly depthView: number;
@@ -25,14 +25,15 @@ export interface ProjectionErrors {
 /**
  * Forward error bounds of float32 arithmetic on float32 uniforms, in units of u = 2^-24.
  *
- * View coordinates: three products and three sums of rounded terms, 6u of the sum M of their magnitudes.
- * Distance: all three view coordinates' errors, and 24u for division (2.5 ulp), squares, sums, root (`inverseSqrt`'s 2 ulp and a
- * division) and product.
- * Centre: its two view coordinates' errors to first order, and 8u for division (2.5 ulp), product, sum and uniforms.
+ * View coordinates: three products and three sums of rounded terms, 6u of the sum M of their
+ * magnitudes. Distance: all three view coordinates' errors, and 24u for division (2.5 ulp),
+ * squares, sums, root (`inverseSqrt`'s 2 ulp and a division) and product. Centre: its two view
+ * coordinates' errors to first order, and 8u for division (2.5 ulp), product, sum and uniforms.
  * Direction: the error of the rounded difference; two unit vectors are never further apart than 2.
- * Rows: relative to R, the longest that a row can be for the splat's largest scale: 96u for rotation (about 8 roundings
- * of a unit quaternion), scale (`exp` of a packed one: 3 + 2|x| ulp), 3×3 product, focal length and tangent, and the
- * depth's relative error twice, once for the scale and once for the tangent.
+ * Rows: relative to R, the longest that a row can be for the splat's largest scale: 96u for
+ * rotation (about 8 roundings of a unit quaternion), scale (`exp` of a packed one: 3 + 2|x| ulp),
+ * 3×3 product, focal length and tangent, and the depth's relative error twice, once for the scale
+ * and once for the tangent.
  */
 export function projectionErrors(
   set: SplatColumns,

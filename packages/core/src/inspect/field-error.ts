@@ -10,7 +10,7 @@ export interface FieldError<Field extends string = string> {
   readonly error: number;
   /** Largest permitted `error`, by derivation. Infinity where float32 promises nothing. */
   readonly bound: number;
-  /** error / bound: above 1 is wrong. Infinity if `got` is not finite, or if the bound is 0 and the error is not. */
+  /** error / bound: above 1 is wrong. Infinity if `got` is not finite, or only the bound is 0. */
   readonly ratio: number;
 }
 

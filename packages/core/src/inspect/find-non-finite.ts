@@ -1,7 +1,7 @@
 import type { InspectedFrame } from './inspected-frame.ts';
 import { readRecords } from './read-records.ts';
 
-/** Describes the first NaN or infinity of each buffer, found by its bits. Empty if all values are finite. */
+/** Describes the first NaN or infinity of each buffer, found by its bits. Empty if none. */
 export async function findNonFinite(frame: InspectedFrame): Promise<string[]> {
   const found: string[] = [];
   for (const name of ['view', 'pageUniforms'] as const) {
@@ -22,8 +22,8 @@ export function describePixel(widthPx: number, at: number): string {
 }
 
 /**
- * Index of the first word that is a NaN or an infinity as float32, or −1. Integers among the words do not matter: none of
- * the frame's uniforms is as large as 0x7f800000.
+ * Index of the first word that is a NaN or an infinity as float32, or −1. Integers among the words
+ * do not matter: none of the frame's uniforms is as large as 0x7f800000.
  */
 export function nonFiniteWord(words: Uint32Array): number {
   return words.findIndex((word) => (word & 0x7f800000) === 0x7f800000);
@@ -33,7 +33,7 @@ async function nonFiniteRecord(frame: InspectedFrame): Promise<string | null> {
   const records = await readRecords(frame);
   for (const [i, record] of records.entries()) {
     const { centerPx, majorPx, minorPx, minorLengthPx, depthView, color } = record;
-    // A sum of magnitudes is finite if all of them are; no record has values so large that the sum itself overflows.
+    // A sum of magnitudes is finite if all are; no record's values are so large that it overflows.
     if (
       Number.isFinite(
         minorLengthPx + depthView + sumOf(centerPx) + sumOf(majorPx) + sumOf(minorPx) + sumOf(color),

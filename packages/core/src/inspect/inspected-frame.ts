@@ -40,7 +40,7 @@ export interface InspectOptions {
     readonly shDegree?: ShDegree;
     /** As in a frame request; only effects of core. */
     readonly effects?: readonly EffectUse[];
-    /** Largest number of splats per page of the cloud, a multiple of CHUNK_SPLATS; default: as many as fit a binding. */
+    /** Most splats per page, a multiple of CHUNK_SPLATS; default: all that fit a binding. */
     readonly splatsPerPage?: number;
   }[];
   /** As in a frame request. */
@@ -51,13 +51,13 @@ export interface InspectOptions {
   /** Default: the preset `reference`, blended in rgba16float. */
   readonly accuracy?: Partial<AccuracySettings>;
   readonly dispatchRow?: number;
-  /** Default: those of the accuracy, 32. At 8 the sort is one pass, which does not change the keys that `project` wrote. */
+  /** Default: the accuracy's, 32. At 8 the sort is one pass, which leaves the keys of `project`. */
   readonly keyBits?: number;
   /** Default: one per device, with unchanged shaders. */
   readonly pipelines?: Pipelines;
 }
 
-/** Tests through these frames do not need the most exact target; every device can blend this format. */
+/** Tests through these frames do not need the most exact target; every device blends this one. */
 const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 
 /** A cloud of an inspected frame as the float64 references read it. */
@@ -72,14 +72,14 @@ export interface InspectedCloud {
   readonly planes: readonly FrustumSide[];
 }
 
-/** The buffers of a frame after all of its stages have run, and the inputs from which the references compute the same. */
+/** A frame's buffers after all of its stages, and inputs for references to compute the same. */
 export class InspectedFrame {
   readonly plan: FramePlan;
   readonly parts: FrameParts;
   readonly clouds: readonly InspectedCloud[];
   readonly projection: Projection;
   readonly accuracy: AccuracySettings;
-  /** The layer that splats were blended into: smaller than the image if the resolution is scaled. */
+  /** The layer that splats were blended in: smaller than the image if the resolution is scaled. */
   readonly image: TextureImage;
   readonly #device: GPUDevice;
   readonly #memory: GpuMemory;
@@ -219,7 +219,7 @@ function limitsFor(
   return { maxStorageBufferBindingSize: bytes, maxBufferSize: bytes } as GPUSupportedLimits;
 }
 
-/** Returns `stored` with the values of float32 geometry: only coefficients have a smaller range than the format. */
+/** Returns `stored` with values of float32 geometry: only coefficients have a smaller range. */
 function float32Set(stored: SplatSet<StoredHarmonics>): SplatSet<StoredHarmonics> {
   return { ...stored, colorDc: stored.colorDc.map(clampCoefficient) };
 }

@@ -10,7 +10,10 @@ export interface DecodedRecord {
   readonly centerPx: readonly number[];
   /** Major half axis at √2 standard deviations. */
   readonly majorPx: readonly number[];
-  /** Minor half axis, perpendicular to the major one except for rounding at `recordPrecision: 'paper'`. */
+  /**
+   * Minor half axis, perpendicular to the major one except for rounding at `recordPrecision:
+   * 'paper'`.
+   */
   readonly minorPx: readonly number[];
   readonly minorLengthPx: number;
   readonly depthView: number;
@@ -20,7 +23,7 @@ export interface DecodedRecord {
 
 const recordsOf = new WeakMap<InspectedFrame, Promise<readonly DecodedRecord[]>>();
 
-/** Reads the records of all visible splats, in the order of `visibleSplats`; once, since a frame never changes. */
+/** Reads the records of all visible splats, in the order of `visibleSplats`; once per frame. */
 export function readRecords(frame: InspectedFrame): Promise<readonly DecodedRecord[]> {
   const records = recordsOf.get(frame) ?? parseRecords(frame);
   recordsOf.set(frame, records);

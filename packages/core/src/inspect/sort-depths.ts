@@ -11,8 +11,9 @@ export interface SortDepth {
 }
 
 /**
- * What the frame's visible splats are sorted by, in the order of `visibleSplats`: the depths of their records, to the bit, or the
- * reference's distances (`sortDistance`), which the GPU's may miss by their rounding.
+ * Sort depths of the frame's visible splats, in the order of `visibleSplats`: the depths of their
+ * records, to the bit, or the reference's distances (`sortDistance`), which the GPU's may miss by
+ * their rounding.
  */
 export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
   const records = await readRecords(frame);

@@ -9,7 +9,8 @@ import { type SortShape, sortShapeFor } from '../gpu/stages/sort-shape.ts';
  * Runs the GPU's sort alone.
  *
  * @param keys below 2^keyBits.
- * @param dispatchRow largest number of workgroups in one dimension of a dispatch; default: the device's limit.
+ * @param dispatchRow largest number of workgroups in one dimension of a dispatch; default: the
+ *   device's limit.
  * @returns the index of each key in ascending order of keys.
  */
 export async function sortKeys(

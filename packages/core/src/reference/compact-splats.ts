@@ -1,7 +1,8 @@
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 
 /**
- * Reference of compact-splats: numbers of the visible splats in storage order, counted through all chunks of the frame.
+ * Reference of compact-splats: numbers of the visible splats in storage order, counted through all
+ * chunks of the frame.
  *
  * @param visibleChunks chunk of each slot, ascending.
  * @param visibilityMasks MASK_WORDS words per slot, one bit per splat.

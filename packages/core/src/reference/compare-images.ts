@@ -6,7 +6,7 @@ export interface ImageDifference {
   readonly maxError: number;
   /** 99.9th percentile of the absolute error; computed when read. */
   readonly p999Error: number;
-  /** Mean structural similarity over r, g, b (11×11 Gaussian window, σ 1.5), −1…1; computed when read. */
+  /** Mean structural similarity over r, g, b (11×11 Gaussian, σ 1.5), −1…1; computed when read. */
   readonly ssim: number;
 }
 
@@ -16,15 +16,15 @@ export interface CompareOptions {
   readonly heightPx: number;
   /** Background of both images, 0…1; default black. */
   readonly background?: readonly [number, number, number];
-  /** `raw`: the values are not rounded; `png`: they are rounded to 8 bits. Both clamp to 0…1. Default `raw`. */
+  /** `raw`, the default: not rounded; `png`: rounded to 8 bits. Both clamp to 0…1. */
   readonly quantize?: 'raw' | 'png';
 }
 
 /**
  * Compares two images of premultiplied RGBA, 4·width·height values each.
  *
- * @throws RangeError if a length does not fit the size, or a value is not finite: an image that contains a NaN has no
- * distance to another one.
+ * @throws RangeError if a length does not fit the size, or a value is not finite: an image that
+ *   contains a NaN has no distance to another one.
  */
 export function compareImages(
   actual: ArrayLike<number>,
@@ -113,7 +113,7 @@ function blurred(image: Float64Array, widthPx: number, heightPx: number): Float6
   return blurredAlong(horizontal, heightPx, widthPx, 3 * widthPx, 3);
 }
 
-/** Gaussian blur along `lines` lines, `lineStep` values apart, of `length` pixels, `step` values apart. */
+/** Gaussian blur of `lines` lines, `lineStep` values apart, of `length` pixels, `step` apart. */
 function blurredAlong(
   image: Float64Array,
   length: number,

@@ -12,13 +12,14 @@ export function compose(layer: ArrayLike<number>, behind: ArrayLike<number>): Fl
   return composePixels(layer, (pixel) => over(valuesAt(layer, pixel), valuesAt(behind, pixel)));
 }
 
-/** Ratio of view depths from which samples count as two surfaces: EDGE_RATIO of shaders/stages/compose.wgsl. */
+/** Least ratio of view depths of two surfaces: EDGE_RATIO of shaders/stages/compose.wgsl. */
 const EDGE_RATIO = 1.05;
 
 /**
- * Reference of compose for a host's depth with several samples per pixel, which show the edges of meshes. At an edge the host's
- * colour is a mixture. The near surface's part of it, with the splats in front, is taken from the neighbour that shows most
- * of that surface; the rest of the pixel is the far surface under the pixel's own splats.
+ * Reference of compose for a host's depth with several samples per pixel, which show the edges of
+ * meshes. At an edge the host's colour is a mixture. The near surface's part of it, with the splats
+ * in front, is taken from the neighbour that shows most of that surface; the rest of the pixel is
+ * the far surface under the pixel's own splats.
  *
  * @param depthsView view depths of the host, `samples` per pixel.
  */
@@ -51,7 +52,8 @@ export function composeWithEdges(
 }
 
 /**
- * Reference of compose's depth: the mean or median depth of a pixel's splats, as the host stores it.
+ * Reference of compose's depth: the mean or median depth of a pixel's splats, as the host stores
+ * it.
  *
  * @param depthLayer view depths, blended like a colour, or times the opacity.
  * @param stored maps a view depth at normalised device coordinates (y up) to the host's.
@@ -82,7 +84,7 @@ function valuesAt(image: ArrayLike<number>, pixel: number): number[] {
   return [0, 1, 2, 3].map((channel) => image[4 * pixel + channel]);
 }
 
-/** Composes `splats`, encoded, over `host`, linear. Both are premultiplied; so is the result, which is linear. */
+/** Composes `splats`, encoded, over `host`, linear; both premultiplied. So is the linear result. */
 function over(splats: readonly number[], host: readonly number[]): number[] {
   const [covered, hostOpacity] = [splats[3], host[3]];
   const opacity = covered + (1 - covered) * hostOpacity;
@@ -95,7 +97,7 @@ function over(splats: readonly number[], host: readonly number[]): number[] {
   return [...color, opacity];
 }
 
-/** The pixel and its eight neighbours, row by row; beyond a border, the nearest pixels of the image. */
+/** The pixel and its eight neighbours, row by row; beyond a border, the nearest ones. */
 function neighborhood(pixel: number, { widthPx, heightPx }: SizePx): number[] {
   const [x, y] = [pixel % widthPx, Math.floor(pixel / widthPx)];
   const clamped = (value: number, size: number) => Math.max(0, Math.min(size - 1, value));

@@ -1,5 +1,6 @@
 /**
- * Reference of composite: premultiplied RGBA over an opaque background, in the space that it was blended in.
+ * Reference of composite: premultiplied RGBA over an opaque background, in the space that it was
+ * blended in.
  *
  * @param layer 4 values per pixel.
  * @returns 4 values per pixel, opacity 1.

@@ -26,7 +26,7 @@ function inexact(numerator: bigint, power: number): number {
   return numerator < 0n ? -value : value;
 }
 
-/** Determinant a·c − b² of B·Bᵀ + dilation without any rounding: the naive formula in exact arithmetic. */
+/** Determinant a·c − b² of B·Bᵀ + dilation: the naive formula in exact arithmetic. */
 function exactDeterminant(rows: readonly number[], dilationPx2: number): number {
   const [x0, x1, x2, y0, y1, y2] = rows.map(exact);
   const dilation = exact(dilationPx2) << 1100n;
@@ -36,7 +36,7 @@ function exactDeterminant(rows: readonly number[], dilationPx2: number): number 
   return inexact(a * c - b * b, 4);
 }
 
-/** Rows of needles: both nearly along one line, up to 10,000 px long and a millionth of that in thickness. */
+/** Rows of needles: both nearly along one line, up to 10,000 px long, a millionth as thick. */
 const coordinate = uniform(-1, 1);
 const needleRows = fc
   .record({
@@ -58,8 +58,8 @@ describe('the covariance on the screen', () => {
         const { a, b, c, determinant } = screenCovariance(rows, 0.3);
         const expected = exactDeterminant(rows, 0.3);
         worstNaive = Math.max(worstNaive, Math.abs((a * c - b * b) / expected - 1));
-        // The cross product n errs by some u·s² for rows of length s, which moves the determinant, at least n² + d·s², by
-        // 2n·u·s²: at most u·s/√d of it.
+        // The cross product n errs by some u·s² for rows of length s, which moves the determinant,
+        // at least n² + d·s², by 2n·u·s²: at most u·s/√d of it.
         const longest = Math.hypot(...rows);
         expect(Math.abs(determinant / expected - 1)).toBeLessThan(2 ** -50 * (1 + longest / Math.sqrt(0.3)));
         expect(determinant).toBeGreaterThanOrEqual(0.3 * 0.3);

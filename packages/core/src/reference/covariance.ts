@@ -1,7 +1,7 @@
 import type { Projection } from '../data/camera/camera.ts';
 import { clampLogScale } from '../data/packing/log-scale.ts';
 
-/** Covariance of a splat on the screen, in px², y down: [[a, b], [b, c]], and its determinant in px⁴. */
+/** Covariance of a splat on the screen, px², y down: [[a, b], [b, c]]; its determinant, px⁴. */
 export interface ScreenCovariance {
   readonly a: number;
   readonly b: number;
@@ -9,13 +9,13 @@ export interface ScreenCovariance {
   readonly determinant: number;
 }
 
-/** Half axes of an ellipse at √2 standard deviations, where the Gaussian has fallen to 1/e; px, y down. */
+/** Half axes of an ellipse at √2 standard deviations, where the Gaussian is 1/e; px, y down. */
 export interface ScreenAxes {
   readonly majorPx: readonly [number, number];
   readonly minorPx: readonly [number, number];
 }
 
-/** Rotation matrix, row-major, of the quaternion w, x, y, z of any length; the identity for length zero. */
+/** Row-major rotation matrix of quaternion w, x, y, z of any length; the identity for length 0. */
 export function rotationMatrix(w: number, x: number, y: number, z: number): number[] {
   const largest = Math.max(Math.abs(w), Math.abs(x), Math.abs(y), Math.abs(z));
   if (largest === 0) return [1, 0, 0, 0, 1, 0, 0, 0, 1];

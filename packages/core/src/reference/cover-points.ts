@@ -10,7 +10,7 @@ export interface ReferenceCoverPoint {
   readonly depthView: number;
 }
 
-/** Reference of cover-points: the opacity, 0…1, of all splats in front of a point together, at its pixel. */
+/** Reference of cover-points: joint opacity, 0…1, of splats in front of a point, at its pixel. */
 export function coverPoint(
   splats: readonly VisibleSplat[],
   { xPx, yPx, depthView }: ReferenceCoverPoint,

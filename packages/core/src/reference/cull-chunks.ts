@@ -15,8 +15,9 @@ export function isChunkInFrustum(chunk: ChunkBounds, planes: readonly FrustumSid
 }
 
 /**
- * Clearance of the chunk from the side of the frustum that it is least inside of, relative to the sum of the magnitudes of
- * all terms of that side's test; negative outside. In float32 the sign is certain only away from 0.
+ * Clearance of the chunk from the side of the frustum that it is least inside of, relative to the
+ * sum of the magnitudes of all terms of that side's test; negative outside. In float32 the sign is
+ * certain only away from 0.
  */
 export function chunkClearance(
   { minPosition, maxPosition, maxScale }: ChunkBounds,

@@ -29,7 +29,7 @@ export interface VisibleSplat {
   readonly covariance: ScreenCovariance;
   /** Peak opacity, 0…1. */
   readonly opacity: number;
-  /** Half extents of the box around all pixels where the opacity reaches the cutoff, or would if it were 1, px. */
+  /** Half extents, px, of the box of pixels where the opacity, or one of 1, reaches the cutoff. */
   readonly extentPx: readonly [number, number];
 }
 
@@ -43,7 +43,7 @@ export interface CulledSplat extends VisibleSplat {
 /** FARTHEST_CENTER_PX of shaders/stages/cull-splats.wgsl. */
 const FARTHEST_CENTER_PX = 1e18;
 
-/** Reference of cull-splats for splat `index`: the visible splat, or null if no part of it is drawn. */
+/** Reference of cull-splats for splat `index`: the visible splat; null if no part is drawn. */
 export function cullSplat(
   set: SplatColumns,
   index: number,
@@ -67,7 +67,8 @@ export function cullSplat(
   const onScreen = { covariance, undilated: screenCovariance(rows, 0), dilationPx2 };
   for (const { changeOpacity } of effects) opacity = changeOpacity?.(opacity, onScreen) ?? opacity;
   if (opacity < alphaCutoff) return null;
-  // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of Σ's diagonal times that.
+  // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of
+  // Σ's diagonal times that.
   const reach = Math.sqrt(2 * Math.log((extent === 'fixed' ? 1 : opacity) / alphaCutoff));
   const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
   const isInside =

@@ -2,7 +2,7 @@ import { type PackedGeometry, packGeometry } from '../data/packing/geometry.ts';
 import type { GeometryPrecision } from '../data/packing/precision.ts';
 import type { SplatColumns } from '../data/splats/splat-set.ts';
 
-/** Reference of ingest-chunks: the host's packer, for splats in storage order about `origin`, from log scales before they were rounded. */
+/** Reference of ingest-chunks: the host's packer, in storage order, of exact log scales. */
 export function ingestChunks(
   set: SplatColumns,
   geometryPrecision: GeometryPrecision,

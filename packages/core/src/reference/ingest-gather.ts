@@ -1,4 +1,7 @@
-/** Reference of ingest-gather over all pages: `words` words from `word` on of the splats of `list`, the last with the bits of `mask`. */
+/**
+ * Reference of ingest-gather over all pages: `words` words from `word` on of the splats of `list`,
+ * the last with the bits of `mask`.
+ */
 export function ingestGather(
   plane: Uint32Array,
   wordsPerSplat: number,

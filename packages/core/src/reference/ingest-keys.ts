@@ -1,8 +1,9 @@
 import { type MortonFrame, mortonCell } from '../data/packing/morton-order.ts';
 
 /**
- * Reference of ingest-keys: for each splat of `order`, eight bits of the 48-bit Morton code of its centre, bit by bit: the lowest in
- * round 0, the highest in round 5, where dropped splats also have bit 8.
+ * Reference of ingest-keys: for each splat of `order`, eight bits of the 48-bit Morton code of its
+ * centre, bit by bit: the lowest in round 0, the highest in round 5, where dropped splats also have
+ * bit 8.
  */
 export function ingestKeys(
   positions: Float32Array,

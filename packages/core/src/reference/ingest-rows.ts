@@ -5,7 +5,8 @@ import { packHarmonics, repackHarmonics } from '../data/packing/repack-harmonics
 import type { SplatSet } from '../data/splats/splat-set.ts';
 
 /**
- * Reference of ingest-rows for rows that are kept: the host's own packers, in float64, for chunks in the order of the file.
+ * Reference of ingest-rows for rows that are kept: the host's own packers, in float64, for chunks
+ * in the order of the file.
  */
 export function ingestRows(
   set: SplatSet,

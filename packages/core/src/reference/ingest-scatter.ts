@@ -1,4 +1,7 @@
-/** Reference of ingest-scatter: `plane` with `words` as the `count` words from `word` on of its splats. */
+/**
+ * Reference of ingest-scatter: `plane` with `words` as the `count` words from `word` on of its
+ * splats.
+ */
 export function ingestScatter(
   plane: Uint32Array,
   wordsPerSplat: number,

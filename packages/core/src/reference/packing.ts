@@ -42,7 +42,7 @@ export function unpackSplat({ precision, words, chunks }: PackedGeometry, index:
   };
 }
 
-/** Smallest-three: the component of largest magnitude is positive and omitted, the others are 15-bit steps in ±√½. */
+/** Smallest-three: the largest component is positive and omitted, others 15-bit steps in ±√½. */
 function unpackRotation(low: number, high: number): [number, number, number, number] {
   const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
   const rest = [low & 0x7fff, high & 0x7fff, (high >>> 16) & 0x7fff].map(

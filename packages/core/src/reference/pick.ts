@@ -16,8 +16,9 @@ export interface ReferencePick {
 }
 
 /**
- * Reference of pick: blends the splats of `backToFront` over the pixel in column `xPx` and row `yPx`, front to back. The foremost
- * of equal contributions wins. Returns null if no splat is drawn there.
+ * Reference of pick: blends the splats of `backToFront` over the pixel in column `xPx` and row
+ * `yPx`, front to back. The foremost of equal contributions wins. Returns null if no splat is drawn
+ * there.
  */
 export function pickSplat(
   backToFront: readonly VisibleSplat[],
@@ -37,7 +38,7 @@ export function pickSplat(
   return { ...heaviest, totalOpacity: 1 - transmittance, rank: backToFront.length - 1 - heaviest.index };
 }
 
-/** Rasterizes the splat alone into an image of this one pixel, so that its opacity has a single definition. */
+/** Rasterizes the splat alone into an image of this pixel: its opacity has a single definition. */
 export function alphaAtPixel(splat: VisibleSplat, xPx: number, yPx: number, alphaCutoff: number): number {
   const pixel = { widthPx: 1, heightPx: 1, data: new Float64Array(4) };
   const centerPx = [splat.centerPx[0] - xPx, splat.centerPx[1] - yPx] as const;

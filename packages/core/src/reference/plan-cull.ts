@@ -1,4 +1,4 @@
-/** Chunks of a page, counted through all pages of the frame; `chunkEnd` is the first one after it. */
+/** Chunks of a page, counted through all pages of the frame; `chunkEnd` is the first after it. */
 export interface PageChunks {
   readonly chunkStart: number;
   readonly chunkEnd: number;
@@ -14,8 +14,8 @@ export interface PageSlots {
  * Reference of plan-cull: distributes the slots of the visible chunks over the pages.
  *
  * @param flags 1 for each visible chunk, 0 for the others.
- * @returns the slots of each page, their number in total, and the numbers of workgroups, one per slot, that cull the splats
- *   of each page and, last, that list the visible splats of all pages.
+ * @returns the slots of each page, their number in total, and the numbers of workgroups, one per
+ *   slot, that cull the splats of each page and, last, that list the visible splats of all pages.
  */
 export function planCull(flags: ArrayLike<number>, pages: readonly PageChunks[]) {
   const visibleChunks = (start: number, end: number) =>

@@ -6,8 +6,8 @@ import type { PageSlots } from './plan-cull.ts';
  *
  * @param splatCounts number of visible splats of each visible chunk.
  * @param visibleCapacity most splats to distribute; the last ones are left out.
- * @returns the range of each page among all visible splats, their number in total, and the number of workgroups that project
- *   each page.
+ * @returns the range of each page among all visible splats, their number in total, and the number
+ *   of workgroups that project each page.
  */
 export function planProject(
   splatCounts: ArrayLike<number>,

@@ -9,7 +9,7 @@ export interface RadixSortShape {
   readonly blockKeys: number;
 }
 
-/** Reference of the radix sort: the index of each key in ascending order of keys, equal keys in their given order. */
+/** Reference of the radix sort: indices of keys in ascending order, equal keys in given order. */
 export function radixSort(keys: ArrayLike<number>, shape: RadixSortShape): Uint32Array {
   let sorted: ReturnType<typeof sortScatter> = {
     keys: Uint32Array.from(keys),

@@ -15,7 +15,7 @@ export interface ReferenceDepths {
   readonly host: ArrayLike<number>;
   /** View depth of the splats, weighted like their colours. */
   readonly splats: Float64Array;
-  /** View depth of the splat that makes a pixel more than half covered, counted from the nearest; else of the last one. */
+  /** View depth of the splat by which more than half of a pixel is covered; else of the last. */
   readonly medians: Float64Array;
 }
 
@@ -42,9 +42,11 @@ export function rasterizeSplat(
 }
 
 /**
- * Reference of tile-rasterize's depth: notes one splat's, if less than half of a pixel is covered by those before it.
+ * Reference of tile-rasterize's depth: notes one splat's, if less than half of a pixel is covered
+ * by those before it.
  *
- * @param transmittances share of the light that passes through all nearer splats, per pixel; changed for the next one.
+ * @param transmittances share of the light that passes through all nearer splats, per pixel;
+ *   changed for the next one.
  */
 export function noteMedianDepth(
   transmittances: Float64Array,
@@ -60,7 +62,7 @@ export function noteMedianDepth(
   });
 }
 
-/** Calls `visit` with each pixel in which the splat's opacity reaches the cutoff, and that opacity. */
+/** Calls `visit` with each pixel where the splat's opacity reaches the cutoff, and that opacity. */
 function visitPixels(
   { widthPx, heightPx }: SizePx,
   { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx }: VisibleSplat,

@@ -57,22 +57,22 @@ export interface RenderedReference extends ReferenceImage {
   /** View depth of the splats per pixel, weighted like their colours; only with `hostDepths`. */
   readonly depths?: Float64Array;
   /**
-   * Median view depth per pixel, times the pixel's opacity: that of the splat that makes it more than half covered, counted from
-   * the nearest; only with `hostDepths`.
+   * Median view depth per pixel, times the pixel's opacity: that of the splat that makes it more
+   * than half covered, counted from the nearest; only with `hostDepths`.
    */
   readonly medianDepths?: Float64Array;
 }
 
 interface DrawnSplat extends VisibleSplat {
-  /** What the splats are sorted by: depth, or distance from the camera. */
+  /** Sort key of the splats: depth, or distance from the camera. */
   readonly sortDepth: number;
   readonly color: Vec3;
 }
 
 /**
- * Renders the reference: the image that a frame must match, in float64 on the CPU, every splat in exact order of depth or
- * distance, ties in storage order (Morton order, file order among equal codes, clouds in the order given). Takes seconds for
- * a million splats.
+ * Renders the reference: the image that a frame must match, in float64 on the CPU, every splat in
+ * exact order of depth or distance, ties in storage order (Morton order, file order among equal
+ * codes, clouds in the order given). Takes seconds for a million splats.
  */
 export function renderReference(frame: ReferenceFrame): RenderedReference {
   const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
@@ -141,7 +141,7 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
   return { ...rendered, depths: depths.splats, medianDepths };
 }
 
-/** Sorts by depth or distance or, at fewer than 32 bits, by the GPU's keys, made of what `keyed` gives. Array.prototype.sort keeps equal ones in their order. */
+/** Sorts, stably, by depth or distance or, at fewer than 32 bits, by the GPU's keys of `keyed`. */
 function backToFront(
   drawn: readonly DrawnSplat[],
   sortKeyBits: number,

@@ -3,8 +3,8 @@ import type { SplatColumns } from '../data/splats/splat-set.ts';
 import { unpackSplat } from './packing.ts';
 
 /**
- * Reference of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with the ranges of log scales that
- * were found when they were loaded.
+ * Reference of repack-geometry, in float64: packs the float32 geometry of the splats of `set`, with
+ * the ranges of log scales that were found when they were loaded.
  */
 export function repackGeometry(set: SplatColumns, finer: PackedGeometry): PackedGeometry {
   const splats = Array.from({ length: set.count }, (_, i) => unpackSplat(finer, i));

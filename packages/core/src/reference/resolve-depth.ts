@@ -16,7 +16,7 @@ export interface LayerPlace extends SizePx {
   readonly pxPerLayerPx: readonly [number, number];
 }
 
-/** Reference of resolve-depth: per pixel of the layer, the farthest sample of the host's pixel at its middle. */
+/** Reference of resolve-depth: per layer pixel, the farthest sample of the host's at its middle. */
 export function resolveDepth(
   host: HostDepths,
   { widthPx, heightPx, originPx, pxPerLayerPx }: LayerPlace,

@@ -1,4 +1,4 @@
-/** Bits of a key that one pass of a radix sort reads, and number of keys that one workgroup takes. */
+/** Bits of a key that a pass of a radix sort reads, and number of keys that a workgroup takes. */
 export interface SortPass {
   readonly digitShift: number;
   readonly digitBits: number;
@@ -6,11 +6,11 @@ export interface SortPass {
 }
 
 export function digitOf(key: number, { digitShift, digitBits }: SortPass): number {
-  // Shader and reference also agree beyond the key's top: extractBits takes only the bits that exist.
+  // Shader and reference agree beyond the key's top too: extractBits takes only existing bits.
   return (key >>> digitShift) & ((1 << digitBits) - 1);
 }
 
-/** Reference of sort-histogram: how often each digit occurs in each block; all blocks of digit 0, then of digit 1, … */
+/** Reference of sort-histogram: counts by digit and block; all blocks of digit 0, then 1, … */
 export function sortHistogram(keys: ArrayLike<number>, pass: SortPass): Uint32Array {
   const blockCount = Math.ceil(keys.length / pass.blockKeys);
   const counts = new Uint32Array(blockCount << pass.digitBits);

@@ -1,6 +1,6 @@
 /** Scanned digit counts of one pass of a radix sort. */
 export interface DigitPlaces {
-  /** For each digit and block, in the order of `sortHistogram`: the number of the digit's keys in earlier blocks. */
+  /** By digit and block, in the order of `sortHistogram`: the digit's keys in earlier blocks. */
   readonly digitOffsets: Uint32Array;
   /** Number of keys per digit. */
   readonly digitTotals: Uint32Array;

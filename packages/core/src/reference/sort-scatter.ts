@@ -2,7 +2,7 @@ import { prefixScan } from './prefix-scan.ts';
 import { digitOf, type SortPass } from './sort-histogram.ts';
 import type { DigitPlaces } from './sort-scan.ts';
 
-/** Reference of sort-scatter: one stable pass of a radix sort. `places` are the scanned counts of `sortHistogram`. */
+/** Reference of sort-scatter: a stable pass of a radix sort. `places`: scanned `sortHistogram`. */
 export function sortScatter(
   keys: ArrayLike<number>,
   payloads: ArrayLike<number>,

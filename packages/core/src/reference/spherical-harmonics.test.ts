@@ -62,7 +62,7 @@ describe('spherical harmonics', () => {
   test('have the signs that scenes are trained with', () => {
     const [x, y, z] = [0.48, 0.6, 0.64];
     const rest = shRestBasis(3, x, y, z);
-    // Signs of the original implementation's SH_C1 to SH_C3 for a direction whose coordinates are all positive.
+    // Signs of the original implementation's SH_C1 to SH_C3 for directions of positive coordinates.
     const degree1 = [-y, z, -x].map(Math.sign);
     const degree2 = [x * y, -y * z, 2 * z * z - x * x - y * y, -x * z, x * x - y * y].map(Math.sign);
     const degree3 = [
@@ -91,7 +91,7 @@ describe('spherical harmonics', () => {
     const C0 = Math.sqrt(1 / (4 * Math.PI));
     expect(shColor(0, [0, 1, -1], [], [0, 0, 1])).toEqual([0.5, 0.5 + C0, 0.5 - C0]);
     expect(shColor(0, [-2, -100, 100], [], [0, 0, 1])).toEqual([0, 0, 0.5 + 100 * C0]);
-    // Along z only the second function of degree 1 is not zero; each channel has its own coefficient.
+    // Along z only the second function of degree 1 is not 0; each channel has its own coefficient.
     const rest = [9, 9, 9, 0.1, 0.2, 0.3, 9, 9, 9];
     const C1 = Math.sqrt(3 / (4 * Math.PI));
     const [r, g, b] = shColor(1, [0, 0, 0], rest, [0, 0, 1]);

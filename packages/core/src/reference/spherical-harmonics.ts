@@ -4,11 +4,13 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 const C0 = Math.sqrt(1 / (4 * Math.PI));
 
 /**
- * Evaluates the colour seen along the unit vector `direction`, from the camera to the splat, in the cloud's space.
+ * Evaluates the colour seen along the unit vector `direction`, from the camera to the splat, in the
+ * cloud's space.
  *
  * @param dc three coefficients of degree 0.
  * @param rest 3K coefficients above degree 0, each as r, g, b.
- * @returns r, g, b in the space the scene was trained in (sRGB-encoded), not negative, not limited above.
+ * @returns r, g, b in the space the scene was trained in (sRGB-encoded), not negative, not limited
+ *   above.
  */
 export function shColor(
   degree: ShDegree,

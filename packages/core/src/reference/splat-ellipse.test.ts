@@ -9,7 +9,7 @@ import { alphaAt } from './tile-rasterize.ts';
 const ALPHA_CUTOFF = 1 / 255;
 const SIZE_PX = 160;
 
-/** Records of every size and slimness, in and around the image: lengths from the dilation's to a thousand images. */
+/** Records of all sizes and slimness, in and around the image: from dilation to 1000 images. */
 const records: fc.Arbitrary<EllipseRecord> = fc
   .record({
     x: fc.double({ min: -200, max: 360, noNaN: true }),

@@ -21,7 +21,7 @@ export interface EllipseRecord {
   readonly color: readonly number[];
 }
 
-/** Reference of lib/splat-ellipse.wgsl: where a splat's opacity reaches the cutoff; null if it does nowhere. */
+/** Reference of lib/splat-ellipse.wgsl: where a splat reaches the cutoff; null if nowhere. */
 export function splatEllipse(record: EllipseRecord, alphaCutoff: number): SplatEllipse | null {
   const opacity = record.color[3];
   if (opacity < alphaCutoff) return null;
@@ -46,10 +46,11 @@ export type Span = readonly [first: number, last: number];
 const NONE: Span = [1, 0];
 
 /**
- * Returns the columns, `widthPx` wide from x = `left`, that have a pixel centre of the part of the ellipse between two rows of
- * pixel centres.
+ * Returns the columns, `widthPx` wide from x = `left`, that have a pixel centre of the part of the
+ * ellipse between two rows of pixel centres.
  *
- * @param slackPx how far the ellipse is widened. The shader widens by a hundredth of a pixel or more.
+ * @param slackPx how far the ellipse is widened. The shader widens by a hundredth of a pixel or
+ *   more.
  */
 export function touchedColumns(
   { centerPx, extentPx, rightmostPx, shear, slimness }: SplatEllipse,

@@ -1,7 +1,7 @@
 import type { EllipseRecord } from './splat-ellipse.ts';
 import { alphaAt, OPAQUE } from './tile-rasterize.ts';
 
-/** What one pixel costs, and what it shows. */
+/** Costs and picture of one pixel. */
 export interface ReferencePixelCosts {
   /** Records that are looked at until the pixel ends. */
   readonly steps: number;
@@ -9,11 +9,11 @@ export interface ReferencePixelCosts {
   readonly blended: number;
   /** All records of the list that reach the cutoff here. */
   readonly fragments: number;
-  /** Share of the pixel that each record of the list has: its opacity times the transmittance of those in front. */
+  /** Each listed record's share of the pixel: opacity times transmittance in front of it. */
   readonly weights: readonly number[];
 }
 
-/** Reference of tile-costs for one pixel. @param listed records of its tile's list, nearest first. */
+/** Reference of tile-costs for one pixel. @param listed its tile's list, nearest first. */
 export function pixelCosts(
   listed: readonly EllipseRecord[],
   [xPx, yPx]: readonly [number, number],
@@ -36,8 +36,8 @@ export function pixelCosts(
 }
 
 /**
- * Reference of the stage's map for one pixel: the mean of log₂ of what its records contribute to the whole picture, by what each
- * contributes here; 0 where there are none.
+ * Reference of the stage's map for one pixel: the mean of log₂ of its records' contributions to the
+ * whole picture, weighted by those made here; 0 where there are none.
  *
  * @param contributionsPx of the same records, px.
  */

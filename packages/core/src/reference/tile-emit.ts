@@ -8,7 +8,7 @@ export interface Pairs {
   readonly ranks: Uint32Array;
 }
 
-/** Reference of tile-emit: all pairs of `ranked` records, nearest first, those of one splat bin by bin. */
+/** Reference of tile-emit: pairs of `ranked` records, nearest first, each splat's bin by bin. */
 export function tileEmit(ranked: readonly EllipseRecord[], grid: BinGrid, alphaCutoff: number): Pairs {
   const pairs = ranked.flatMap((record, rank) =>
     touchedBins(splatEllipse(record, alphaCutoff), grid).map((bin) => [bin, rank] as const),

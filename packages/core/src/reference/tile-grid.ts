@@ -4,7 +4,7 @@ import { type SplatEllipse, touchedColumns, touchedRows } from './splat-ellipse.
 
 const { BIN_PX } = SHADER_CONSTANTS;
 
-/** Reference of lib/tile-grid.wgsl: lists the bins that an ellipse touches, row by row; see `touchedColumns` for `slackPx`. */
+/** Reference of lib/tile-grid.wgsl: bins that an ellipse touches, row by row. */
 export function touchedBins(ellipse: SplatEllipse | null, grid: BinGrid, slackPx = 0): number[] {
   if (!ellipse) return [];
   const { binColumns, binRows } = grid;

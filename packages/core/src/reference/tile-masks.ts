@@ -3,7 +3,7 @@ import { type SplatEllipse, touchedColumns } from './splat-ellipse.ts';
 
 const { BIN_TILES, TILE_PX, BIN_PX } = SHADER_CONSTANTS;
 
-/** Reference of tile-masks for one pair: the tiles of the bin that the ellipse touches, row by row; see `touchedColumns` for `slackPx`. */
+/** Reference of tile-masks for one pair: its tiles by row; `slackPx` as in `touchedColumns`. */
 export function touchedTiles(
   ellipse: SplatEllipse | null,
   bin: { readonly column: number; readonly row: number },

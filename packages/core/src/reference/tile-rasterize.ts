@@ -14,8 +14,8 @@ export interface TilePixel {
   /** Premultiplied r, g, b, and opacity. */
   readonly rgba: readonly [number, number, number, number];
   /**
-   * Median depth: the view depth of the splat that makes the pixel more than half covered, or of the last one, times the
-   * opacity.
+   * Median depth: the view depth of the splat that makes the pixel more than half covered, or of
+   * the last one, times the opacity.
    */
   readonly depthView: number;
   /** Number of records that were looked at before the pixel ended. */

@@ -20,7 +20,7 @@ export interface TraceOptions {
   readonly alphaCutoff?: number;
 }
 
-/** How a splat is seen from a camera, without effects. Lengths in pixels from the image's top left, y down. */
+/** A splat seen from a camera, without effects. Pixels from the image's top left, y down. */
 export interface TracedSplat {
   /** View depth of the centre, world units. */
   readonly depthView: number;
@@ -28,14 +28,15 @@ export interface TracedSplat {
   /** Half axes of the ellipse at whose edge the opacity has fallen to the cutoff. */
   readonly majorPx: readonly [number, number];
   readonly minorPx: readonly [number, number];
-  /** Red, green and blue with harmonics up to degree 0, 1 and so on to that of the set; sRGB-encoded, 0 or more. */
+  /** Red, green, blue with harmonics to degree 0, 1 … that of the set; sRGB-encoded, 0 or more. */
   readonly colors: readonly Vec3[];
 }
 
 /**
  * Computes how splat `index` of `set` is seen, in float64. It need not be within the image.
  *
- * @returns null if it cannot be seen: fainter than the cutoff, nearer than the camera's near plane, or beyond its far plane.
+ * @returns null if it cannot be seen: fainter than the cutoff, nearer than the camera's near plane,
+ *   or beyond its far plane.
  */
 export function traceSplat(
   set: SplatSet<Harmonics>,

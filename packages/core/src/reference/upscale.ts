@@ -25,8 +25,8 @@ export function upscale(values: ArrayLike<number>, from: SizePx, to: SizePx): Fl
 }
 
 /**
- * Finds the two of `smallPx` pixels whose middles surround the middle of pixel `index` of `sizePx`, and the second one's
- * weight.
+ * Finds the two of `smallPx` pixels whose middles surround the middle of pixel `index` of `sizePx`,
+ * and the second one's weight.
  */
 function neighbors(
   index: number,

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { ScreenCovariance } from '../covariance.ts';
 
-/** A splat in float64, as effects receive and return it: in its cloud's space, about the cloud's origin. */
+/** A splat in float64, as effects take and return it: in cloud space, about the cloud's origin. */
 export interface SplatValues {
   /** Row of the splat in its file. */
   readonly row: number;
@@ -23,7 +23,7 @@ export interface ScreenValues {
   readonly dilationPx2: number;
 }
 
-/** One effect on one cloud of one frame, in float64: each function is the reference of the shader's function for that hook. */
+/** One effect on one cloud of one frame, in float64: each function is its hook's reference. */
 export interface EffectReference {
   /** @param index in storage order. */
   readonly changeSplat?: (splat: SplatValues, index: number) => SplatValues;
