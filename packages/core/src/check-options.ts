@@ -4,7 +4,7 @@ import { given } from './data/given.ts';
 import { type CloudPrecision, checkOneOf, checkPrecision } from './data/packing/precision.ts';
 import { shown } from './data/printable.ts';
 
-/** What a number must be, in words and as a test. */
+/** Demand on a number, in words and as a test. */
 type Rule = readonly [expected: string, isValid: (value: number) => boolean];
 
 const AMOUNT: Rule = ['a number, 0 or more', (value) => value >= 0];
@@ -31,7 +31,7 @@ export function checkEngineNumbers(options: object): void {
   }
 }
 
-/** @throws InvalidArgumentError where there are no options, or for a precision or a mode that there is not. */
+/** @throws InvalidArgumentError where options are missing, or for an unknown precision or mode. */
 export function checkLoadOptions(options: {
   readonly precision?: CloudPrecision;
   readonly fit?: FitMode;

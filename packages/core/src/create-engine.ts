@@ -19,10 +19,12 @@ export type SplatEngine = Engine;
 
 export const SplatEngine = {
   /**
-   * Creates an engine on `options.device`, or on a device of its own. Most of the engine's code is fetched while that is asked for.
+   * Creates an engine on `options.device`, or on a device of its own. Most of the engine's code is
+   * fetched while that is asked for.
    *
-   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown accuracy settings and for a
-   *   limit or a budget that is none, CodeUnavailableError if that code cannot be fetched.
+   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown
+   *   accuracy settings and for a limit or a budget that is none, CodeUnavailableError if that code
+   *   cannot be fetched.
    */
   async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Reject unknown settings before a device is requested in vain.
@@ -45,8 +47,9 @@ export const SplatEngine = {
 };
 
 /**
- * Starts to fetch the code that `SplatEngine.create` needs, where there is WebGPU: for pages that know that they will draw before they
- * ask for an engine. Never throws; `create` tells of a failure.
+ * Starts to fetch the code that `SplatEngine.create` needs, where there is WebGPU: for pages that
+ * know that they will draw before they ask for an engine. Never throws; `create` tells of a
+ * failure.
  */
 export function foreseeEngine(): void {
   if (!globalThis.navigator?.gpu) return;

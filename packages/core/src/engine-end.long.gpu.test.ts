@@ -157,7 +157,7 @@ function nextTurn(): Promise<void> {
   return new Promise((resolve) => setImmediate(resolve));
 }
 
-/** Everything that an engine does at once, again and again until it ends. Returns what each kind of work rejected with. */
+/** All that an engine does, at once and again until it ends. Returns each work's rejection. */
 function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[] {
   const [view, targeting] = [engine.createView(), engine.createView()];
   const cloud = engine.add(SET);

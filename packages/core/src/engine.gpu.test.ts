@@ -632,7 +632,7 @@ describe('an engine', () => {
     const { source, preprocessMs, sortMs, rasterizeMs, totalMs, passMs } = statistics.timing;
     expect(source).toBe('gpu-timestamps');
     expect(passMs).toMatchObject({ preprocess: preprocessMs, sort: sortMs });
-    // What quads do as one pass, tiles do as two.
+    // Quads have one pass for the two of tiles.
     expect(Object.keys(passMs)).toContain(statistics.rasterizer === 'tiles' ? 'tiles' : 'rasterize');
     expect('tile-lists' in passMs).toBe(statistics.rasterizer === 'tiles');
     for (const ms of Object.values(passMs)) expect(ms).toBeLessThanOrEqual(totalMs);

@@ -52,7 +52,10 @@ import type { ViewContext } from './views/view.ts';
 /** How exactly a frame was drawn. */
 export interface DrawnAccuracy {
   readonly settings: AccuracySettings;
-  /** What was chosen for the target of that view, with the reason in words; null before that, and where settings were requested. */
+  /**
+   * Settings chosen for the target of that view, with the reason in words; null before that, and
+   * where settings were requested.
+   */
   readonly choice: AccuracyChoice | null;
   readonly rasterizer: FrameRasterizer;
   /** Why that one, for people. */
@@ -65,22 +68,25 @@ export interface EngineOptions extends DeviceOptions {
   readonly device?: GPUDevice;
   /** Settings, or a target: see `SplatView.onAccuracyChosen`. Default `balanced`. */
   readonly accuracy?: AccuracyRequest;
-  /** Most workgroups in one dimension of a dispatch; default the device's limit. For tests of large dispatches. */
+  /** Most workgroups along an axis of a dispatch; default the device's limit. For tests. */
   readonly maxWorkgroupsPerDimension?: number;
   /**
-   * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames that need more are drawn by quads.
+   * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames
+   * that need more are drawn by quads.
    */
   readonly tileBudgetBytes?: number;
   /**
-   * Longest that one submission of a `SplatView`'s frame may keep the GPU, in milliseconds; default 250. Drivers are reset after
-   * some seconds, two on Windows, and the page freezes while the GPU is kept. Frames that were measured to take longer, and those
-   * of clouds that a view has not drawn before, are submitted in parts, each complete before the next; the image is the same, and
-   * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Infinity: never divide a frame.
+   * Longest that one submission of a `SplatView`'s frame may keep the GPU, in milliseconds; default
+   * 250. Drivers are reset after some seconds, two on Windows, and the page freezes while the GPU
+   * is kept. Frames that were measured to take longer, and those of clouds that a view has not
+   * drawn before, are submitted in parts, each complete before the next; the image is the same, and
+   * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Infinity:
+   * never divide a frame.
    */
   readonly submissionBudgetMs?: number;
   /**
-   * Most bytes of GPU memory that the engine may hold, of clouds, views and work under way; default no limit of its own. What
-   * would exceed them is refused with a GpuLimitError before it is allocated.
+   * Most bytes of GPU memory that the engine may hold, of clouds, views and work under way; default
+   * no limit of its own. Anything beyond is refused with a GpuLimitError before it is allocated.
    */
   readonly memoryBudgetBytes?: number;
   /** Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
@@ -100,21 +106,24 @@ const PIECE_BYTES = 4 << 20;
 
 /** Options of `engine.load`. */
 export interface LoadOptions extends ReadOptions {
-  /** Precision of the planes; default that of the engine's accuracy, also if it changes meanwhile. */
+  /** Precision of planes; default that of the engine's accuracy, even if that changes. */
   readonly precision?: CloudPrecision;
   /**
-   * Called again and again while a large file arrives, with a cloud of the splats that are there. Show it instead of the one
-   * before, which is destroyed as soon as this returns. The last one lasts until the load fails, or else as long as the cloud
-   * that `load` resolves with, and looks the same; those before it show at most 786,432 visible splats, the first in the file,
-   * so that loading takes no more memory than showing the cloud. Only binary PLYs whose size is known have previews. They have
-   * no `fileIndices`, are missed by picks and refused by `makeRayTree`, and cannot be given another precision.
+   * Called again and again while a large file arrives, with a cloud of the splats that are there.
+   * Show it instead of the one before, which is destroyed as soon as this returns. The last one
+   * lasts until the load fails, or else as long as the cloud that `load` resolves with, and looks
+   * the same; those before it show at most 786,432 visible splats, the first in the file, so that
+   * loading takes no more memory than showing the cloud. Only binary PLYs whose size is known have
+   * previews. They have no `fileIndices`, are missed by picks and refused by `makeRayTree`, and
+   * cannot be given another precision.
    */
   readonly onPreview?: (preview: SplatCloud) => void;
   /**
-   * What to do where the cloud would not fit into the GPU's memory or the engine's budget. `exact`, the default: the load fails
-   * with a GpuLimitError that names settings which would fit. `auto`: it takes the finest of these, first coarser harmonics, then
-   * packed geometry, then fewer degrees of harmonics, and `SplatCloud.fit` says which and why. Files that are not packed on
-   * the GPU keep their geometry, and a cloud with fewer degrees cannot be given a finer precision later.
+   * Action where the cloud would not fit into the GPU's memory or the engine's budget. `exact`, the
+   * default: the load fails with a GpuLimitError that names settings which would fit. `auto`: it
+   * takes the finest of these, first coarser harmonics, then packed geometry, then fewer degrees of
+   * harmonics, and `SplatCloud.fit` says which and why. Files that are not packed on the GPU keep
+   * their geometry, and a cloud with fewer degrees cannot be given a finer precision later.
    */
   readonly fit?: FitMode;
 }
@@ -125,20 +134,20 @@ interface NewCloudOptions {
   readonly sourceOptions?: SourceOptions;
 }
 
-/** What a load adds to the options of its cloud. */
+/** Options that a load adds to those of its cloud. */
 type LoadedCloudOptions = NewCloudOptions & Pick<SplatCloudOptions, 'fit'>;
 
 /**
- * GPU memory that an engine holds. What is neither of the scene nor of frames belongs to work under way, such as making planes
- * or measuring.
+ * GPU memory that an engine holds. The rest, beside scene and frames, belongs to work under way,
+ * such as making planes or measuring.
  */
 export interface EngineMemory extends GpuMemoryReport {
-  /** What is loaded. */
+  /** Loaded clouds. */
   readonly scene: {
     readonly totalBytes: number;
     readonly clouds: readonly (CloudMemory & { readonly name: string })[];
   };
-  /** What drawing takes; most of it follows what is visible. */
+  /** Memory of drawing; most of it follows the visible splats. */
   readonly frames: {
     readonly totalBytes: number;
     /** In the order in which the views were created. */
@@ -221,8 +230,9 @@ export class SplatEngine {
   }
 
   /**
-   * Default settings of frames, and the settings that clouds are packed for when they are loaded. Under a target these are
-   * the settings chosen for it last, or `balanced` before the first choice; a view of other clouds may have its own choice.
+   * Default settings of frames, and the settings that clouds are packed for when they are loaded.
+   * Under a target these are the settings chosen for it last, or `balanced` before the first
+   * choice; a view of other clouds may have its own choice.
    */
   get accuracy(): AccuracySettings {
     return this.#accuracy.settings;
@@ -234,12 +244,13 @@ export class SplatEngine {
   }
 
   /**
-   * Changes `accuracy`. Views draw with it from their next frame on, at first from the planes that their clouds hold. Each
-   * cloud then gets its precisions as by `requestPrecision`; if that fails, the cloud stays unchanged. For a target, this
-   * happens once settings have been chosen: see `SplatView.onAccuracyChosen`.
+   * Changes `accuracy`. Views draw with it from their next frame on, at first from the planes that
+   * their clouds hold. Each cloud then gets its precisions as by `requestPrecision`; if that fails,
+   * the cloud stays unchanged. For a target, this happens once settings have been chosen: see
+   * `SplatView.onAccuracyChosen`.
    *
-   * @returns the clouds that could not be given the requested precision; resolves when all clouds are done and never rejects.
-   *   A later change replaces this one.
+   * @returns the clouds that could not be given the requested precision; resolves when all clouds
+   *   are done and never rejects. A later change replaces this one.
    * @throws InvalidArgumentError for unknown settings; nothing changes then.
    */
   setAccuracy(
@@ -253,8 +264,8 @@ export class SplatEngine {
   }
 
   /**
-   * Returns the settings closest to `accuracy` (default: the engine's) that this device supports, and notices about what it
-   * does not support. Equal settings are the same object.
+   * Returns the settings closest to `accuracy` (default: the engine's) that this device supports,
+   * and notices about what it does not support. Equal settings are the same object.
    *
    * @throws InvalidArgumentError for unknown settings.
    */
@@ -267,11 +278,12 @@ export class SplatEngine {
   }
 
   /**
-   * Reads splats, in a worker if workers are available, and uploads them. Addresses, Files and Blobs are kept as handles, so
-   * that `requestPrecision` can read them again.
+   * Reads splats, in a worker if workers are available, and uploads them. Addresses, Files and
+   * Blobs are kept as handles, so that `requestPrecision` can read them again.
    *
-   * @throws SplatFileError, SplatSourceError, GpuLimitError, InvalidArgumentError; the signal's reason if it aborts;
-   *   DestroyedError if the engine or the device ends. Reading stops then, and nothing is kept.
+   * @throws SplatFileError, SplatSourceError, GpuLimitError, InvalidArgumentError; the signal's
+   *   reason if it aborts; DestroyedError if the engine or the device ends. Reading stops then, and
+   *   nothing is kept.
    */
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
@@ -298,7 +310,7 @@ export class SplatEngine {
       signal.throwIfAborted();
     } catch (error) {
       ingest.destroy();
-      // What ended the load also ended what was waited for.
+      // The end of the engine also ended the wait.
       signal.throwIfAborted();
       throw error;
     }
@@ -307,24 +319,27 @@ export class SplatEngine {
   }
 
   /**
-   * Packs and uploads splats that are already in memory, in any order; rows with non-finite values are dropped and counted.
-   * The cloud keeps `set` by reference, for `requestPrecision`.
+   * Packs and uploads splats that are already in memory, in any order; rows with non-finite values
+   * are dropped and counted. The cloud keeps `set` by reference, for `requestPrecision`.
    *
-   * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
+   * @throws GpuLimitError; the device tells later whether it has had memory: see
+   *   `SplatCloud.uploaded`.
    */
   add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
     return this.addPacked(packSet(set, this.accuracy), { ...options, source: set });
   }
 
   /**
-   * Uploads the result of `packCloud`, made on this thread or another and packed for any accuracy: frames draw whatever
-   * precision the cloud holds.
+   * Uploads the result of `packCloud`, made on this thread or another and packed for any accuracy:
+   * frames draw whatever precision the cloud holds.
    *
-   * @param options.source where `requestPrecision` can read the same splats again: their file, or `packed` itself if its
-   *   memory stays in use anyway. If there are several, the first that is fine enough is used, so list cheap sources first.
-   *   Kept by reference; by default nothing is kept.
+   * @param options.source where `requestPrecision` can read the same splats again: their file, or
+   *   `packed` itself if its memory stays in use anyway. If there are several, the first that is
+   *   fine enough is used, so list cheap sources first. Kept by reference; by default nothing is
+   *   kept.
    * @param options.sourceOptions how that file is read.
-   * @throws GpuLimitError; the device tells later whether it has had memory: see `SplatCloud.uploaded`.
+   * @throws GpuLimitError; the device tells later whether it has had memory: see
+   *   `SplatCloud.uploaded`.
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
     return this.#upload(packed, options);
@@ -337,8 +352,8 @@ export class SplatEngine {
   }
 
   /**
-   * Makes the cloud's own lease claim this precision, which frees the planes that only that lease claimed before: see
-   * `cloud.hold`. A later request for the cloud replaces this one.
+   * Makes the cloud's own lease claim this precision, which frees the planes that only that lease
+   * claimed before: see `cloud.hold`. A later request for the cloud replaces this one.
    *
    * @throws the errors that the `met` of a lease rejects with.
    */
@@ -427,7 +442,7 @@ export class SplatEngine {
     this.#target = target;
   }
 
-  /** Adopts a choice as the engine's settings if the target is the engine's, and frees planes that no view draws any more. */
+  /** Adopts a choice for the engine's own target as its settings; frees undrawn planes. */
   async #adopt(choice: AccuracyChoice, clouds: readonly SplatCloud[]): Promise<void> {
     const { target, settings } = choice;
     if (target === this.#target) this.#accuracy = this.resolveAccuracy(settings);
@@ -442,7 +457,7 @@ export class SplatEngine {
     await Promise.all(requests);
   }
 
-  /** Requests the precisions of `accuracy`. Returns the clouds that could not get them, except for cancelled requests. */
+  /** Requests the precisions of `accuracy`. Returns clouds that failed to get them. */
   async #requestPrecisions(
     clouds: readonly SplatCloud[],
     { signal, onProgress }: SetAccuracyOptions = {},
@@ -621,7 +636,8 @@ export class SplatEngine {
   }
 
   /**
-   * Compiles for every view that shows `cloud`; null: none does. If compiling fails, the frame that needs the pipeline reports it.
+   * Compiles for every view that shows `cloud`; null: none does. If compiling fails, the frame that
+   * needs the pipeline reports it.
    */
   #compileFor(cloud: SplatCloud, change: (shape: CloudShape) => CloudShape): Promise<void> | null {
     const stages = [...this.#views].flatMap(({ shape }) => {

@@ -65,9 +65,9 @@ interface Call {
   readonly others?: readonly string[];
 }
 
-/** What errors call an argument without a name of its own. */
+/** Names by which errors call an argument without one of its own. */
 const NAMELESS = ['options', 'accuracy'];
-/** What becomes of a camera's options. */
+/** Results of a camera's options. */
 const MATRICES = ['viewMatrix', 'projectionMatrix'];
 
 const CALLS: Record<string, Call> = {
@@ -211,7 +211,7 @@ function namesIn(value: unknown): string[] {
   return Object.entries(value).flatMap(([name, part]) => [name, ...namesIn(part)]);
 }
 
-/** Throws for a number that float32 cannot hold, at any depth; `near` and `far` may be, which draws nothing or everything. */
+/** Throws for numbers beyond float32 at any level, but `near` and `far`, which draw all or none. */
 function expectFinite(value: unknown, name = 'result'): void {
   if (typeof value === 'number') {
     if (!Number.isFinite(Math.fround(value)) && !/\.(near|far)$/.test(name))

@@ -4,8 +4,8 @@ import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
 
-// `@websplatter/core/load-worker`: does what all workers do. It is built as one file without imports, for pages that host the
-// worker themselves and name it to `setWorkerUrl`.
+// `@websplatter/core/load-worker`: does what all workers do. It is built as one file without
+// imports, for pages that host the worker themselves and name it to `setWorkerUrl`.
 
 const port = self as unknown as LoadPort & BuildPort;
 

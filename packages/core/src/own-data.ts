@@ -1,6 +1,6 @@
 /**
- * Splats of your own, and edits of any splats (`@websplatter/core/own-data`), apart from the engine: who only shows files does not
- * download it.
+ * Splats of your own, and edits of any splats (`@websplatter/core/own-data`), apart from the
+ * engine: pages that only show files do not download it.
  */
 export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';

@@ -1,6 +1,6 @@
 /**
- * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine: who only shows splats does not download
- * it.
+ * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine:
+ * pages that only show splats do not download it.
  */
 export { type CropBox, cropSplats } from './data/editing/crop-splats.ts';
 export { filterSplats } from './data/editing/filter-splats.ts';

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { EffectFunction, EffectUse, SplatEffect } from '../gpu/effects/effect.ts';
 
-/** Where and how large what is looked at is, as it is drawn: what first values and ranges are scaled to. World units. */
+/** Place and size of the drawn scene, which first values and ranges are scaled to. World units. */
 export interface ScenePlace {
   readonly center: Vec3;
   readonly radius: number;
@@ -12,9 +12,9 @@ export interface ScenePlace {
 /** sRGB, as style sheets write it: `#ffd8a8`. */
 export type HexColor = `#${string}`;
 
-/** What is chosen for an option: a number, a word, a colour, or x, y and z. */
+/** Value of an option: a number, a word, a colour, or x, y and z. */
 export type OptionValue = number | string | Vec3;
-/** What is chosen for all options of an effect, by their names. */
+/** Values of all options of an effect, by name. */
 export type OptionValues = Readonly<Record<string, OptionValue>>;
 
 interface OptionFacts<Values> {
@@ -34,7 +34,7 @@ export interface NumberOption<Values = OptionValues> extends OptionFacts<Values>
   first(place: ScenePlace): number;
   /** Whether the end of the range stands for Infinity; default false. */
   readonly isEndless?: boolean;
-  /** The option whose number stays larger than this one's: of the two, that which is not being changed gives way. */
+  /** The option whose number stays larger than this one's: the one not being changed gives way. */
   readonly below?: keyof Values & string;
 }
 
@@ -68,7 +68,7 @@ export interface OriginOption<Values = OptionValues> extends OptionFacts<Values>
   readonly kind: 'origin';
 }
 
-/** What people choose one option of an effect by. */
+/** Control by which people choose one option of an effect. */
 export type EffectOption<Values = OptionValues> =
   | NumberOption<Values>
   | ColorOption<Values>
@@ -86,10 +86,10 @@ type OptionOf<Value, Values> = [Value] extends [number]
         ? VectorOption<Values>
         : OriginOption<Values>;
 
-/** What people can choose for an effect. */
+/** Choices of people for an effect. */
 export interface EffectOptions {
   readonly effect: SplatEffect;
-  /** By name, in the order in which they are shown and written: what another depends on comes before it. */
+  /** By name, in the order in which they are shown and written: each before its dependents. */
   readonly options: Readonly<Record<string, EffectOption>>;
   /**
    * Makes a use of the effect.

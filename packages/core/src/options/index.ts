@@ -22,8 +22,9 @@ const OPTIONS = import.meta.glob<EffectOptions>('../gpu/effects/*/*.options.ts',
 });
 
 /**
- * What people can choose for effects, by the effect's name, in the order in which effects act. Left out are those whose options
- * nobody sets by hand: `opacity`, which clouds have themselves, and `highlight`, which needs a selection.
+ * Choices of people for effects, by the effect's name, in the order in which effects act. Left out
+ * are those whose options are not set by hand: `opacity`, which clouds have themselves, and
+ * `highlight`, which needs a selection.
  */
 export const EFFECT_OPTIONS: Readonly<Record<string, EffectOptions>> = Object.fromEntries(
   Object.values(EFFECTS).flatMap(({ effect: { name } }) => {

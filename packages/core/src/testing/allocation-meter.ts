@@ -1,4 +1,4 @@
-/** What takes memory by a number of bytes or of items. */
+/** Constructors of memory by a number of bytes or of items. */
 const METERED = [
   ...['ArrayBuffer', 'SharedArrayBuffer', 'Int8Array', 'Uint8Array', 'Uint8ClampedArray', 'Int16Array'],
   ...['Uint16Array', 'Int32Array', 'Uint32Array', 'Float32Array', 'Float64Array', 'BigInt64Array'],
@@ -9,9 +9,10 @@ const ITEM_BYTES = 8;
 type Constructor = new (...values: unknown[]) => object;
 
 /**
- * Runs `run`, and returns the bytes that are asked for meanwhile as buffers, typed arrays and arrays of a given length. Unlike the memory
- * of the process, they do not depend on when garbage is collected, and are never fewer than were held at once. What the platform
- * itself makes, such as pieces of a stream, is not counted.
+ * Runs `run`, and returns the bytes that are asked for meanwhile as buffers, typed arrays and
+ * arrays of a given length. Unlike the memory of the process, they do not depend on when garbage is
+ * collected, and are never fewer than were held at once. Memory of the platform itself, such as
+ * pieces of a stream, is not counted.
  */
 export async function allocatedBytes(run: () => Promise<unknown>): Promise<number> {
   let bytes = 0;

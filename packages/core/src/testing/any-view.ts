@@ -11,7 +11,7 @@ import { uniform } from './uniform.ts';
 const coordinate = (limit: number) => uniform(-limit, limit);
 const point = (limit: number) => fc.tuple(coordinate(limit), coordinate(limit), coordinate(limit));
 
-/** Arbitrary cameras around and inside the unit cube: narrow, wide, orthographic, off-centre, mirrored. */
+/** Cameras around and inside the unit cube: narrow, wide, orthographic, off-centre, mirrored. */
 export const anyCamera: fc.Arbitrary<Camera> = fc
   .record({
     position: point(3),
@@ -37,7 +37,7 @@ export const anyCamera: fc.Arbitrary<Camera> = fc
     return cameraFromMatrices(camera.viewMatrix, multiply4(mirror, projection), camera);
   });
 
-/** Arbitrary affine model matrices, most of them neither rigid nor uniform, some nearly flat or nearly a line. */
+/** Arbitrary affine model matrices, mostly neither rigid nor uniform, some nearly flat or lines. */
 export const anyModel: fc.Arbitrary<Float64Array> = fc
   .tuple(
     fc.array(coordinate(2), { minLength: 9, maxLength: 9 }),

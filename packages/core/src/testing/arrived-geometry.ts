@@ -6,7 +6,7 @@ import type { GeometryPrecision } from '../data/packing/precision.ts';
 import type { SplatColumns } from '../data/splats/splat-set.ts';
 
 export interface ArrivedGeometry extends PackedGeometry {
-  /** What the log scales of each splat are beside their steps: 512 and parts of 1024, ten bits each. */
+  /** Rests of each splat's log scales beside their steps: 512 and parts of 1024, ten bits each. */
   readonly rests: Uint32Array;
 }
 

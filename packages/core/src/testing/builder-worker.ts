@@ -8,7 +8,7 @@ import {
 
 type Behaviour = 'works' | 'dies';
 
-/** Class of workers in this thread behind a real message channel: what crosses is cloned or transferred as between threads. */
+/** Class of workers in this thread: messages are cloned or transferred as between threads. */
 export function builderWorker(builders: GeometryBuilders) {
   return class FakeWorker {
     static behaviour: Behaviour = 'works';

@@ -4,7 +4,7 @@ import type { OwnShPrecision } from '../data/packing/precision.ts';
 import { coefficientsPerSplat, type ShDegree } from '../data/splats/splat-set.ts';
 import { uniform } from './uniform.ts';
 
-/** Coefficients of splats of one degree, a row each: they span many orders of magnitude, and some are exactly zero. */
+/** Coefficients of splats of one degree, a row each, of many orders of magnitude; some are zero. */
 export function coefficientRows(degree: ShDegree): fc.Arbitrary<number[][]> {
   const length = coefficientsPerSplat(degree);
   const value = fc.oneof(
@@ -14,7 +14,7 @@ export function coefficientRows(degree: ShDegree): fc.Arbitrary<number[][]> {
     fc.constant(0),
   );
   const rowOf = (values: fc.Arbitrary<number>) => fc.array(values, { minLength: length, maxLength: length });
-  // Rows whose largest value is among binary16's subnormals, where its steps are coarse, or below them.
+  // Rows whose largest value is among binary16's coarse subnormals, or below them.
   const row = fc.oneof(rowOf(value), rowOf(uniform(-1e-6, 1e-6).map(Math.fround)));
   return fc.array(row, { minLength: 1, maxLength: 5 });
 }

@@ -6,9 +6,9 @@ import { cullSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
 
 /**
- * Draws clouds and compares every splat with float64: whether it is drawn, and its place, size, opacity and colour, each
- * within `tolerance` of its size. A splat at the cutoff's opacity may be drawn or not; callers must keep centres off hard
- * edges.
+ * Draws clouds and compares every splat with float64: whether it is drawn, and its place, size,
+ * opacity and colour, each within `tolerance` of its size. A splat at the cutoff's opacity may be
+ * drawn or not; callers must keep centres off hard edges.
  *
  * @returns the number of drawn splats of each cloud.
  */

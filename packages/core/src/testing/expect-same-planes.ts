@@ -7,7 +7,10 @@ import { type PackedHarmonics, readCoefficients } from '../data/packing/harmonic
 import { coefficientsPerSplat } from '../data/splats/splat-set.ts';
 import { unpackSplat } from '../reference/packing.ts';
 
-/** Part of the steps that may differ by one, where float32 and float64 fall to different sides of half a step. */
+/**
+ * Part of the steps that may differ by one, where float32 and float64 fall to different sides of
+ * half a step.
+ */
 const DIFFERING_PART = 0.03;
 /** Fewer splats may have been chosen to be halfway between steps. */
 const MANY_SPLATS = 100;
@@ -15,9 +18,10 @@ const MANY_SPLATS = 100;
 const MAX_ULPS = 8;
 
 /**
- * Expects the same geometry. Positions and half floats are the same bits. Other packed values differ by one step at most (log scales
- * by `logScaleError` besides), and few of them do; float32 values by a few units in the last place. Of two components of a rotation
- * that are as large, either may be the one left out.
+ * Expects the same geometry. Positions and half floats are the same bits. Other packed values
+ * differ by one step at most (log scales by `logScaleError` besides), and few of them do; float32
+ * values by a few units in the last place. Of two components of a rotation that are as large,
+ * either may be the one left out.
  */
 export function expectSameGeometry(actual: PackedGeometry, expected: PackedGeometry): void {
   expect(actual.words.length).toBe(expected.words.length);
@@ -78,7 +82,7 @@ function expectSameFloats(actual: Uint32Array, expected: Uint32Array): void {
   }
 }
 
-/** Expects the same harmonics: the same bits, but for bytes, which may differ by one step, and few of which do. */
+/** Expects the same harmonics: equal bits, but for bytes, few of which may differ by one step. */
 export function expectSameHarmonics(actual: PackedHarmonics, expected: PackedHarmonics, count: number): void {
   if (expected.precision !== 'u8') {
     expect(actual.words).toEqual(expected.words);
@@ -105,8 +109,8 @@ export function expectSameHarmonics(actual: PackedHarmonics, expected: PackedHar
 }
 
 /**
- * What float32 loses of log scales until splats are in storage order, by the range of all, or of those that are logarithms of
- * scales.
+ * Error of float32 log scales until splats are in storage order, by the range of all, or of those
+ * that are logarithms of scales.
  */
 function logScaleError(chunks: Float32Array): number {
   const ranges = Array.from({ length: chunks.length / CHUNK_WORDS.count }, (_, i) => logScalesOf(chunks, i));
@@ -115,7 +119,7 @@ function logScaleError(chunks: Float32Array): number {
   return 3e-6 + 4e-7 * (largest - smallest);
 }
 
-/** Expects the same chunks: the same bounds (−0 is 0), and ranges of log scales to `logScaleError` at either end. */
+/** Expects the same chunks: equal bounds (−0 is 0), ranges of log scales to `logScaleError`. */
 export function expectSameChunks(actual: Float32Array, expected: Float32Array): void {
   expect(actual.length).toBe(expected.length);
   const { minLogScale, logScaleStep, count } = CHUNK_WORDS;

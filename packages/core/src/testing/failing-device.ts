@@ -10,9 +10,9 @@ export interface FailingDevice {
 }
 
 /**
- * `whole`, but allocations may fail as in a browser: what is made is invalid, and only an out-of-memory scope tells. A failure
- * outside of any such scope is an uncaptured error, as is the use of what is invalid outside of a validation scope; both fail a
- * test whose device is watched.
+ * `whole`, but allocations may fail as in a browser: the new object is invalid, and only an
+ * out-of-memory scope tells. A failure outside of any such scope is an uncaptured error, as is the
+ * use of an invalid object outside of a validation scope; both fail a test whose device is watched.
  */
 export function failingDevice(whole: GPUDevice): FailingDevice {
   /** Allocations before the one that fails; negative when it has. */

@@ -1,12 +1,12 @@
-/** What shaders have for an automatic feature. */
+/** Code of shaders for an automatic feature. */
 export interface FeatureShaders {
-  /** Names of the conditions (`@if(NAME)`) that guard its code in shaders; all are false while it is off. */
+  /** Names of conditions (`@if(NAME)`) that guard its shader code; all false while it is off. */
   readonly conditions: readonly string[];
   /** Bindings that stages need for it, by their names in shaders. */
   readonly bindings: readonly string[];
 }
 
-/** By names of automatic features. All effects are listed: with no conditions, they are in no shader. */
+/** By names of automatic features. Lists all effects: without conditions, they are in no shader. */
 export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
   harmonics: {
     conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8', 'SH_PALETTE'],

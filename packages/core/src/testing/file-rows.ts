@@ -6,7 +6,7 @@ export interface FileRowsOptions {
   readonly isBigEndian?: boolean;
   /** Bytes before each value, which belong to something else; default 0. */
   readonly gapBytes?: number;
-  /** Of so many splats in a row, which have the same harmonics, these become an entry of a palette; default: none. */
+  /** So many successive splats share harmonics, an entry of a palette; default none. */
   readonly sharedBy?: number;
 }
 

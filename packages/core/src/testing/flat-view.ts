@@ -8,7 +8,7 @@ export interface FlatView {
   readonly dispatchRow: number;
 }
 
-/** Packs a `View` for stages that read records: what projects splats is neutral. */
+/** Packs a `View` for stages that read records: fields for projection are neutral. */
 export function packFlatView({ size: { widthPx, heightPx }, alphaCutoff, dispatchRow }: FlatView) {
   return View.pack({
     sizePx: [widthPx, heightPx],

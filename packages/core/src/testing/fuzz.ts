@@ -30,8 +30,9 @@ interface Runs {
 }
 
 /**
- * Calls `run` again and again, each time with other choices. The first seed is 1, or WEBSPLATTER_SEED; each further run has
- * the next. A failure names its own seed: with that as WEBSPLATTER_SEED, the first run fails.
+ * Calls `run` again and again, each time with other choices. The first seed is 1, or
+ * WEBSPLATTER_SEED; each further run has the next. A failure names its own seed: with that as
+ * WEBSPLATTER_SEED, the first run fails.
  */
 export async function fuzz(runs: Runs, run: (choices: Choices) => Promise<void> | void): Promise<void> {
   const firstSeed = Number(process.env.WEBSPLATTER_SEED ?? 1);

@@ -56,7 +56,7 @@ export function splatAttributes(set: SplatSet): Record<string, FixtureAttribute>
   return attributes;
 }
 
-/** A glTF whose only node shows splats. Without `isInterleaved`, the attributes follow one another. */
+/** A glTF whose only node shows splats. Attributes follow one another unless `isInterleaved`. */
 export function gltfOf(attributes: Record<string, FixtureAttribute>, isInterleaved = false): GltfFixture {
   const entries = Object.entries(attributes);
   const rowBytes = ({ values, size }: FixtureAttribute) =>

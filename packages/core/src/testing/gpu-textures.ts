@@ -20,7 +20,7 @@ export function colorTexture(
   return texture;
 }
 
-/** A depth texture with the given values, 0…1, in every sample: drawn, since depths cannot be copied into one. */
+/** A depth texture with these values, 0…1, in every sample: drawn, as depths cannot be copied. */
 export function depthTexture(
   device: GPUDevice,
   { widthPx, heightPx, samples, values }: HostDepths,

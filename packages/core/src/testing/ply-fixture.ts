@@ -1,6 +1,6 @@
 import { coefficientsPerSplat, type ShDegree } from '../data/splats/splat-set.ts';
 
-/** One property of a test file: `values[row]`, or `values[row]` as the items of a list if `countType` is given. */
+/** A property of a test file: `values[row]`, the items of a list if `countType` is given. */
 export interface FixtureProperty {
   readonly name: string;
   /** As written in the header, e.g. `float` or `uint8`. */

@@ -8,7 +8,7 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import type { SplatView } from '../views/splat-view.ts';
 
-/** PSNR that each preset must reach against the float64 reference, dB on the target's own values. */
+/** PSNR that each preset must reach against the float64 reference, dB on the target's values. */
 export const MIN_PSNR_DB = { reference: 60, high: 50, balanced: 45 } satisfies Partial<
   Record<AccuracyPreset, number>
 >;
@@ -76,8 +76,8 @@ export async function expectPresetsAccurate(engines: PresetEngines, scene: Scene
 /** The same for an object about 0, 2 across, y down. */
 export function expectObjectAccurate(engines: PresetEngines, set: SplatSet<Harmonics>): Promise<void> {
   const camera = perspectiveCamera({
-    // Positions in SPZ are whole steps: from a direction of small whole numbers, several splats have
-    // exactly the same depth, and nothing decides their order.
+    // Positions in SPZ are whole steps: from a direction of small whole numbers, several splats
+    // have exactly the same depth, and nothing decides their order.
     position: [1.618, -1.047, 2.236],
     target: [0, 0, 0],
     up: [0, -1, 0],

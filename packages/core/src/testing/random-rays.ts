@@ -10,7 +10,7 @@ import { type TrueRay, trueRays } from './true-rays.ts';
 
 type View = Omit<Parameters<typeof perspectiveCamera>[0], 'aspect'>;
 
-/** 200 random pixels of each camera, and what the reference shows there. */
+/** 200 random pixels of each camera, with the reference's depth and cover there. */
 export function randomRays(set: SplatSet<Harmonics>, cameras: readonly View[]): TrueRay[] {
   const [widthPx, heightPx] = [640, 480];
   const random = seededRandom(11);
@@ -26,7 +26,7 @@ export function randomRays(set: SplatSet<Harmonics>, cameras: readonly View[]): 
 export const isBare = ({ opacity }: TrueRay) => opacity < 0.1;
 export const isCovered = ({ opacity }: TrueRay) => opacity > 0.5;
 
-/** Part of the rays at what is covered that hit within 2 % of the depth of the splat that contributes most. */
+/** Part of the rays at covered pixels that hit within 2 % of the depth of their heaviest splat. */
 export function partWithin2Percent(tree: RayTree, rays: readonly TrueRay[]): number {
   const covered = rays.filter(isCovered);
   const right = covered.filter(({ origin, direction, depthView, options }) => {
@@ -37,8 +37,8 @@ export function partWithin2Percent(tree: RayTree, rays: readonly TrueRay[]): num
 }
 
 /**
- * 1,000 rays from around an object about 0, 2 across: where it covers a pixel they must hit what is there, within 2 % of the depth,
- * and where it covers less than a tenth, nothing.
+ * 1,000 rays from around an object about 0, 2 across: where it covers a pixel they must hit what is
+ * there, within 2 % of the depth, and where it covers less than a tenth, nothing.
  */
 export async function expectRaysAsShown(set: SplatSet<Harmonics>): Promise<void> {
   const cameras = [0, 1, 2, 3, 4].map((i) => ({

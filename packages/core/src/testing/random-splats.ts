@@ -40,7 +40,7 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
   };
 }
 
-/** Random splats, a third of which share places, so that file order decides; every so often, one is not finite. */
+/** Random splats: a third share places, so that file order decides; a few are not finite. */
 export function splatsWithTies(count: number, shDegree: ShDegree, droppedEvery = 0): SplatSet {
   const set = randomSplats({ count, seed: count + shDegree, shDegree });
   for (let i = 0; i < count; i += 3) set.positions.copyWithin(3 * i, 0, 3);

@@ -6,7 +6,7 @@ import { readSplats } from '../io/loading/read-splats.ts';
 import type { Choices } from './fuzz.ts';
 import { chunked } from './ply-fixture.ts';
 
-/** What a reader makes of a file: splats, or a typed error. */
+/** Result of reading a file: splats, or a typed error. */
 export type Outcome = SplatSet<PackedHarmonics> | WebSplatterError;
 
 /** Words that have broken readers: counts, offsets, NaN, infinity. */
@@ -32,7 +32,7 @@ export function damagedBytes(bytes: Uint8Array, choices: Choices): Uint8Array<Ar
   return result;
 }
 
-/** Reads a file that may be damaged, at once or in chunks. Throws unless that gives splats that can be drawn, or a typed error. */
+/** Reads a damaged file, at once or in chunks; throws unless that gives splats or a typed error. */
 export async function outcomeOf(
   bytes: Uint8Array<ArrayBuffer>,
   name: string,
@@ -49,7 +49,7 @@ export async function outcomeOf(
   }
 }
 
-/** Throws unless splats can be drawn: all that a splat has is finite, but for its opacity's logit. */
+/** Throws unless splats can be drawn: all values but the opacity's logit are finite. */
 export function checkDrawable(set: SplatSet<PackedHarmonics>): void {
   if (
     !Object.values(packCloud(set, { geometryPrecision: 'packed' }).bounds)

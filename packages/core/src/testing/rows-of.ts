@@ -13,7 +13,7 @@ export interface FileRows {
   readonly values: Float32Array;
 }
 
-/** Reads the rows of a source as they are handed over, in pieces of so many bytes; calls `onTake` with the rows of each. */
+/** Reads a source's rows as handed over, in pieces of so many bytes; calls `onTake` for each. */
 export async function rowsOf(
   source: SplatSource,
   options: ReadSplatsOptions = {},

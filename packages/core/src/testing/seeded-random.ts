@@ -1,4 +1,4 @@
-/** Uniform random numbers in [0, 1); a seed gives the same numbers on every machine (mulberry32). */
+/** Uniform random numbers in [0, 1); a seed gives equal numbers on all machines (mulberry32). */
 export function seededRandom(seed: number): () => number {
   let state = seed | 0;
   return () => {

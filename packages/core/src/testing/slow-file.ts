@@ -1,4 +1,4 @@
-/** A file that says that it has all of `bytes`, and gives `parts`, the last of them after `beforeLast`. */
+/** A file that claims to have `bytes` and gives `parts`, the last of them after `beforeLast`. */
 export function slowFile(
   name: string,
   bytes: Uint8Array<ArrayBuffer>,

@@ -13,7 +13,7 @@ export interface SogFixture {
   readonly width?: number;
 }
 
-/** A SOG of random bytes: metadata as an object, to be changed, and images by name; and its rows, in float64. */
+/** A SOG of random bytes: metadata as an object, to be changed, images by name, float64 rows. */
 export interface SogExample {
   // biome-ignore lint/suspicious/noExplicitAny: tests change whatever they like
   readonly meta: any;

@@ -3,7 +3,7 @@ import { shareTestDevice } from '@websplatter/node/gpu-test';
 import { ballotDeviceOf } from '../gpu/device.ts';
 import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../gpu/stages/sort-shape.ts';
 
-/** A test device with subgroups and as much workgroup memory as the adapter has: by default devices have none, and 16 KiB. */
+/** A test device with subgroups and all the adapter's workgroup memory, not just 16 KiB. */
 export async function createSortDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
   const { maxComputeWorkgroupStorageSize } = adapter.limits;
@@ -13,16 +13,16 @@ export async function createSortDevice(): Promise<GPUDevice> {
   return shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize }, requiredFeatures });
 }
 
-/** `shape` with keys ranked by ballots, in blocks that suit `device`; null if it has no subgroups. */
+/** `shape` with keys ranked by ballots, in blocks for `device`; null if it has no subgroups. */
 export function byBallots(shape: SortShape, device: GPUDevice): SortShape | null {
   const ballots = ballotDeviceOf(device);
   if (!ballots) return null;
   const { min, max } = ballots;
-  // Small blocks: each subgroup takes a word of workgroup memory for each digit, and those of CPUs have four threads.
+  // Small blocks: a subgroup takes a word of workgroup memory per digit, and on CPUs four threads.
   return { ...shape, workgroup: 8 * Math.max(min, 4), itemsPerThread: 8, subgroups: { min, max } };
 }
 
-/** Amounts of workgroup memory to test on `device`: WebGPU's default, and those above it that the sort has other blocks for. */
+/** Workgroup memory to test on `device`: WebGPU's default, and sizes with other blocks. */
 export function sortLimitsOf({ limits }: Pick<GPUDevice, 'limits'>): number[] {
   const all = [DEFAULT_WORKGROUP_BYTES, 32_768, 49_152];
   return all.filter((bytes) => bytes <= limits.maxComputeWorkgroupStorageSize);

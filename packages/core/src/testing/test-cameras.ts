@@ -6,7 +6,7 @@ import {
 } from '../data/camera/camera.ts';
 import { multiply4 } from '../data/math/mat4.ts';
 
-/** Cameras that look at a cloud of half extent 1 at the origin, part of which is outside of the image. */
+/** Cameras that look at a cloud of half extent 1 at the origin, part of it outside of the image. */
 export function testCameras(aspect: number): Readonly<Record<string, Camera>> {
   const place = { position: [1.1, 0.6, 1.4], target: [0.1, -0.1, 0], up: [0.1, 1, 0.05], aspect } as const;
   const perspective = perspectiveCamera({ ...place, fovYDegrees: 50, near: 0.1, far: 100 });

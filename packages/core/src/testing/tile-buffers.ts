@@ -28,7 +28,10 @@ export function tileUniforms(device: GPUDevice, options: TileUniforms) {
   return { view: uniformBuffer(device, view), grid: uniformBuffer(device, grid) };
 }
 
-/** More than the shader widens an ellipse by, px: it may find what the reference finds at up to this slack. */
+/**
+ * More than the shader widens an ellipse by, px: it may find what the reference finds at up to this
+ * slack.
+ */
 export function mostSlackPx({ centerPx, extentPx }: SplatEllipse): number {
   const magnitude = [...centerPx, ...extentPx].reduce((sum, value) => sum + Math.abs(value), 0);
   return 0.05 + 1e-5 * magnitude;

@@ -8,7 +8,7 @@ import type { SplatSet } from '../data/splats/splat-set.ts';
 import { type CulledSplat, cullSplat } from '../reference/cull-splats.ts';
 import { pickSplat } from '../reference/pick.ts';
 
-/** A ray through the middle of a pixel, and what the pixel shows. */
+/** A ray through the middle of a pixel, and that pixel's depth and cover. */
 export interface TrueRay {
   readonly origin: Vec3;
   /** Of such a length that distances are view depths. */

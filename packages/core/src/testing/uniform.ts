@@ -1,8 +1,9 @@
 import fc from 'fast-check';
 
 /**
- * Arbitrary numbers spread evenly over min…max, including the ends, zero and some very small ones. fast-check's own spread
- * evenly over all bit patterns, so nearly all of them are tiny, and matrices of them nearly zero.
+ * Arbitrary numbers spread evenly over min…max, including the ends, zero and some very small ones.
+ * fast-check's own spread evenly over all bit patterns, so nearly all of them are tiny, and
+ * matrices of them nearly zero.
  */
 export function uniform(min: number, max: number): fc.Arbitrary<number> {
   const steps = 2 ** 30;

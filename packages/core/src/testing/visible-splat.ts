@@ -1,7 +1,7 @@
 import type { DecodedRecord } from '../inspect/read-records.ts';
 import type { VisibleSplat } from '../reference/cull-splats.ts';
 
-/** Converts a record to the reference's visible splat, with exactly the numbers that the GPU reads. */
+/** Converts a record to the reference's visible splat, with the numbers that the GPU reads. */
 export function visibleSplatOf(record: DecodedRecord): VisibleSplat {
   const { centerPx, majorPx, minorPx, depthView, color } = record;
   const [[x, y], [minorX, minorY]] = [majorPx, minorPx];

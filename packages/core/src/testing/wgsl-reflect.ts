@@ -3,7 +3,7 @@ import type * as wgslReflect from 'wgsl_reflect';
 /** Hidden from the type checker: the package declares types only for its main entry. */
 const moduleEntry = 'wgsl_reflect/wgsl_reflect.module.js';
 
-/** `wgsl_reflect` through the entry that works: Node treats the main one, which is CommonJS, as an ES module. */
+/** `wgsl_reflect` by the entry that works: Node takes the main one, CommonJS, for an ES module. */
 const { ResourceType, WgslReflect }: typeof wgslReflect = await import(moduleEntry);
 export type WgslReflection = wgslReflect.WgslReflect;
 
@@ -11,7 +11,7 @@ export { ResourceType };
 
 /** Returns the declarations of linked `wgsl`. */
 export function reflectWgsl(wgsl: string): WgslReflection {
-  // Function bodies, which end at the first brace that begins a line, are removed: the parser does not know all
-  // expressions, and reads `workgroup` as an address space everywhere.
+  // Function bodies, which end at the first brace that begins a line, are removed: the parser does
+  // not know all expressions, and reads `workgroup` as an address space everywhere.
   return new WgslReflect(wgsl.replace(/(\bfn [^{]*)\{[\s\S]*?\n\}/g, '$1{ }'));
 }

@@ -1,6 +1,6 @@
 /**
- * Returns a shader's source as if these conditions had never existed: without the code that needs them, and without tests
- * of their absence. Parses the text independently of the linker.
+ * Returns a shader's source as if these conditions had never existed: without the code that needs
+ * them, and without tests of their absence. Parses the text independently of the linker.
  */
 export function withoutConditions(source: string, conditions: readonly string[]): string {
   let text = source.replace(/\/\/.*$/gm, '');
@@ -18,7 +18,7 @@ export function withoutConditions(source: string, conditions: readonly string[])
   return text;
 }
 
-/** Simplifies a condition for names that are never met: empty if it is then always met, null if it never is. */
+/** Simplifies a condition for names that are never met: empty if always met then, null if never. */
 function withoutNames(condition: string, names: readonly string[]): string | null {
   const alternatives = condition
     .split('||')

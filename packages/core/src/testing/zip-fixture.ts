@@ -4,9 +4,9 @@ import { crc32 } from '../io/containers/crc32.ts';
 
 export interface ZipOptions {
   readonly isDeflated?: boolean;
-  /** Whether sizes and CRC-32 follow the data of each file, as in archives that were written as streams. */
+  /** Whether sizes and CRC-32 follow the data of each file, as in archives written as streams. */
   readonly hasDescriptors?: boolean;
-  /** Whether all sizes and places are in 64 bits, as programs have them that do not know how much will come. */
+  /** Whether sizes and places have 64 bits, as from programs that do not know the total. */
   readonly isZip64?: boolean;
   readonly comment?: string;
 }
