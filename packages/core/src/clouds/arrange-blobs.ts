@@ -8,7 +8,7 @@ export const ARITY = 8;
  * Unsigned 16-bit values of a blob: mean 3, standard deviation 3, angle 3, opacity. Deviations and
  * angles make the lower triangle L of its covariance L·Lᵀ: a row is as long as the deviation along
  * its axis, and its direction is given by angles. Rounded correlations would make thin splats
- * thicker, by the square root of what they are rounded by.
+ * thicker, by the square root of their rounding.
  */
 export const BLOB_VALUES = 10;
 /** Means are steps between the faces of their node's box. */

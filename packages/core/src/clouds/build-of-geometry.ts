@@ -56,7 +56,7 @@ export async function buildOfGeometry<Plan, Result extends object>(
   }
 }
 
-/** Does what a builder does, in a worker. */
+/** Does a builder's work, in a worker. */
 async function remoteBuilder<Plan, Result extends object>(
   worker: Worker,
   { what, subject, plan, signal }: BuildOptions<Plan, Result>,

@@ -187,7 +187,7 @@ const PLACES = [0, 0, 0, 0.2, 0.1, 0.1, -0.1, 0.3, 0.2];
 const range = (from: number, to: number) => Array.from({ length: to - from }, (_, i) => from + i);
 
 describe('an edit', () => {
-  gpuTest('uploads what has changed, in one range where splats lie close together', async () => {
+  gpuTest('uploads the changed splats, in one range if they lie close together', async () => {
     const cloud = engine.add(SPLATS);
     const edits = new SplatEdits(COUNT);
     await followEdits(cloud, edits);

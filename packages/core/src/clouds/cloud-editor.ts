@@ -49,7 +49,7 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
   for (;;) {
     checkFree(cloud, edits);
     if (cloud.editing) return;
-    // Planes that are finer than what is at hand may have come meanwhile.
+    // Planes that are finer than those at hand may have come meanwhile.
     if (geometry && isGeometryAsFine(geometry.precision, cloud.planes.held.geometry[0])) break;
     geometry = await geometryOf(cloud);
   }

@@ -47,7 +47,7 @@ function fitInto(
   return fitPacked(PACKED, { memory, name: 'garden', failure, signal }, mode);
 }
 
-test('what was packed keeps its geometry: that is what counts, and what is told', async () => {
+test('packed splats keep their geometry, which counts and is told', async () => {
   const taken = { geometryPrecision: 'f32', shPrecision: 'u8', shDegree: 2 } as const;
   const availableBytes = cloudBytes(1000, taken);
   const { packed, fit } = await fitInto(availableBytes, 'auto');

@@ -18,7 +18,7 @@ export type BuildRequest =
 export type BuildReply =
   /** The worker's script is running. */
   | { readonly kind: 'ready' }
-  /** The worker has taken what was posted, and waits for more. */
+  /** The worker has taken the last message, and waits for more. */
   | { readonly kind: 'taken' }
   | { readonly kind: 'built'; readonly result: object }
   | { readonly kind: 'error'; readonly error: PostedError };
@@ -32,7 +32,7 @@ export interface BuildPort {
 /** Builders of a worker, by name. */
 export type GeometryBuilders = Readonly<Record<string, (plan: never) => GeometryBuilder>>;
 
-/** Builds what the page asks for. */
+/** Builds the things that the page asks for. */
 export function serveBuilder(port: BuildPort, builders: GeometryBuilders): void {
   let builder: GeometryBuilder;
   const answer = async (request: BuildRequest) => {

@@ -6,7 +6,7 @@ import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** At most so many splats have a blob each: rays hit the drawn splats. They take 12 MB then. */
+/** Up to so many splats have a blob each: rays hit the drawn splats. They take 12 MB then. */
 const MOST_SMALL_BLOBS = 1 << 19;
 /** Splats of a blob in clouds for which that is not enough. */
 const SPLATS_PER_BLOB = 32;

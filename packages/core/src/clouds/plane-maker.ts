@@ -287,7 +287,7 @@ function workFor(
   };
 }
 
-/** Bytes of what `work` takes of splats that were read again. */
+/** Bytes that `work` takes of splats that were read again. */
 function freshBytes({ count, shDegree }: SplatCloud, { freshGeometry, freshSh }: Work): number {
   const geometryWords = freshGeometry ? GEOMETRY_WORDS[freshGeometry.geometryPrecision] : 0;
   const shBytes = freshSh ? shPlaneBytes(count, shDegree, freshSh.shPrecision, freshSh.paletteEntries) : 0;

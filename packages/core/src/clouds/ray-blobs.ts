@@ -44,7 +44,7 @@ export class BlobCollector {
   readonly #splats = new Float64Array(CHUNK_SPLATS * SHAPE_VALUES);
   readonly #order = new Uint16Array(CHUNK_SPLATS);
 
-  /** @param most the sum of what `add` may make. */
+  /** @param most blobs that all calls of `add` may make together. */
   constructor(most: number) {
     this.#blobs = new Float32Array(LOOSE_VALUES * most);
   }

@@ -49,7 +49,7 @@ describe('a ray', () => {
     expect((await treeOf([])).cast([0, 0, 5], [0, 0, -1])).toBeNull();
   });
 
-  test('begins outside of what it is inside of', async () => {
+  test('leaves out splats that it begins inside of', async () => {
     const tree = await treeOf([
       { position: [0, 0, 0.1], logScales: [1, 1, 1], opacityLogit: 9 },
       { position: [0, 0, -9], ...small },
@@ -59,7 +59,7 @@ describe('a ray', () => {
     expect(tree.cast([0, 0, 20], [0, 0, -1])?.distance).toBeCloseTo(19.9, 3);
   });
 
-  test('passes what is too faint, and hits what is opaque enough together', async () => {
+  test('passes splats that are too faint, and hits those that are opaque enough together', async () => {
     const faint = { logScales: [-3, -3, -3], opacityLogit: Math.log(0.2 / 0.8) } as const;
     const tree = await treeOf([
       { position: [0, 0, 0], ...faint },
@@ -73,7 +73,7 @@ describe('a ray', () => {
     expect(tree.cast([0, 0, 5], [0, 0, -1], { opacity: 0, minOpacity: 0 })).toBeNull();
   });
 
-  test('has a range, and passes what is not shown', async () => {
+  test('has a range, and passes hidden splats', async () => {
     const tree = await treeOf([
       { position: [0, 0, 0], ...small },
       { position: [0, 0, -3], ...small },
@@ -122,7 +122,7 @@ describe('a tree', () => {
   });
 });
 
-describe('1,000 random rays, against what the reference picks,', () => {
+describe('1,000 random rays, against picks of the reference,', () => {
   test('at a still life hit within 2 % of the depth, wherever splats cover a pixel', async () => {
     const set = await stillLife();
     const rays = randomRays(set, stillLifeCameras.slice(0, 5));

@@ -41,7 +41,7 @@ export interface RayOptions {
   readonly near?: number;
   /** Reach, in units of the direction's length; default Infinity. */
   readonly far?: number;
-  /** Least opacity of what a ray hits, 0…1; default 0.3. */
+  /** Least opacity of the splats that a ray hits, 0…1; default 0.3. */
   readonly minOpacity?: number;
   /** Multiplies every splat's opacity, 0…1; default 1. */
   readonly opacity?: number;
@@ -150,7 +150,7 @@ class Walk {
   readonly #alphas: number[] = [];
   #passed = 0;
   #transmittance = 1;
-  /** Share of what is seen of the blob that contributes most, and its distance. */
+  /** Largest contribution of a blob, and the distance of that blob. */
   #heaviest = 0;
   #heaviestAt = 0;
 
@@ -186,12 +186,12 @@ class Walk {
     return 1 - this.#transmittance >= minOpacity ? this.#heaviestAt : null;
   }
 
-  /** Whether nothing behind what has been blended can contribute more than the heaviest there. */
+  /** Whether no blob behind can contribute more than the heaviest so far. */
   #isDecided(minOpacity: number): boolean {
     return this.#heaviest >= this.#transmittance && 1 - this.#transmittance >= minOpacity;
   }
 
-  /** Blends what is nearer than `distance`. */
+  /** Blends the blobs that are nearer than `distance`. */
   #blend(distance: number): void {
     while (this.#passed < this.#distances.length && this.#distances[this.#passed] <= distance) {
       const weight = this.#transmittance * this.#alphas[this.#passed];

@@ -5,13 +5,13 @@ import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../data/pac
 /** Opacity below which splats are left out. */
 export const LEAST_OPACITY = 1 / 255;
 
-// A shape is what a splat is without its colour, SHAPE_VALUES numbers that begin with its centre.
+// A shape is a splat without its colour, SHAPE_VALUES numbers that begin with its centre.
 /** Covariance: xx, yy, zz, xy, xz, yz. */
 export const COVARIANCE = 3;
 export const OPACITY = 9;
 /** Largest standard deviation. */
 export const SIZE = 10;
-/** How much of what is seen the splat is: its opacity times its area. */
+/** The splat's share of the picture: its opacity times its area. */
 export const WEIGHT = 11;
 export const SHAPE_VALUES = 12;
 

@@ -119,7 +119,7 @@ describe('a collider', () => {
     }
   });
 
-  test('leaves out what is faint, what is as large as the sky, and what floats about alone', async () => {
+  test('leaves out faint splats, ones as large as the sky, and ones that float about alone', async () => {
     const faint = ball(1, [5, 0, 0]).map((values) => ({ ...values, opacityLogit: -4.5 }));
     const sky = [{ position: [0, 0, 0] as const, logScales: [3, 3, 3] as const, opacityLogit: 4 }];
     const speck = [{ position: [0, 4, 0] as const, logScales: [-2, -2, -2] as const, opacityLogit: 4 }];

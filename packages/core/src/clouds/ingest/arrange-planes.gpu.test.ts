@@ -137,7 +137,7 @@ function buffersOf({ geometry, harmonics, chunks, fileRows }: ArrangedPlanes): r
   return [...geometry, ...harmonics, ...chunks, fileRows];
 }
 
-/** The parts that stay with their giver. */
+/** The parts that stay with the caller. */
 function lentOf({ dropMask, arrivedChunks, logScaleRests }: ArrivedPlanes): readonly GPUBuffer[] {
   return [dropMask, arrivedChunks, ...(logScaleRests ? [logScaleRests] : [])];
 }

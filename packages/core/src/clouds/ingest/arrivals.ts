@@ -17,7 +17,7 @@ import { sampleCentres } from './sample-centres.ts';
 export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
   /** Room for the bounds of all chunks. */
   readonly chunks: Plane;
-  /** These bounds of what has arrived, of all pages. */
+  /** These bounds of the rows that have arrived, of all pages. */
   readonly arrivedChunks: GPUBuffer;
   /** What ingest-rows has found so far. */
   readonly facts: GPUBuffer;
@@ -38,7 +38,7 @@ const PAUSE_MS = 250;
  */
 const MOST_VISIBLE = 3 << 18;
 
-/** Shows what has arrived of a file, again and again. */
+/** Shows the rows of a file that have arrived, again and again. */
 export class Arrivals {
   readonly #context: ArrangeContext;
   readonly #planes: ArrivingPlanes;
@@ -58,7 +58,7 @@ export class Arrivals {
     this.#previews = previews;
   }
 
-  /** Tells that the first `rows` rows were submitted. @throws what showing earlier ones threw. */
+  /** Tells that the first `rows` rows were submitted. @throws errors of showing earlier ones. */
   add(rows: number): void {
     this.#rows = rows;
     this.check();
@@ -71,12 +71,12 @@ export class Arrivals {
     clearTimeout(this.#timer);
   }
 
-  /** @throws what showing has thrown. */
+  /** @throws errors of showing. */
   check(): void {
     if (this.#failure) throw this.#failure.error;
   }
 
-  /** Shows what has arrived, at once or when it may be: the rows after it may be long in coming. */
+  /** Shows the rows that have arrived, at once or later: more may be long in coming. */
   #show(): void {
     if (this.#isReading || this.#isOver || this.#failure || this.#rows < this.#leastRows) return;
     clearTimeout(this.#timer);

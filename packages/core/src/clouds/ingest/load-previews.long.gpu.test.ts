@@ -74,7 +74,7 @@ const SET = randomSplats({ count: COUNT, seed: 3, shDegree: 3 });
 const FILE = encodePly(SET);
 
 describe('while a file arrives', () => {
-  gpuTest('what is there can be drawn, and looks as those splats do', async () => {
+  gpuTest('the splats that have arrived can be drawn, and look as they do', async () => {
     const before = engine.memory().totalBytes;
     const rest = signalOf();
     const counts: number[] = [];
@@ -116,7 +116,7 @@ describe('while a file arrives', () => {
     expect(() => view.render({ camera: CAMERA, clouds: [{ cloud: last }], ...SIZE })).toThrow(DestroyedError);
   });
 
-  gpuTest('what comes right after a preview is shown, too, though nothing follows it', async () => {
+  gpuTest('rows that come right after a preview are shown, too, though none follow', async () => {
     const [second, rest] = [signalOf(), signalOf()];
     const counts: number[] = [];
     const file = fileInParts(FILE, [

@@ -19,7 +19,7 @@ export class LoadPreviews {
     return this.#shown;
   }
 
-  /** Replaces the preview; the planes stay their owner's. @throws what the callback throws. */
+  /** Replaces the preview; the planes stay their owner's. @throws errors of the callback. */
   show(planes: CloudPlanes, contents: CloudContents, visibleLimit?: number): void {
     const before = this.#shown;
     const options = { name: this.#name, isPreview: true, visibleLimit };

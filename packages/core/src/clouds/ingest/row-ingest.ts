@@ -69,7 +69,7 @@ export interface IngestedCloud {
   readonly fit: CloudFit | null;
 }
 
-/** Memory for the rows of one file, and for what is made of them. */
+/** Memory for the rows of one file, and for the planes that are made of them. */
 interface Held {
   readonly layout: RowLayout;
   readonly stage: StageDefinition;
@@ -123,7 +123,7 @@ export class RowIngest implements RowSink {
   #paletteValuesTaken = 0;
   /** Settles when rows can be packed and `#waiting` has been. */
   #compiled: Promise<void> = Promise.resolve();
-  /** Reject if memory was lacking for what has been allocated in the meantime. */
+  /** Reject if memory was lacking for allocations in the meantime. */
   readonly #checks: (Promise<void> | null)[] = [];
   /** Pieces that wait for shaders; null once there are some. */
   #waiting: Piece[] | null = [];
@@ -452,7 +452,7 @@ export class RowIngest implements RowSink {
    *
    * @param hasRoom see `ArrivedPlanes`.
    * @param made lists the buffers that the cloud will hold, as soon as they exist.
-   * @returns planes and contents, but for what has to be read from the GPU.
+   * @returns planes and contents, but for facts that have to be read from the GPU.
    */
   #arrange(found: RowFacts, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;

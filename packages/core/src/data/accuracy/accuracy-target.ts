@@ -5,7 +5,7 @@ import { type Accuracy, type AccuracyPreset, type AccuracySettings, resolveAccur
 /** Outcome requested instead of settings: a minimum PSNR in dB, or a maximum frame time in ms. */
 export type AccuracyTarget = { readonly minPsnrDb: number } | { readonly maxFrameMs: number };
 
-/** Settings, or one target, without settings, for which these are measured and chosen. */
+/** Settings, or one target for which settings are measured and chosen. */
 export type AccuracyRequest =
   | AccuracyPreset
   | (Exclude<Accuracy, AccuracyPreset> & { readonly minPsnrDb?: never; readonly maxFrameMs?: never })

@@ -5,7 +5,7 @@ import type { Vec3 } from '../math/mat4.ts';
 import { cropSplats } from './crop-splats.ts';
 
 describe('cropSplats', () => {
-  test('keeps what is within, sides included, as it is', () => {
+  test('keeps the splats within, sides included, as they are', () => {
     const set = { ...randomSplats({ count: 100, shDegree: 1 }), origin: [1e6, 0, -7] as const };
     const min: Vec3 = [1e6 - 1, -1, -8];
     const max: Vec3 = [1e6 + set.positions[21], 1, -6];
@@ -26,7 +26,7 @@ describe('cropSplats', () => {
     expect(cropped.origin).toBe(set.origin);
   });
 
-  test('keeps the others where the box is what goes', () => {
+  test('keeps the others where the box goes', () => {
     const set = splatsOf([{ position: [0, 0, 0] }, { position: [1, 2, 3] }, { position: [5, 5, 5] }]);
     const cropped = cropSplats(set, { min: [1, 2, 3], max: [2, 3, 4], keep: 'outside' });
     expect([...cropped.fileIndices]).toEqual([0, 2]);

@@ -6,7 +6,7 @@ import { filterSplats } from './filter-splats.ts';
 describe('filterSplats', () => {
   const set = randomSplats({ count: 40, shDegree: 1 });
 
-  test('keeps what is to stay as it is, with its rows', () => {
+  test('keeps the splats to stay as they are, with their rows', () => {
     const filtered = filterSplats(set, (i) => set.fileIndices[i] % 3 === 1);
     expect([...filtered.fileIndices]).toEqual([...set.fileIndices].filter((row) => row % 3 === 1));
     for (let i = 0; i < filtered.count; i++) {

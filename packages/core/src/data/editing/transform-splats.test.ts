@@ -73,7 +73,7 @@ describe('transformSplats', () => {
     expect(splatErrors(transformSplats(upright, { rotation: [0, 1, 0, 0] }), set).position).toBe(0);
   });
 
-  test('what is not changed keeps its bits', () => {
+  test('unchanged values keep their bits', () => {
     const set = randomSplats({ count: 3 });
     expect(transformSplats(set, {})).toBe(set);
     expect(transformSplats(set, { rotation: [-2, 0, 0, 0], scale: 1 })).toBe(set);
@@ -83,7 +83,7 @@ describe('transformSplats', () => {
     expect(shifted.harmonics).toBe(set.harmonics);
   });
 
-  test('far away, an origin keeps what float32 could not', () => {
+  test('an origin far away keeps digits that float32 would lose', () => {
     const set = randomSplats({ count: 20 });
     const shifted = transformSplats(set, { translation: [4_500_000, 0, 0] });
     expect(shifted.origin[0]).toBeCloseTo(4_500_000, -1);
@@ -92,7 +92,7 @@ describe('transformSplats', () => {
     ).toBeLessThan(1e-6);
   });
 
-  test('what is no transformation is refused', () => {
+  test('values that are no transformation are refused', () => {
     const set = randomSplats({ count: 1 });
     expectInvalid('scale', () => transformSplats(set, { scale: 0 }));
     expectInvalid('scale', () => transformSplats(set, { scale: Number.NaN }));

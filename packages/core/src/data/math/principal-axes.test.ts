@@ -28,7 +28,7 @@ test.each([1, 2, 9, 45])('axes of %i values are orthonormal eigenvectors, the la
   expect(worst).toBeLessThan(1e-11);
 });
 
-test('axes of what does not vary, or along axes already, are those of the values', () => {
+test('axes of equal values, or of values along axes already, are those of the values', () => {
   expect([...principalAxes(new Float64Array(4), 2)]).toEqual([1, 0, 0, 1]);
   expect([...principalAxes(Float64Array.of(1, 0, 0, 9), 2)]).toEqual([0, 1, 1, 0]);
 });

@@ -44,7 +44,7 @@ interface Drawn {
   readonly again: () => Promise<number>;
 }
 
-/** An image of what `addTo` adds, by an engine of its own. */
+/** An image of the cloud that `addTo` adds, by an engine of its own. */
 async function drawn(addTo: (engine: SplatEngine) => SplatCloud | Promise<SplatCloud>): Promise<Drawn> {
   const textsBefore = shaderTexts.size;
   // Images are compared bit for bit: their rasteriser must not follow from times.

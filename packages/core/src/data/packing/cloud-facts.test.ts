@@ -126,7 +126,7 @@ describe('bands that cannot be seen', () => {
     });
   }
 
-  test('are the same ones whatever precision is asked for, though it cannot hold what decides', async () => {
+  test('are the same for any precision, even one too coarse for the band that decides', async () => {
     const set = splatsWithBands([1, 0, 0.01]);
     const values = set.harmonics.coefficients;
     // Next to this a byte rounds all of band 3 away.
@@ -175,7 +175,7 @@ test('splats are round where the three scales of each are the same', () => {
   }
 });
 
-test('what the format says of antialiasing arrives, through whatever leaves splats out', () => {
+test('the antialiasing that a format states arrives, even where splats are left out', () => {
   const set = randomSplats({ count: 5 });
   const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
   expect(packSet(set, precision).facts.isAntialiased).toBeNull();
@@ -187,7 +187,7 @@ test('what the format says of antialiasing arrives, through whatever leaves spla
   }
 });
 
-test('what is left out decides nothing', () => {
+test('splats that are left out decide nothing', () => {
   const set = splatsWithBands([0, 0, 0], 3);
   set.harmonics.coefficients[50] = 1;
   set.positions[4] = Number.POSITIVE_INFINITY;

@@ -13,7 +13,7 @@ import { squaredDistance } from './squared-distance.ts';
 export interface ClusterOptions {
   /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer where fewer harmonics differ. */
   readonly entryCount: number;
-  /** Most splats to find entries from, which bounds memory; default 2²⁰. Others look at the end. */
+  /** Most splats to find entries from, a bound on memory; default 2²⁰. Others join at the end. */
   readonly mostSampled?: number;
   /** Ends the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;

@@ -149,7 +149,7 @@ function meansOf(entries: Float32Array, length: number, cells: Uint32Array): Flo
   return means;
 }
 
-/** The nearest few of what is offered, nearest first. */
+/** The nearest few of the offered entries, nearest first. */
 class Nearest {
   readonly items: Int32Array;
   readonly distances: Float64Array;

@@ -86,7 +86,7 @@ describe('a palette', () => {
     expect(kept.dropped['non-finite-position']).toBe(1);
   });
 
-  test('is none for what asks for one of splats that have their own: they are as the next finer', () => {
+  test('does not replace harmonics of single splats: they get the next finer precision', () => {
     const set = withOwnCoefficients(paletteSplats({ count: 10, entryCount: 3 }));
     const { harmonics } = packSet(set, { geometryPrecision: 'packed', shPrecision: 'palette' });
     expect(ownHarmonics(harmonics).precision).toBe('u8');

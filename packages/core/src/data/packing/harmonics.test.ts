@@ -23,7 +23,7 @@ import type { OwnShPrecision } from './precision.ts';
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const PRECISIONS: readonly OwnShPrecision[] = ['f32', 'f16', 'u8'];
 
-/** How far a value may be from what was packed. */
+/** How far a value may be from the packed one. */
 function bound(precision: OwnShPrecision, value: number, row: readonly number[]): number {
   if (precision === 'f32') return 0;
   // Half a step of binary16: 2^-11 of the value, 2^-25 among the subnormals.

@@ -31,7 +31,7 @@ describe('harmonics as trained', () => {
 });
 
 describe('packed coefficients', () => {
-  test('repacking is packing what was unpacked; the same precision is the same object', () => {
+  test('repacking equals unpacking and packing; the same precision is the same object', () => {
     const rows = [
       [0.1, -0.2, 0.3, 0.4, -0.5, 0.6, 0.7, 0.8, 0.9],
       [0, 0, 0, 0, 0, 0, 0, 0, 0],

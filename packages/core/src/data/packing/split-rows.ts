@@ -62,7 +62,7 @@ export async function splitRows(
       total += variance;
       if (variance > widest) [widest, axis] = [variance, k];
     }
-    // Until it is cut, a leaf keeps here what would cut it.
+    // Until it is cut, a leaf keeps its cut here.
     children[node] = axis;
     thresholds[node] = axis < 0 ? 0 : sums[axis] / count;
     if (axis >= 0 && count > 1) heap.push(node, total);
