@@ -26,7 +26,7 @@ fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 fn isInFrustum(chunk: Chunk) -> bool {
   let center = 0.5 * (chunk.minPosition + chunk.maxPosition);
   let halfExtent = 0.5 * (chunk.maxPosition - chunk.minPosition);
-  // With room for what is rounded.
+  // With room for rounding.
   let maxScale = 1.001 * exp(chunk.minLogScale + 65535.0 * chunk.logScaleStep);
   for (var i = 0u; i < 6u; i++) {
     let plane = page.frustum[i];

@@ -22,7 +22,7 @@ import package::lib::pack_splat::logScaleRange;
 @if(!GEOMETRY_F32) @group(0) @binding(4) var<storage, read> arrivedChunks: array<Chunk>;
 @if(!GEOMETRY_F32) @group(0) @binding(5) var<storage, read> logScaleRests: array<u32>;
 
-/// Largest complements of `orderedBits`, and largest ones: of positions, then of log scales.
+/// Largest complements of `orderedBits`, and largest `orderedBits`: positions, then log scales.
 var<workgroup> least: array<atomic<u32>, 4>;
 var<workgroup> largest: array<atomic<u32>, 4>;
 

@@ -53,7 +53,7 @@ import package::lib::pack_splat::packRotation;
 @group(0) @binding(8) var<storage, read_write> chunks: array<array<u32, 8>>;
 
 var<workgroup> ownFacts: array<atomic<u32>, FACTS>;
-/// Largest complement of `orderedBits` of log scales, and the largest ones, 0 if no row was kept.
+/// Largest complement of `orderedBits` of log scales, and their largest, 0 if no row was kept.
 var<workgroup> ownLogScales: array<atomic<u32>, 2>;
 var<workgroup> ownMask: array<atomic<u32>, MASK_WORDS>;
 
@@ -235,7 +235,7 @@ fn takeHarmonics(row: u32, slot: u32) {
     let first = ROW_HARMONICS + 3u * ((band + 1u) * (band + 1u) - 1u);
     let count = 2u * band + 3u;
     for (var i = 0u; i < count; i++) {
-      // Up to where squares stay in range, and far beyond what makes a difference.
+      // Up to where squares stay in range, and far beyond any difference.
       let value = min(abs(bitcast<vec3f>(valueBits3(row, first + 3u * i))), vec3f(1e18));
       squares += value * value;
     }

@@ -183,7 +183,7 @@ describe('accuracy settings', () => {
     const cloud = engine.add(SCENE);
     const own = engine.createView();
     const frame = { camera: CAMERA, ...SIZE };
-    // The room for pairs of tiles follows what was drawn.
+    // The room for pairs of tiles follows the frames drawn.
     const QUADS = { rasterizer: 'quads' } as const;
     const buffersMadeFor = async ({ shDegree, ...settings }: Change) => {
       const { createBuffer } = device;

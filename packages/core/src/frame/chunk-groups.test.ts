@@ -41,7 +41,7 @@ describe('countChunksInFrustum', () => {
     expect(counts.size).toBeGreaterThan(20);
   });
 
-  test('counts what only reaches into the frustum, and nothing in an empty cloud', () => {
+  test('counts chunks that only reach into the frustum, and none in an empty cloud', () => {
     const side = (offset: number, reach: number): FrustumSide => ({ normal: [1, 0, 0], offset, reach });
     // All splats lie within 1 of the origin.
     expect(countChunksInFrustum(chunks, [side(2, 0)])).toBe(chunkCount);

@@ -139,7 +139,7 @@ describe('the order of a frame', () => {
   });
 
   gpuTest(
-    'by distance leaves tiles to go on behind a surface of the host: what comes next may be before it',
+    'by distance leaves tiles to go on behind a surface of the host: the next splats may be before it',
     async () => {
       const host = {
         mapping: 'projection',

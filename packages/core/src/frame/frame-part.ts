@@ -79,7 +79,7 @@ export interface PartContext {
 export interface PartChange {
   /** Frees the replaced memory. All parts free before any makes: old and new never coexist. */
   free(): void;
-  /** Makes what takes its place. Fails only for lack of memory, and ends all parts then. */
+  /** Makes the new memory. Fails only for lack of memory, and ends all parts then. */
   make(): void;
 }
 

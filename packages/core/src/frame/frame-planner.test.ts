@@ -99,7 +99,7 @@ describe('a plan', () => {
     expect(isReady).not.toHaveBeenCalled();
   });
 
-  test('owns what callers may change', () => {
+  test('owns copies of objects that callers may change', () => {
     const { plan } = plannerWith();
     const request = requestOf(3, { modelMatrix: new Float64Array(16).fill(1) });
     const planned = plan(request);
@@ -129,7 +129,7 @@ describe('where the rasteriser is chosen', () => {
     expect(isReady).not.toHaveBeenCalled();
   });
 
-  test('quads draw what writes depth in half floats, which compute shaders cannot', () => {
+  test('quads draw frames that write depth in half floats, which compute shaders cannot', () => {
     const { plan } = plannerWith();
     const written = { ...DEPTH, layerFormat: 'r16float' } as const;
     expect(plan(requestOf(3), 'tiles', { rasterizer: 'tiles' }, written).shape.rasterizer).toBe('quads');

@@ -25,7 +25,7 @@ export interface CloudInstance {
   readonly effects?: readonly EffectUse[];
 }
 
-/** A view's order to draw: clouds, camera, size and more. */
+/** A caller's request to a view to draw one frame. */
 export interface FrameRequest {
   readonly camera: Camera;
   /** Their order is that in which equal depths are drawn. */

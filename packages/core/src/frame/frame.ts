@@ -155,7 +155,7 @@ export class FrameParts {
     this.composite.record({ encoder, timer: this.timer, shape: this.shape!, destination, sample: null });
   }
 
-  /** Records what measures a frame that has been drawn. */
+  /** Records the read-back of a drawn frame's counts. */
   recordCounts(encoder: GPUCommandEncoder): void {
     const { slotCount, visibleCount, tilePlan } = this.shared.buffers;
     const hasTiles = this.shape?.rasterizer === 'tiles';

@@ -41,7 +41,7 @@ interface Counts {
   readonly layerBytes: number;
   readonly imagePixels: number;
   readonly imageBytes: number;
-  /** Mean bytes of a splat's planes; visible splats spread over clouds as all do. */
+  /** Mean bytes of a splat's planes; visible splats are taken to spread over clouds as all do. */
   readonly geometryBytes: number;
   readonly harmonicsBytes: number;
   /** Mean bytes of the range of a chunk's log scales. */

@@ -20,7 +20,7 @@ const MOST_PAIRS_OF_TWO = 1_000_000;
 const STEP = 1 << 14;
 /** Room, maybe a guess, is judged once after this many frames: some have been measured by then. */
 const FRAMES_TO_JUDGE = 12;
-/** It stays unless what is needed takes less than this share of it. */
+/** It stays unless the need takes less than this share of it. */
 const GOOD_GUESS = 0.85;
 
 /**

@@ -417,7 +417,7 @@ describe('a budget', () => {
       const { totalBytes } = whole.engine.memory();
       whole.engine.destroy();
       const bytesPerPixel = 8;
-      // For neither the image, nor the copy of what is behind it.
+      // For neither the image, nor the copy of the pixels behind it.
       for (const lackingBytes of [1, 1 + 200 * 200 * bytesPerPixel]) {
         const { engine, small, large, draw } = await start(totalBytes - lackingBytes);
         await expect(draw(large)).rejects.toThrow(GpuLimitError);
@@ -429,7 +429,7 @@ describe('a budget', () => {
     },
   );
 
-  gpuTest('refuses clouds and frames above it; what was there stays', async () => {
+  gpuTest('refuses clouds and frames above it; the earlier ones stay', async () => {
     const accuracy = { rasterizer: 'quads' } as const;
     const engine = await SplatEngine.create({ device: failing.device, accuracy, memoryBudgetBytes: 300_000 });
     const small = { camera: CAMERA, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };

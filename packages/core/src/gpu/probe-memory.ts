@@ -20,7 +20,7 @@ export async function probeMemory({ device, availableBytes }: GpuMemory, bytes: 
 }
 
 /**
- * Waits until what was destroyed is free. Dawn gives memory back when a submission that follows is
+ * Waits until destroyed memory is free. Dawn gives memory back when a submission that follows is
  * done; without one, a buffer of 256 MiB was still missing after `onSubmittedWorkDone`, and an
  * empty list of commands did not count.
  */

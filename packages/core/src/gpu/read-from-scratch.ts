@@ -4,8 +4,8 @@ import type { GpuMemory } from './gpu-memory.ts';
 export type MakeScratch = (label: string, bytes: number, usage: GPUBufferUsageFlags) => GPUBuffer;
 
 /**
- * Returns what `find` reads back, in buffers that live no longer. `find` submits before it returns,
- * so later work makes no difference.
+ * Returns the values that `find` reads back, in buffers that live no longer. `find` submits before
+ * it returns, so later work makes no difference.
  *
  * @param name, advice as for `GpuMemory.guard`.
  * @throws GpuLimitError if memory is lacking, and the errors of `find`.

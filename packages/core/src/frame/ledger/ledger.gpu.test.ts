@@ -150,7 +150,7 @@ describe('the ledger of automatic features', () => {
     cloud.destroy();
   });
 
-  gpuTest('placement: what a matrix does, without any shader', async () => {
+  gpuTest('placement: the work of a matrix, without any shader', async () => {
     const cloud = engine.add(SET);
     const placement = async (modelMatrix?: ArrayLike<number>) => {
       const { transform } = await ledgerOf([{ cloud, modelMatrix }]);

@@ -3,7 +3,7 @@ import { shown } from '../../data/printable.ts';
 
 /** Whether `value` is finite in float32, which shaders take. */
 export function isFiniteF32(value: number): boolean {
-  // Number.isFinite refuses what is no number at all, which Math.fround would not.
+  // Number.isFinite refuses values that are no numbers, which Math.fround would not.
   return Number.isFinite(value) && Number.isFinite(Math.fround(value));
 }
 
@@ -27,7 +27,7 @@ export function checkVector(
   what: string,
   { length = 3, isNonNegative = false, isDirection = false }: VectorRules = {},
 ): void {
-  // Callers without types may pass anything, even what only seems to be an array.
+  // Callers without types may pass anything, even objects that only seem to be arrays.
   const numbers = Object(value)[Symbol.iterator] && value.length === length ? Array.from(value) : [];
   const isRight =
     numbers.length === length &&

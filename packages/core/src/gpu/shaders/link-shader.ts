@@ -30,7 +30,7 @@ function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
-/** Results of a variant, later. */
+/** Texts of a variant that come later. */
 export interface LaterTexts {
   readonly source: string;
   readonly libraries?: ShaderVariant['libraries'];
@@ -40,7 +40,7 @@ export interface LaterTexts {
 export interface ShaderVariant {
   /** File in shaders/stages, without its ending. */
   readonly stage: string;
-  /** Text of that file, or what loads it, if it is not among the engine's own modules. */
+  /** Text of that file, or its loader, if it is not among the engine's own modules. */
   readonly source?: string | (() => Promise<LaterTexts>);
   /** Texts of other files below shaders/ than those modules, by their names without endings. */
   readonly libraries?: Readonly<Record<string, string>>;

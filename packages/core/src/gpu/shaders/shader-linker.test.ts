@@ -23,7 +23,7 @@ describe('the linker of shaders', () => {
     }
   });
 
-  test('puts each declaration once, after what it uses', () => {
+  test('puts each declaration once, after those that it uses', () => {
     const modules = {
       'package::shape':
         'import package::area::area; const SIDE = 2.0; fn shape() -> f32 { return area(SIDE); } fn other() { }',

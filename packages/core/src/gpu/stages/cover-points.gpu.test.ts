@@ -157,7 +157,7 @@ describe('cover-points', () => {
 });
 
 describe('coverage of a view', () => {
-  gpuTest('names what is wrong with its points', async () => {
+  gpuTest('names the fault of its points', async () => {
     const engine = await SplatEngine.create({ device: await shareTestDevice() });
     const view = engine.createEmbeddedView();
     const point: Vec3 = [0, 0, 0];

@@ -9,7 +9,7 @@ import { recordConditions } from './format-conditions.ts';
 export const COVER_WORKGROUP = 256;
 
 /**
- * Adds up what covers each of some points.
+ * Adds up the splats that cover each of some points.
  *
  * @param compare how the host's depth is compared; null: there is none.
  */

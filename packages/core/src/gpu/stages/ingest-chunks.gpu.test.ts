@@ -133,7 +133,7 @@ describe('ingest-chunks', () => {
     ['(vec3f(rests) - 512.0) / 1024.0', '0.0'],
     ['logScaleSteps(logScale, range, 1.0)', 'logScaleSteps(logScale + vec3f(2.0 * range.y), range, 1.0)'],
   ]) {
-    gpuTest(`what is not exact is noticed: ${replace}`, async () => {
+    gpuTest(`an inexact step is noticed: ${replace}`, async () => {
       const set = randomSplats({ count: 300, seed: 1, shDegree: 0, logScales: [-9, -1] });
       const mutated = new Pipelines(device, { file: 'stages/ingest-chunks', find, replace });
       const expected = reference(set, 'packed', [0, 0, 0]);

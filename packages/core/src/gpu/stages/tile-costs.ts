@@ -3,7 +3,7 @@ import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import type { BindingKind, StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
-/** Units of contribution to a pixel: as fine as float32 tells a weight from 1. */
+/** Units of contribution per pixel: as fine as float32 tells a weight from 1. */
 export const CONTRIBUTION_UNITS = 2 ** 24;
 /** A splat that contributes less, px, cannot change any pixel by as much as a step of 8 bits. */
 export const UNSEEN_PX = 1 / 256;

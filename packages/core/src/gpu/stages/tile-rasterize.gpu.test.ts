@@ -440,7 +440,7 @@ describe('tile-rasterize with the depth of a host', () => {
     });
 
     gpuTest(`${name}: splats that short keys leave unordered`, async ({ skip }) => {
-      // The order of splats has nothing to do with what the host's depth means.
+      // The order of splats does not change the meaning of the host's depth.
       if (!isFull && index > 0) skip('set WEBSPLATTER_FULL=1');
       const inOrder = splats(200, SIZE, 0.4);
       const ranked = Array.from(shuffled(inOrder.length), (rank) => inOrder[rank]);

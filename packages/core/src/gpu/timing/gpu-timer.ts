@@ -174,7 +174,7 @@ export class GpuTimer {
 /** Returns the time from the first start to the last end of some passes, ms; 0 if none ran. */
 type SpanMs = (...candidates: TimedPass[]) => number;
 
-/** @param passes passes that the frame ran: queries of others are stale or unwritten. */
+/** @param passes those that the frame ran: queries of others are stale or unwritten. */
 function spansOf(nanoseconds: BigUint64Array, passes: ReadonlySet<TimedPass>): SpanMs {
   return (...candidates) => {
     const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));

@@ -19,7 +19,7 @@ export const transform: FeatureOfCloud = {
   offReason: () => 'it stands where its file puts it',
 };
 
-/** Says what a matrix does to a cloud; null for the identity. */
+/** Describes the effect of a matrix on a cloud; null for the identity. */
 function describe(matrix: ArrayLike<number>): string | null {
   const m = linearPart(matrix);
   const dot = (a: number, b: number) =>
