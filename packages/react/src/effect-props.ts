@@ -128,7 +128,7 @@ function inEngine(name: string, options: unknown): unknown {
 }
 
 function toVolume(volume: ClipVolume | Box3 | Sphere | Plane): ClipVolume {
-  // three's shapes can be cloned, options cannot. `clip` refuses what is neither.
+  // three's shapes can be cloned, options cannot. `clip` refuses values that are neither.
   const isShape = (volume as Box3 | null)?.clone;
   return isShape ? clipVolumeOf(volume as Box3) : (volume as ClipVolume);
 }

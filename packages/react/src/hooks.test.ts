@@ -240,7 +240,7 @@ describe('useSplatCollider', () => {
     expect(renders.at(-1)).toEqual({ status: 'failed', mesh: null, error });
   });
 
-  it('calls off what is not waited for any more', async () => {
+  it('calls off loads that are not awaited any more', async () => {
     vi.mocked(makeColliderMesh).mockReturnValue(new Promise(() => {}));
     const data = asData(splats());
     await rendersOf(() => useSplatCollider(data));

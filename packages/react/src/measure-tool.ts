@@ -27,7 +27,7 @@ export interface Measurement {
 /** State of the tool's Canvas. */
 export interface MeasureHost {
   readonly canvas: HTMLElement;
-  /** Returns the point seen at a place, CSS pixels from the canvas's top left; null: nothing. */
+  /** Returns the point seen at a place, CSS pixels from the canvas's top left; null if none. */
   pick(x: number, y: number): Promise<Vector3 | null>;
   /** Returns where a point is seen, CSS pixels; null out of sight. */
   project(point: Vector3): readonly [x: number, y: number] | null;

@@ -75,7 +75,7 @@ interface Entry<Data> {
 
 /**
  * Loaded files, shared by all components that use them. An entry lives as long as it is watched,
- * and a moment longer; dropping it aborts its load, or disposes of what was loaded.
+ * and a moment longer; dropping it aborts its load, or disposes of the data.
  */
 export class SplatCache<Data> {
   readonly #load: LoadFunction<Data>;
@@ -107,7 +107,7 @@ export class SplatCache<Data> {
   /** Starts a load for a render, which cannot watch, and keeps it for a component that will. */
   ask(request: SplatRequest): LoadState<Data> {
     const entry = this.#entryOf(request);
-    // React renders a component that has thrown again at once: it must find the same failure.
+    // React renders a component that threw once more: it must find the same failure.
     this.#dropLater(entry, entry.state.status === 'failed' ? GRACE_MS : UNCLAIMED_GRACE_MS);
     return entry.state;
   }

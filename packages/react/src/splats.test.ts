@@ -219,7 +219,7 @@ it('keeps the splats on screen while a new file is read, and their object', asyn
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(c);
 });
 
-it('shows what has arrived of the first file, and loads it afterwards', async () => {
+it('shows the part of the first file that has arrived, and loads it afterwards', async () => {
   const onLoad = vi.fn();
   await show(splats({ src: 'a.ply', onLoad }));
   for (const name of ['part', 'larger part']) {

@@ -54,7 +54,7 @@ const readAccuracy = (engine: SplatEngine) => engine.drawnAccuracy();
 const readMemory = (engine: SplatEngine) => engine.memory();
 const readEffects = (engine: SplatEngine) => engine.effects();
 
-/** Returns what `read`, always the same function, finds in the engine. */
+/** Returns the result of `read`, always the same function, on the engine. */
 function useEngine<Found>(
   read: (engine: SplatEngine) => Found,
   renderer: object | undefined,

@@ -136,7 +136,7 @@ function viewOf(ray: Ray, camera: Camera | null | undefined): RaysCamera | null 
   return isFromCamera && along > 0 ? { camera, near: near / along, far: far / along } : null;
 }
 
-/** Returns what the effects that hide splats by their place leave; undefined if there are none. */
+/** Returns the part of opacity that effects by place leave; undefined without such effects. */
 function shownBy(object: RayTarget, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
   const viewer = camera ?? viewerAt(ray.origin);
   const uses = object.effectsAt(performance.now(), NO_SCENE, viewer);

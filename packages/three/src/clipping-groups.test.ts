@@ -3,7 +3,7 @@ import { ClippingGroup, Matrix4, Object3D, Plane, Vector3, Vector4 } from 'three
 import { expect, test } from 'vitest';
 import { clippingOf } from './clipping-groups.ts';
 
-/** A group that cuts off what is behind planes with these normals through the origin. */
+/** A group that cuts off splats behind planes with these normals through the origin. */
 function groupOf(...normals: readonly (readonly [number, number, number])[]): ClippingGroup {
   const group = new ClippingGroup();
   group.clippingPlanes = normals.map((normal) => new Plane(new Vector3(...normal), 0));

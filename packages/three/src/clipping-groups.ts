@@ -4,9 +4,9 @@ import type { ClippingGroup, Object3D, Plane } from 'three/webgpu';
 
 /** World planes, as of three's ClippingGroups: the side behind their normals is cut off. */
 interface ClippingPlanes {
-  /** Each of them cuts off what is behind it. */
+  /** Each of them cuts off the space behind it. */
   readonly each: readonly Plane[];
-  /** All of them together cut off what is behind all of them. */
+  /** All of them together cut off the space behind all of them. */
   readonly together: readonly Plane[];
 }
 

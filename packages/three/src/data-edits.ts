@@ -8,7 +8,7 @@ export interface Place {
   readonly users: Map<object, unknown>;
 }
 
-/** Edits of data, and the places of these. */
+/** Data with their edits and the places where they are. */
 export interface PlacedData {
   readonly name: string;
   readonly edits: DataEdits | null;

@@ -13,7 +13,7 @@ export interface CloudPose {
   readonly bounds: Box3;
 }
 
-/** From where a frame shows what. */
+/** The viewpoint of a frame, and the places of its clouds. */
 export interface Pose {
   /** From world to clip space, without the jitter of temporal effects. */
   readonly clipMatrix: Matrix4;
@@ -33,7 +33,7 @@ export interface Motion {
 
 /** The bounds of something that moves as a whole. */
 export interface MovingBox {
-  /** Takes what is in the box to −1…1. */
+  /** Takes points in the box to −1…1. */
   readonly toBox: Matrix4;
   /** To clip space of the frame before. */
   readonly toPreviousClip: Matrix4;
@@ -91,7 +91,7 @@ function moved(now: Matrix4, before: Matrix4): Matrix4 {
   return isStill ? new Matrix4() : new Matrix4().multiplyMatrices(before, now.clone().invert());
 }
 
-/** Returns what takes −1…1 to a cloud's box in world space. */
+/** Returns the matrix from −1…1 to a cloud's box in world space. */
 function boxMatrix({ modelMatrix, bounds }: CloudPose): Matrix4 {
   const half = bounds.getSize(new Vector3()).multiplyScalar(0.5);
   const least = Math.max(LEAST_THICKNESS * half.length(), Number.EPSILON);

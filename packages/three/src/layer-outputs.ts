@@ -62,10 +62,10 @@ class DepthLayerMaterial extends ViewportMaterial {
   }
 }
 
-/** Returns what to write instead of `outputs`, into textures with their names. */
+/** Returns the nodes to write instead of `outputs`, into textures with their names. */
 type OutputsOf = (outputs: MRTNode, textures: readonly Texture[]) => MRTNode;
 
-/** Writes what `outputsOf` returns into the outputs of a pass with several. */
+/** Writes the results of `outputsOf` into the outputs of a pass with several. */
 class OutputsLayerMaterial extends ColorLayerMaterial {
   readonly #outputsOf: OutputsOf;
 
@@ -102,7 +102,7 @@ export class LayerOutputs {
   readonly colorMaterial = new OutputsLayerMaterial((...pass) => this.#outputsOf(...pass));
   readonly depthMaterial = new DepthLayerMaterial();
   readonly #depth = new ViewportImage(noDepth());
-  /** Output behind the splats, by name and whether float32, which is bound in another way. */
+  /** Outputs behind the splats, by name and kind: float32 is bound in another way. */
   readonly #behind = new Map<string, ViewportImage>();
   readonly #motion = new MotionUniforms();
 
@@ -242,7 +242,7 @@ function matrices() {
   );
 }
 
-/** three's types do not know what is in an array. */
+/** three's types do not know the elements of an array. */
 function elementOf(array: ReturnType<typeof matrices>, index: Node<'int'>): Node<'mat4'> {
   return array.element(index) as unknown as Node<'mat4'>;
 }

@@ -64,7 +64,7 @@ describe('geometries of three’s splat loaders', () => {
     for (const [i, value] of logScales.entries()) expect(set!.logScales[i]).toBeCloseTo(value, 3);
   });
 
-  test('without what such a geometry has are refused by the attribute', () => {
+  test('without an attribute of such a geometry are refused by its name', () => {
     const plain = new BufferGeometry();
     expect(() => makeSplatData(plain)).toThrow('attribute position is missing');
     plain.setAttribute('position', new BufferAttribute(new Float32Array(6), 3));

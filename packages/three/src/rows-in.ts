@@ -59,7 +59,7 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
   const planes = () => cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
   const rows: number[] = [];
   try {
-    // A lost device answers nothing, and ends what follows.
+    // A lost device answers nothing, and ends the rest.
     const cause = await lacking.catch(() => null);
     if (cause) {
       const message = `Finding splats of ${name} needs ${size} bytes that the GPU lacks. Show less.`;

@@ -52,7 +52,7 @@ export async function pickSplat(
   return { object, splatIndex, point: new Vector3(...point), depthView, alpha };
 }
 
-/** Returns what covers points by clouds that are blended one after the other. */
+/** Returns the cover of points by clouds that are blended one after the other. */
 function togetherWith(some: PointCoverage[], others: PointCoverage[]): PointCoverage[] {
   return some.map(({ isInImage, opacity, isBehindHost }, i) => ({
     isInImage,

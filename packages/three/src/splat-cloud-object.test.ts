@@ -105,14 +105,14 @@ describe('rays', () => {
     expect(caster.intersectObject(cloud)).toHaveLength(1);
   });
 
-  test('pass what is nearer than they begin', async () => {
+  test('pass splats nearer than they begin', async () => {
     const caster = casterAt(0);
     caster.near = 5.5;
     const [hit] = caster.intersectObject(await rows());
     expect(hit.distance).toBeCloseTo(6, 3);
   });
 
-  test('of a camera hit what the camera draws', async () => {
+  test('of a camera hit the splats that it draws', async () => {
     const cloud = await rows();
     const camera = new PerspectiveCamera(50, 1, 5.5, 6.5);
     camera.position.z = 5;
@@ -168,7 +168,7 @@ describe('rays', () => {
     expect(casterAt(0).intersectObject(cloud)).toEqual([]);
   });
 
-  test('miss what has not appeared yet', async () => {
+  test('miss splats that have not appeared yet', async () => {
     const cloud = await rows();
     cloud.effects = [reveal({ from: [0, 0, -2], radius: 0.9 })];
     expect(casterAt(0).intersectObject(cloud)[0].distance).toBeCloseTo(7, 3);
@@ -279,7 +279,7 @@ describe('data', () => {
     expect(destroyed).not.toHaveBeenCalled();
   });
 
-  test('gives up what is on the screen where there is no memory for both', () => {
+  test('gives up the splats on the screen where there is no memory for both', () => {
     const { engine, addPacked, destroyed } = fakeEngine();
     const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
     const [onError, needsFrame] = [vi.fn(), vi.fn()];

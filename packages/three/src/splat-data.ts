@@ -45,7 +45,7 @@ export class SplatData {
   /** Name for messages and labels. */
   readonly name: string;
   readonly count: number;
-  /** Whether these are only what has arrived of a file: see `SplatLoader.onPreview`. */
+  /** Whether these are only the splats of a file that have arrived: see `SplatLoader.onPreview`. */
   readonly isPreview: boolean;
   /** Bounds of the centres, in the cloud's own space. */
   readonly bounds: Box3;

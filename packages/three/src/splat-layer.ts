@@ -157,7 +157,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene);
     } catch (error) {
       this.reportDrawing(error);
-      // A WebGLRenderer can show nothing of this library, nor knows the layer's material.
+      // A WebGLRenderer can show nothing of this library, and does not know the layer's material.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
   }
@@ -181,7 +181,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     const nowMs = performance.now();
     const shown = this.#shownClouds();
     if (shown.length === 0) return;
-    /** Finds and sorts what a camera sees; null if there is nothing to draw. */
+    /** Finds and sorts the splats that a camera sees; null if there is nothing to draw. */
     const views = pass.parts.map(({ camera, widthPx, heightPx }) => {
       const view: LayerView = this.views.use(renderer, camera, pass.target, () => {
         const embedded = engine.createEmbeddedView();

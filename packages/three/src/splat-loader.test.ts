@@ -173,7 +173,7 @@ describe('a load for a renderer', () => {
     });
   });
 
-  test('hands out what has arrived, until it is aborted', async () => {
+  test('hands out the splats that have arrived, until it is aborted', async () => {
     const { engine, cloud, load, loader } = rendererAndLoader();
     const blob = new Blob([file]);
     await loader.loadAsync(blob);
@@ -198,7 +198,7 @@ describe('a load for a renderer', () => {
     expect(onPreview).toHaveBeenCalledTimes(2);
   });
 
-  test('reads what can be read only once into memory', async () => {
+  test('reads sources that can be read only once into memory', async () => {
     const { load, loader } = rendererAndLoader();
     for (const source of [file, new Blob([file]).stream()]) await loader.loadAsync(source);
     expect(load).not.toHaveBeenCalled();

@@ -209,7 +209,7 @@ function internalsOf(renderer: WebGPURenderer): RendererInternals {
 }
 
 /**
- * Throws unless `object` has what is used of it; each object is looked at once.
+ * Throws unless `object` has the properties that are used of it; each object is looked at once.
  *
  * @param shape names of properties, by type.
  */
@@ -340,7 +340,7 @@ function resume(context: RenderContext, data: RenderContextData): void {
   data.currentSets = { attributes: {}, bindingGroups: [], pipeline: null, index: null };
 }
 
-/** Returns the descriptor of the same pass, changed to load what the pass has already drawn. */
+/** Returns the descriptor of the same pass, changed to load the pixels drawn so far. */
 function resumed(
   { colorAttachments, depthStencilAttachment, timestampWrites, ...rest }: PassDescriptor,
   { depth, stencil }: RenderContext,

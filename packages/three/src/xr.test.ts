@@ -5,7 +5,7 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-/** A browser with everything, but for what is given. */
+/** A browser with everything but for the given parts. */
 function browser({
   hasXr = true,
   hasBinding = true,

@@ -11,7 +11,7 @@ export type XrLack =
   /** No GPU adapter can draw for the XR device. */
   | 'no-xr-adapter';
 
-/** Kinds of sessions that show splats in a headset, or over what a device's camera sees. */
+/** Kinds of sessions that show splats in a headset, or over the picture of a device's camera. */
 export type XrMode = 'immersive-vr' | 'immersive-ar';
 
 /** Splats cannot be shown in an XR session here: `lack` and the message say why. */
@@ -35,7 +35,7 @@ interface XrSystem {
  * WebGPU, a device for `mode`, and a GPU adapter for that. Ask before showing a button; asking
  * starts no session.
  *
- * @throws SplatsXrError naming what is missing.
+ * @throws SplatsXrError naming the missing part.
  */
 export async function checkXr(mode: XrMode = 'immersive-vr'): Promise<void> {
   const { navigator, XRGPUBinding } = globalThis as {
