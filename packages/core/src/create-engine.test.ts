@@ -71,7 +71,7 @@ test('code that cannot be fetched is an error that says so, and the device that 
   expect(device.destroy, 'of the caller').toHaveBeenCalledTimes(1);
 });
 
-test('where there is neither a device nor code, the device is what is missing', async () => {
+test('a page without a device and without code is told of the device', async () => {
   const { SplatEngine, WebGpuUnavailableError } = await loaded(OFFLINE);
   const adapter = adapterOf(() => Promise.reject(new Error('none')));
   await expect(SplatEngine.create({ adapter })).rejects.toThrow(WebGpuUnavailableError);

@@ -7,7 +7,7 @@ import { requestSplatDevice } from './gpu/device.ts';
 import { foreseeTiles } from './gpu/shaders/later-source.ts';
 import { foreseeWorkers } from './io/loading/load-splats.ts';
 
-/** Fetches the engine, and beside it what it will need first. */
+/** Fetches the engine, and beside it the code that it will need first. */
 async function fetchEngine() {
   foreseeTiles();
   foreseeWorkers();

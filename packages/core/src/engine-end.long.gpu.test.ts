@@ -51,7 +51,7 @@ function endlessFile() {
   return { stream, whenRead: read.when, whenDropped: dropped.when };
 }
 
-describe('what waits for a frame', () => {
+describe('work that waits for a frame', () => {
   gpuTest('is told where a cloud, the view or the engine ends before the shaders are there', async () => {
     const own = await createTestDevice();
     const engine = await newEngine(own);
@@ -106,7 +106,7 @@ describe('a load that ends while its cloud is uploaded', () => {
   }
 });
 
-gpuTest('what is no source is refused by name', async () => {
+gpuTest('a value that is no source is refused by name', async () => {
   const engine = await newEngine();
   for (const wrong of [null, undefined])
     await expect(engine.load(wrong as never)).rejects.toThrow(InvalidArgumentError);
@@ -127,7 +127,7 @@ describe('the end of an engine', () => {
     own.destroy();
   });
 
-  gpuTest('leaves valid what a host has recorded', async () => {
+  gpuTest('leaves the commands that a host has recorded valid', async () => {
     const engine = await newEngine();
     const view = engine.createEmbeddedView();
     const frame = { camera: cameraAt(0), clouds: [{ cloud: engine.add(SET) }], ...SIZE };

@@ -480,12 +480,12 @@ export class SplatEngine {
     return problems.filter(({ error }) => !isCancelled(error));
   }
 
-  /** Compiles what a first frame is likely to need, while the page looks for its file. */
+  /** Compiles shaders that a first frame is likely to need, while the page looks for its file. */
   #foreseeFrames(view: SplatView): void {
     if (this.#compilesAhead) view.expectCloud(emptyCloud(this.#memory, LIKELY_SH_DEGREE, this.accuracy));
   }
 
-  /** Compiles what the rows of `source` are likely to need, while it is opened. */
+  /** Compiles the shaders that the rows of `source` are likely to need, while it is opened. */
   #foreseeRows(source: SplatSource, name: string, ingest: LazyIngest): void {
     const { size, byteLength } = (source ?? {}) as Partial<Blob & ArrayBuffer>;
     const bytes = size ?? byteLength ?? Number.POSITIVE_INFINITY;

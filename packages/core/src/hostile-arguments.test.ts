@@ -59,7 +59,7 @@ const EFFECTS = [effects.tint([1, 0, 0]), effects.brightness(2)].map((use) => Ob
 
 interface Call {
   readonly good: readonly unknown[];
-  /** Returns what must be finite. */
+  /** Returns the values that must be finite. */
   readonly call: (...given: never[]) => unknown;
   /** Arguments that an error may name besides the names in `good`. */
   readonly others?: readonly string[];

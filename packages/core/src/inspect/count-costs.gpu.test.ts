@@ -49,27 +49,30 @@ const layers = (count: number, opacityLogit: number, from: number): SplatValues[
     opacityLogit,
   }));
 
-describe('counting what a frame costs', () => {
-  gpuTest('tells steps until pixels end, what they blend, what quads would blend, and lists', async () => {
-    await withEngine({}, async (engine) => {
-      // Ten opaque layers, of which four leave less than 2⁻¹⁶: (0.01)² > 2⁻¹⁶ > (0.01)³.
-      const cloud = engine.add(splatsOf(layers(10, 20, 0)));
-      for (const rasterizer of ['quads', 'tiles'] as const) {
-        const costs = await countCosts(engine, {
-          camera,
-          clouds: [{ cloud }],
-          ...SIZE,
-          accuracy: { ...accuracy, rasterizer },
-        });
-        const all = (count: number, value: number) => Array.from({ length: count }, () => value);
-        expect(costs).toMatchObject({ ...SIZE, tileColumns: 3, tilePx: 8 });
-        expect([...costs.steps]).toEqual(all(PIXELS, 3));
-        expect([...costs.blended]).toEqual(all(PIXELS, 3));
-        expect([...costs.fragments]).toEqual(all(PIXELS, 10));
-        expect([...costs.tileEntries]).toEqual(all(6, 10));
-      }
-    });
-  });
+describe('counting the costs of a frame', () => {
+  gpuTest(
+    'tells steps until pixels end, their blended splats, those that quads would blend, and lists',
+    async () => {
+      await withEngine({}, async (engine) => {
+        // Ten opaque layers, of which four leave less than 2⁻¹⁶: (0.01)² > 2⁻¹⁶ > (0.01)³.
+        const cloud = engine.add(splatsOf(layers(10, 20, 0)));
+        for (const rasterizer of ['quads', 'tiles'] as const) {
+          const costs = await countCosts(engine, {
+            camera,
+            clouds: [{ cloud }],
+            ...SIZE,
+            accuracy: { ...accuracy, rasterizer },
+          });
+          const all = (count: number, value: number) => Array.from({ length: count }, () => value);
+          expect(costs).toMatchObject({ ...SIZE, tileColumns: 3, tilePx: 8 });
+          expect([...costs.steps]).toEqual(all(PIXELS, 3));
+          expect([...costs.blended]).toEqual(all(PIXELS, 3));
+          expect([...costs.fragments]).toEqual(all(PIXELS, 10));
+          expect([...costs.tileEntries]).toEqual(all(6, 10));
+        }
+      });
+    },
+  );
 
   gpuTest('counts pixels of the layer where the resolution is scaled', async () => {
     await withEngine({}, async (engine) => {
@@ -99,7 +102,7 @@ describe('counting what a frame costs', () => {
     });
   });
 
-  gpuTest('says what the lists would take where they never have room', async () => {
+  gpuTest('tells the size of lists that never have room', async () => {
     await withEngine({ tileBudgetBytes: 2e4 }, async (engine) => {
       const counting = countCosts(engine, { ...wide, clouds: [{ cloud: engine.add(lines(50)) }] });
       await expect(counting).rejects.toThrow(/tiles would need .* tileBudgetBytes/);

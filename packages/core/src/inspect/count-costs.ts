@@ -73,7 +73,7 @@ export interface CountedView {
 }
 
 /**
- * Counts what the frame of `request` costs: draws it by tiles once more, in a view of its own.
+ * Counts the costs of the frame of `request`: draws it by tiles once more, in a view of its own.
  *
  * @throws GpuLimitError if memory is lacking or the tiles' lists exceed the engine's budget for
  *   them; errors of `SplatView.render` and `whenDrawn`.
@@ -87,8 +87,8 @@ export async function countCosts(engine: CountedEngine, request: CostRequest): P
 }
 
 /**
- * Adds up what each splat contributes to the frame of `request`: draws it by tiles once more, in a
- * view of its own.
+ * Adds up the contributions of each splat to the frame of `request`: draws it by tiles once more,
+ * in a view of its own.
  *
  * @throws as `countCosts`.
  */

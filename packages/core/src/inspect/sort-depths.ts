@@ -4,7 +4,7 @@ import { projectionErrors } from './error-bounds.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 import { readRecords } from './read-records.ts';
 
-/** Bounds of what a visible splat is sorted by. */
+/** Bounds of the sort depth of a visible splat. */
 export interface SortDepth {
   readonly least: number;
   readonly most: number;

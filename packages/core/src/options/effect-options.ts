@@ -86,7 +86,7 @@ type OptionOf<Value, Values> = [Value] extends [number]
         ? VectorOption<Values>
         : OriginOption<Values>;
 
-/** Choices of people for an effect. */
+/** Options of an effect that people can choose. */
 export interface EffectOptions {
   readonly effect: SplatEffect;
   /** By name, in the order in which they are shown and written: each before its dependents. */
@@ -103,7 +103,7 @@ export interface EffectOptions {
 /**
  * Describes what people can choose for an effect.
  *
- * @param engineOptions returns what the effect's function takes.
+ * @param engineOptions returns the argument of the effect's function.
  */
 export function effectOptions<Options, Values>(
   make: EffectFunction<Options>,

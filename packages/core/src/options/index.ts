@@ -22,7 +22,7 @@ const OPTIONS = import.meta.glob<EffectOptions>('../gpu/effects/*/*.options.ts',
 });
 
 /**
- * Choices of people for effects, by the effect's name, in the order in which effects act. Left out
+ * Options of effects that people can choose, by effect, in the order in which effects act. Left out
  * are those whose options are not set by hand: `opacity`, which clouds have themselves, and
  * `highlight`, which needs a selection.
  */

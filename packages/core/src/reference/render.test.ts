@@ -89,7 +89,7 @@ describe('the reference renderer', () => {
     const covered = 1 - 0.8 * 0.1 * 0.5;
     const mean = 0.2 * 2 + 0.8 * 0.9 * 5 + 0.8 * 0.1 * 0.5 * 90;
     expect(depthsOf(splats)).toEqual(near([covered, mean, 5 * covered]));
-    // The host hides what would be the median: the last one is, which covers less than half.
+    // The host hides the splat of the median: the last one is it, which covers less than half.
     expect(depthsOf(splats, 4)).toEqual(near([0.2, 0.2 * 2, 0.2 * 2]));
   });
 

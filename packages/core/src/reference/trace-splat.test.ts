@@ -52,7 +52,7 @@ test('the ellipse ends where the opacity reaches the cutoff', () => {
   expect(traced!.majorPx[1]).toBeCloseTo(0, 9);
 });
 
-test('what cannot be seen has no trace; what is beside the image has', () => {
+test('an invisible splat has no trace; one beside the image has', () => {
   const trace = (values: Parameters<typeof splatsOf>[0][number]) =>
     traceSplat(splatsOf([values]), 0, { camera, ...SIZE });
   expect(trace({ position: [0, 0, 5] })).toBeNull();

@@ -18,7 +18,7 @@ test.each<[string, () => unknown, number]>([
   expect(await bytesOf(make)).toBe(bytes);
 });
 
-test('what is made is what it would be otherwise, and all is put back', async () => {
+test('objects are made as they would be otherwise, and all is put back', async () => {
   const before = [Uint8Array, Array, ArrayBuffer, Array.from, Uint8Array.prototype.slice];
   await allocatedBytes(async () => {
     const bytes = new Uint8Array(3);

@@ -18,7 +18,7 @@ export function byBallots(shape: SortShape, device: GPUDevice): SortShape | null
   const ballots = ballotDeviceOf(device);
   if (!ballots) return null;
   const { min, max } = ballots;
-  // Small blocks: a subgroup takes a word of workgroup memory per digit, and on CPUs four threads.
+  // Small blocks: a subgroup takes a word of workgroup memory per digit; CPUs' have four threads.
   return { ...shape, workgroup: 8 * Math.max(min, 4), itemsPerThread: 8, subgroups: { min, max } };
 }
 

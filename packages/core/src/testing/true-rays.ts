@@ -17,7 +17,7 @@ export interface TrueRay {
   readonly opacity: number;
   /** View depth of the splat that contributes most; Infinity if there is none. */
   readonly depthView: number;
-  /** For a tree to see what the pixel does. */
+  /** For a tree to see the splats of the pixel. */
   readonly options: RayOptions;
 }
 

@@ -164,7 +164,7 @@ function writeLength(bits: BitWriter, value: number, encode: (symbol: number) =>
   bits.write(offset - (half << extraBits), extraBits);
 }
 
-/** Writes a code and returns what writes its symbols. */
+/** Writes a code and returns the function that writes its symbols. */
 function writeCode(bits: BitWriter, code: Code): (symbol: number) => void {
   if ('symbols' in code) {
     const [first, second] = code.symbols;

@@ -9,7 +9,7 @@ function pipelineOf(label: string) {
   return { label } as GPUComputePipeline & GPURenderPipeline;
 }
 
-/** An encoder that lists what is recorded. */
+/** An encoder that lists its commands. */
 function listingEncoder() {
   const calls: unknown[][] = [];
   const pass = (descriptor: object) => {

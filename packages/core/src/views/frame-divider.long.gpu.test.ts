@@ -21,7 +21,7 @@ const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** Times of a complete submission, ms. */
 interface Taken {
   readonly elapsedMs: number;
-  /** Of all cores together: without other processes. */
+  /** Of all cores together, without other processes. */
   readonly cpuMs: number;
 }
 /** The submissions that were made; null while they are not complete. */

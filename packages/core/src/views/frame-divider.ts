@@ -34,9 +34,9 @@ export interface DividedFrame {
   readonly recordOrder: (encoder: GPUCommandEncoder) => void;
   /** Records the short rest, after they are in their layer. */
   readonly recordEnd: (encoder: GPUCommandEncoder) => void;
-  /** Whether what `recordOrder` reads is still there. */
+  /** Whether the buffers that `recordOrder` reads are still there. */
   readonly canOrder: () => boolean;
-  /** Whether what drawing and `recordEnd` read is still there. */
+  /** Whether the buffers that drawing and `recordEnd` read are still there. */
   readonly canDraw: () => boolean;
 }
 

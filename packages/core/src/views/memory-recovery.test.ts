@@ -146,7 +146,7 @@ describe('a frame that finds no memory', () => {
     expect(recovery.lacksRoomFor(plan)).toBe(false);
   });
 
-  test('tells nobody once its view is destroyed', async () => {
+  test('tells no error once its view is destroyed', async () => {
     const { draw, view, state } = viewWith();
     const drawn = draw(planOf(20), lacking());
     state.parts.isDestroyed = true;

@@ -66,7 +66,7 @@ describe('the choice of a rasteriser', () => {
     }
   }
 
-  test('knows what quads take, however long a pass takes that draws nothing', () => {
+  test('knows the time of quads, however long a pass takes that draws nothing', () => {
     for (const passMs of [0.001, 15]) {
       const { choice } = choiceOn();
       draw(choice, { ...DEVICE, tilesMs: 150, quadsMs: 430, passMs }, 60);
@@ -121,7 +121,7 @@ describe('the choice of a rasteriser', () => {
     expect(choice.sampleShare).toBeNull();
   });
 
-  test('leaves what tiles cannot draw to quads, until the load has moved', () => {
+  test('leaves views that tiles cannot draw to quads, until the load has moved', () => {
     const { choice } = choiceOn();
     expect(choice.rasterizerFor(WRITTEN)).toBe('tiles');
     choice.rejectTiles('no room', { visibleSplats: 1e6, pixels: 2e6 });

@@ -244,7 +244,7 @@ export class SplatView extends View {
       if (!this.#isUnfinished) this.startOver();
     }
     if (this.wait.reason === 'parts') return;
-    // Awaiters of this frame must not wait for themselves.
+    // Work that waits for this frame must not wait for itself.
     this.settled = DONE;
     // Where something that it needs has ended, those who wait for the frame are told.
     return this.#drawWaiting(request);

@@ -31,7 +31,7 @@ import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 export interface ViewContext extends AccuracyContext, PlannerContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
-  /** Counts what the view holds, by itself and in the engine's. */
+  /** Counts the memory that the view holds, by itself and in the engine's. */
   readonly memory: GpuMemory;
   readonly counting: Counting;
   readonly tileBudgetBytes: number;
@@ -65,7 +65,7 @@ export interface NextFrame {
 /** Bits in which the depths of most scenes differ that a camera stands in. */
 const LIKELY_KEY_BITS = 27;
 
-/** The promise of nothing to wait for. */
+/** A promise that is settled already. */
 export const DONE = Promise.resolve();
 
 let picking: typeof import('./pick-splat.ts') | null = null;
@@ -389,7 +389,7 @@ export abstract class View {
   }
 
   #follow(again: FramePlan | null): Promise<void> | null {
-    // A frame's end must not wait for itself.
+    // Giving up a frame must not wait for itself.
     if (!this.prepared) this.settled = DONE;
     // A caller may have asked for another one meanwhile.
     return this.retry(again && this.#asked === again ? again.request : null);
@@ -410,7 +410,7 @@ export abstract class View {
     this.recordEnd(encoder);
   }
 
-  /** Records what belongs to the end of a frame that has been drawn. */
+  /** Records the end of a frame that has been drawn. */
   protected recordEnd(encoder: GPUCommandEncoder): void {
     this.#drawnAs = ++this.context.counting.framesDrawn;
     this.parts.recordCounts(encoder);
