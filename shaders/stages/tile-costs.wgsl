@@ -105,7 +105,7 @@ fn passed(before: Pixel, cell: vec2u, record: u32, i: u32) -> Pixel {
   @if(!CONTRIBUTIONS) pixel.steps += u32(isOpen);
   @if(!CONTRIBUTIONS) pixel.blended += u32(weight > 0.0);
   @if(!CONTRIBUTIONS) pixel.fragments += u32(alpha > 0.0);
-  // Where the pixel does not see it, nothing is to be added.
+  // Records that the pixel does not see add nothing.
   @if(!CONTRIBUTIONS) if (weight > 0.0) { atomicAdd(&sums[i], u32(weight * f32(CONTRIBUTION_UNITS) + 0.5)); }
   @if(CONTRIBUTIONS) let units = vec2u(contributions[2u * record], contributions[2u * record + 1u]);
   @if(CONTRIBUTIONS) pixel.weightedLogs += weight * logOf(units);

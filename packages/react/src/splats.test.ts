@@ -170,7 +170,7 @@ it('suspends until the first file has been loaded for its renderer, and reports 
   await show(splats({ src: 'a.ply', onLoad, onProgress, position: [1, 2, 3], opacity: 0.5 }));
   expect(isFallbackShown()).toBe(true);
   expect(object().visible).toBe(false);
-  // Without an accuracy of its own, a load has that of its renderer.
+  // A load without an accuracy of its own has that of its renderer.
   const asked = test.loads.map((load) => [load.source, load.accuracy, load.renderer]);
   expect(asked).toEqual([['a.ply', undefined, renderer]]);
   const progress = { loaded: 1, total: 2 } as ProgressEvent;

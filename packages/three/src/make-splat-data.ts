@@ -46,7 +46,7 @@ export function makeSplatData(
   return data;
 }
 
-/** Of three's attributes of each band, words that hold four bytes each. */
+/** Words of three's attributes of each band, which hold four bytes each. */
 const BAND_WORDS = [3, 4, 6] as const;
 
 /** The splats of a geometry of three's. */

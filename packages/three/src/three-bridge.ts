@@ -276,7 +276,7 @@ function checkResumable({ colorAttachments, depthStencilAttachment }: PassDescri
 function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescriptor): GPUTexture {
   if (context.textures === null) return backend.context.getCurrentTexture();
   const { textures } = context;
-  // If there are several outputs, three names the image `output`.
+  // three names the image `output` if there are several outputs.
   const index = Math.max(
     0,
     textures.findIndex(({ name }) => name === 'output'),

@@ -26,7 +26,7 @@ export function keyBitsFor(
     let low = 0;
     let high = 0;
     let farthestCorner = 0;
-    // Of the view coordinates x, y and z, depth needs the last alone.
+    // Depth needs the last of the view coordinates alone.
     for (let row = isByDistance ? 0 : 2; row < 3; row++) {
       low = -translation[row];
       high = low;

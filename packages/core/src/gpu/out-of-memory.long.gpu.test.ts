@@ -116,7 +116,7 @@ describe('an allocation that fails, whichever it is', () => {
       const view = engine.createView();
       view.render(request);
       await view.whenDrawn();
-      // Where tiles find no memory, quads take their place, and the view says so.
+      // Quads take the place of tiles that find no memory, and the view says so.
       if (stop()) {
         const reason = expect.stringContaining('no memory');
         expect(view.rasterizer).toMatchObject({ rasterizer: 'quads', reason });

@@ -77,7 +77,7 @@ describe('Pipelines', () => {
     expect(device.lost).toBeDefined();
   });
 
-  test('stay for as long as somebody holds their stage, in whatever number', async () => {
+  test('stay for as long as their stage is held, in any number', async () => {
     const { device } = fakeDevice();
     const counting = zeroCounters();
     const pipelines = new Pipelines(device, undefined, counting);

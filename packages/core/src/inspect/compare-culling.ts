@@ -67,7 +67,7 @@ function verdict(
   { alphaCutoff, extent, culling }: AccuracySettings,
 ) {
   const { stored, view, effects } = cloud;
-  // If splats are tested against the image, those of chunks out of sight fail that test anyway.
+  // Splats of chunks out of sight fail any test against the image anyway.
   const clearance = culling === 'frustum' ? clearanceOfChunk(cloud, index) : Number.POSITIVE_INFINITY;
   if (clearance < -CHUNKS_KEPT_BEYOND) return { isDrawn: false, isSure: true };
   const errors = projectionErrors(stored, index, view, projection);

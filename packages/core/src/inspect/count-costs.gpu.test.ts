@@ -176,7 +176,7 @@ gpuTest('fragments and contributions are those that float64 finds in the whole s
       const { weights, blended, fragments } = pixelCosts(ranked, pixel, accuracy.alphaCutoff);
       for (const [rank, weight] of weights.entries()) expectedPx[nearestFirst[rank]] += weight;
       expect(costs.blended[at]).toBeLessThanOrEqual(costs.steps[at]);
-      // Where a splat just reaches the cutoff, float32 may decide otherwise.
+      // Float32 may decide otherwise where a splat just reaches the cutoff.
       expect(Math.abs(costs.fragments[at] - fragments)).toBeLessThanOrEqual(1);
       differing += Number(costs.fragments[at] !== fragments || costs.blended[at] !== blended);
     }

@@ -207,7 +207,7 @@ export class RasterizerChoice {
     }
     const now = this.#known[this.#rasterizer]!.elapsedMs;
     const other = this.#known[otherThan(this.#rasterizer)];
-    // Without an estimate, one look at the other is the only way to know.
+    // One look at the other is the only way to know without an estimate.
     const expected = other ? other.elapsedMs * growth(other.load, frame) : 0;
     if (expected <= WORTH_A_TRY * now) this.#try(otherThan(this.#rasterizer));
     else this.#settle(frame);

@@ -18,7 +18,7 @@ import { DONE, View, type ViewContext } from './view.ts';
 
 const BLACK: Vec3 = [0, 0, 0];
 
-// Of a size and of depths, only orders of magnitude matter to shaders.
+// Only orders of magnitude of size and depths matter to shaders.
 const LIKELY_SIZE = { widthPx: 1920, heightPx: 1080 };
 const LIKELY_CAMERA = perspectiveCamera({
   position: [0, 0, 1],
@@ -190,7 +190,7 @@ export class SplatView extends View {
   protected override retry(request: FrameRequest | null): Promise<void> | null {
     // A newer one has its turn after the frame in parts.
     if (this.wait.reason === 'parts') return DONE;
-    // Where a cloud has ended meanwhile, those who wait for the frame are told.
+    // Callers that wait for the frame are told if a cloud has ended meanwhile.
     return request && this.#drawWaiting(request);
   }
 
@@ -246,7 +246,7 @@ export class SplatView extends View {
     if (this.wait.reason === 'parts') return;
     // Work that waits for this frame must not wait for itself.
     this.settled = DONE;
-    // Where something that it needs has ended, those who wait for the frame are told.
+    // Callers that wait for the frame are told if something that it needs has ended.
     return this.#drawWaiting(request);
   }
 

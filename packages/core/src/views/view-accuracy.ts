@@ -41,7 +41,7 @@ export class ViewAccuracy implements TargetView {
     const target = targetFor(frame.accuracy);
     if (!target) {
       this.leave();
-      // Without a target of the engine, `undefined` stands for its settings.
+      // `undefined` stands for the engine's settings unless it has a target.
       return accuracyFor(frame.accuracy as Accuracy | undefined);
     }
     const scene = targets.sceneOf(target, frame, this.choice);

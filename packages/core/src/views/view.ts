@@ -292,7 +292,7 @@ export abstract class View {
   protected check(request: FrameRequest): boolean {
     checkRequest(request, this.context.device);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
-    // Without pixels there is no plan, which would check these.
+    // A frame without pixels has no plan, which would check these.
     for (const instance of request.clouds) effectsOf(instance);
     const { accuracy } = request;
     if (accuracy) checkAccuracy(accuracy);

@@ -260,7 +260,7 @@ describe('planes in the order of a file become those that the host makes', () =>
     const { workBytes } = await check(rowsOf(20_000, 0, { pageSplats: 1 << 20 }));
     // Not per splat: parameters of each dispatch, and digit counts.
     expect(workBytes).toBeLessThan(WORK_BYTES_PER_SPLAT * 20_000 + 65_536);
-    // Where there is no room, dropped rows leave their slots to the planes.
+    // Dropped rows leave their slots to the planes if there is no room.
     const isDropped = (row: number) => row % 2 === 0;
     const half = await check(rowsOf(20_000, 0, { pageSplats: 1 << 20, isDropped, hasRoom: false }));
     expect(half.workBytes).toBeLessThan(WORK_BYTES_PER_SPLAT * 20_000 + 65_536);

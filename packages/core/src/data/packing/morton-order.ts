@@ -51,7 +51,7 @@ export function mortonFrame(min: ArrayLike<number>, max: ArrayLike<number>): Mor
   const extents = vec3((axis) => withoutSubnormals(max[axis]) - low[axis]);
   // One step for all axes: cells are cubes, so a flat scene wastes no order on its thin side.
   const extent = Math.max(...extents);
-  // Of no splats, the least coordinate is above the largest.
+  // The least coordinate of no splats is above the largest.
   if (!(extent > 0)) return { scale: [0, 0, 0], scaledMin: [0, 0, 0], cellsPerUnit: 0 };
   const nearest = 2 ** -Math.floor(Math.log2(extent));
   const power = Math.max(SMALLEST_NORMAL, Math.min(LARGEST_POWER, nearest));

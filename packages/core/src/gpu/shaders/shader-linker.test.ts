@@ -200,7 +200,7 @@ fn square(/* any */ x: f32) -> f32 {
           .tuple(tie('condition'), fc.constantFrom('&&', ' || '), tie('condition'))
           .map((parts) => parts.join('')),
         tie('condition').map((inner) => `(${inner} )`),
-        // Without parentheses the sign applies to the first operand alone, in both languages.
+        // The sign applies to the first operand alone in both languages, unless parenthesised.
         tie('condition').map((inner) => `! ${inner}`),
       ),
     }));

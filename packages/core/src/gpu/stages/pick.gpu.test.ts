@@ -116,7 +116,7 @@ async function check(
 
     expectOnRay(got, scene.camera, column, row, frame);
   }
-  // If two weights differ only by rounding, either splat may be picked.
+  // Either splat may be picked if two weights differ only by rounding.
   expect(others).toBeLessThanOrEqual(pixels / 20);
   frame.destroy();
   return picks;

@@ -173,7 +173,7 @@ describe('tile-costs', () => {
         expect(ended).toBeGreaterThan(50);
         expect(unseen).toBeGreaterThan(5);
         for (const [rank, expected] of expectedPx.entries()) {
-          // Of pixels where rounding decides, a splat has a few at most.
+          // A splat has a few pixels at most where rounding decides.
           const bound = 1e-4 * expected + 10 * ALPHA_CUTOFF;
           expect(Math.abs(contributionsPx[rank] - expected), `rank ${rank}`).toBeLessThan(bound);
         }
