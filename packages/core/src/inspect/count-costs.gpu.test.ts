@@ -50,29 +50,26 @@ const layers = (count: number, opacityLogit: number, from: number): SplatValues[
   }));
 
 describe('counting the costs of a frame', () => {
-  gpuTest(
-    'tells steps until pixels end, their blended splats, those that quads would blend, and lists',
-    async () => {
-      await withEngine({}, async (engine) => {
-        // Ten opaque layers, of which four leave less than 2⁻¹⁶: (0.01)² > 2⁻¹⁶ > (0.01)³.
-        const cloud = engine.add(splatsOf(layers(10, 20, 0)));
-        for (const rasterizer of ['quads', 'tiles'] as const) {
-          const costs = await countCosts(engine, {
-            camera,
-            clouds: [{ cloud }],
-            ...SIZE,
-            accuracy: { ...accuracy, rasterizer },
-          });
-          const all = (count: number, value: number) => Array.from({ length: count }, () => value);
-          expect(costs).toMatchObject({ ...SIZE, tileColumns: 3, tilePx: 8 });
-          expect([...costs.steps]).toEqual(all(PIXELS, 3));
-          expect([...costs.blended]).toEqual(all(PIXELS, 3));
-          expect([...costs.fragments]).toEqual(all(PIXELS, 10));
-          expect([...costs.tileEntries]).toEqual(all(6, 10));
-        }
-      });
-    },
-  );
+  gpuTest('tells steps until pixels end, splats that they and quads blend, and lists', async () => {
+    await withEngine({}, async (engine) => {
+      // Ten opaque layers, of which four leave less than 2⁻¹⁶: (0.01)² > 2⁻¹⁶ > (0.01)³.
+      const cloud = engine.add(splatsOf(layers(10, 20, 0)));
+      for (const rasterizer of ['quads', 'tiles'] as const) {
+        const costs = await countCosts(engine, {
+          camera,
+          clouds: [{ cloud }],
+          ...SIZE,
+          accuracy: { ...accuracy, rasterizer },
+        });
+        const all = (count: number, value: number) => Array.from({ length: count }, () => value);
+        expect(costs).toMatchObject({ ...SIZE, tileColumns: 3, tilePx: 8 });
+        expect([...costs.steps]).toEqual(all(PIXELS, 3));
+        expect([...costs.blended]).toEqual(all(PIXELS, 3));
+        expect([...costs.fragments]).toEqual(all(PIXELS, 10));
+        expect([...costs.tileEntries]).toEqual(all(6, 10));
+      }
+    });
+  });
 
   gpuTest('counts pixels of the layer where the resolution is scaled', async () => {
     await withEngine({}, async (engine) => {
