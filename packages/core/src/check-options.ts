@@ -36,12 +36,12 @@ export function checkLoadOptions(options: {
   readonly precision?: CloudPrecision;
   readonly fit?: FitMode;
 }): void {
-  const { precision, fit } = given(options);
+  const { precision, fit } = given(options, {
+    name: 'a string?',
+    onPreview: 'a function?',
+    request: 'an object?',
+  });
   checkOneOf('fit', fit, FIT_MODES);
   if (precision === undefined) return;
-  if (typeof precision !== 'object' || precision === null) {
-    const message = `precision is ${shown(precision)}; it must be { geometryPrecision, shPrecision }.`;
-    throw new InvalidArgumentError('precision', message);
-  }
-  checkPrecision(precision);
+  checkPrecision(given(precision, {}, 'precision'));
 }

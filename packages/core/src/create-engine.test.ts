@@ -1,6 +1,6 @@
 import { beforeEach, expect, test, vi } from 'vitest';
 
-const device = { destroy: vi.fn() } as unknown as GPUDevice;
+const device = { destroy: vi.fn(), createBuffer: vi.fn(), adapterInfo: {} } as unknown as GPUDevice;
 
 beforeEach(() => {
   vi.resetModules();

@@ -2,6 +2,7 @@ import { checkEngineNumbers } from './check-options.ts';
 import { DEFAULT_ACCURACY } from './data/accuracy/accuracy.ts';
 import { checkAccuracy } from './data/accuracy/accuracy-target.ts';
 import { CodeUnavailableError } from './data/errors.ts';
+import { given } from './data/given.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
 import { requestSplatDevice } from './gpu/device.ts';
 import { foreseeTiles } from './gpu/shaders/later-source.ts';
@@ -28,7 +29,10 @@ export const SplatEngine = {
    */
   async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Reject unknown settings before a device is requested in vain.
-    checkAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
+    const { accuracy } = given(options, { device: 'an object?' });
+    if (options.device)
+      given(options.device, { createBuffer: 'a function', adapterInfo: 'an object' }, 'device');
+    checkAccuracy(accuracy ?? DEFAULT_ACCURACY);
     checkEngineNumbers(options);
     const implementation = fetchEngine().catch((cause) => {
       throw new CodeUnavailableError('engine', { cause });

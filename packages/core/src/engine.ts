@@ -17,9 +17,11 @@ import {
 } from './data/accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyTarget, internTarget } from './data/accuracy/accuracy-target.ts';
 import { DestroyedError, GpuLimitError } from './data/errors.ts';
+import { CLOUD, given } from './data/given.ts';
 import type { Harmonics } from './data/packing/harmonics.ts';
 import { packSet } from './data/packing/pack-set.ts';
 import type { PackedCloud } from './data/packing/packed-cloud.ts';
+import { checkPacked } from './data/packing/packed-cloud.ts';
 import type { CloudPrecision } from './data/packing/precision.ts';
 import type { SplatSet } from './data/splats/splat-set.ts';
 import { frameStages } from './frame/frame.ts';
@@ -258,6 +260,7 @@ export class SplatEngine {
     options: SetAccuracyOptions = {},
   ): Promise<readonly PrecisionProblem[]> {
     this.#checkUsable();
+    given(options);
     this.#takeAccuracy(accuracy);
     // The precision that a target needs is unknown until it has been measured.
     return this.#requestPrecisions(this.#target ? [] : [...this.#clouds], options);
@@ -347,7 +350,8 @@ export class SplatEngine {
 
   #upload(packed: PackedCloud, options: LoadedCloudOptions): SplatCloud {
     this.#checkUsable();
-    const own = this.#optionsOf(options);
+    checkPacked(packed);
+    const own = this.#optionsOf(given(options, { name: 'a string?' }));
     return this.#own(SplatCloud.upload(this.#memory, this.device.limits, packed, own));
   }
 
@@ -363,15 +367,17 @@ export class SplatEngine {
     options: HoldOptions = {},
   ): Promise<void> {
     this.#checkUsable();
-    await cloud.ownLease.change(precision, options);
+    await given(cloud, CLOUD, 'cloud').ownLease.change(precision, options);
   }
 
   /** Creates a view that draws on `canvas`, or, without one, a view whose images are read back. */
   createView(options: { readonly canvas?: HTMLCanvasElement | OffscreenCanvas } = {}): SplatView {
     this.#checkUsable();
+    const { canvas } = given(options, { canvas: 'an object?' });
+    if (canvas) given(canvas, { getContext: 'a function' }, 'canvas');
     const format = globalThis.navigator?.gpu?.getPreferredCanvasFormat() ?? 'rgba8unorm';
     const forget = (destroyed: SplatView) => this.#views.delete(destroyed);
-    const view = new SplatView(this.#viewContext(), options.canvas ?? null, format, forget);
+    const view = new SplatView(this.#viewContext(), canvas ?? null, format, forget);
     this.#views.add(view);
     this.#foreseeFrames(view);
     return view;

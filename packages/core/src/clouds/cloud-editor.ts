@@ -1,4 +1,5 @@
 import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
+import { CLOUD, given } from '../data/given.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { emptyBounds } from '../data/packing/center-bounds.ts';
@@ -12,7 +13,7 @@ import {
   packEdited,
 } from '../data/packing/edited-geometry.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
-import { type PackedCloud, robustBounds, totalBounds } from '../data/packing/packed-cloud.ts';
+import { checkPacked, type PackedCloud, robustBounds, totalBounds } from '../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../data/packing/precision.ts';
 import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../data/splats/splat-edits.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -45,6 +46,9 @@ const BOUNDS_SAMPLES = 4096;
  *   finds no memory.
  */
 export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?: PackedCloud): Promise<void> {
+  given(cloud, CLOUD, 'cloud');
+  given(edits, { follow: 'a function' }, 'edits');
+  if (splats) checkPacked(splats);
   let geometry = splats?.geometry ?? null;
   for (;;) {
     checkFree(cloud, edits);
@@ -61,7 +65,7 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
  * follows none stays as it is.
  */
 export function flushEdits(cloud: SplatCloud): void {
-  cloud.editing?.flush();
+  given(cloud, CLOUD, 'cloud').editing?.flush();
 }
 
 function checkAlive({ name, isDestroyed }: SplatCloud): void {

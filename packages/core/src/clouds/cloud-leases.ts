@@ -1,4 +1,5 @@
 import { resolveAccuracy } from '../data/accuracy/accuracy.ts';
+import { given } from '../data/given.ts';
 import { type CloudPrecision, ownShPrecision } from '../data/packing/precision.ts';
 import type { ReadOptions } from '../io/sources/splat-source.ts';
 
@@ -54,7 +55,7 @@ export class CloudLease {
 
   /** Claims `precision` in addition to the lease's other claims; otherwise like `change`. */
   add(precision: CloudPrecision, options: HoldOptions = {}): Promise<void> {
-    return this.#noteMet(this.#leases.claim(this, precision, { ...options, isAdded: true }));
+    return this.#noteMet(this.#leases.claim(this, precision, options, { isAdded: true }));
   }
 
   /**
@@ -108,9 +109,12 @@ export class CloudLeases {
   /** Makes `lease` claim a precision, besides its others if `isAdded`, else in their place. */
   async claim(
     lease: CloudLease,
-    { geometryPrecision, shPrecision }: CloudPrecision,
-    { signal, onProgress, isAdded = false }: HoldOptions & { readonly isAdded?: boolean },
+    precision: CloudPrecision,
+    options: HoldOptions,
+    { isAdded = false } = {},
   ): Promise<void> {
+    const { geometryPrecision, shPrecision } = given(precision, {}, 'precision');
+    const { signal, onProgress } = given(options);
     if (this.#ended) throw this.#ended;
     signal?.throwIfAborted();
     resolveAccuracy({ geometryPrecision, shPrecision });

@@ -1,5 +1,6 @@
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
+import { checkKind, given, type Members } from '../data/given.ts';
 import { identity4, linearPart, multiply4, type Vec3 } from '../data/math/mat4.ts';
 import {
   ANGLE_STEPS,
@@ -48,6 +49,15 @@ export interface RayOptions {
   /** Returns the part of its opacity that a splat here has, 0…1; 0 if it is cut off. Default: 1. */
   readonly shownAt?: (x: number, y: number, z: number) => number;
 }
+
+const RAY: Members = {
+  view: 'an object?',
+  near: 'a number?',
+  far: 'a number?',
+  minOpacity: 'a number?',
+  opacity: 'a number?',
+  shownAt: 'a function?',
+};
 
 const DEFAULT_MIN_OPACITY = 0.3;
 /** Opacity of a splat is limited to this when it is drawn. */
@@ -101,7 +111,14 @@ export class RayTree {
    *   finite.
    */
   cast(origin: Vec3, direction: Vec3, options: RayOptions = {}): RayHit | null {
-    const { near = 0, far = Number.POSITIVE_INFINITY, minOpacity = DEFAULT_MIN_OPACITY } = options;
+    const {
+      near = 0,
+      far = Number.POSITIVE_INFINITY,
+      minOpacity = DEFAULT_MIN_OPACITY,
+    } = given(options, RAY);
+    if (options.view) given(options.view.camera, {}, 'view.camera');
+    checkKind('origin', origin, 'a list');
+    checkKind('direction', direction, 'a list');
     const length = Math.hypot(...direction);
     if (!(length > 0 && length < Number.POSITIVE_INFINITY) || !origin.every(Number.isFinite)) return null;
     const from = origin.map((value, axis) => value - this.origin[axis]);

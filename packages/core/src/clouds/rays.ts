@@ -1,3 +1,4 @@
+import { given, SPLATS } from '../data/given.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import type { MakeRayTreeOptions } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
@@ -16,6 +17,8 @@ export async function makeRayTree(
   splats: SplatCloud | PackedCloud,
   options: MakeRayTreeOptions = {},
 ): Promise<RayTree> {
+  given(options);
+  given(splats, SPLATS, 'splats');
   // Pages that cast no rays do not load this module.
   const trees = await import('./make-ray-tree.ts');
   return trees.makeRayTree(splats, options);

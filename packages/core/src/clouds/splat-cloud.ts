@@ -1,4 +1,5 @@
 import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { given } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
@@ -267,7 +268,7 @@ export class SplatCloud {
    * else the next finer one held, else the finest.
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
-    return this.planes.pagesFor(wanted);
+    return this.planes.pagesFor(given(wanted, {}, 'wanted'));
   }
 
   /** Frees the GPU memory; frames already submitted are not affected. */

@@ -1,8 +1,60 @@
 import { InvalidArgumentError } from './errors.ts';
 import { shown } from './printable.ts';
 
-/** @throws InvalidArgumentError unless there are options at all. */
-export function given<Options extends object>(options: Options): Options {
-  if (typeof options === 'object' && options !== null) return options;
-  throw new InvalidArgumentError('options', `options is ${shown(options)}; it must be an object.`);
+/** Tests of values, by the words that messages have for them. */
+const KINDS = {
+  'an object': (value: unknown) => typeof value === 'object' && value !== null,
+  'a function': (value: unknown) => typeof value === 'function',
+  'a number': (value: unknown) => typeof value === 'number',
+  'a string': (value: unknown) => typeof value === 'string',
+  'a list': Array.isArray,
+  'a typed array': (value: unknown) => ArrayBuffer.isView(value) && !(value instanceof DataView),
+  'an ArrayBuffer': (value: unknown) => tagOf(value) === 'ArrayBuffer',
+  'an AbortSignal': (value: unknown) => tagOf(value) === 'AbortSignal',
+} as const;
+
+type Kind = keyof typeof KINDS;
+/** Members of an object and their kinds; `?` stands for one that may be left out. */
+export type Members = Readonly<Record<string, Kind | `${Kind}?`>>;
+
+/** Options of everything that takes time. */
+const WATCHED: Members = { signal: 'an AbortSignal?', onProgress: 'a function?' };
+
+/** An engine, for functions that take one. */
+export const ENGINE: Members = { createView: 'a function' };
+/** A cloud, packed or on the GPU, for functions that take either. */
+export const SPLATS: Members = {
+  count: 'a number',
+  origin: 'a list',
+  robustBounds: 'an object',
+  chunks: 'an ArrayBuffer',
+};
+/** A cloud on the GPU, for functions that take one. */
+export const CLOUD: Members = { pagesFor: 'a function' };
+
+/**
+ * Returns `value` if it is an object that has these members, for arguments of callers without types.
+ *
+ * @param argument name of the argument; members of `options` are named alone.
+ * @throws InvalidArgumentError naming the argument or the member.
+ */
+export function given<T extends object>(value: T, members: Members = {}, argument = 'options'): T {
+  checkKind(argument, value, 'an object');
+  const isOptions = argument === 'options';
+  for (const [name, kind] of Object.entries(isOptions ? { ...WATCHED, ...members } : members))
+    checkKind(isOptions ? name : `${argument}.${name}`, value[name as keyof T], kind);
+  return value;
+}
+
+/** @throws InvalidArgumentError unless `value` is of this kind. */
+export function checkKind(argument: string, value: unknown, kind: Kind | `${Kind}?`): void {
+  if (value === undefined && kind.endsWith('?')) return;
+  const expected = kind.replace('?', '') as Kind;
+  if (KINDS[expected](value)) return;
+  throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
+}
+
+/** The class of an object, also of one that another frame of the page has made. */
+function tagOf(value: unknown): string {
+  return Object.prototype.toString.call(value).slice('[object '.length, -1);
 }

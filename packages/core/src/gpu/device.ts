@@ -1,4 +1,5 @@
 import { WebGpuUnavailableError } from '../data/errors.ts';
+import { given } from '../data/given.ts';
 
 /** How to request a device. */
 export interface DeviceOptions {
@@ -42,7 +43,9 @@ const WIDENED_LIMITS = [
  * @throws WebGpuUnavailableError if there is no WebGPU, no adapter or no device.
  */
 export async function requestSplatDevice(options: DeviceOptions = {}): Promise<GPUDevice> {
-  const adapter = options.adapter ?? (await requestAdapter(options));
+  const asked = given(options, { adapter: 'an object?' }).adapter;
+  if (asked) given(asked, { requestDevice: 'a function' }, 'adapter');
+  const adapter = asked ?? (await requestAdapter(options));
   const isWanted = (feature: GPUFeatureName) =>
     options.allFeatures ? !EXPERIMENTAL.test(feature) : OPTIONAL_FEATURES.includes(feature);
   const requiredFeatures = ([...adapter.features] as GPUFeatureName[]).filter(isWanted);
@@ -85,7 +88,7 @@ async function requestAdapter({
  * nothing.
  */
 export function adapterLabel(info: GPUAdapterInfo): string {
-  const { vendor, architecture, device, description, isFallbackAdapter } = info;
+  const { vendor, architecture, device, description, isFallbackAdapter } = given(info, {}, 'info');
   if (/^\d+$/.test(vendor)) return description || `GPU ${device} of vendor ${vendor}`;
   const name = [vendor, architecture || device].filter(Boolean).join(' ');
   const kind = isFallbackAdapter ? 'software renderer' : 'GPU';
@@ -93,7 +96,8 @@ export function adapterLabel(info: GPUAdapterInfo): string {
 }
 
 /** Whether the adapter is a (slow) software renderer on the CPU. */
-export function isSoftwareAdapter({ isFallbackAdapter, architecture, description }: GPUAdapterInfo): boolean {
+export function isSoftwareAdapter(info: GPUAdapterInfo): boolean {
+  const { isFallbackAdapter, architecture, description } = given(info, {}, 'info');
   return (
     isFallbackAdapter || /swiftshader|llvmpipe|lavapipe|basic render/i.test(`${architecture} ${description}`)
   );

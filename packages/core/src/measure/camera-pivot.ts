@@ -1,9 +1,12 @@
 import type { Camera } from '../data/camera/camera.ts';
+import { given } from '../data/given.ts';
 import { type Mat4, multiply4 } from '../data/math/mat4.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
 
 /** View depth of the pivot: the middle of the bounds, at least a fifth of their extent away. */
-export function pivotDepth({ viewMatrix: v, near }: Camera, { min, max }: Bounds): number {
+export function pivotDepth(camera: Camera, bounds: Bounds): number {
+  const { viewMatrix: v, near } = given(camera, { viewMatrix: 'an object', near: 'a number' }, 'camera');
+  const { min, max } = given(bounds, { min: 'a list', max: 'a list' }, 'bounds');
   const middle = [0, 1, 2].map((axis) => (min[axis] + max[axis]) / 2);
   const extent = Math.hypot(...[0, 1, 2].map((axis) => max[axis] - min[axis]));
   const depth = -(v[2] * middle[0] + v[6] * middle[1] + v[10] * middle[2] + v[14]);

@@ -6,12 +6,13 @@ import {
   type FrameRasterizer,
 } from '../data/accuracy/accuracy.ts';
 import type { Camera } from '../data/camera/camera.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
+import { given } from '../data/given.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import type { FrameStatistics, StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
+import { checkMeasured } from './check-options.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFiniteImageError } from './compare-textures.ts';
 import { compareViews } from './compare-views.ts';
@@ -206,7 +207,8 @@ export async function measureThen<Result>(
   conclude: (table: AccuracyTable) => Result,
   keep: (result: Result) => CloudPrecision | null,
 ): Promise<Result> {
-  checkOptions(options);
+  const { frames = DEFAULT_FRAMES } = given(options);
+  checkMeasured(engine, options, { frames });
   const { clouds, signal } = options;
   const candidates = candidatesFor(options);
   const reference = engine.resolveAccuracy('reference');
@@ -496,13 +498,4 @@ function slowestOf(timings: readonly (readonly StageTimings[])[]): AccuracyPoint
     };
   });
   return spreads.reduce((slowest, each) => (each.total.median > slowest.total.median ? each : slowest));
-}
-
-function checkOptions({ cameras, widthPx, heightPx, frames = DEFAULT_FRAMES }: MeasureAccuracyOptions): void {
-  if (cameras.length === 0)
-    throw new InvalidArgumentError('cameras', 'There are no cameras; give at least one.');
-  for (const [name, value] of Object.entries({ widthPx, heightPx, frames })) {
-    if (!(Number.isInteger(value) && value >= 1))
-      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number of at least 1.`);
-  }
 }

@@ -1,9 +1,10 @@
 import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
+import { given } from '../data/given.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { AUTOMATIC_FEATURES } from '../frame/ledger/automatic-features.ts';
 import type { EffectEntry } from '../frame/ledger/ledger.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
+import { checkMeasured } from './check-options.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
@@ -53,9 +54,10 @@ const DEFAULT_FRAMES = 15;
 export async function measureEffects(
   engine: MeasuredEngine,
   frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy'>,
-  { frames = DEFAULT_FRAMES, signal, onProgress }: MeasureEffectsOptions = {},
+  options: MeasureEffectsOptions = {},
 ): Promise<EffectCost[]> {
-  checkOptions(frame, frames);
+  const { frames = DEFAULT_FRAMES, signal, onProgress } = given(options);
+  checkMeasured(engine, frame, { frames });
   const { accuracy = engine.accuracy } = frame;
   const settings = isAccuracyTarget(accuracy) ? engine.accuracy : accuracy;
   const request: FrameRequest = { ...frame, accuracy: settings, force: true };
@@ -148,14 +150,4 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
     };
   });
   return comparedWith({ ...whole, request: { ...request, clouds } });
-}
-
-function checkOptions(
-  { widthPx, heightPx }: Pick<FrameRequest, 'widthPx' | 'heightPx'>,
-  frames: number,
-): void {
-  for (const [name, value] of Object.entries({ widthPx, heightPx, frames })) {
-    if (!(Number.isInteger(value) && value >= 1))
-      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number of at least 1.`);
-  }
 }

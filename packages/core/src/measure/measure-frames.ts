@@ -1,12 +1,12 @@
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import type { Camera } from '../data/camera/camera.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { leastBytes, type PassBytes } from '../frame/least-bytes.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import { FrameProfile, type PassTime } from '../gpu/timing/frame-profile.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
+import { checkMeasured } from './check-options.ts';
 import { measureCopyBandwidth } from './copy-bandwidth.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
@@ -119,7 +119,7 @@ export async function measureFrames(
   engine: MeasuredEngine,
   options: MeasureFramesOptions,
 ): Promise<FrameMeasurement> {
-  checkOptions(options);
+  checkMeasured(engine, options);
   return withView(engine, async (view) => {
     const runs = await drawFrames(engine, view, options);
     const { drawn, profiled } = runs;
@@ -276,15 +276,4 @@ function frameSpread(values: readonly number[]): FrameSpread {
 
 function countSpread(values: readonly number[]): CountSpread {
   return { least: Math.min(...values), median: timeSpread(values).median, most: Math.max(...values) };
-}
-
-function checkOptions({ cameras, clouds, widthPx, heightPx }: MeasureFramesOptions): void {
-  if (cameras.length === 0)
-    throw new InvalidArgumentError('cameras', 'There are no cameras; give at least one.');
-  if (clouds.length === 0)
-    throw new InvalidArgumentError('clouds', 'There are no clouds; give at least one.');
-  for (const [name, value] of Object.entries({ widthPx, heightPx })) {
-    if (!(Number.isInteger(value) && value >= 1))
-      throw new InvalidArgumentError(name, `${name} is ${value}; it must be a whole number of at least 1.`);
-  }
 }

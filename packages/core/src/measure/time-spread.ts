@@ -1,3 +1,5 @@
+import { checkKind } from '../data/given.ts';
+
 /** Spread of repeated measurements of one time, in milliseconds. */
 export interface TimeSpread {
   readonly median: number;
@@ -18,6 +20,7 @@ const CONFIDENCE = 0.95;
  * is always binomial.
  */
 export function timeSpread(values: readonly number[]): TimeSpread {
+  checkKind('values', values, 'a list');
   const sorted = [...values].sort((a, b) => a - b);
   const count = sorted.length;
   const middle = (count - 1) / 2;

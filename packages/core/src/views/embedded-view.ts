@@ -1,5 +1,6 @@
 import type { DepthConvention } from '../data/camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
+import { given, type Members } from '../data/given.ts';
 import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -8,6 +9,8 @@ import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { type PossibleDepths, View, type ViewContext } from './view.ts';
+
+const PASS: Members = { color: 'an object', xPx: 'a number', yPx: 'a number' };
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
@@ -87,6 +90,7 @@ export class EmbeddedView extends View {
    *   DestroyedError. Nothing is recorded then, and the host can submit what it has.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
+    given(encoder, { beginRenderPass: 'a function' }, 'encoder');
     this.#shapeOver(pass);
     // The image is made with the first draw of its size.
     this.submit(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
@@ -140,6 +144,7 @@ export class EmbeddedView extends View {
    */
   #shapeOver(pass: HostPass): FrameShape {
     this.checkUsable();
+    given(given(pass, PASS, 'pass').color, { createView: 'a function' }, 'pass.color');
     const { shape } = this;
     if (!shape) {
       throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');

@@ -1,6 +1,7 @@
 import type { Camera, Projection } from '../data/camera/camera.ts';
 import { storedDepth } from '../data/camera/depth-convention.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
+import { checkKind, given } from '../data/given.ts';
 import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../data/layout/cover-structs.ts';
 import { linearPart, transform3, type Vec3 } from '../data/math/mat4.ts';
 import { shown } from '../data/printable.ts';
@@ -58,12 +59,14 @@ const UNCOVERED = { opacity: 0, isBehindHost: false } as const;
 
 /** @throws InvalidArgumentError for too many points, and for numbers that are not finite. */
 export function checkPoints(points: readonly PointToCover[]): void {
+  checkKind('points', points, 'a list');
   if (points.length > MAX_COVER_POINTS) {
     const message = `${points.length} points are more than ${MAX_COVER_POINTS}: ask for them in several calls.`;
     throw new InvalidArgumentError('points', message);
   }
-  for (const [i, { point, tolerance = 0 }] of points.entries()) {
-    if (point.length !== 3 || !point.every(Number.isFinite)) {
+  for (const [i, each] of points.entries()) {
+    const { point, tolerance = 0 } = given(each, { tolerance: 'a number?' }, `points[${i}]`);
+    if (point?.length !== 3 || !Array.prototype.every.call(point, Number.isFinite)) {
       throw new InvalidArgumentError('points', `Point ${i} is ${shown(point)}; it must be 3 finite numbers.`);
     }
     if (!(tolerance >= 0 && tolerance < Number.POSITIVE_INFINITY)) {

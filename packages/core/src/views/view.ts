@@ -1,6 +1,7 @@
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
+import { checkKind, given } from '../data/given.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
@@ -151,7 +152,7 @@ export abstract class View {
    */
   async chooseAccuracy(options: ChooseAccuracyOptions = {}): Promise<AccuracyChoice> {
     this.checkUsable();
-    return this.#accuracy.choose(options);
+    return this.#accuracy.choose(given(options));
   }
 
   /**
@@ -164,6 +165,8 @@ export abstract class View {
    */
   async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
     this.checkUsable();
+    checkKind('xPx', xPx, 'a number');
+    checkKind('yPx', yPx, 'a number');
     // Most pages never pick. The present frame is the one that is searched once the code is there.
     picking ??= await import('./pick-splat.ts');
     const { pickStage, pickInImage } = picking;

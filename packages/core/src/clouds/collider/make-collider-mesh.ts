@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { given, SPLATS } from '../../data/given.ts';
 import type { Bounds, PackedCloud } from '../../data/packing/packed-cloud.ts';
 import { shown } from '../../data/printable.ts';
 import { buildOfGeometry } from '../build-of-geometry.ts';
@@ -63,7 +64,8 @@ export async function makeColliderMesh(
   splats: SplatCloud | PackedCloud,
   options: ColliderMeshOptions = {},
 ): Promise<ColliderMesh> {
-  const { signal, onProgress } = options;
+  const { signal, onProgress } = given(options, { cellSize: 'a number?', bounds: 'an object?' });
+  given(splats, SPLATS, 'splats');
   signal?.throwIfAborted();
   const plan = planFor(splats, options);
   const { cellSize } = plan.grid;

@@ -1,3 +1,4 @@
+import { checkKind } from '../given.ts';
 import { ACCURACY_SETTINGS, type Accuracy, type AccuracySettings, resolveAccuracy } from './accuracy.ts';
 import { type AccuracyRequest, isAccuracyTarget } from './accuracy-target.ts';
 
@@ -9,6 +10,7 @@ import { type AccuracyRequest, isAccuracyTarget } from './accuracy-target.ts';
  * @throws InvalidArgumentError for unknown settings.
  */
 export function combineAccuracies(requests: readonly AccuracyRequest[]): AccuracyRequest | undefined {
+  checkKind('requests', requests, 'a list');
   const targets = requests.filter(isAccuracyTarget);
   const [clearest] = targets
     .filter((target) => 'minPsnrDb' in target)
@@ -24,6 +26,7 @@ export function combineAccuracies(requests: readonly AccuracyRequest[]): Accurac
 
 /** Returns each setting at its most exact value in `accuracies`, which has at least one entry. */
 export function mostExact(accuracies: readonly Accuracy[]): AccuracySettings {
+  checkKind('accuracies', accuracies, 'a list');
   const asked = accuracies.map((accuracy) => resolveAccuracy(accuracy));
   const chosen = Object.entries(ACCURACY_SETTINGS).map(([name, { values }]) => {
     const found: unknown[] = asked.map((settings) => settings[name as keyof AccuracySettings]);

@@ -216,7 +216,7 @@ export function pixelRay(
 
 /** Position of the camera in the world. */
 export function cameraPosition(viewMatrix: ArrayLike<number>): [number, number, number] {
-  const v = viewMatrix;
+  const v = given(viewMatrix, {}, 'viewMatrix');
   // The inverse of a rigid rotation is its transpose.
   const transposed = [v[0], v[4], v[8], v[1], v[5], v[9], v[2], v[6], v[10]];
   const [x, y, z] = transform3(transposed, [v[12], v[13], v[14]]);

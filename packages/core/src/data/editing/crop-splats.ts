@@ -1,7 +1,9 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { given } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { shown } from '../printable.ts';
+import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
 import { filterSplats } from './filter-splats.ts';
@@ -20,11 +22,9 @@ export interface CropBox {
  *
  * @throws InvalidArgumentError 'box' if it is none, or if nothing stays.
  */
-export function cropSplats<Kind extends Harmonics>(
-  set: SplatSet<Kind>,
-  { min, max, keep = 'inside' }: CropBox,
-): SplatSet<Kind> {
-  checkNumbers('box', [...min, ...max], 6);
+export function cropSplats<Kind extends Harmonics>(set: SplatSet<Kind>, box: CropBox): SplatSet<Kind> {
+  const { min, max, keep = 'inside' } = given(box, {}, 'box');
+  for (const corner of [min, max]) checkNumbers('box', corner, 3);
   if (keep !== 'inside' && keep !== 'outside') {
     const message = `The box keeps ${shown(keep)}; it keeps "inside" or "outside".`;
     throw new InvalidArgumentError('box', message);
@@ -34,7 +34,7 @@ export function cropSplats<Kind extends Harmonics>(
     const message = `The least ${'xyz'[flat]} of the box, ${min[flat]}, is above the greatest, ${max[flat]}.`;
     throw new InvalidArgumentError('box', message);
   }
-  const { positions, origin, count } = set;
+  const { positions, origin, count } = givenSet(set);
   const cropped = filterSplats(set, (i) => {
     let isInside = true;
     for (let axis = 0; axis < 3; axis++) {

@@ -1,5 +1,7 @@
+import { checkKind } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { permuteSplats } from '../packing/morton-order.ts';
+import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 
 /**
@@ -12,7 +14,8 @@ export function filterSplats<Kind extends Harmonics>(
   set: SplatSet<Kind>,
   stays: (index: number) => boolean,
 ): SplatSet<Kind> {
-  const kept = new Uint32Array(set.count);
+  checkKind('stays', stays, 'a function');
+  const kept = new Uint32Array(givenSet(set).count);
   let found = 0;
   for (let i = 0; i < set.count; i++) if (stays(i)) kept[found++] = i;
   return permuteSplats(set, kept.subarray(0, found));

@@ -1,5 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { checkKind } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
+import { givenSet } from '../splats/check-set.ts';
 import {
   agreedAntialiasing,
   type DropCounts,
@@ -22,6 +24,8 @@ import { trainedCoefficients } from './trained-coefficients.ts';
  * @throws InvalidArgumentError 'sets' if there are none; 'set' if one is too far away for float32.
  */
 export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harmonics> {
+  checkKind('sets', sets, 'a list');
+  for (const [i, set] of sets.entries()) givenSet(set, `sets[${i}]`);
   if (sets.length === 0) throw new InvalidArgumentError('sets', 'There are no splats to merge.');
   if (sets.length === 1) return sets[0];
   const count = sets.reduce((sum, set) => sum + set.count, 0);

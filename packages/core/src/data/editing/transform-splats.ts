@@ -1,6 +1,9 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { given } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
+import { shown } from '../printable.ts';
+import { givenSet } from '../splats/check-set.ts';
 import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
@@ -25,10 +28,9 @@ export interface SplatTransform {
  * @throws InvalidArgumentError 'rotation', 'scale' or 'translation' if it is none; 'set' if a splat
  *   would be too far away for float32.
  */
-export function transformSplats(
-  set: SplatSet<Harmonics>,
-  { rotation = IDENTITY, scale = 1, translation = [0, 0, 0] }: SplatTransform,
-): SplatSet<Harmonics> {
+export function transformSplats(set: SplatSet<Harmonics>, transform: SplatTransform): SplatSet<Harmonics> {
+  const { rotation = IDENTITY, scale = 1, translation = [0, 0, 0] } = given(transform, {}, 'transform');
+  givenSet(set);
   check(rotation, scale, translation);
   const isTurned = rotation.slice(1).some((value) => value !== 0);
   const isScaled = scale !== 1;
@@ -51,8 +53,8 @@ function check(rotation: Quaternion, scale: number, translation: Vec3): void {
   checkNumbers('translation', translation, 3);
   if (rotation.every((value) => value === 0))
     throw new InvalidArgumentError('rotation', 'rotation is 0, 0, 0, 0; a quaternion has a length above 0.');
-  if (!(scale > 0 && scale < Number.POSITIVE_INFINITY))
-    throw new InvalidArgumentError('scale', `scale is ${scale}; it must be a number above 0.`);
+  if (!(Number.isFinite(scale) && scale > 0))
+    throw new InvalidArgumentError('scale', `scale is ${shown(scale)}; it must be a number above 0.`);
 }
 
 function movedPositions(

@@ -1,3 +1,4 @@
+import { givenSet } from '../splats/check-set.ts';
 import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { shBandReach } from './band-reach.ts';
 import { entryCountOf, type Harmonics, isPalette } from './harmonics.ts';
@@ -42,7 +43,7 @@ export const UNSEEN_CHANGE = 1 / (16 * 255);
  * harmonics unless their reach is known already.
  */
 export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
-  const reach = shBandReach(set.harmonics, set.count);
+  const reach = shBandReach(givenSet(set).harmonics, set.count);
   return {
     declaredShDegree: set.harmonics.degree,
     trueShDegree: trueShDegree(reach),

@@ -1,3 +1,5 @@
+import { given } from '../given.ts';
+import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { dropNonFinite } from './drop-non-finite.ts';
 import type { Harmonics } from './harmonics.ts';
@@ -5,9 +7,7 @@ import { type PackedCloud, packCloud } from './packed-cloud.ts';
 import type { CloudPrecision } from './precision.ts';
 
 /** Packs splats in memory, in any order. Those that are not finite are dropped and counted. */
-export function packSet(
-  set: SplatSet<Harmonics>,
-  { geometryPrecision, shPrecision }: CloudPrecision,
-): PackedCloud {
-  return packCloud(dropNonFinite(set), { geometryPrecision, shPrecision });
+export function packSet(set: SplatSet<Harmonics>, precision: CloudPrecision): PackedCloud {
+  const { geometryPrecision, shPrecision } = given(precision, {}, 'precision');
+  return packCloud(dropNonFinite(givenSet(set)), { geometryPrecision, shPrecision });
 }

@@ -1,6 +1,8 @@
+import { given, type Members } from '../given.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { selectValue } from '../math/select-value.ts';
+import { givenSet } from '../splats/check-set.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { emptyBounds } from './center-bounds.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
@@ -37,6 +39,19 @@ export interface PackedCloud {
   readonly facts: CloudFacts;
 }
 
+const PACKED: Members = {
+  count: 'a number',
+  origin: 'a list',
+  bounds: 'an object',
+  robustBounds: 'an object',
+  geometry: 'an object',
+  harmonics: 'an object',
+  chunks: 'an ArrayBuffer',
+  fileIndices: 'a typed array',
+  dropped: 'an object',
+  facts: 'an object',
+};
+
 /** Precisions in which `packCloud` packs. */
 export interface PackOptions {
   readonly geometryPrecision: GeometryPrecision;
@@ -55,7 +70,8 @@ export interface PackOptions {
  * @throws InvalidArgumentError for a precision that there is not.
  */
 export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
-  const { geometryPrecision, shPrecision = precisionOf(set.harmonics) } = options;
+  givenSet(set);
+  const { geometryPrecision, shPrecision = precisionOf(set.harmonics) } = given(options);
   checkPrecision({ geometryPrecision, shPrecision });
   const facts = cloudFacts(set);
   const harmonics = packedHarmonics(set, facts, shPrecision);
@@ -96,8 +112,17 @@ function packedHarmonics(
   return repackHarmonics(kept, count, ownShPrecision(precision));
 }
 
+/** @throws InvalidArgumentError naming the member that `packed` lacks, for callers without types. */
+export function checkPacked(packed: PackedCloud): void {
+  const { geometry, harmonics } = given(packed, PACKED, 'packed');
+  given(geometry, { words: 'a typed array', precision: 'a string' }, 'packed.geometry');
+  given(harmonics, { degree: 'a number', precision: 'a string' }, 'packed.harmonics');
+}
+
 /** The buffers of `cloud`, for posting it to another thread without a copy. */
-export function transferablesOf({ geometry, harmonics, chunks, fileIndices }: PackedCloud): ArrayBuffer[] {
+export function transferablesOf(packed: PackedCloud): ArrayBuffer[] {
+  checkPacked(packed);
+  const { geometry, harmonics, chunks, fileIndices } = packed;
   const colors = isPalette(harmonics) ? harmonics.entries : harmonics.words;
   const buffers = [geometry.words.buffer, colors.buffer, chunks, fileIndices.buffer];
   if (isPalette(harmonics)) buffers.push(harmonics.indices.buffer);

@@ -1,4 +1,5 @@
 import type { FrameRasterizer } from '../../data/accuracy/accuracy.ts';
+import { given } from '../../data/given.ts';
 
 /** Timed passes of a frame, in the order in which they run; none runs all of them. */
 export const TIMED_PASSES = [
@@ -67,7 +68,12 @@ const PLAUSIBLE_DIFFERENCE_MS = 20;
  * Whether GPU timestamps fit the wall clock. Some browsers have been seen to report a hundredth of
  * the true time; a few milliseconds more on the wall clock are the browser's own.
  */
-export function isPlausible({ totalMs, wallClockMs }: StageTimings): boolean {
+export function isPlausible(timings: StageTimings): boolean {
+  const { totalMs, wallClockMs } = given(
+    timings,
+    { totalMs: 'a number', wallClockMs: 'a number' },
+    'timings',
+  );
   const ratio = Math.max(totalMs, wallClockMs) / Math.min(totalMs, wallClockMs);
   return ratio <= PLAUSIBLE_FACTOR || Math.abs(totalMs - wallClockMs) <= PLAUSIBLE_DIFFERENCE_MS;
 }

@@ -1,3 +1,5 @@
+import { checkKind } from '../../data/given.ts';
+
 /** A format that can be written, for pickers and messages. */
 export interface WritableFormat {
   /** As in `SplatFormat`. */
@@ -53,6 +55,7 @@ export const WRITABLE_FORMATS: readonly WritableFormat[] = [
 
 /** The format that files with this name are written in; undefined if the name does not tell. */
 export function writableByName(fileName: string): WritableFormat | undefined {
+  checkKind('fileName', fileName, 'a string');
   const lower = fileName.toLowerCase();
   // The longest end counts: `.compressed.ply` ends with `.ply`.
   return WRITABLE_FORMATS.filter(({ extension }) => lower.endsWith(extension)).sort(

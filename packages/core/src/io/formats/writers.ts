@@ -1,6 +1,8 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { given } from '../../data/given.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
+import { givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { WriteFormat, WriteOptions } from './write-format.ts';
@@ -25,7 +27,8 @@ export async function writeSplats(
     const message = `${shown(formatName)} cannot be written; the format must be one of ${names.join(', ')}.`;
     throw new InvalidArgumentError('formatName', message);
   }
-  if (set.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
+  given(options);
+  if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[`./${formatName}/write-${formatName}.ts`]();
   return write(set, options);
 }

@@ -1,3 +1,4 @@
+import { given } from '../../data/given.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
@@ -50,7 +51,15 @@ export async function loadOrPass(
   options: LoadSplatsOptions,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
-  const { shPrecision = 'u8', geometryPrecision = 'packed', maxBytes, maxSplats, request } = options;
+  const {
+    shPrecision = 'u8',
+    geometryPrecision = 'packed',
+    maxBytes,
+    maxSplats,
+    request,
+  } = given(options, {
+    name: 'a string?',
+  });
   const { signal, onProgress } = options;
   signal?.throwIfAborted();
   const isUrl = typeof source === 'string' || source instanceof URL;

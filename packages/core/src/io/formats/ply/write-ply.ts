@@ -1,4 +1,5 @@
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { givenSet } from '../../../data/splats/check-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
 
@@ -36,7 +37,7 @@ function plyOf(
   set: SplatSet<Harmonics>,
   memoryOf = (byteCount: number) => new Uint8Array(byteCount),
 ): { bytes: Uint8Array<ArrayBuffer>; putRows(from: number, to: number): void } {
-  const shValues = coefficientsPerSplat(set.harmonics.degree);
+  const shValues = coefficientsPerSplat(givenSet(set).harmonics.degree);
   const isWide = set.origin.some((value) => value !== 0);
   const positionBytes = isWide ? 8 : 4;
   const header = new TextEncoder().encode(headerText(set, shValues, isWide ? 'double' : 'float'));
