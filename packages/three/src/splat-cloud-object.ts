@@ -24,7 +24,7 @@ import {
   type WebGPURenderer,
 } from 'three/webgpu';
 import { SplatsPrecisionError } from './errors.ts';
-import type { CloudLayer, LayerCloud } from './layer-cloud.ts';
+import type { CloudLayer } from './layer-cloud.ts';
 import { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer, withBounds } from './splat-layer.ts';
@@ -61,7 +61,7 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * lies in the middle of their common bounds. Transforms may shear, mirror and scale; `visible` and
  * `layers` work as on meshes.
  */
-export class SplatCloudObject extends Object3D<SplatCloudEventMap> implements LayerCloud {
+export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';
   readonly isSplatCloudObject = true;
   /** Multiplies every splat's opacity, 0…1. */

@@ -22,8 +22,9 @@ export interface MakeRayTreeOptions {
 /** See `makeRayTree` of the index. */
 export async function makeRayTree(
   splats: SplatCloud | PackedCloud,
-  { signal, mostBlobs = MOST_SMALL_BLOBS }: MakeRayTreeOptions,
+  options: MakeRayTreeOptions,
 ): Promise<RayTree> {
+  const { signal, mostBlobs = MOST_SMALL_BLOBS } = options;
   // The last frame may lack edits.
   if ('editing' in splats) splats.editing?.flush();
   const { count, origin } = splats;

@@ -36,7 +36,7 @@ export interface EditedValues {
 /** Columns of edits, as trained: log scales, quaternions w, x, y, z, coefficients of degree 0. */
 type Column = Exclude<keyof EditedValues, 'visible'>;
 
-/** @internal What of a row has been edited: bits of its mask. */
+/** What of a row has been edited: bits of its mask. */
 export const EDITED = {
   positions: 1,
   scales: 2,
