@@ -1,4 +1,4 @@
-import { GpuLimitError } from '../data/errors.ts';
+import { type FittingOptions, GpuLimitError } from '../data/errors.ts';
 import { Chunk } from '../data/layout/structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
@@ -121,8 +121,17 @@ export async function fitSettings(
     ? `With ${describe(taken)} it would fit: load it with fit: 'auto'.`
     : 'No coarser settings would fit either: load fewer splats.';
   const room = limit === 'memory' ? 0 : Math.max(0, availableBytes);
-  const details = { heldBytes, fitting: taken && { ...taken }, cause: failure };
+  const details = { heldBytes, fitting: taken && fittingOptions(wanted, taken), cause: failure };
   throw new GpuLimitError(limit, wantedBytes, room, `${needs}. ${advice}`, details);
+}
+
+function fittingOptions(
+  wanted: FitSettings,
+  { geometryPrecision, shPrecision, shDegree }: FitSettings,
+): FittingOptions {
+  const precision = { geometryPrecision, shPrecision };
+  // No load takes a degree: `auto` finds it.
+  return shDegree < wanted.shDegree ? { precision, fit: 'auto' } : { precision };
 }
 
 /**

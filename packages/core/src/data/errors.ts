@@ -1,3 +1,4 @@
+import type { CloudPrecision } from './packing/precision.ts';
 import { printable } from './printable.ts';
 
 /**
@@ -95,12 +96,18 @@ export class WebGpuUnavailableError extends WebSplatterError {
   }
 }
 
+/** Options of `engine.load`; `fit` where only fewer degrees of harmonics would fit. */
+export interface FittingOptions {
+  readonly precision: CloudPrecision;
+  readonly fit?: 'auto';
+}
+
 /** More of what a GpuLimitError says, where it is known. */
 export interface GpuLimitDetails extends ErrorOptions {
   /** Bytes that the engine held already. */
   readonly heldBytes?: number;
-  /** Settings of a load that would fit. */
-  readonly fitting?: Readonly<Record<string, string | number>> | null;
+  /** Options of a load that would fit. */
+  readonly fitting?: FittingOptions | null;
 }
 
 /**
@@ -115,8 +122,8 @@ export class GpuLimitError extends WebSplatterError {
   readonly availableBytes: number;
   /** Bytes that the engine held already; undefined where they do not matter. */
   readonly heldBytes: number | undefined;
-  /** Settings of a load that would fit; null if none are known. */
-  readonly fitting: GpuLimitDetails['fitting'];
+  /** Options of a load that would fit; null if none are known. */
+  readonly fitting: FittingOptions | null;
 
   constructor(
     limit: string,
