@@ -127,6 +127,22 @@ describe('the end of an engine', () => {
     own.destroy();
   });
 
+  gpuTest('ends its clouds, which no engine on the same device draws any more', async () => {
+    const [ended, other] = [await newEngine(), await newEngine()];
+    const cloud = ended.add(SET, { name: 'garden' });
+    await cloud.uploaded;
+    const view = other.createView();
+    ended.destroy();
+    const draw = () => view.render({ camera: cameraAt(1), clouds: [{ cloud }], ...SIZE });
+    expect(draw).toThrow('The cloud garden can no longer be used: its engine was destroyed.');
+    expect(draw).toThrow(DestroyedError);
+    expect(cloud).toMatchObject({ isDestroyed: true, bytes: 0 });
+    await Promise.resolve();
+    expect(ended.memory()).toMatchObject({ totalBytes: 0, scene: { totalBytes: 0, clouds: [] } });
+    cloud.destroy();
+    other.destroy();
+  });
+
   gpuTest('leaves the commands that a host has recorded valid', async () => {
     const engine = await newEngine();
     const view = engine.createEmbeddedView();

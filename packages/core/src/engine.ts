@@ -431,6 +431,7 @@ export class SplatEngine {
     this.#destroyedBecause = 'the engine was destroyed';
     this.#stopWork(this.#destroyedBecause);
     for (const view of [...this.#views]) view.destroy();
+    for (const cloud of [...this.#clouds]) cloud.end('its engine was destroyed');
     // A host submits what embedded views have recorded before it yields to microtasks.
     queueMicrotask(() => {
       this.#memory.destroyAll();

@@ -51,7 +51,7 @@ const engine = await SplatEngine.create({ device });
 const cloud = Object.assign(Object.create({}), {
   name: 'garden',
   device,
-  isDestroyed: false,
+  checkUsable: () => {},
   origin: [0, 0, 0],
   facts: {},
 });

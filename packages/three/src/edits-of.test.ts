@@ -22,6 +22,7 @@ function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
       chunksPlane: [{}],
     },
     isUploaded: true,
+    checkUsable: () => {},
     version: 0,
     editing: null,
     compileStretched: () => null,

@@ -1,4 +1,4 @@
-import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
+import { InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
 import { CLOUD, given } from '../data/given.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
@@ -68,12 +68,8 @@ export function flushEdits(cloud: SplatCloud): void {
   given(cloud, CLOUD, 'cloud').editing?.flush();
 }
 
-function checkAlive({ name, isDestroyed }: SplatCloud): void {
-  if (isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
-}
-
 function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
-  checkAlive(cloud);
+  cloud.checkUsable();
   const { name, isPreview, editing } = cloud;
   if (isPreview) throw new SplatSourceError(name, 'it is still loading: edit it once it is whole.');
   if (!editing || editing.edits === edits) return;

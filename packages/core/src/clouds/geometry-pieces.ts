@@ -1,4 +1,4 @@
-import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { SplatSourceError } from '../data/errors.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
@@ -44,7 +44,7 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
   cloud.editing?.flush();
   // Others may take their place while a piece is worked on; those nearest to packed are smallest.
   const planes = () => {
-    if (cloud.isDestroyed) throw new DestroyedError(`The cloud ${name}`, 'it was destroyed');
+    cloud.checkUsable();
     return cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
   };
   for (const [page, { start, end }] of cloud.planes.ranges.entries()) {

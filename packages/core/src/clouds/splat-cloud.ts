@@ -61,7 +61,7 @@ export interface CloudContents
 export interface CloudEditing {
   readonly edits: SplatEdits;
   /** The cloud as it was uploaded. */
-  readonly unedited: Pick<SplatCloud, 'chunks'>;
+  readonly unedited: { readonly chunks: ArrayBuffer };
   /** Uploads changes since the last call. Call before frames are planned and planes read. */
   readonly flush: () => void;
   /** Reads unedited geometry of `plane`; call the result once the cloud has that, to edit it. */
@@ -130,7 +130,7 @@ export class SplatCloud {
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isUploaded = false;
   #lack: Error | null = null;
-  #isDestroyed = false;
+  #endedBecause: string | null = null;
 
   /** Takes over `planes`, which hold what `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
@@ -256,11 +256,18 @@ export class SplatCloud {
 
   /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */
   get bytes(): number {
-    return this.#isDestroyed || this.isPreview ? 0 : this.planes.bytes;
+    return this.isDestroyed || this.isPreview ? 0 : this.planes.bytes;
   }
 
+  /** Whether the cloud, or its engine, was destroyed. */
   get isDestroyed(): boolean {
-    return this.#isDestroyed;
+    return this.#endedBecause !== null;
+  }
+
+  /** @internal @throws DestroyedError if the cloud has ended, GpuLimitError if for lack of memory. */
+  checkUsable(): void {
+    if (this.#endedBecause === null) return;
+    throw this.#lack ?? new DestroyedError(`The cloud ${this.name}`, this.#endedBecause);
   }
 
   /**
@@ -273,11 +280,16 @@ export class SplatCloud {
 
   /** Frees the GPU memory; frames already submitted are not affected. */
   destroy(): void {
-    if (this.#isDestroyed) return;
-    this.#isDestroyed = true;
+    if (this.end('it was destroyed') && !this.isPreview) this.planes.destroy();
+  }
+
+  /** @internal Ends the cloud without freeing its planes. Returns false if it has ended before. */
+  end(because: string): boolean {
+    if (this.isDestroyed) return false;
+    this.#endedBecause = because;
     this.editing?.end();
-    this.leases.end(new DestroyedError(`The cloud ${this.name}`, 'it was destroyed'));
-    if (!this.isPreview) this.planes.destroy();
+    this.leases.end(new DestroyedError(`The cloud ${this.name}`, because));
     this.#onDestroyed(this);
+    return true;
   }
 }
