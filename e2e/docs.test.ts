@@ -5,13 +5,13 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
+import { type FileServer, serveFiles } from '@websplatter/tools/file-server';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { AxeResults } from 'axe-core';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
 import { screenshot } from './screenshot.ts';
-import { type StaticHost, startStaticHost } from './static-host.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 const BASE = '/some/where/';
@@ -36,7 +36,7 @@ const BUILD_TIMEOUT_MS = 1_800_000;
 const AXE = createRequire(import.meta.url).resolve('axe-core/axe.min.js');
 
 let folder: string;
-let host: StaticHost;
+let host: FileServer;
 let browser: Browser;
 
 // The build takes a minute of processor time; the short run tests the site's pages below apps/docs.
@@ -48,7 +48,7 @@ describe('the documentation site', () => {
     const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
     // It ends with an error where a link or an anchor of a built page leads nowhere.
     await promisify(execFile)(process.execPath, [build, '--base', BASE, '--out', folder], { env });
-    host = await startStaticHost(folder, BASE, {}, {});
+    host = await serveFiles(folder, { base: BASE });
     browser = await launchBrowser();
   }, BUILD_TIMEOUT_MS);
 

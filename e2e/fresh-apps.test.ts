@@ -1,14 +1,15 @@
 import { execFile } from 'node:child_process';
+import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { promisify } from 'node:util';
 import { encodePly } from '@websplatter/core';
+import { serveFiles } from '@websplatter/tools/file-server';
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser } from './browser.ts';
 import { expectSplats } from './expect-splats.ts';
 import { type FreshApp, type FreshAppParts, makeFreshApp } from './fresh-app.ts';
 import { APP_KINDS } from './fresh-apps.ts';
-import { startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
 // These install and build for minutes: `npm run test:full` has them.
@@ -40,9 +41,11 @@ describe('the packed tarballs in a fresh app show splats that a worker has read'
   it.each(APP_KINDS)('$name', async ({ build, shown, pages = [''], headers = {}, ...parts }) => {
     await inFreshApp({ ...parts, files: scene }, async (app) => {
       for (const [script, ...args] of build) await app.run(script, args);
+      // Not every bundler copies it.
+      const served = { 'scene.ply': join(app.folder, 'public/scene.ply') };
       const host =
         'folder' in shown
-          ? await startStaticHost(join(app.folder, shown.folder), '/', scene, headers)
+          ? await serveFiles(join(app.folder, shown.folder), { files: served, headers })
           : await app.serve(shown.server[0], shown.server.slice(1));
       try {
         for (const page of pages) {
@@ -56,11 +59,11 @@ describe('the packed tarballs in a fresh app show splats that a worker has read'
   });
 
   it('an import map, with packages and workers of another origin', async () => {
-    await inFreshApp({ sources: {} }, async (app) => {
-      const cors = { 'access-control-allow-origin': '*' };
-      const network = await startStaticHost(join(app.folder, 'node_modules'), '/', {}, cors);
-      const page = new TextEncoder().encode(importMapPage(network.url));
-      const host = await startStaticHost(app.folder, '/', { ...scene, 'index.html': page }, {});
+    await inFreshApp({ sources: {}, files: scene }, async (app) => {
+      const headers = { 'access-control-allow-origin': '*' };
+      const network = await serveFiles(join(app.folder, 'node_modules'), { headers });
+      await writeFile(join(app.folder, 'index.html'), importMapPage(network.url));
+      const host = await serveFiles(app.folder);
       try {
         await expectSplats(browser, `${host.url}index.html`);
       } finally {
@@ -100,7 +103,7 @@ const importMapPage = (packages: string) => `<!doctype html>
       const camera = new PerspectiveCamera(75, 480 / 320, 0.1, 1000);
       camera.position.set(0, 0, 5);
       const loader = new SplatLoader().detectSupport(renderer);
-      scene.add(new SplatCloudObject(await loader.loadAsync('scene.ply')));
+      scene.add(new SplatCloudObject(await loader.loadAsync('public/scene.ply')));
       renderer.setAnimationLoop(() => renderer.render(scene, camera));
     </script>
   </body>

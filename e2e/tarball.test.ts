@@ -1,6 +1,7 @@
 import { copyFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { encodePly } from '@websplatter/core';
+import { type FileServer, serveFiles } from '@websplatter/tools/file-server';
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { launchBrowser } from './browser.ts';
@@ -9,7 +10,6 @@ import { type FreshApp, makeFreshApp } from './fresh-app.ts';
 import { html, main } from './fresh-apps.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 import { CONTENT_SECURITY_POLICY } from './server.ts';
-import { type StaticHost, startStaticHost } from './static-host.ts';
 import { testScene } from './test-scene.ts';
 
 const PACKAGES = [
@@ -94,7 +94,6 @@ const ESBUILD_SOURCES: Readonly<Record<string, string>> = {
   'esbuild/index.html': html('main.js'),
 };
 
-const scene = encodePly(testScene());
 let app: FreshApp;
 let browser: Browser;
 
@@ -103,7 +102,7 @@ beforeAll(async () => {
     makeFreshApp({
       lockedPackages: PACKAGES,
       sources: { ...SOURCES, ...ESBUILD_SOURCES },
-      files: { 'scene.ply': scene },
+      files: { 'scene.ply': encodePly(testScene()) },
     }),
     launchBrowser(),
   ]);
@@ -142,7 +141,7 @@ describe('the packed tarballs in a fresh Vite app', () => {
 });
 
 describe('the packed tarballs in a fresh app by esbuild', () => {
-  let host: StaticHost;
+  let host: FileServer;
 
   beforeAll(async () => {
     const bundled = ['esbuild/main.js', 'esbuild/load-worker.js'];
@@ -151,7 +150,10 @@ describe('the packed tarballs in a fresh app by esbuild', () => {
     const built = join(app.folder, 'esbuild-built');
     await copyFile(join(app.folder, 'esbuild/index.html'), join(built, 'index.html'));
     await copyFile(join(app.folder, 'src/page.css'), join(built, 'page.css'));
-    host = await startStaticHost(built, '/', { 'scene.ply': scene });
+    host = await serveFiles(built, {
+      files: { 'scene.ply': join(app.folder, 'public/scene.ply') },
+      headers: { 'content-security-policy': CONTENT_SECURITY_POLICY },
+    });
   });
 
   afterAll(() => host?.close());

@@ -1,8 +1,11 @@
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { encodePly } from '@websplatter/core';
+import { type FileServer, serveFiles } from '@websplatter/tools/file-server';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { builtApp } from './server.ts';
-import { type StaticHost, startStaticHost } from './static-host.ts';
+import { builtApp, CONTENT_SECURITY_POLICY } from './server.ts';
 import { testScene } from './test-scene.ts';
 import {
   CHEAP,
@@ -15,15 +18,24 @@ import {
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
-let host: StaticHost;
+let folder = '';
+let host: FileServer;
 
 beforeAll(async () => {
-  host = await startStaticHost(await builtApp('apps/viewer'), '/some/where/', {
-    'scenes/a.ply': encodePly(testScene()),
-    'b.ply': encodePly(testScene(100)),
+  folder = await mkdtemp(join(tmpdir(), 'websplatter-hosting-'));
+  const files = { 'scenes/a.ply': join(folder, 'a.ply'), 'b.ply': join(folder, 'b.ply') };
+  await writeFile(files['scenes/a.ply'], encodePly(testScene()));
+  await writeFile(files['b.ply'], encodePly(testScene(100)));
+  host = await serveFiles(await builtApp('apps/viewer'), {
+    base: '/some/where/',
+    files,
+    headers: { 'content-security-policy': CONTENT_SECURITY_POLICY },
   });
 });
-afterAll(() => host?.close());
+afterAll(async () => {
+  await host?.close();
+  await rm(folder, { recursive: true, force: true });
+});
 
 describe('the viewer on plain static hosting, below a path', () => {
   it('draws', async () => {

@@ -3,6 +3,7 @@ import { mkdir, writeFile } from 'node:fs/promises';
 import os from 'node:os';
 import { basename, join } from 'node:path';
 import { timeSpread } from '@websplatter/core/measure';
+import { serveFiles } from '@websplatter/tools/file-server';
 import type { PeerFormats } from '../adapter.ts';
 import { WAITS, type Wait } from '../page/completion.ts';
 import type { Loaded, LoadRequest, MeasureRequest, Picture } from '../page/protocol.ts';
@@ -14,8 +15,15 @@ import { drawReferences } from './references.ts';
 import type { Report, Row, SceneReport } from './report.ts';
 import type { CommandLine } from './run-command.ts';
 import { type BenchScene, readScene, sceneFiles } from './scenes.ts';
-import { serve } from './serve.ts';
 import { type OpenPage, Visitor } from './visit.ts';
+
+/** A page that is isolated from other origins may share memory with its workers. */
+const HEADERS = {
+  'cross-origin-opener-policy': 'same-origin',
+  'cross-origin-embedder-policy': 'require-corp',
+  'cross-origin-resource-policy': 'same-origin',
+  'cache-control': 'no-store',
+};
 
 /** Everything that a bench needs besides its options. */
 export interface BenchSetup {
@@ -45,27 +53,30 @@ export async function measurePeers(
     options;
   const { executablePath, commandLine, pages, pagesFolder, workFolder, say } = setup;
   const files = await sceneFiles(options, workFolder);
-  const addresses = new Map(files.map((file, i) => [`/scenes/${i}/${basename(file)}`, file]));
-  const server = await serve(pagesFolder, addresses);
+  const addresses = files.map((file, i) => `scenes/${i}/${encodeURIComponent(basename(file))}`);
+  const server = await serveFiles(pagesFolder, {
+    files: Object.fromEntries(addresses.map((address, i) => [address, files[i]])),
+    headers: HEADERS,
+  });
   const visitor = new Visitor({
     executablePath,
     usesGpu: !isSoftware,
     timeLimitMs,
     deadlineMs: performance.now() + budgetMs,
-    blankUrl: `${server.url}/${BLANK_PAGE}`,
+    blankUrl: server.url + BLANK_PAGE,
   });
   try {
     const formatsOf = new Map<BuiltPeer, PeerFormats>();
-    const pageOf = ({ page }: BuiltPeer) => `${server.url}/${page}`;
+    const pageOf = ({ page }: BuiltPeer) => server.url + page;
     let adapter: string | null = null;
     let wait: Wait = WAITS[0];
     const scenes: SceneReport[] = [];
     for (const [i, file] of files.entries()) {
       say(`${file}: reading …`);
       const scene = await readScene(file, options.camerasFile);
-      const sceneUrl = `${server.url}/scenes/${i}/${encodeURIComponent(basename(file))}`;
+      const sceneUrl = server.url + addresses[i];
       const bench = new SceneBench(options, scene, sceneUrl, visitor, pageOf, formatsOf, say);
-      if (i === 0) ({ wait, adapter } = await bench.quickestWait(pages.floor, `${server.url}/${BLANK_PAGE}`));
+      if (i === 0) ({ wait, adapter } = await bench.quickestWait(pages.floor, server.url + BLANK_PAGE));
       const rows = peers.map(emptyRow);
       if (options.takesPictures) await bench.takePictures(rows, peers, wait);
       await bench.measure(rows, peers, wait);
