@@ -98,14 +98,12 @@ export class FrameDivider {
   async #submitOrder(commands: readonly FrameCommand[], { canOrder }: DividedFrame): Promise<number | null> {
     let elapsedMs = 0;
     for (let first = 0; first < commands.length; ) {
-      let end = first + 1;
-      while (end < commands.length && this.#pacer.fits(commands.slice(first, end + 1))) end++;
       if (!canOrder()) return null;
-      const together = commands.slice(first, end);
+      const together = commands.slice(first, first + this.#pacer.fittingFrom(first, commands));
       const tookMs = await this.#submit(together);
       this.#pacer.take(together, tookMs);
       elapsedMs += tookMs;
-      first = end;
+      first += together.length;
     }
     return elapsedMs;
   }

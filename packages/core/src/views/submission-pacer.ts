@@ -36,9 +36,14 @@ export class SubmissionPacer {
     this.#aimMs = AIM * budgetMs;
   }
 
-  /** Whether `work` may be submitted together. */
-  fits(work: readonly Work[]): boolean {
-    return this.#predictMs(work) <= this.#aimMs;
+  /** Returns how many of `work`, from `first` on, may be submitted together: at least one. */
+  fittingFrom(first: number, work: readonly Work[]): number {
+    let predictedMs = 0;
+    let end = first;
+    do {
+      predictedMs += this.#predictMs([work[end++]]);
+    } while (end < work.length && predictedMs + this.#predictMs([work[end]]) <= this.#aimMs);
+    return end - first;
   }
 
   /**
