@@ -51,3 +51,46 @@ describe('errors about sources', () => {
       expect(new SplatSourceError(name, 'x').file).toBe(name);
   });
 });
+
+describe('values in messages', () => {
+  const self: unknown[] = [];
+  for (let i = 0; i < 80; i++) self.push(self);
+  const loop: Record<string, unknown> = {};
+  loop.loop = loop;
+  const deep = (depth: number) => JSON.parse(`${'['.repeat(depth)}${']'.repeat(depth)}`);
+  const throwing = Object.defineProperty({}, 'a', {
+    enumerable: true,
+    get: () => {
+      throw new Error('no');
+    },
+  });
+
+  test.each<[string, unknown, RegExp]>([
+    ['an array in itself', self, /^\[{80}…$/],
+    ['an object in itself', loop, /^\{loop: \{loop: /],
+    ['a list 100,000 deep', deep(100_000), /^\[{80}…$/],
+    ['objects 100,000 deep', JSON.parse(`${'{"a":'.repeat(1e5)}1${'}'.repeat(1e5)}`), /^(\{a: ){20}…$/],
+    ['a million numbers', new Array(1e6).fill(1), /^\[1, 1, .*…$/],
+    ['a million numbers of a typed array', new Float32Array(1e6), /^\[0, 0, .*…$/],
+    [
+      '130,000 keys',
+      Object.fromEntries(Array.from({ length: 130_000 }, (_, i) => [i, 0])),
+      /^\{0: 0, 1: 0, /,
+    ],
+    ['a getter that throws', throwing, /^an unusual object$/],
+    ['a method that is none', { toString: 1 }, /^\{toString: 1\}$/],
+    ['an object of no class', Object.create(null), /^\{\}$/],
+    ['a symbol', Symbol('s'), /^Symbol\(s\)$/],
+    ['a big integer', 10n, /^10$/],
+    ['a date that is none', new Date(Number.NaN), /^Invalid Date$/],
+    ['nothing', [undefined, null, Number.NaN], /^\[undefined, null, NaN\]$/],
+    ['lists in objects', { a: [1, { b: 'c' }] }, /^\{a: \[1, \{b: c\}\]\}$/],
+    ['long text', 'y'.repeat(1e7), /^y{80}…$/],
+    ['long text in an object', { ['k'.repeat(1e6)]: 'y'.repeat(1e6) }, /^\{k{79}…$/],
+    ['credentials before more than is read', `https://me:${'secret'.repeat(1e6)}@a.org/`, /^https:\/\/$/],
+  ])('are short, also of %s', (_, value, expected) => {
+    const text = shown(value);
+    expect(text).toMatch(expected);
+    expect(text.length).toBeLessThanOrEqual(81);
+  });
+});

@@ -17,17 +17,42 @@ export function printable(text: string): string {
 
 /** Longest value that is shown whole. */
 const MAX_VALUE_LENGTH = 80;
+/** Text that is looked at: enough for what is left of it without the credentials of addresses. */
+const MAX_READ_LENGTH = 1000;
 
-/** Any value as messages show it, those included that cannot become text. */
+/**
+ * Any value as messages show it, those included that cannot become text. However deep, long or wide a value is, and if it contains
+ * itself, no more of it is looked at than may be shown.
+ */
 export function shown(value: unknown): string {
-  let text: string;
-  try {
-    text = Array.isArray(value)
-      ? `[${value.slice(0, MAX_VALUE_LENGTH).map(shown).join(', ')}]`
-      : String(value);
-  } catch {
-    text = `an unusual ${typeof value}`;
-  }
-  const whole = printable(text);
+  const text = textOf(value, MAX_READ_LENGTH);
+  // The last of a text that is cut may be credentials of an address.
+  const whole = printable(text.length <= MAX_READ_LENGTH ? text : `${text.slice(0, MAX_READ_LENGTH)}@`);
   return whole.length <= MAX_VALUE_LENGTH ? whole : `${whole.slice(0, MAX_VALUE_LENGTH)}…`;
+}
+
+/** Text of a value; what is behind its first `length` characters may be left out. */
+function textOf(value: unknown, length: number): string {
+  try {
+    const isList = Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
+    if (!isList && !isPlain(value)) return String(value);
+    const items = value as Readonly<Record<string, unknown>>;
+    const keys = isList ? null : Object.keys(items);
+    let text = isList ? '[' : '{';
+    const end = (keys ?? (value as ArrayLike<unknown>)).length;
+    for (let i = 0; i < end && text.length <= length; i++) {
+      if (i > 0) text += ', ';
+      if (keys) text += `${keys[i]}: `;
+      text += textOf(items[keys ? keys[i] : i], length - text.length);
+    }
+    return text + (isList ? ']' : '}');
+  } catch {
+    return `an unusual ${typeof value}`;
+  }
+}
+
+function isPlain(value: unknown): boolean {
+  if (typeof value !== 'object' || value === null) return false;
+  const prototype = Object.getPrototypeOf(value);
+  return prototype === null || prototype === Object.prototype;
 }

@@ -426,7 +426,7 @@ describe('files that are refused', () => {
     ],
     [
       'unknown-format',
-      /without \[an unusual object\]/,
+      /without \[\{toString: 1\}\]/,
       (json) => (json.extensionsRequired = [{ toString: 1 }]),
     ],
     ['bad-header', /extensionsRequired is x, no list/, (json) => (json.extensionsRequired = 'x')],
