@@ -15,7 +15,7 @@ export function sourceName(source: SplatSource): string {
 }
 
 /**
- * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an address, without queries.
+ * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an address, without folders and queries.
  *
  * @param name what the caller calls the source; taken where the source has no name.
  */
@@ -26,7 +26,7 @@ export function fileNameOf(source: SplatSource, name: string | undefined): strin
   }
   const own = (source as Partial<File> | null)?.name ?? name;
   // What is no text is refused later.
-  return typeof own === 'string' ? own : '';
+  return typeof own === 'string' ? own.replace(/^.*\//s, '') : '';
 }
 
 /** `text` as messages show it, shortened if it is long. */

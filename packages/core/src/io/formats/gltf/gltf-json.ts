@@ -1,14 +1,10 @@
 import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
-import { messageOf } from '../../sources/byte-reader.ts';
+import { parseJson } from '../parse-json.ts';
 import { SPLATTING } from './gltf-semantics.ts';
 
-/** As many take up to 64 MiB when parsed. Scenes of splats have a few hundred. */
+/** Scenes of splats have a few hundred. */
 const MOST_VALUES = 2 ** 20;
-/** `,`, `[`, `{`: each value but the first stands behind one. */
-const COMMA = 0x2c;
-const BRACKET = 0x5b;
-const BRACE = 0x7b;
 
 /** What is in these extensions is not splats, or is nothing that changes them. */
 const HARMLESS_EXTENSIONS = /^[A-Z]+_(?:materials|texture|lights)_|^KHR_draco_mesh_compression$/;
@@ -92,22 +88,7 @@ export class GltfJson {
   }
 
   #parse(bytes: Uint8Array): JsonObject {
-    let valueCount = 1;
-    for (const byte of bytes) if (byte === COMMA || byte === BRACKET || byte === BRACE) valueCount++;
-    if (valueCount > MOST_VALUES) {
-      const message = `its JSON may have ${valueCount} values; at most ${MOST_VALUES} are read. Put the splats into few accessors.`;
-      throw this.error('too-large', message);
-    }
-    let root: unknown;
-    try {
-      root = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
-    } catch (cause) {
-      const isTooLong = cause instanceof RangeError;
-      const message = isTooLong
-        ? `its JSON of ${bytes.length} bytes is too long for this browser. Export it as .glb.`
-        : `its JSON cannot be read (${shown(messageOf(cause))}). Download or export it again.`;
-      throw this.error(isTooLong ? 'too-large' : 'bad-header', message);
-    }
+    const root = parseJson(bytes, this.#file, MOST_VALUES);
     if (isObject(root)) return root;
     throw this.error('bad-header', 'its JSON is no object: this is no glTF.');
   }

@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../../data/errors.ts';
-import { clip } from '../ply/ply-header.ts';
+import { shown } from '../../../data/printable.ts';
 import { JsonFields } from './json-fields.ts';
 
 /** A SOG of a streamed scene. */
@@ -28,7 +28,7 @@ export function finestLevel(json: unknown, file: string): LevelFile[] {
   const meta = new JsonFields(json, '', file);
   const version = meta.get('version');
   if (version !== undefined && version !== 1) {
-    const message = `it is streamed SOG of version ${clip(String(version))}; version 1 is read.`;
+    const message = `it is streamed SOG of version ${shown(version)}; version 1 is read.`;
     throw new SplatFileError('unknown-format', file, message, { property: 'version' });
   }
   const levels = meta.count('lodLevels');
@@ -36,7 +36,7 @@ export function finestLevel(json: unknown, file: string): LevelFile[] {
   const countsOfLevel = new Map<number, Map<number, number>>();
   const nodes = [meta.fields('tree')];
   for (let node = nodes.pop(); node; node = nodes.pop()) {
-    if (node.has('children')) nodes.push(...node.list('children'));
+    if (node.has('children')) for (const child of node.list('children')) nodes.push(child);
     if (!node.has('lods')) continue;
     const lods = node.fields('lods');
     for (const key of lods.keys()) {
@@ -44,7 +44,7 @@ export function finestLevel(json: unknown, file: string): LevelFile[] {
       const level = Number(key);
       const index = run.count('file');
       if (!Number.isInteger(level) || level < 0 || level >= levels || index >= names.length) {
-        const message = `a part of the scene is of level ${clip(key)} in the file ${index}, of ${levels} levels and ${names.length} files. Export the scene again.`;
+        const message = `a part of the scene is of level ${shown(key)} in the file ${index}, of ${levels} levels and ${names.length} files. Export the scene again.`;
         throw new SplatFileError('damaged', file, message, { property: 'tree' });
       }
       const counts = countsOfLevel.get(level) ?? new Map<number, number>();
@@ -52,7 +52,8 @@ export function finestLevel(json: unknown, file: string): LevelFile[] {
       counts.set(index, (counts.get(index) ?? 0) + run.count('count'));
     }
   }
-  const finest = Math.min(...countsOfLevel.keys());
+  let finest = Number.POSITIVE_INFINITY;
+  for (const level of countsOfLevel.keys()) finest = Math.min(finest, level);
   const files: LevelFile[] = [...(countsOfLevel.get(finest) ?? [])]
     .filter(([, count]) => count > 0)
     .sort(([a], [b]) => a - b)

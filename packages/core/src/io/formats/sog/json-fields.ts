@@ -1,5 +1,8 @@
 import { SplatFileError } from '../../../data/errors.ts';
-import { clip } from '../ply/ply-header.ts';
+import { shown } from '../../../data/printable.ts';
+
+/** Characters of the end of a place that messages name. */
+const MOST_PATH = 200;
 
 /** The fields of an object in JSON from a file. Each method throws SplatFileError 'bad-header' for what it does not find. */
 export class JsonFields {
@@ -9,10 +12,10 @@ export class JsonFields {
   readonly #file: string;
 
   constructor(json: unknown, path: string, file: string) {
-    this.#path = path;
+    this.#path = path.length <= MOST_PATH ? path : `…${path.slice(-MOST_PATH)}`;
     this.#file = file;
     if (typeof json !== 'object' || json === null || Array.isArray(json))
-      this.#fail(path.replace(/\.$/, ''), json, 'an object');
+      this.#fail(this.#path.replace(/\.$/, ''), json, 'an object');
     this.#values = json as Readonly<Record<string, unknown>>;
   }
 
@@ -70,7 +73,8 @@ export class JsonFields {
   }
 
   #fail(property: string, value: unknown, expected: string): never {
-    const found = value === undefined ? 'missing' : clip(JSON.stringify(value) ?? String(value));
+    const text = typeof value === 'string' ? `"${shown(value)}"` : shown(value);
+    const found = value === undefined ? 'missing' : text;
     const what = property === '' ? 'it' : property;
     const message = `it is no metadata of SOG: ${what} is ${found}; it must be ${expected}.`;
     throw new SplatFileError('bad-header', this.#file, message, property === '' ? {} : { property });

@@ -1,8 +1,8 @@
 import { SplatFileError } from '../../../data/errors.ts';
+import { shown } from '../../../data/printable.ts';
 import { checkSize, limitsOf } from '../../sources/read-limits.ts';
 import { openPart, readOpenedPart } from '../../sources/read-part.ts';
 import type { UncheckedBytes } from '../../sources/splat-source.ts';
-import { clip } from '../ply/ply-header.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 
@@ -43,7 +43,7 @@ export class PartReader {
   async readUnchecked(path: string): Promise<UncheckedPart> {
     const { name } = this.#input;
     if (path.length > MOST_PATH || path.split('/').some((part) => /^\.{0,2}$/.test(part))) {
-      const message = `it names a file "${clip(path)}", which may lie outside of its folder. Export the scene again.`;
+      const message = `it names a file "${shown(path)}", which may lie outside of its folder. Export the scene again.`;
       throw new SplatFileError('damaged', name, message);
     }
     if (this.#paths.has(path)) {

@@ -1,8 +1,8 @@
 import { SplatFileError } from '../../../data/errors.ts';
+import { shown } from '../../../data/printable.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
-import { clip } from '../ply/ply-header.ts';
 import { JsonFields } from './json-fields.ts';
 
 /** What the bytes of a channel mean, in the row of a splat. */
@@ -49,7 +49,7 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
   const meta = new JsonFields(json, '', file);
   const version = meta.get('version');
   if (version !== undefined && version !== 2) {
-    const message = `it is SOG of version ${clip(String(version))}; versions 1 and 2 are read. Export the scene again.`;
+    const message = `it is SOG of version ${shown(version)}; versions 1 and 2 are read. Export the scene again.`;
     throw new SplatFileError('unknown-format', file, message, { property: 'version' });
   }
   const means = meta.fields('means');
@@ -149,12 +149,11 @@ function degreeIn(shN: JsonFields): ShDegree {
 /** What each byte means, by a codebook of version 2. */
 function codebookOf(fields: JsonFields): ByteValues {
   const values = fields.get('codebook');
-  if (!Array.isArray(values) || values.length !== 256)
-    return fields.fail('codebook', 'a list of 256 numbers');
-  const [first, ...others] = values;
   // Some writers left out the first value, for which readers go on from the next.
-  const all = [first === null ? others[0] + (others[0] - others[254]) / 255 : first, ...others];
-  return all.every(Number.isFinite)
-    ? Float32Array.from(all)
-    : fields.fail('codebook', 'a list of 256 numbers');
+  const isRight = (value: unknown, i: number) => Number.isFinite(value) || (i === 0 && value === null);
+  if (!Array.isArray(values) || values.length !== 256 || !values.every(isRight))
+    return fields.fail('codebook', 'a list of 256 numbers');
+  const all = Float32Array.from(values);
+  if (values[0] === null) all[0] = values[1] + (values[1] - values[255]) / 255;
+  return all;
 }

@@ -55,8 +55,22 @@ async function entriesKept(source: SplatSource): Promise<number | null> {
     : null;
 }
 
+/** Stands for lists in lists, which are too deep for what writes JSON. */
+const deep = (depth: number) => `deep ${depth}`;
+
+/** Files in whose JSON lists are as deep as `deep` says. */
+const deepened = (files: Record<string, Uint8Array<ArrayBuffer>>) =>
+  Object.fromEntries(
+    Object.entries(files).map(([path, bytes]) => {
+      if (!path.endsWith('.json')) return [path, bytes];
+      const text = new TextDecoder().decode(bytes);
+      const nested = (_: string, depth: string) => '['.repeat(Number(depth)) + ']'.repeat(Number(depth));
+      return [path, new TextEncoder().encode(text.replace(/"deep (\d+)"/g, nested))];
+    }),
+  );
+
 const failure = (example: SogExample, options: ReadSplatsOptions = {}) =>
-  fileErrorOf(rowsOf(droppedFiles(sogFiles(example)), options));
+  fileErrorOf(rowsOf(droppedFiles(deepened(sogFiles(example))), options));
 
 describe('what is read', () => {
   for (const version of [1, 2] as const) {
@@ -254,9 +268,45 @@ describe('streamed SOG', () => {
       'too-large',
       /maxSplats|numbered/,
     ],
+    ['a version 10,000 deep', { version: deep(10_000) }, 'unknown-format', /version \[\[/],
+    ['levels 10,000 deep', { lodLevels: deep(10_000) }, 'bad-header', /lodLevels is \[\[/],
+    [
+      'lists of children 100,000 deep',
+      { tree: { bound, children: deep(100_000) } },
+      'bad-header',
+      /children\[0\] is \[/,
+    ],
   ])('%s', async (_, change, code, message) => {
-    const read = rowsOf(droppedFiles(filesOf({ ...lodMeta, ...change })));
+    const read = rowsOf(droppedFiles(deepened(filesOf({ ...lodMeta, ...change }))));
     await expect(read).rejects.toMatchObject({ code, message: expect.stringMatching(message) });
+  });
+
+  const readText = (text: string) =>
+    rowsOf(droppedFiles({ ...filesOf(lodMeta), 'scene/lod-meta.json': new TextEncoder().encode(text) }));
+
+  test('a tree 100,000 nodes deep, whose message is short', async () => {
+    const tree = `${'{"children":['.repeat(1e5)}{"children":7}${']}'.repeat(1e5)}`;
+    const read = readText(JSON.stringify({ ...lodMeta, tree: 'deep' }).replace('"deep"', tree));
+    const { code, message } = await fileErrorOf(read);
+    expect(code).toBe('bad-header');
+    expect(message).toMatch(/….*children\[0\]\.children is 7; it must be a list/);
+    expect(message.length).toBeLessThan(700);
+  });
+
+  test('more values than any scene has', async () => {
+    const read = readText(`{"lodLevels":1,"later":[${'0,'.repeat(2 ** 23)}0]}`);
+    expect(await fileErrorOf(read)).toMatchObject({
+      code: 'too-large',
+      message: expect.stringMatching(/may have 8388\d+ values/),
+    });
+  });
+
+  test('130,000 nodes and 130,000 levels are read', async () => {
+    const coarser = Array.from({ length: 130_000 }, (_, i) => [i + 2, { file: 1, offset: 3, count: 0 }]);
+    const none = leaf(Object.fromEntries(coarser));
+    const children = [...new Array(130_000).fill({ bound }), ...lodMeta.tree.children, none];
+    const meta = { ...lodMeta, counts: undefined, lodLevels: 130_002, tree: { bound, children } };
+    expectRows(await rowsOf(droppedFiles(filesOf(meta))), widened([...first.rows, ...second.rows]));
   });
 });
 
@@ -279,7 +329,7 @@ describe('what is refused', () => {
   test.each<[string, (meta: any) => void, string, RegExp]>([
     ['version 3', (meta) => (meta.version = 3), 'unknown-format', /version 3/],
     ['no means', (meta) => delete meta.means, 'bad-header', /means is missing/],
-    ['mins of two axes', (meta) => meta.means.mins.pop(), 'bad-header', /means.mins is \[-2,-0.5\]/],
+    ['mins of two axes', (meta) => meta.means.mins.pop(), 'bad-header', /means.mins is \[-2, -0.5\]/],
     ['maxs that are text', (meta) => (meta.means.maxs[1] = '3'), 'bad-header', /means.maxs/],
     ['a short codebook', (meta) => meta.sh0.codebook.pop(), 'bad-header', /sh0.codebook.*256/],
     ['a codebook with holes', (meta) => (meta.shN.codebook[9] = null), 'bad-header', /shN.codebook/],
@@ -301,6 +351,28 @@ describe('what is refused', () => {
       /may lie outside of its folder/,
     ],
     ['a list', (meta) => (meta.quats = []), 'bad-header', /quats is \[\]/],
+    [
+      'a version that is an object',
+      (meta) => (meta.version = { toString: 1 }),
+      'unknown-format',
+      /toString: 1/,
+    ],
+    ['a version 10,000 deep', (meta) => (meta.version = deep(10_000)), 'unknown-format', /version \[\[\[/],
+    ['a count 5,000 deep', (meta) => (meta.count = deep(5000)), 'bad-header', /count is \[\[\[/],
+    ['a list of files 5,000 deep', (meta) => (meta.quats.files = deep(5000)), 'bad-header', /files is \[\[/],
+    ['a count that is text', (meta) => (meta.count = '11'), 'bad-header', /count is "11"/],
+    [
+      'a codebook of objects behind null',
+      (meta) => (meta.scales.codebook = [null, ...new Array(255).fill({ valueOf: 1, toString: 1 })]),
+      'bad-header',
+      /scales.codebook/,
+    ],
+    [
+      'a codebook of text behind null',
+      (meta) => (meta.scales.codebook = [null, ...new Array(255).fill('1')]),
+      'bad-header',
+      /scales.codebook/,
+    ],
   ])('%s', async (_, change, code, message) => {
     const example = exampleOf();
     change(example.meta);

@@ -5,6 +5,7 @@ import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
+import { parseJson } from '../parse-json.ts';
 import { ReadProgress } from '../progress.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
@@ -17,6 +18,8 @@ import { sogRows, sogRowsOfPalette } from './sog-rows.ts';
 
 /** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
 const MAX_META_BYTES = 2 ** 26;
+/** About as many as numbers with their names take so many bytes. */
+const MOST_META_VALUES = 2 ** 23;
 
 /** A SOG whose images are being decoded. */
 interface OpenedUnit extends OpenedImages {
@@ -42,7 +45,7 @@ export async function readSog(
   try {
     const progress = new ReadProgress(input, options.onProgress);
     const units = await openUnits(input, { ...options, signal }, progress);
-    const shDegree = Math.max(...units.map((unit) => unit.shDegree)) as ShDegree;
+    const shDegree = units.reduce<ShDegree>((most, unit) => (unit.shDegree > most ? unit.shDegree : most), 0);
     const palette = options.keepsPalette
       ? joinPalettes(await Promise.all(units.map(decodedUnit)), shDegree)
       : null;
@@ -64,7 +67,7 @@ async function openUnits(
 ): Promise<OpenedUnit[]> {
   const { name } = input;
   const parts = new PartReader(input, options, progress);
-  const json = parseJson(await readAll(input.reader, MAX_META_BYTES + 1), name);
+  const json = parseMeta(await readAll(input.reader, MAX_META_BYTES + 1), name);
   const budget = new ImageBudget(options.maxBytes ?? Number.POSITIVE_INFINITY);
   const unitOf = async (
     file: string,
@@ -89,7 +92,7 @@ async function openUnits(
   if (total > 0 || files.length === 0) checkCount(total, name, options.maxSplats);
   const units: OpenedUnit[] = [];
   for (const { path, count } of files) {
-    const unitJson = parseJson(await parts.read(path), path);
+    const unitJson = parseMeta(await parts.read(path), path);
     const unit = await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count);
     // What is damaged is known before the next is fetched.
     await unit.decoded;
@@ -98,17 +101,10 @@ async function openUnits(
   return units;
 }
 
-function parseJson(bytes: Uint8Array, file: string): unknown {
-  if (bytes.length > MAX_META_BYTES) {
-    const message = `its metadata has more than ${MAX_META_BYTES} bytes, which no scene needs.`;
-    throw new SplatFileError('too-large', file, message);
-  }
-  try {
-    return JSON.parse(new TextDecoder().decode(bytes));
-  } catch (cause) {
-    const message = `it is no valid JSON (${(cause as Error).message}). Download or export it again.`;
-    throw new SplatFileError('bad-header', file, message, {}, { cause });
-  }
+function parseMeta(bytes: Uint8Array, file: string): unknown {
+  if (bytes.length <= MAX_META_BYTES) return parseJson(bytes, file, MOST_META_VALUES);
+  const message = `its metadata has more than ${MAX_META_BYTES} bytes, which no scene needs.`;
+  throw new SplatFileError('too-large', file, message);
 }
 
 async function decodedUnit({ file, meta, decoded }: OpenedUnit): Promise<SogUnit> {
