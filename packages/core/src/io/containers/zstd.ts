@@ -53,9 +53,23 @@ const MATCHES: Field = {
 };
 
 /** Bits that follow each code of a length, and the length that the code begins with. */
-const LITERAL_BITS = Uint8Array.of(...Array(16).fill(0), 1, 1, 1, 1, 2, 2, 3, 3, 4, ...countFrom(6, 16));
+const LITERAL_BITS = Uint8Array.from([...Array(16).fill(0), 1, 1, 1, 1, 2, 2, 3, 3, 4, ...countFrom(6, 16)]);
 const LITERAL_BASES = basesOf(LITERAL_BITS, 0);
-const MATCH_BITS = Uint8Array.of(...Array(32).fill(0), 1, 1, 1, 1, 2, 2, 3, 3, 4, 4, 5, ...countFrom(7, 16));
+const MATCH_BITS = Uint8Array.from([
+  ...Array(32).fill(0),
+  1,
+  1,
+  1,
+  1,
+  2,
+  2,
+  3,
+  3,
+  4,
+  4,
+  5,
+  ...countFrom(7, 16),
+]);
 const MATCH_BASES = basesOf(MATCH_BITS, 3);
 
 function countFrom(first: number, last: number): number[] {

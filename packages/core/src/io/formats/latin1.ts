@@ -1,4 +1,4 @@
 /** Bytes as text, one character each, for patterns that bytes are told by. */
 export function latin1(bytes: Uint8Array): string {
-  return String.fromCharCode(...bytes);
+  return Array.from(bytes, (byte) => String.fromCharCode(byte)).join('');
 }

@@ -126,7 +126,7 @@ function layoutOf({ format, elements }: PlyHeader, file: string): Layout {
     offsets: offsetsOf(element, names, type, file),
   });
   const needed = [chunk, vertex, ...(sh ? [sh] : [])];
-  const last = Math.max(...needed.map((element) => elements.indexOf(element)));
+  const last = elements.findLastIndex((element) => needed.includes(element));
   return {
     count,
     shDegree,

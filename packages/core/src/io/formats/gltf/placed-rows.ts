@@ -37,7 +37,8 @@ export function reasonNotToPlace(matrix: Mat4): string | undefined {
 export function placedRows(rows: DecodedRows, matrix: Mat4): DecodedRows {
   if (identity4().every((value, i) => matrix[i] === value)) return rows;
   const { lengths, axes } = columnsOf(matrix);
-  const isUniform = Math.max(...lengths) <= (1 + ROUNDING) * Math.min(...lengths);
+  const [x, y, z] = lengths;
+  const isUniform = Math.max(x, y, z) <= (1 + ROUNDING) * Math.min(x, y, z);
   const moveShape = isUniform ? turnedShape(lengths, axes) : stretchedShape(matrix);
   const isTurned = axes.some((value, i) => value !== (i % 4 === 0 ? 1 : 0));
   const harmonics = isTurned && rows.shDegree > 0 ? new HarmonicsTurn(rows.shDegree, axes) : null;

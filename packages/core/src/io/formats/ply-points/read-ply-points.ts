@@ -79,7 +79,7 @@ function complete(
  * volumes.
  */
 function pointLogScale(positions: Float32Array, count: number): number {
-  const extents = [0, 1, 2].map((axis) => {
+  const [x, y, z] = [0, 1, 2].map((axis) => {
     let [min, max] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
     for (let i = axis; i < positions.length; i += 3) {
       min = Math.min(min, positions[i]);
@@ -87,5 +87,5 @@ function pointLogScale(positions: Float32Array, count: number): number {
     }
     return max - min;
   });
-  return Math.log((Math.hypot(...extents) || 1) / Math.sqrt(count) / 2);
+  return Math.log((Math.hypot(x, y, z) || 1) / Math.sqrt(count) / 2);
 }
