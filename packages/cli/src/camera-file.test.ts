@@ -39,10 +39,13 @@ test('a camera may be two matrices, with near and far read from the projection',
   expect(camera.far).toBeCloseTo(50, 6);
 });
 
+/** Lists in lists. */
+const nested = (depth: number) => JSON.parse('['.repeat(depth) + ']'.repeat(depth));
+
 test.each([
   [[], 'cam.json: a camera is an object, found []'],
   [{ target: [0, 0, 0] }, 'cam.json: position must be 3 finite numbers, found nothing (field position)'],
-  [{ ...LOOK_AT, up: [0, '1', 0] }, 'cam.json: up must be 3 finite numbers, found [0,"1",0] (field up)'],
+  [{ ...LOOK_AT, up: [0, '1', 0] }, 'cam.json: up must be 3 finite numbers, found [0, "1", 0] (field up)'],
   [LOOK_AT, 'cam.json: fovYDegrees must be a finite number, found nothing (field fovYDegrees)'],
   [{ ...LOOK_AT, fovYDegrees: 200 }, /^cam\.json: fovYDegrees is 200; .*\(field fovYDegrees\)$/],
   [{ ...LOOK_AT, fovYDegrees: 60, near: 5, far: 2 }, /^cam\.json: near is 5 and far is 2; .*\(field far\)$/],
@@ -53,6 +56,8 @@ test.each([
   ],
   [{ ...LOOK_AT, projection: 'orthographic' }, /^cam\.json: height must be a finite number, found nothing/],
   [{ viewMatrix: IDENTITY }, /^cam\.json: projectionMatrix must be 16 finite numbers, found nothing/],
-])('%j is refused with the file and the field', (json, message) => {
+  [{ ...LOOK_AT, up: nested(5000) }, /^cam\.json: up must be 3 finite numbers, found \[{80}… \(field up\)$/],
+  [nested(5000), /^cam\.json: a camera is an object, found \[{80}…$/],
+])('camera %# is refused with the file and the field', (json, message) => {
   expect(() => parseCamera(json, 'cam.json', 1)).toThrow(message);
 });

@@ -1,4 +1,5 @@
 import { readFile } from 'node:fs/promises';
+import { shown as printed } from '@websplatter/core';
 import { describeSystemError, InputFileError } from './input-error.ts';
 
 /** Reads a JSON file; `kind` names its purpose in messages. */
@@ -22,8 +23,7 @@ export async function readJsonFile(file: string, kind: string): Promise<unknown>
 
 /** Formats a value for a message: short, on one line. */
 export function shown(value: unknown): string {
-  const text = value === undefined ? 'nothing' : JSON.stringify(value);
-  return text.length > 60 ? `${text.slice(0, 57)}…` : text;
+  return value === undefined ? 'nothing' : printed(typeof value === 'string' ? `"${value}"` : value);
 }
 
 export function isObject(value: unknown): value is Record<string, unknown> {

@@ -9,7 +9,7 @@ test('a model matrix is an array or an object with one', () => {
 });
 
 test.each([
-  [[1, 2, 3], 'm.json: a model matrix is 16 finite numbers, column-major, found [1,2,3]'],
+  [[1, 2, 3], 'm.json: a model matrix is 16 finite numbers, column-major, found [1, 2, 3]'],
   [
     { elements: MOVED },
     'm.json: a model matrix is 16 finite numbers, column-major, found nothing (field matrix)',

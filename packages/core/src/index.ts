@@ -62,7 +62,7 @@ export {
   transferablesOf,
 } from './data/packing/packed-cloud.ts';
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './data/packing/precision.ts';
-export { printable } from './data/printable.ts';
+export { printable, shown } from './data/printable.ts';
 export { SORTED_BY, type SortBy } from './data/splats/sort-by.ts';
 export {
   coefficientsPerSplat,

@@ -85,7 +85,7 @@ describe('settings of SuperSplat', () => {
     [{ ...SECOND, background: { color: 'red' } }, 'background.color is "red", but must be a list'],
     [
       { ...SECOND, background: { color: [0, 0] } },
-      'background.color is [0,0], but must be a list of 3 numbers',
+      'background.color is [0, 0], but must be a list of 3 numbers',
     ],
     [{ ...SECOND, background: { color: [0, 0, null] } }, 'background.color[2] is null, but must be a number'],
     [{ ...SECOND, cameras: undefined }, 'cameras is missing, but must be a list'],
@@ -99,7 +99,7 @@ describe('settings of SuperSplat', () => {
     [withTrack({ keyframes: { ...TRACK.keyframes, times: [1, 1] } }), 'each is larger than the one before'],
     [
       withTrack({ keyframes: { times: [0], values: TRACK.keyframes.values } }),
-      'keyframes.values.position is [0,0,1,0,0,2], but must be a list of 3 numbers',
+      'keyframes.values.position is [0, 0, 1, 0, 0, 2], but must be a list of 3 numbers',
     ],
   ])('are refused where %j does not fit', (settings, message) => {
     expect(() => read(settings)).toThrow(SettingsError);
@@ -109,5 +109,7 @@ describe('settings of SuperSplat', () => {
   it('are refused where they are no JSON, of which little is shown', () => {
     expect(() => readSceneSettings('<html>')).toThrow('The file is "<html>", but must be JSON.');
     expect(() => readSceneSettings(`<${'x'.repeat(1000)}`)).toThrow(/x…, but must be JSON/);
+    const deep = '['.repeat(10_000) + ']'.repeat(10_000);
+    expect(() => readSceneSettings(`{"version":${deep}}`)).toThrow(/^version is \[{80}…, but must be 2/);
   });
 });

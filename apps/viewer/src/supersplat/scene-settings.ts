@@ -1,3 +1,4 @@
+import { shown } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 
 /** A camera as SuperSplat has it: metres of its world, y up. */
@@ -35,9 +36,8 @@ export class SettingsError extends Error {
 
   /** @param path of the value, e.g. `background.color`; empty for the file as a whole. */
   constructor(path: string, found: unknown, needed: string) {
-    const text = JSON.stringify(found) ?? 'missing';
-    const shown = text.length > 60 ? `${text.slice(0, 60)}…` : text;
-    super(`${path || 'The file'} is ${shown}, but must be ${needed}.`);
+    const text = found === undefined ? 'missing' : shown(typeof found === 'string' ? `"${found}"` : found);
+    super(`${path || 'The file'} is ${text}, but must be ${needed}.`);
   }
 }
 

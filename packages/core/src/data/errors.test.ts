@@ -84,7 +84,7 @@ describe('values in messages', () => {
     ['a big integer', 10n, /^10$/],
     ['a date that is none', new Date(Number.NaN), /^Invalid Date$/],
     ['nothing', [undefined, null, Number.NaN], /^\[undefined, null, NaN\]$/],
-    ['lists in objects', { a: [1, { b: 'c' }] }, /^\{a: \[1, \{b: c\}\]\}$/],
+    ['lists in objects', { a: [1, { b: 'c' }] }, /^\{a: \[1, \{b: "c"\}\]\}$/],
     ['long text', 'y'.repeat(1e7), /^y{80}…$/],
     ['long text in an object', { ['k'.repeat(1e6)]: 'y'.repeat(1e6) }, /^\{k{79}…$/],
     ['credentials before more than is read', `https://me:${'secret'.repeat(1e6)}@a.org/`, /^https:\/\/$/],

@@ -43,7 +43,8 @@ function textOf(value: unknown, length: number): string {
     for (let i = 0; i < end && text.length <= length; i++) {
       if (i > 0) text += ', ';
       if (keys) text += `${keys[i]}: `;
-      text += textOf(items[keys ? keys[i] : i], length - text.length);
+      const item = items[keys ? keys[i] : i];
+      text += textOf(typeof item === 'string' ? `"${item}"` : item, length - text.length);
     }
     return text + (isList ? ']' : '}');
   } catch {

@@ -74,7 +74,7 @@ export async function splatAttributesOf(
     .map(({ semantic }) => semantic)
     .filter((semantic) => attributes[semantic] === undefined);
   if (missing.length > 0) {
-    const names = missing.map((semantic) => semantic.replace(`${SPLATTING}:`, ''));
+    const names = missing.map((semantic) => semantic.replace(`${SPLATTING}:`, '')).join(', ');
     const advice = 'Drafts of the extension had others; export it again.';
     const message = `${element} lacks ${shown(names)}, which splats need. ${advice}`;
     throw json.error('not-splats', message, { element });

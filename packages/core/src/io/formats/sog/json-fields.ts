@@ -73,8 +73,7 @@ export class JsonFields {
   }
 
   #fail(property: string, value: unknown, expected: string): never {
-    const text = typeof value === 'string' ? `"${shown(value)}"` : shown(value);
-    const found = value === undefined ? 'missing' : text;
+    const found = value === undefined ? 'missing' : shown(typeof value === 'string' ? `"${value}"` : value);
     const what = property === '' ? 'it' : property;
     const message = `it is no metadata of SOG: ${what} is ${found}; it must be ${expected}.`;
     throw new SplatFileError('bad-header', this.#file, message, property === '' ? {} : { property });
