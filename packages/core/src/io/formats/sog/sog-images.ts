@@ -4,6 +4,7 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
+import { type Run, splatsOf } from './finest-level.ts';
 import type { PartReader, UncheckedPart } from './part-reader.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
@@ -36,6 +37,28 @@ export interface SogPaletteImages {
   readonly palette: Uint8Array;
   /** Number of its colour, of each splat: the low byte in R, the high one in G. */
   readonly labels: Uint8Array;
+}
+
+/** The images of some splats alone, run after run. */
+export function imagesOfRuns(images: SogImages, runs: readonly Run[]): SogImages {
+  const taken = (pixels: Uint8Array) => {
+    const result = new Uint8Array(4 * splatsOf(runs));
+    let at = 0;
+    for (const { offset, count } of runs) {
+      result.set(pixels.subarray(4 * offset, 4 * (offset + count)), at);
+      at += 4 * count;
+    }
+    return result;
+  };
+  const { positionsLow, positionsHigh, rotations, scales, colors, harmonics } = images;
+  return {
+    positionsLow: taken(positionsLow),
+    positionsHigh: taken(positionsHigh),
+    rotations: taken(rotations),
+    scales: taken(scales),
+    colors: taken(colors),
+    harmonics: harmonics && { ...harmonics, labels: taken(harmonics.labels) },
+  };
 }
 
 /** Counts what a scene's images unpack to, which few bytes must not make large. */

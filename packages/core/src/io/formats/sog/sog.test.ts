@@ -210,6 +210,12 @@ describe('streamed SOG', () => {
       ],
     },
   };
+  /** The tree with another run in its second leaf. */
+  const changedRun = (change: object, others: object = {}) => {
+    const [coarse, { children }] = lodMeta.tree.children as [object, { children: ReturnType<typeof leaf>[] }];
+    const changed = leaf({ 0: { ...children[0].lods[0], ...change } });
+    return { ...others, tree: { bound, children: [coarse, changed, children[1]] } };
+  };
   const filesOf = (meta: object): Record<string, Uint8Array<ArrayBuffer>> => ({
     ...sogFiles(second, 'scene/0_1/'),
     ...sogFiles(first, 'scene/0_0/'),
@@ -238,6 +244,29 @@ describe('streamed SOG', () => {
     );
   });
 
+  test('where a part lacks the finest level, the next that it has, and a note', async () => {
+    const rich = exampleOf({ count: 7, shDegree: 1 }, 6);
+    const tree = {
+      bound,
+      children: [
+        leaf({ 1: { file: 1, offset: 4, count: 3 } }),
+        leaf({ 0: { file: 0, offset: 0, count: 9 }, 1: { file: 1, offset: 1, count: 3 } }),
+        leaf({ 1: { file: 1, offset: 0, count: 1 }, 0: { file: 0, offset: 9, count: 0 } }),
+        leaf({ 2: { file: 2, offset: 0, count: 6 } }),
+      ],
+    };
+    const meta = { ...lodMeta, lodLevels: 3, count: 22, counts: [9, 7, 6], tree };
+    const source = droppedFiles({ ...filesOf(meta), ...sogFiles(rich, 'scene/1_0/') });
+    const { layout, values } = await rowsOf(source);
+    const picked = [rich.rows[0], ...rich.rows.slice(4)];
+    expectRows({ layout, values }, widened([...first.rows, ...picked, ...second.rows]));
+    expect(layout.fileFacts?.notes).toEqual([
+      '3 of 4 parts have no splats of level 0; their next level is shown.',
+    ]);
+    expect(await entriesKept(source)).toBe(70 + 70 + 1);
+    expect((await rowsOf(droppedFiles(filesOf(lodMeta)))).layout.fileFacts).not.toHaveProperty('notes');
+  });
+
   test('as one palette, unless it would have too many entries', async () => {
     const source = droppedFiles(filesOf(lodMeta));
     // Files without harmonics have one entry, of zeros.
@@ -251,8 +280,8 @@ describe('streamed SOG', () => {
     ['another version', { version: 2 }, 'unknown-format', /version 2/],
     ['no tree', { tree: null }, 'bad-header', /tree/],
     ['no files', { filenames: [1] }, 'bad-header', /filenames/],
-    ['no splats', { tree: { bound } }, 'empty', /0 splats/],
-    ['a level that is not there', { lodLevels: 1 }, 'damaged', /level 1/],
+    ['no splats', { count: 0, counts: [0, 0], tree: { bound } }, 'empty', /0 splats/],
+    ['a level that is not there', { lodLevels: 1 }, 'damaged', /level "1"/],
     ['a file that is not there', { filenames: ['0_0/meta.json'] }, 'damaged', /file \d/],
     [
       'a count of a file that is another',
@@ -264,10 +293,39 @@ describe('streamed SOG', () => {
     ['files outside', { environment: '../meta.json' }, 'damaged', /outside/],
     [
       'more than may be',
-      { tree: leaf({ 0: { file: 0, offset: 0, count: 2 ** 40 } }) },
+      { count: 2 ** 40, counts: [2 ** 40], tree: leaf({ 0: { file: 0, offset: 0, count: 2 ** 40 } }) },
       'too-large',
       /maxSplats|numbered/,
     ],
+    ['a count of all that is another', { count: 19 }, 'damaged', /tree has 18 splats, where it says 19/],
+    ['counts that are others', { counts: [14, 4] }, 'damaged', /15 splats of level 0, where it says 14/],
+    ['fewer counts than levels', { counts: [15] }, 'damaged', /3 splats of level 1, where it says undefined/],
+    ['more counts than levels', { counts: [15, 3, 1] }, 'damaged', /0 splats of level 2, where it says 1/],
+    ['counts that are none', { counts: { 0: 15, 1: 3 } }, 'bad-header', /counts is \{0: 15, 1: 3\}/],
+    ['an environment that is no name', { environment: ['env'] }, 'bad-header', /environment is \["env"\]/],
+    [
+      'a run beyond the end of its file',
+      changedRun({ count: 6 }, { count: 19, counts: [16, 3] }),
+      'damaged',
+      /it has 9 splats, where the scene says 10/,
+    ],
+    [
+      'a run that begins beyond the one before',
+      changedRun({ offset: 5 }),
+      'damaged',
+      /0_0\/meta.json leave out splats at 4/,
+    ],
+    ['runs that overlap', changedRun({ offset: 3 }), 'damaged', /0_0\/meta.json overlap at 3/],
+    ['a run of no place', changedRun({ offset: '4' }), 'bad-header', /lods\.0\.offset is "4"/],
+    ['a file of two levels', changedRun({ file: 1, offset: 3 }), 'damaged', /levels 1 and 0/],
+    ...['" "', '"0x0"', '"00"', '"-0"', '"+0"', '"0.0"', '"1e0"', '""', '"\u0660"'].map(
+      (name): [string, object, string, RegExp] => [
+        `a level ${name}`,
+        { tree: leaf({ [JSON.parse(name)]: { file: 0, offset: 0, count: 9 } }), count: 9, counts: [9] },
+        'damaged',
+        /is of level ".*" in the file 0/,
+      ],
+    ),
     ['a version 10,000 deep', { version: deep(10_000) }, 'unknown-format', /version \[\[/],
     ['levels 10,000 deep', { lodLevels: deep(10_000) }, 'bad-header', /lodLevels is \[\[/],
     [
@@ -305,7 +363,7 @@ describe('streamed SOG', () => {
     const coarser = Array.from({ length: 130_000 }, (_, i) => [i + 2, { file: 1, offset: 3, count: 0 }]);
     const none = leaf(Object.fromEntries(coarser));
     const children = [...new Array(130_000).fill({ bound }), ...lodMeta.tree.children, none];
-    const meta = { ...lodMeta, counts: undefined, lodLevels: 130_002, tree: { bound, children } };
+    const meta = { ...lodMeta, lodLevels: 130_002, tree: { bound, children } };
     expectRows(await rowsOf(droppedFiles(filesOf(meta))), widened([...first.rows, ...second.rows]));
   });
 });

@@ -9,9 +9,16 @@ import { parseJson } from '../parse-json.ts';
 import { ReadProgress } from '../progress.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
-import { finestLevel, isStreamedMeta } from './finest-level.ts';
+import { finestLevel, isStreamedMeta, type Run, splatsOf } from './finest-level.ts';
 import { PartReader } from './part-reader.ts';
-import { ImageBudget, imageNames, type OpenedImages, openSogImages } from './sog-images.ts';
+import {
+  ImageBudget,
+  imageNames,
+  imagesOfRuns,
+  type OpenedImages,
+  openSogImages,
+  type SogImages,
+} from './sog-images.ts';
 import { parseSogMeta, type SogMeta } from './sog-meta.ts';
 import { joinPalettes, paletteEntries, type SogUnit } from './sog-palette.ts';
 import { sogRows, sogRowsOfPalette } from './sog-rows.ts';
@@ -29,7 +36,7 @@ interface OpenedUnit extends OpenedImages {
 
 /**
  * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and images beside it, whose pixels are
- * the splats. Of streamed SOG, reads the finest level of the whole scene, and its environment.
+ * the splats. Of streamed SOG, reads the finest level of the whole scene, or of each part the finest that it has, and its environment.
  * Where it is asked for, harmonics stay the palette that they are, unless those of a streamed scene have too many entries for one.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
@@ -44,13 +51,14 @@ export async function readSog(
   const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
   try {
     const progress = new ReadProgress(input, options.onProgress);
-    const units = await openUnits(input, { ...options, signal }, progress);
+    const { units, notes } = await openUnits(input, { ...options, signal }, progress);
     const shDegree = units.reduce<ShDegree>((most, unit) => (unit.shDegree > most ? unit.shDegree : most), 0);
     const palette = options.keepsPalette
       ? joinPalettes(await Promise.all(units.map(decodedUnit)), shDegree)
       : null;
-    if (!palette) return await deliverRows(joinUnits(units, shDegree), input, options, rowsTo, progress);
-    const delivered = await deliverRows(joinUnits(units, 0), input, options, undefined, progress);
+    const rows = joinUnits(units, palette ? 0 : shDegree, notes);
+    if (!palette) return await deliverRows(rows, input, options, rowsTo, progress);
+    const delivered = await deliverRows(rows, input, options, undefined, progress);
     // Without a sink there is always a set.
     const set = delivered as SplatSet<PackedHarmonics>;
     const indices = Uint16Array.from(set.fileIndices, (row) => palette.indices[row]);
@@ -64,7 +72,7 @@ async function openUnits(
   input: SplatInput,
   options: SplatFormatOptions,
   progress: ReadProgress,
-): Promise<OpenedUnit[]> {
+): Promise<{ units: OpenedUnit[]; notes: readonly string[] }> {
   const { name } = input;
   const parts = new PartReader(input, options, progress);
   const json = parseMeta(await readAll(input.reader, MAX_META_BYTES + 1), name);
@@ -85,20 +93,20 @@ async function openUnits(
     if (unitJson === json) parts.expect(imageNames(meta).length);
     return { file, meta, ...(await openSogImages(parts, folder, meta, budget)) };
   };
-  if (!isStreamedMeta(json)) return [await unitOf(name, '', json)];
-  const files = finestLevel(json, name);
-  const total = files.reduce((sum, { count = 0 }) => sum + count, 0);
+  if (!isStreamedMeta(json)) return { units: [await unitOf(name, '', json)], notes: [] };
+  const { files, notes } = finestLevel(json, name);
+  const total = files.reduce((sum, { count = 0, runs }) => sum + (runs ? splatsOf(runs) : count), 0);
   // Before all of it is fetched; an environment may be all there is.
   if (total > 0 || files.length === 0) checkCount(total, name, options.maxSplats);
   const units: OpenedUnit[] = [];
-  for (const { path, count } of files) {
+  for (const { path, count, runs } of files) {
     const unitJson = parseMeta(await parts.read(path), path);
     const unit = await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count);
     // What is damaged is known before the next is fetched.
-    await unit.decoded;
-    units.push(unit);
+    const images = await unit.decoded;
+    units.push(runs ? unitOfRuns(unit, images, runs) : unit);
   }
-  return units;
+  return { units, notes };
 }
 
 function parseMeta(bytes: Uint8Array, file: string): unknown {
@@ -107,12 +115,17 @@ function parseMeta(bytes: Uint8Array, file: string): unknown {
   throw new SplatFileError('too-large', file, message);
 }
 
+function unitOfRuns(unit: OpenedUnit, images: SogImages, runs: readonly Run[]): OpenedUnit {
+  const meta = { ...unit.meta, count: splatsOf(runs) };
+  return { ...unit, meta, decoded: Promise.resolve(imagesOfRuns(images, runs)) };
+}
+
 async function decodedUnit({ file, meta, decoded }: OpenedUnit): Promise<SogUnit> {
   return { file, meta, images: await decoded };
 }
 
 /** The splats of several SOGs, one after the other, once their images are decoded. @param shDegree see `sogRows`. */
-function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree): DecodedRows {
+function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: readonly string[]): DecodedRows {
   const decoded: SogUnit[] = [];
   const keepDecoded = async (unit: OpenedUnit, i: number) => {
     decoded[i] = await decodedUnit(unit);
@@ -132,7 +145,7 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree): DecodedRow
   const isShared = units.length === 1 && shDegree > 0 && paletteSize > 0 && paletteSize < rows.count;
   return {
     ...rows,
-    fileFacts: { format: 'sog', variant: String(meta.version) },
+    fileFacts: { format: 'sog', variant: String(meta.version), ...(notes.length > 0 && { notes }) },
     // The sink makes room for the rows while images are decoded.
     arrive: async () => {
       await whenDecoded;
