@@ -1,6 +1,7 @@
 import { SplatFileError } from '../../data/errors.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
 import { latin1 } from './latin1.ts';
+import { OTHER_FILES } from './other-files.ts';
 import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
@@ -27,7 +28,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
     message: "it looks like JSON (a server's error, perhaps), and is no scene",
   },
-  { pattern: /^(?:\x89PNG|\xff\xd8\xff|RIFF....WEBP|GIF8)/s, message: 'it is an image; give the PLY itself' },
+  ...OTHER_FILES,
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
 ];
 

@@ -23,7 +23,7 @@ const FILES: readonly (readonly [name: string, bytes: Uint8Array])[] = [
   ],
   ['scene.spz', spz],
   ['scene.glb', glbBytes(gltf)],
-  ['scene.splat', Uint8Array.from({ length: 96 }, (_, i) => 3 * i)],
+  ['scene.splat', new Uint8Array(Float32Array.from({ length: 24 }, (_, i) => 0.1 + i).buffer)],
 ];
 
 const read = (bytes: Uint8Array, name: string) =>

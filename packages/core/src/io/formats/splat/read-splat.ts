@@ -7,9 +7,15 @@ import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { takesCount } from '../row-sink.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import { type ReadFormat, SNIFF_BYTES } from '../splat-format.ts';
 
 const ROW_BYTES = 32;
+/** Rows by which a file is judged, which nothing but its name tells to be a .splat: those by which other formats are told. */
+const ROWS_JUDGED = SNIFF_BYTES / ROW_BYTES;
+/** In any unit, scenes are far smaller. */
+const MOST_LENGTH = 1e9;
+/** Thinner splats are flat, which is written as 0. Whole numbers of 32 bits, taken for float32, are far less. */
+const LEAST_SCALE = 1e-12;
 const ROW_LENGTH = rowLength(0);
 
 const COLORS = tableOfBytes(colorDcOf);
@@ -27,9 +33,12 @@ const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 
  * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`): splats of 2DGS, which lack the third, are
  * written so. A row with a negative one is dropped, as one that is not finite is.
  *
+ * Among the first rows, those with positions or scales that no scene has tell other files: more than a half of them is too many, and
+ * more than a tenth makes a note.
+ *
  * Rows that go to the GPU are decoded as they arrive, where the size of the file is certain.
  *
- * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'too-large', 'empty'.
+ * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'unknown-format' for other files; 'too-large', 'empty'.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;
@@ -39,11 +48,17 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     const message = `${byteCount} bytes are no whole number of splats of ${ROW_BYTES}. It is cut off, or no .splat file at all.`;
     throw new SplatFileError('truncated', file, message, { byte: byteCount });
   };
-  const deliver = (count: number, source: RowSource, arrive?: DecodedRows['arrive']) => {
+  const deliver = (
+    count: number,
+    firstBytes: Uint8Array,
+    source: RowSource,
+    arrive?: DecodedRows['arrive'],
+  ) => {
+    const notes = judge(firstBytes, file);
     const rows = {
       count,
       shDegree: 0,
-      fileFacts: { format: 'splat' },
+      fileFacts: { format: 'splat', ...(notes.length > 0 && { notes }) },
       arrive,
       decode: rowDecoder(source),
     } as const;
@@ -52,13 +67,31 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const knownCount = totalBytesCertain && totalBytes !== undefined ? countOf(totalBytes) : undefined;
   if (knownCount !== undefined && rowsTo && takesCount(rowsTo.files, knownCount)) {
     const arriving = new ArrivingRows(input, ROW_BYTES, (byte) => `at byte ${byte}`);
-    return deliver(knownCount, arriving, arriving.arrive);
+    return deliver(knownCount, await reader.peek(SNIFF_BYTES), arriving, arriving.arrive);
   }
   // One byte more than may be there tells that there are too many.
   const mostBytes = options.maxSplats * ROW_BYTES + 1;
   const bytes = await readAll(reader, mostBytes, isHeld && knownCount !== undefined ? totalBytes : 0);
-  return deliver(countOf(bytes.length), { bytes, start: 0 });
+  return deliver(countOf(bytes.length), bytes, { bytes, start: 0 });
 };
+
+/** Returns notes on a file by its first rows. @throws SplatFileError 'unknown-format' */
+function judge(firstBytes: Uint8Array, file: string): string[] {
+  const view = new DataView(firstBytes.buffer, firstBytes.byteOffset, firstBytes.length);
+  const rowCount = Math.min(ROWS_JUDGED, Math.floor(firstBytes.length / ROW_BYTES));
+  const vector = (at: number) => [0, 4, 8].map((byte) => view.getFloat32(at + byte, true));
+  let absurd = 0;
+  for (let at = 0; at < rowCount * ROW_BYTES; at += ROW_BYTES) {
+    const scales = vector(at + 12);
+    const isPlaced = vector(at).every((value) => Math.abs(value) < MOST_LENGTH);
+    const isSized = scales.every((scale) => scale === 0 || (scale > LEAST_SCALE && scale < MOST_LENGTH));
+    if (!isPlaced || !isSized || scales.every((scale) => scale === 0)) absurd++;
+  }
+  if (10 * absurd <= rowCount) return [];
+  const found = `${absurd} of its first ${rowCount} rows have positions or scales that no scene has`;
+  if (2 * absurd <= rowCount) return [`${found}; it may be damaged, or no .splat file.`];
+  throw new SplatFileError('unknown-format', file, `${found}. It is no .splat file, or a damaged one.`);
+}
 
 function rowDecoder(source: RowSource): (rows: Float32Array, rowCount: number) => void {
   return (rows, rowCount) => {

@@ -1,7 +1,8 @@
 import { latin1 } from '../latin1.ts';
+import { OTHER_FILES } from '../other-files.ts';
 import type { SplatFormat } from '../splat-format.ts';
 
-/** How files of other formats begin that people name like this: gzip, zip, Zstandard, .ksplat. */
+/** How files of other formats that are read begin, if people name like this: gzip, zip, Zstandard, .ksplat. */
 // biome-ignore lint/suspicious/noControlCharactersInRegex: they are what tells these
 const OTHERS = /^(\x1f\x8b\x08|PK\x03\x04|\x28\xb5\x2f\xfd|\0[^\0]\0\0)/;
 
@@ -13,6 +14,7 @@ export const splatFormat: SplatFormat = {
   // Nothing in the bytes tells it. But no splat consists of letters, as PLY, a web page or a pointer to a file does.
   recognise: (firstBytes, fileName) => {
     const row = latin1(firstBytes.subarray(0, 32));
-    return /\.splat$/i.test(fileName) && /[^\t\n\r\x20-\x7e]/.test(row) && !OTHERS.test(row);
+    if (!/\.splat$/i.test(fileName) || !/[^\t\n\r\x20-\x7e]/.test(row) || OTHERS.test(row)) return false;
+    return !OTHER_FILES.some(({ pattern }) => pattern.test(row));
   },
 };

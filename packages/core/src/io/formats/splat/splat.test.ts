@@ -143,6 +143,40 @@ describe('what is read', () => {
   });
 });
 
+describe('what is doubtful', () => {
+  const absurd = { scale: [1e-30, 1, 1] };
+  const rowsWith = (count: number, doubtful: number) =>
+    randomRows(count).map((row, i) => (i < doubtful ? { ...row, ...absurd } : row));
+
+  test.each([
+    [1000, 65, 'refused'],
+    [1000, 64, 'noted'],
+    [1000, 14, 'noted'],
+    [1000, 12, 'read'],
+    [3, 2, 'refused'],
+    [3, 1, 'noted'],
+  ])('of %i rows, %i with an absurd scale are %s', async (count, doubtful, outcome) => {
+    const reading = read(encode(rowsWith(count, doubtful)));
+    if (outcome === 'refused') {
+      expect(await fileErrorOf(reading)).toMatchObject({ code: 'unknown-format' });
+      return;
+    }
+    const set = await reading;
+    expect(set.count).toBe(count);
+    const of = Math.min(count, 128);
+    expect(set.fileFacts?.notes).toEqual(
+      outcome === 'noted' ? [expect.stringContaining(`${doubtful} of its first ${of} rows`)] : undefined,
+    );
+  });
+
+  test('are not splats of sizes that scenes have', async () => {
+    for (const size of [0, 1e-9, 1e-6, 1, 1e4, 1e6]) {
+      const rows = randomRows(100).map((row) => ({ ...row, scale: [size, 1e-3, 1e-3] }));
+      expect((await read(encode(rows))).fileFacts).toEqual({ format: 'splat' });
+    }
+  });
+});
+
 describe('what is refused', () => {
   test.each([
     ['a web page', Buffer.from('<!doctype html><title>404</title>'.padEnd(64)), 'unknown-format', /web page/],
@@ -157,6 +191,60 @@ describe('what is refused', () => {
     const error = await fileErrorOf(read(bytes));
     expect(error.code).toBe(code);
     expect(error.message).toMatch(says);
+  });
+
+  /** How other binary files begin. */
+  const begins: readonly [string, string][] = [
+    ['PNG', '\x89PNG\r\n\x1a\n\0\0\0\rIHDR'],
+    ['JPEG', '\xff\xd8\xff\xe0\0\x10JFIF'],
+    ['GIF', 'GIF89a\x01\0\x01\0'],
+    ['WebP', 'RIFF\x10\0\0\0WEBPVP8L'],
+    ['ELF', '\x7fELF\x02\x01\x01\0'],
+    ['a program of Windows', 'MZ\x90\0\x03\0\0\0'],
+    ['a program of macOS', '\xcf\xfa\xed\xfe\x07\0\0\x01'],
+    ['WebAssembly', '\0asm\x01\0\0\0'],
+    ['PDF', '%PDF-1.7\n%\xe2\xe3'],
+    ['7z', '7z\xbc\xaf\x27\x1c\0\x04'],
+    ['xz', '\xfd7zXZ\0\0\x04'],
+    ['bzip2', 'BZh91AY&SY'],
+    ['RAR', 'Rar!\x1a\x07\x01\0'],
+    ['SQLite', 'SQLite format 3\0'],
+    ['HDF5', '\x89HDF\r\n\x1a\n'],
+    ['NumPy', '\x93NUMPY\x01\0'],
+    ['MP4', '\0\0\0\x20ftypisom'],
+    ['Matroska', '\x1a\x45\xdf\xa3\x01\0'],
+    ['Ogg', 'OggS\0\x02\0\0'],
+    ['LAS', 'LASF\0\0\0\0'],
+    ['TIFF', 'II*\0\x08\0\0\0'],
+  ];
+  test.each(begins)('%s', async (_, start) => {
+    const bytes = encode(randomRows(100));
+    bytes.set(Buffer.from(start, 'latin1'));
+    expect(await fileErrorOf(read(bytes))).toMatchObject({ code: 'unknown-format' });
+  });
+
+  test.each<[string, (random: () => number, i: number) => number]>([
+    ['random bytes', (random) => Math.floor(256 * random())],
+    ['zeros', () => 0],
+    ['bytes of 255', () => 255],
+    ['whole numbers of 32 bits', (random, i) => (i % 4 < 2 ? Math.floor(256 * random()) : 0)],
+    ['sound of 16 bits', (random, i) => Math.floor(i % 2 === 0 ? 256 * random() : 4 * random()) & 255],
+  ])('%s, whole or in pieces', async (_, byteAt) => {
+    const random = seededRandom(7);
+    const bytes = Uint8Array.from({ length: 32 * 500 }, (_, i) => byteAt(random, i));
+    // Else its first row may be text.
+    bytes[0] = 0x80;
+    const readings = [
+      () => read(bytes),
+      () => readSplats(chunked(bytes, [100]), { name: 'a.splat' }),
+      () => rowsOf(new File([bytes], 'a.splat')),
+    ];
+    for (const reading of readings) {
+      expect(await fileErrorOf(reading())).toMatchObject({
+        code: 'unknown-format',
+        message: expect.stringMatching(/\d+ of its first 128 rows .* no scene has/),
+      });
+    }
   });
 
   test('the same bytes by another name', async () => {
