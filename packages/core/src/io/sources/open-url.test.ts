@@ -132,6 +132,19 @@ describe('a server that cannot answer for the moment', () => {
     expect(waitsMs).toHaveLength(2);
   });
 
+  test.each(['-99999', '-1', '0.5', '99999 s', '1/1/2099', 'soon', ''])(
+    'says %j, which is no time to be asked again, and is asked again',
+    async (wanted) => {
+      answer = (_, response, attempt) => {
+        if (attempt === 1) response.writeHead(503, { 'retry-after': wanted }).end();
+        else response.end(ply);
+      };
+      await readSplats(url);
+      expect(waitsMs).toHaveLength(1);
+      expect(waitsMs[0]).toBeLessThanOrEqual(500);
+    },
+  );
+
   test.each([400, 401, 403, 404, 410, 416, 500, 501])('%i is not asked again', async (status) => {
     answer = (_, response) => void response.writeHead(status).end();
     expect(await failureOf()).toMatchObject({ status });

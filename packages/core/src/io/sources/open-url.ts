@@ -224,10 +224,14 @@ function validatorOf(headers: Headers): string | null {
   return tag !== null && !tag.startsWith('W/') ? tag : headers.get('last-modified');
 }
 
+/** A date as HTTP has it: `Date.parse` takes other text for one, too, as `-99999` for the year 99999. */
+const HTTP_DATE = /^[A-Z][a-z]+, \d\d[ -][A-Z][a-z]{2}[ -]\d{2,4} [\d:]{8} GMT$/;
+
 /** Milliseconds that a server wants to be left alone; 0 if it does not say. */
 function askedWaitMs(headers: Headers): number {
   const asked = headers.get('retry-after') ?? '0';
-  const waitMs = /^\d+$/.test(asked) ? 1000 * Number(asked) : Date.parse(asked) - Date.now();
+  if (/^\d+$/.test(asked)) return 1000 * Number(asked);
+  const waitMs = HTTP_DATE.test(asked) ? Date.parse(asked) - Date.now() : 0;
   return waitMs > 0 ? waitMs : 0;
 }
 
