@@ -1,3 +1,5 @@
+import type { ShDegree } from '../../../data/splats/splat-set.ts';
+
 /** Splats as attributes of points. */
 export const SPLATTING = 'KHR_gaussian_splatting';
 
@@ -9,9 +11,11 @@ export const OWN_EXTRAS = 'websplatter';
 /** The `sortBy` in them. */
 export const BY_DEPTH = 'depth';
 
+const HARMONICS_SEMANTICS = Array.from({ length: 4 }, (_, l) =>
+  Array.from({ length: 2 * l + 1 }, (_, n) => `${SPLATTING}:SH_DEGREE_${l}_COEF_${n}`),
+).flat();
+
 /** Semantics of the coefficients up to a degree, in the order of rows. */
-export function harmonicsSemantics(degree: number): string[] {
-  return Array.from({ length: degree + 1 }, (_, l) =>
-    Array.from({ length: 2 * l + 1 }, (_, n) => `${SPLATTING}:SH_DEGREE_${l}_COEF_${n}`),
-  ).flat();
+export function harmonicsSemantics(degree: ShDegree): string[] {
+  return HARMONICS_SEMANTICS.slice(0, (degree + 1) ** 2);
 }

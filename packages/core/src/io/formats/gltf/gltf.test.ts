@@ -534,10 +534,17 @@ describe('files that are refused', () => {
     ],
     [
       'too-large',
-      /nodes show 49155 splats or more, in 16385 places, out of 276 bytes/,
+      /nodes show splats in 32768 places; at most 16384 are read/,
       (json) => {
         json.nodes = [{ children: Array.from({ length: 2 ** 15 }, (_, i) => i + 1) }];
         for (let i = 0; i < 2 ** 15; i++) json.nodes.push({ mesh: 0 });
+      },
+    ],
+    [
+      'too-large',
+      /nodes show splats in 50000 places; at most 16384 are read/,
+      (json) => {
+        json.meshes[0].primitives = new Array(50_000).fill({ ...primitiveOf(json), attributes: {} });
       },
     ],
     ['too-large', /JSON may have \d+ values/, (json) => (json.extras = new Array(2 ** 20).fill(0))],

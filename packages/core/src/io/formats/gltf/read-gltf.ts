@@ -7,8 +7,8 @@ import { joinedRows } from '../joined-rows.ts';
 import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../splat-format.ts';
 import { GltfBuffers } from './gltf-buffers.ts';
-import { GltfJson, objectOf } from './gltf-json.ts';
-import { meshesOfScene } from './gltf-scene.ts';
+import { GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
+import { meshesOfScene, type PlacedMesh } from './gltf-scene.ts';
 import { SPLATTING } from './gltf-semantics.ts';
 import { placedRows, reasonNotToPlace } from './placed-rows.ts';
 import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
@@ -20,8 +20,8 @@ import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primiti
 const MOST_ROWS_PER_BYTE = 2;
 /** However few bytes they come from, so many do no harm. */
 const HARMLESS_ROWS = 2 ** 19;
-/** Each takes time, however few splats it has. */
-const MOST_PARTS = 2 ** 14;
+/** Each takes time, however few splats are there. */
+const MOST_PLACES = 2 ** 14;
 
 /** The splats of a glTF's scene. */
 interface GltfSplats {
@@ -51,31 +51,26 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
 };
 
 async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplats> {
-  const primitivesByMesh = new Map<unknown, SplatPrimitive[]>();
+  const meshes = meshesOfScene(json);
+  const { splatsByMesh, otherCount } = splatsOfMeshes(json, meshes);
+  const readByMesh = new Map<unknown, SplatPrimitive[]>();
   const parts: DecodedRows[] = [];
   let isSortedByDistance = false;
   let unpackedBytes = 0;
   let rowCount = 0;
-  let otherCount = 0;
-  for (const { mesh: index, element, matrix } of meshesOfScene(json)) {
-    let primitives = primitivesByMesh.get(index);
+  for (const { mesh, element, matrix } of meshes) {
+    let primitives = readByMesh.get(mesh);
     if (!primitives) {
-      const mesh = json.entryOf('meshes', index, element);
       primitives = [];
-      for (const [i, entry] of json.listOf(mesh, 'primitives', `meshes[${index}]`).entries()) {
-        const primitive = objectOf(entry);
-        if (!isSplats(primitive)) otherCount++;
-        else {
-          const name = `meshes[${index}].primitives[${i}]`;
-          primitives.push(await splatPrimitiveOf(json, buffers, primitive, name));
-          unpackedBytes += primitives.at(-1)!.unpackedBytes;
-          if (unpackedBytes > buffers.mostUnpackedBytes) {
-            const message = `its splats unpack to ${unpackedBytes} bytes or more, out of ${buffers.byteCount}. Pass a larger maxBytes if that is right.`;
-            throw json.error('too-large', message, { element: name });
-          }
+      for (const [name, primitive] of splatsByMesh.get(mesh)!) {
+        primitives.push(await splatPrimitiveOf(json, buffers, primitive, name));
+        unpackedBytes += primitives.at(-1)!.unpackedBytes;
+        if (unpackedBytes > buffers.mostUnpackedBytes) {
+          const message = `its splats unpack to ${unpackedBytes} bytes or more, out of ${buffers.byteCount}. Pass a larger maxBytes if that is right.`;
+          throw json.error('too-large', message, { element: name });
         }
       }
-      primitivesByMesh.set(index, primitives);
+      readByMesh.set(mesh, primitives);
     }
     if (primitives.length === 0) continue;
     const reason = reasonNotToPlace(matrix);
@@ -86,8 +81,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
     for (const primitive of primitives) {
       rowCount += primitive.count;
       const byteCount = buffers.byteCount + unpackedBytes;
-      const mostRows = Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * byteCount);
-      if (rowCount > mostRows || parts.length === MOST_PARTS) {
+      if (rowCount > Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * byteCount)) {
         const message = `its nodes show ${rowCount} splats or more, in ${parts.length + 1} places, out of ${byteCount} bytes. Show them less often.`;
         throw json.error('too-large', message, { element });
       }
@@ -101,6 +95,37 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
       ? `its scene has ${otherCount} primitives, all of them without`
       : 'nothing in its scene has';
   throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
+}
+
+interface MeshSplats {
+  /** The primitives of each mesh that are splats, by what messages call them. */
+  readonly splatsByMesh: ReadonlyMap<unknown, ReadonlyMap<string, JsonObject>>;
+  /** Primitives that are anything else. */
+  readonly otherCount: number;
+}
+
+/** Finds the splats of meshes, before any is read. @throws SplatFileError 'too-large' where they are shown too often. */
+function splatsOfMeshes(json: GltfJson, meshes: readonly PlacedMesh[]): MeshSplats {
+  const splatsByMesh = new Map<unknown, Map<string, JsonObject>>();
+  let otherCount = 0;
+  let placeCount = 0;
+  for (const { mesh: index, element } of meshes) {
+    let splats = splatsByMesh.get(index);
+    if (!splats) {
+      splats = new Map();
+      const mesh = json.entryOf('meshes', index, element);
+      for (const [i, entry] of json.listOf(mesh, 'primitives', `meshes[${index}]`).entries()) {
+        const primitive = objectOf(entry);
+        if (isSplats(primitive)) splats.set(`meshes[${index}].primitives[${i}]`, primitive);
+        else otherCount++;
+      }
+      splatsByMesh.set(index, splats);
+    }
+    placeCount += splats.size;
+  }
+  if (placeCount <= MOST_PLACES) return { splatsByMesh, otherCount };
+  const message = `its nodes show splats in ${placeCount} places; at most ${MOST_PLACES} are read. Export it with fewer, larger primitives.`;
+  throw json.error('too-large', message);
 }
 
 function factsOf(
