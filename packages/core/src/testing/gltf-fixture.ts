@@ -119,7 +119,12 @@ export function gltfOf(attributes: Record<string, FixtureAttribute>, isInterleav
 
 /** The file as one binary glTF. */
 export function glbBytes({ json, binary }: GltfFixture): Uint8Array<ArrayBuffer> {
-  const text = new TextEncoder().encode(JSON.stringify(json));
+  return glbOfText(JSON.stringify(json), binary);
+}
+
+/** A binary glTF of any text as its JSON. */
+export function glbOfText(json: string, binary: Uint8Array): Uint8Array<ArrayBuffer> {
+  const text = new TextEncoder().encode(json);
   const jsonLength = 4 * Math.ceil(text.length / 4);
   const bytes = new Uint8Array(12 + 8 + jsonLength + 8 + binary.length).fill(0x20);
   const view = new DataView(bytes.buffer);
