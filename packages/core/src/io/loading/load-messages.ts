@@ -9,6 +9,7 @@ import {
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
+import { shown } from '../../data/printable.ts';
 import type { RowFiles } from '../formats/row-sink.ts';
 import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-source.ts';
 
@@ -60,8 +61,9 @@ export interface PostedError {
 }
 
 export function toPostedError(error: unknown): PostedError {
-  if (!(error instanceof Error)) return { className: 'Error', message: String(error) };
-  const cause = error.cause === undefined ? undefined : String(error.cause);
+  if (!(error instanceof Error)) return { className: 'Error', message: shown(error) };
+  const { cause: reason } = error;
+  const cause = reason instanceof Error ? String(reason) : reason === undefined ? undefined : shown(reason);
   const common = { className: error.name, message: error.message, cause };
   if (error instanceof SplatFileError)
     return { ...common, code: error.code, file: error.file, place: error.place };

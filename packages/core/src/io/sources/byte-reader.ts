@@ -1,4 +1,5 @@
 import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
 import { Turns } from '../../data/turns.ts';
 import { lockedStreamError } from './source-kind.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
@@ -332,7 +333,7 @@ function readerOf(stream: ReadableStream<Uint8Array>): Reader {
 }
 
 export function messageOf(cause: unknown): string {
-  return cause instanceof Error ? cause.message : String(cause);
+  return cause instanceof Error ? cause.message : shown(cause);
 }
 
 function describeChunk(chunk: unknown): string {

@@ -7,6 +7,7 @@ import { gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.t
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { detectFormat } from '../formats/detect.ts';
+import { toPostedError } from '../loading/load-messages.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import { ByteReader } from './byte-reader.ts';
 import { openSource } from './open-source.ts';
@@ -187,6 +188,15 @@ describe('failures', () => {
     expect((await failure(readSplats(drained))).message).toContain('has been read before');
     const failing = new ReadableStream<Uint8Array>({ pull: () => Promise.reject(new Error('disk on fire')) });
     expect((await failure(readSplats(failing))).message).toBe('stream: reading stopped: disk on fire');
+    for (const reason of [Object.create(null), { toString: 1 }, Symbol('s'), null]) {
+      const odd = new ReadableStream<Uint8Array>({ start: (controller) => controller.error(reason) });
+      const error = await failure(readSplats(odd));
+      expect(error).toBeInstanceOf(SplatSourceError);
+      expect(toPostedError(error)).toMatchObject({
+        className: 'SplatSourceError',
+        cause: expect.any(String),
+      });
+    }
     const texts = new ReadableStream({ start: (controller) => controller.enqueue('ply\n') });
     expect((await failure(readSplats(texts))).message).toContain('the stream gave a string');
   });
