@@ -9,6 +9,8 @@ const isBuilt = existsSync(new URL('../dist/main.js', import.meta.url));
 
 /** Runs the program as users do, from the output of `npm run build`. `npm test` builds first. */
 const binTest = test.skipIf(!isBuilt && !process.env.CI);
+/** The same where there are pipes and signals as in Unix. */
+const unixTest = test.skipIf((!isBuilt && !process.env.CI) || process.platform === 'win32');
 
 function websplatter(...args: string[]) {
   return websplatterIn({}, ...args);
@@ -60,6 +62,12 @@ binTest('it ends quietly when its reader has gone, and with one line when its di
     status: 1,
     stderr: 'websplatter: cannot write: the disk is full\n',
   });
+});
+
+unixTest('a device without end is refused in one line', () => {
+  const { status, stdout, stderr } = websplatter('info', '/dev/zero');
+  expect([status, stdout]).toEqual([2, '']);
+  expect(stderr).toMatch(/^websplatter: \/dev\/zero: [^\n]+\n$/);
 });
 
 binTest('info prints JSON', () => {

@@ -1,7 +1,8 @@
 import { constants, createReadStream } from 'node:fs';
 import { access, readdir, stat } from 'node:fs/promises';
 import { basename, dirname, join, relative } from 'node:path';
-import { Readable } from 'node:stream';
+import type { Readable } from 'node:stream';
+import { ReadableStream as WebStream } from 'node:stream/web';
 import type { SplatSource } from '@websplatter/core';
 import { isLeadingFile } from '@websplatter/core/formats';
 
@@ -52,7 +53,10 @@ function fileOf(path: string, size: number): Blob {
 }
 
 function streamOf(path: string): ReadableStream<Uint8Array<ArrayBuffer>> {
-  return Readable.toWeb(createReadStream(path, { highWaterMark: READ_BYTES })) as ReadableStream<
-    Uint8Array<ArrayBuffer>
-  >;
+  return webStreamOf(createReadStream(path, { highWaterMark: READ_BYTES }));
+}
+
+/** Not `Readable.toWeb`, whose stream throws outside of every promise where it is cancelled while it is full. */
+function webStreamOf(readable: Readable): ReadableStream<Uint8Array<ArrayBuffer>> {
+  return WebStream.from<Uint8Array>(readable) as ReadableStream<Uint8Array<ArrayBuffer>>;
 }
