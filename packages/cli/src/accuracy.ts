@@ -6,27 +6,39 @@ import { accuracyJson, accuracyText } from './accuracy-report.ts';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
 import { openGpuSession } from './gpu-session.ts';
-import { checkWritable, writeFiles } from './output-files.ts';
+import { checkOutputs, type Output, reportBeside, writeFiles } from './output-files.ts';
 import { tenthsOf } from './progress-lines.ts';
-import { findScene } from './scene-source.ts';
+import { findScene, type SceneSource } from './scene-source.ts';
 
 /** `websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [--json] [--svg chart.svg]`. */
 export async function accuracy(args: readonly string[], console: Console): Promise<void> {
   const options = parseAccuracyArguments(args);
-  if (options.svg !== undefined) await checkWritable(options.svg);
-  const table = await measure(options, console);
+  const outputs: Output[] = options.svg === undefined ? [] : [{ argument: '--svg', path: options.svg }];
+  const scenes = await Promise.all(options.scenes.map(findScene));
+  const filesRead = () => [options.camera, ...scenes.flatMap(({ files }) => [...files])];
+  await checkOutputs(outputs, filesRead());
+  const report = await reportBeside(
+    outputs.map(({ path }) => path),
+    console,
+  );
+  const table = await measure(options, scenes, console);
   const title = printable(options.scenes.join(', '));
   // Format everything before writing anything, so that an interrupted run leaves no partial file.
   const text = options.isJson ? accuracyJson(table, options.scenes) : accuracyText(table, title);
-  if (options.svg !== undefined)
-    await writeFiles([{ path: options.svg, content: accuracyChart(table, title) }]);
-  console.out(text);
+  await writeFiles(
+    outputs.map((output) => ({ ...output, content: accuracyChart(table, title) })),
+    filesRead(),
+  );
+  report(text);
 }
 
-async function measure(options: AccuracyOptions, console: Console): Promise<AccuracyTable> {
+async function measure(
+  options: AccuracyOptions,
+  scenes: readonly SceneSource[],
+  console: Console,
+): Promise<AccuracyTable> {
   const { widthPx, heightPx, sortBy, base, settings, frames } = options;
   const camera = await readCameraFile(options.camera, widthPx / heightPx);
-  const scenes = await Promise.all(options.scenes.map(findScene));
   const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
   const { engine, notice, checkGpuErrors } = session;
   try {

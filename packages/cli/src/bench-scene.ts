@@ -37,6 +37,7 @@ export async function findBenchScene(scene: BenchOptions['scene']): Promise<Benc
     name,
     source: syntheticPly({ splats, shDegree, seed }),
     limits: {},
+    files: new Set(),
     isBuiltin: false,
     isMade: true,
   };

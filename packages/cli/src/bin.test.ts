@@ -1,5 +1,6 @@
-import { spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync } from 'node:fs';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
+import { existsSync, lstatSync, mkdirSync, readdirSync, readFileSync, symlinkSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
 import { TestFolder } from './testing/test-folder.ts';
@@ -21,6 +22,11 @@ function websplatterIn(variables: Record<string, string | undefined>, ...args: s
   const env = { ...process.env, WEBSPLATTER_DEBUG: undefined, ...variables };
   const { status, stdout, stderr } = spawnSync(process.execPath, [bin, ...args], { encoding: 'utf8', env });
   return { status, stdout, stderr };
+}
+
+/** Runs a line of a shell, in which `$0 "$1"` is the program. */
+function shell(command: string, cwd?: string) {
+  return spawnSync('bash', ['-c', command, process.execPath, bin], { encoding: 'utf8', cwd });
 }
 
 binTest('--help lists the commands that exist', () => {
@@ -54,8 +60,6 @@ binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file
 });
 
 binTest('it ends quietly when its reader has gone, and with one line when its disk is full', ({ skip }) => {
-  const shell = (command: string) =>
-    spawnSync('bash', ['-c', command, process.execPath, bin], { encoding: 'utf8' });
   expect(shell('set -o pipefail; "$0" "$1" --help | true')).toMatchObject({ status: 1, stderr: '' });
   if (!existsSync('/dev/full')) skip('no /dev/full here');
   expect(shell('"$0" "$1" --help > /dev/full')).toMatchObject({
@@ -64,11 +68,63 @@ binTest('it ends quietly when its reader has gone, and with one line when its di
   });
 });
 
+binTest('- is standard input and standard output, and what was done is said on standard error', () => {
+  const folder = new TestFolder();
+  folder.scene();
+  const report = /^(\d+ %: [^\n]+\n)+-: 3 splats, [^\n]+\n$/;
+  const converted = shell('"$0" "$1" convert - - --format ply < scene.ply > out.ply', folder.path);
+  expect(converted).toMatchObject({ status: 0, stdout: '', stderr: expect.stringMatching(report) });
+  expect(readFileSync(folder.file('out.ply'))).toEqual(readFileSync(folder.file('scene.ply')));
+  folder.camera();
+  const drawn = shell(
+    '"$0" "$1" render scene.ply --camera - --size 8x8 --renderer reference --raw - < camera.json | wc -c',
+    folder.path,
+  );
+  expect(drawn).toMatchObject({ status: 0, stdout: expect.stringMatching(/^ *1024\n$/) });
+  expect(drawn.stderr).toMatch(/^-: 8×8, 3 of 3 splats, [^\n]+\n$/);
+  expect(shell('"$0" "$1" info - < scene.ply', folder.path).stdout).toMatch(/^splats +3$/m);
+});
+
+unixTest('files that are open elsewhere are written into', () => {
+  const folder = new TestFolder();
+  const scene = readFileSync(folder.scene());
+  symlinkSync('/dev/stdout', folder.file('stdout.ply'));
+  const piped = shell('"$0" "$1" convert scene.ply stdout.ply | cat > piped.ply', folder.path);
+  expect(piped).toMatchObject({ status: 0, stderr: expect.stringContaining('stdout.ply: 3 splats') });
+  expect(readFileSync(folder.file('piped.ply'))).toEqual(scene);
+  for (const to of ['stdout.ply >> log', '/dev/fd/3 --format ply 3>> log']) {
+    folder.write('log', 'before,');
+    expect(shell(`"$0" "$1" convert scene.ply ${to}`, folder.path)).toMatchObject({ status: 0 });
+    expect(readFileSync(folder.file('log')), to).toEqual(Buffer.concat([Buffer.from('before,'), scene]));
+  }
+  expect(lstatSync(folder.file('stdout.ply')).isSymbolicLink()).toBe(true);
+});
+
 unixTest('a device without end is refused in one line', () => {
   const { status, stdout, stderr } = websplatter('info', '/dev/zero');
   expect([status, stdout]).toEqual([2, '']);
   expect(stderr).toMatch(/^websplatter: \/dev\/zero: [^\n]+\n$/);
 });
+
+unixTest.for<NodeJS.Signals>(['SIGINT', 'SIGTERM', 'SIGHUP'])(
+  '%s while files are written leaves none, and ends it',
+  async (signal) => {
+    const folder = new TestFolder();
+    const [out, pipe] = [folder.write('a.png', 'old'), folder.file('pipe')];
+    // Nothing reads it, so that the command waits for ever once the image is there.
+    execFileSync('mkfifo', [pipe]);
+    const [scene, camera] = [folder.scene(), folder.camera()];
+    const size = ['--size', '8x8', '--renderer', 'reference'];
+    const args = ['render', scene, '--camera', camera, ...size, '--out', out, '--raw', pipe];
+    const child = spawn(process.execPath, [bin, ...args], { stdio: 'ignore' });
+    const ended = once(child, 'exit');
+    await expect.poll(() => readdirSync(folder.path)).toContainEqual(expect.stringMatching(/\.part$/));
+    child.kill(signal);
+    expect(await ended).toEqual([null, signal]);
+    expect(readdirSync(folder.path).sort()).toEqual(['a.png', 'camera.json', 'pipe', 'scene.ply']);
+    expect(readFileSync(out, 'utf8')).toBe('old');
+  },
+);
 
 binTest('info prints JSON', () => {
   const { status, stdout, stderr } = websplatter('info', new TestFolder().scene(), '--json');

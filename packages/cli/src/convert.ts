@@ -11,7 +11,8 @@ import {
 import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
 import { UsageError } from './input-error.ts';
-import { checkWritable, writeFiles } from './output-files.ts';
+import { checkOutputs, reportBeside, writeFiles } from './output-files.ts';
+import { STDIO } from './output-place.ts';
 import { tenthsOf } from './progress-lines.ts';
 import { findScene, readScene, type SceneSource } from './scene-source.ts';
 
@@ -44,15 +45,18 @@ export async function convert(args: readonly string[], console: Console): Promis
   const startMs = performance.now();
   const options = parseConvertArguments(args);
   const { out, format } = options;
-  await checkWritable(out);
+  const output = { argument: 'OUT', path: out };
   const scenes = await Promise.all(options.scenes.map(findScene));
+  const filesRead = () => scenes.flatMap(({ files }) => [...files]);
   for (const { name } of scenes) {
-    if (resolve(name) === resolve(out))
+    if (name !== STDIO && resolve(name) === resolve(out))
       throw new UsageError('OUT', `OUT is ${out}, which is read too; give it another name`);
   }
-  const report = tenthsOf(console);
+  await checkOutputs([output], filesRead());
+  const report = await reportBeside([out], console);
+  const showTenths = tenthsOf(console);
   const onRead = (index: number, fraction: number) =>
-    report({
+    showTenths({
       done: index + fraction,
       total: 2 * scenes.length,
       label: `reading ${printable(scenes[index].name)}`,
@@ -62,9 +66,9 @@ export async function convert(args: readonly string[], console: Console): Promis
     inputs.push(await readInput(scene, (fraction) => onRead(i, fraction)));
   const set = edited(inputs, options);
   const onProgress = (fraction: number) =>
-    report({ done: 1 + fraction, total: 2, label: `writing ${printable(out)}` });
+    showTenths({ done: 1 + fraction, total: 2, label: `writing ${printable(out)}` });
   const content = await writeSplats(set, format.name, { onProgress });
-  await writeFiles([{ path: out, content }]);
+  await writeFiles([{ ...output, content }], filesRead());
   const conversion: Conversion = {
     scenes: options.scenes,
     out,
@@ -77,7 +81,7 @@ export async function convert(args: readonly string[], console: Console): Promis
     notes: notesOf(inputs, set, options),
   };
   for (const note of conversion.notes) console.err(`note: ${note}\n`);
-  console.out(options.json ? `${JSON.stringify(conversion, null, 2)}\n` : line(conversion));
+  report(options.json ? `${JSON.stringify(conversion, null, 2)}\n` : line(conversion));
 }
 
 async function readInput(scene: SceneSource, onFraction: (fraction: number) => void): Promise<Input> {

@@ -1,12 +1,14 @@
 import { readFile } from 'node:fs/promises';
+import { text as textOf } from 'node:stream/consumers';
 import { shown as printed } from '@websplatter/core';
 import { describeSystemError, InputFileError } from './input-error.ts';
+import { STDIO } from './output-place.ts';
 
-/** Reads a JSON file; `kind` names its purpose in messages. */
+/** Reads a JSON file, or standard input for `-`; `kind` names its purpose in messages. */
 export async function readJsonFile(file: string, kind: string): Promise<unknown> {
   let text: string;
   try {
-    text = await readFile(file, 'utf8');
+    text = await (file === STDIO ? textOf(process.stdin) : readFile(file, 'utf8'));
   } catch (error) {
     throw new InputFileError(file, `the ${kind} cannot be read: ${describeSystemError(error)}`, undefined, {
       cause: error,

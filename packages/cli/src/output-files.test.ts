@@ -1,34 +1,87 @@
-import { mkdtemp, readdir, readFile } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { beforeEach, expect, test } from 'vitest';
-import { checkWritable, writeFiles } from './output-files.ts';
+import { execFileSync } from 'node:child_process';
+import { chmodSync, lstatSync, readdirSync, readFileSync, statSync, symlinkSync } from 'node:fs';
+import { mkdir, readFile } from 'node:fs/promises';
+import { dirname } from 'node:path';
+import { beforeEach, describe, expect, test } from 'vitest';
+import { checkOutputs, writeFiles } from './output-files.ts';
+import { TestFolder } from './testing/test-folder.ts';
 
-let folder: string;
-beforeEach(async () => {
-  folder = await mkdtemp(join(tmpdir(), 'websplatter-'));
+let folder: TestFolder;
+beforeEach(() => {
+  folder = new TestFolder();
 });
 
+const out = (path: string) => ({ argument: '--out', path });
+const write = (path: string, content: string) => writeFiles([{ ...out(path), content }], []);
+
 test('files are written whole, over older ones, with nothing left beside them', async () => {
-  const path = join(folder, 'a.txt');
-  await writeFiles([{ path, content: 'old' }]);
-  await writeFiles([{ path, content: 'new' }]);
-  expect(await readFile(path, 'utf8')).toBe('new');
-  expect(await readdir(folder)).toEqual(['a.txt']);
+  const path = folder.file('a.txt');
+  await write(path, 'old');
+  await write(path, 'new');
+  expect(readFileSync(path, 'utf8')).toBe('new');
+  expect(readdirSync(folder.path)).toEqual(['a.txt']);
 });
 
 test('where one file cannot be written none is', async () => {
-  const path = join(folder, 'missing', 'b.txt');
-  const writing = writeFiles([
-    { path: join(folder, 'a.txt'), content: 'a' },
-    { path, content: 'b' },
-  ]);
-  await expect(writing).rejects.toThrow(`${path}: cannot be written: there is no such file or folder`);
-  expect(await readdir(folder)).toEqual([]);
+  const path = folder.file('missing/b.txt');
+  const files = [folder.file('a.txt'), path].map((each) => ({ ...out(each), content: 'a' }));
+  await expect(writeFiles(files, [])).rejects.toThrow(
+    `${path}: cannot be written: there is no such file or folder`,
+  );
+  expect(readdirSync(folder.path)).toEqual([]);
 });
 
 test('a path that cannot become a file is refused beforehand', async () => {
-  await expect(checkWritable(folder)).rejects.toThrow('it is a folder');
-  await expect(checkWritable(join(folder, 'no', 'a.png'))).rejects.toThrow(`(folder ${join(folder, 'no')})`);
-  await expect(checkWritable(join(folder, 'a.png'))).resolves.toBeUndefined();
+  const check = (path: string) => checkOutputs([out(path)], []);
+  await expect(check(folder.path)).rejects.toThrow('it is a folder');
+  await expect(check(folder.file('no/a.png'))).rejects.toThrow(`(folder ${folder.file('no')})`);
+  await expect(check(folder.file('a.png'))).resolves.toBeUndefined();
+});
+
+describe.skipIf(process.platform === 'win32')('an output that is there', () => {
+  test('keeps its mode', async () => {
+    const path = folder.write('secret.txt', 'old');
+    chmodSync(path, 0o600);
+    await write(path, 'new');
+    expect(statSync(path).mode & 0o777).toBe(0o600);
+    expect(readFileSync(path, 'utf8')).toBe('new');
+  });
+
+  test.skipIf(process.getuid?.() !== 0)('keeps its owner', async () => {
+    const path = folder.write('theirs.txt', 'old');
+    execFileSync('chown', ['1234:1235', path]);
+    await write(path, 'new');
+    expect(statSync(path)).toMatchObject({ uid: 1234, gid: 1235 });
+  });
+
+  test('is written where a link leads, and the link stays', async () => {
+    await mkdir(folder.file('there'));
+    const target = folder.write('there/a.txt', 'old');
+    const links = ['relative', 'of a link', 'to nothing yet'].map(folder.file, folder);
+    symlinkSync('there/a.txt', links[0]);
+    symlinkSync('relative', links[1]);
+    symlinkSync('there/new.txt', links[2]);
+    for (const link of links) {
+      await write(link, link);
+      expect(lstatSync(link).isSymbolicLink()).toBe(true);
+      expect(readFileSync(link, 'utf8')).toBe(link);
+    }
+    expect(readFileSync(target, 'utf8')).toBe(links[1]);
+    expect(readdirSync(dirname(target)).sort()).toEqual(['a.txt', 'new.txt']);
+  });
+
+  test('is written into if it is a pipe, after all files are whole', async () => {
+    const pipe = folder.file('pipe');
+    execFileSync('mkfifo', [pipe]);
+    const read = readFile(pipe, 'utf8');
+    const files = [pipe, folder.file('a.txt')].map((path) => ({ ...out(path), content: 'whole' }));
+    await writeFiles(files, []);
+    expect(await read).toBe('whole');
+    expect(statSync(pipe).isFIFO()).toBe(true);
+    expect(readdirSync(folder.path).sort()).toEqual(['a.txt', 'pipe']);
+  });
+});
+
+test('standard input is read only once', async () => {
+  await expect(checkOutputs([], ['-', '-'])).rejects.toThrow('standard input, -, can be read only once');
 });

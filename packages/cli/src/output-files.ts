@@ -1,14 +1,46 @@
-import { rename, rm, stat, writeFile } from 'node:fs/promises';
-import { basename, dirname, join } from 'node:path';
-import { describeSystemError, InputFileError } from './input-error.ts';
+import { constants } from 'node:fs';
+import { access, type FileHandle, open, stat } from 'node:fs/promises';
+import { dirname } from 'node:path';
+import { Readable } from 'node:stream';
+import { pipeline } from 'node:stream/promises';
+import { WebSplatterError } from '@websplatter/core';
+import type { Console } from './console.ts';
+import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
+import { type OutputPlace, outputPlace, STDIO } from './output-place.ts';
+import { PartFiles } from './part-files.ts';
 
-export interface OutputFile {
+/** Where a command writes a file. */
+export interface Output {
+  /** What names it on the command line, such as `--out`. */
+  readonly argument: string;
+  /** A file, a pipe, a device, or `-`, which is standard output. */
   readonly path: string;
+}
+
+export interface OutputFile extends Output {
   readonly content: Uint8Array | string;
 }
 
-/** @throws InputFileError if `path` cannot become a file. To be called before any work is done. */
-export async function checkWritable(path: string): Promise<void> {
+/** Bytes that standard output is given at once. */
+const PIECE_BYTES = 1 << 20;
+
+/**
+ * To be called before any work is done.
+ *
+ * @param inputs files that are read; `-` is standard input.
+ *
+ * Rejects with InputFileError if an output cannot be written; with UsageError if standard input is read twice.
+ */
+export async function checkOutputs(outputs: readonly Output[], inputs: Iterable<string>): Promise<void> {
+  let stdinUses = 0;
+  for (const input of inputs)
+    if (input === STDIO && ++stdinUses > 1)
+      throw new UsageError('arguments', 'standard input, -, can be read only once');
+  for (const { path } of outputs) await checkWritable(path);
+}
+
+async function checkWritable(path: string): Promise<void> {
+  if (path === STDIO) return;
   const folder = dirname(path);
   const found = await stat(folder).catch((error) => {
     throw new InputFileError(path, `cannot be written: ${describeSystemError(error)}`, `folder ${folder}`, {
@@ -17,33 +49,84 @@ export async function checkWritable(path: string): Promise<void> {
   });
   if (!found.isDirectory())
     throw new InputFileError(path, 'cannot be written: it would lie in a file', `folder ${folder}`);
-  const existing = await stat(path).catch(() => undefined);
-  if (existing?.isDirectory()) throw new InputFileError(path, 'cannot be written: it is a folder');
+  try {
+    const place = await outputPlace(path);
+    if (place.found?.isDirectory()) throw new InputFileError(path, 'cannot be written: it is a folder');
+    if (place.kind !== 'stdout') await access(place.found ? place.path : dirname(place.path), constants.W_OK);
+  } catch (error) {
+    throw asOutputError(path, error);
+  }
 }
 
-/** Writes files under temporary names in the same folders, and renames them once all are complete. */
-export async function writeFiles(files: readonly OutputFile[]): Promise<void> {
-  const unfinished: string[] = [];
+/** Where a command says what it has done: on standard error, if standard output is one of the files that it writes. */
+export async function reportBeside(paths: readonly string[], console: Console): Promise<Console['out']> {
+  const places = await Promise.all(paths.map(outputPlace));
+  return places.some(({ kind }) => kind === 'stdout') ? console.err : console.out;
+}
+
+/**
+ * Writes files under temporary names beside those that they replace, and renames them once all are complete; these keep the mode and
+ * the owner of the older ones. Links are followed. Pipes and devices are written into.
+ *
+ * Rejects as `checkOutputs`, and with InputFileError; of files nothing has changed then.
+ */
+export async function writeFiles(files: readonly OutputFile[], inputs: Iterable<string>): Promise<void> {
+  await checkOutputs(files, inputs);
+  const parts = new PartFiles();
+  const whole: OutputPlace[] = [];
+  const others: [OutputPlace, OutputFile['content']][] = [];
   let current = '';
   try {
     for (const { path, content } of files) {
       current = path;
-      const temporary = temporaryPath(path);
-      unfinished.push(temporary);
-      await writeFile(temporary, content, { flag: 'wx' });
+      const place = await outputPlace(path);
+      const part = place.kind === 'file' ? await parts.open(place) : null;
+      if (part) {
+        await writeAndClose(part, content);
+        whole.push(place);
+      } else others.push([place, content]);
     }
-    for (const { path } of files) {
-      current = path;
-      await rename(temporaryPath(path), path);
+    for (const [place, content] of others) {
+      current = place.path;
+      await writeInto(place, content);
+    }
+    for (const place of whole) {
+      current = place.path;
+      await parts.finish(place);
     }
   } catch (error) {
-    await Promise.all(unfinished.map((path) => rm(path, { force: true })));
-    throw new InputFileError(current, `cannot be written: ${describeSystemError(error)}`, undefined, {
-      cause: error,
-    });
+    throw asOutputError(current, error);
+  } finally {
+    parts.end();
   }
 }
 
-function temporaryPath(path: string): string {
-  return join(dirname(path), `.${basename(path)}.${process.pid}.part`);
+function asOutputError(path: string, error: unknown): WebSplatterError {
+  if (error instanceof WebSplatterError) return error;
+  return new InputFileError(path, `cannot be written: ${describeSystemError(error)}`, undefined, {
+    cause: error,
+  });
+}
+
+async function writeInto({ kind, path }: OutputPlace, content: OutputFile['content']): Promise<void> {
+  if (kind === 'stdout') {
+    const bytes = typeof content === 'string' ? Buffer.from(content) : content;
+    await pipeline(Readable.from(piecesOf(bytes)), process.stdout, { end: false });
+    return;
+  }
+  // A file that is open elsewhere goes on where it ends. One that nothing can replace starts anew.
+  const flag = kind === 'stream' ? constants.O_APPEND : constants.O_TRUNC;
+  await writeAndClose(await open(path, constants.O_WRONLY | flag), content);
+}
+
+function* piecesOf(bytes: Uint8Array): Generator<Uint8Array> {
+  for (let at = 0; at < bytes.length; at += PIECE_BYTES) yield bytes.subarray(at, at + PIECE_BYTES);
+}
+
+async function writeAndClose(file: FileHandle, content: OutputFile['content']): Promise<void> {
+  try {
+    await file.writeFile(content);
+  } finally {
+    await file.close();
+  }
 }

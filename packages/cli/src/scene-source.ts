@@ -9,9 +9,10 @@ import {
   type SplatSource,
   SplatSourceError,
 } from '@websplatter/core';
-import { openFile } from '@websplatter/node';
+import { openFile, openStdin } from '@websplatter/node';
 import { builtinScenes } from '@websplatter/scenes';
 import { describeSystemError, UsageError } from './input-error.ts';
+import { STDIO } from './output-place.ts';
 
 /** A scene named on the command line, still unread. */
 export interface SceneSource {
@@ -20,6 +21,8 @@ export interface SceneSource {
   /** What to read it from. */
   readonly source: SplatSource;
   readonly limits: ReadLimits;
+  /** Files that are read, as far as that is known: one that leads to others comes first. `-` is standard input. */
+  readonly files: ReadonlySet<string>;
   /** Whether y is up, whatever is usual in files of its format. */
   readonly isBuiltin: boolean;
 }
@@ -29,7 +32,7 @@ const BUILTIN_PREFIX = 'builtin:';
 const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: Number.POSITIVE_INFINITY };
 
 /**
- * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file) or a path.
+ * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file), a path, or `-` for standard input.
  *
  * @throws SplatSourceError if there is no such file; UsageError if there is no such built-in scene.
  */
@@ -37,8 +40,7 @@ export async function findScene(scene: string): Promise<SceneSource> {
   const builtinName = scene.startsWith(BUILTIN_PREFIX) ? scene.slice(BUILTIN_PREFIX.length) : scene;
   const builtin = builtinScenes.find(({ name }) => name === builtinName);
   if (builtin) {
-    const source = await openFile(fileURLToPath(builtin.url));
-    return { name: scene, source, limits: NO_LIMITS, isBuiltin: true };
+    return { name: scene, ...(await openNamed(fileURLToPath(builtin.url))), isBuiltin: true };
   }
   if (scene.startsWith(BUILTIN_PREFIX)) {
     const names = builtinScenes.map(({ name }) => `${BUILTIN_PREFIX}${name}`).join(', ');
@@ -46,9 +48,12 @@ export async function findScene(scene: string): Promise<SceneSource> {
   }
   if (/^(https?|data):/.test(scene)) {
     if (!URL.canParse(scene)) throw new SplatSourceError(scene, 'it is no valid address');
-    return { name: scene, source: new URL(scene), limits: {}, isBuiltin: false };
+    return { name: scene, source: new URL(scene), limits: {}, files: new Set(), isBuiltin: false };
   }
-  return { name: scene, source: await openNamed(scene), limits: NO_LIMITS, isBuiltin: false };
+  if (scene === STDIO) {
+    return { name: scene, source: openStdin(), limits: NO_LIMITS, files: new Set([STDIO]), isBuiltin: false };
+  }
+  return { name: scene, ...(await openNamed(scene)), isBuiltin: false };
 }
 
 /** Reads the splats of a scene into memory. */
@@ -60,9 +65,11 @@ export function readScene(
   return readSplats(source, { ...limits, name, shPrecision, onProgress });
 }
 
-async function openNamed(scene: string): Promise<SplatSource> {
+async function openNamed(scene: string): Promise<Pick<SceneSource, 'source' | 'limits' | 'files'>> {
+  const files = new Set<string>();
   try {
-    return await openFile(scene.startsWith('file:') ? fileURLToPath(scene) : scene);
+    const path = scene.startsWith('file:') ? fileURLToPath(scene) : scene;
+    return { source: await openFile(path, (file) => files.add(file)), limits: NO_LIMITS, files };
   } catch (error) {
     const cause = describeSystemError(error);
     const isFolder = (error as NodeJS.ErrnoException).code === 'EISDIR';

@@ -5,7 +5,8 @@ const listOf = (values: readonly string[]) => values.join(', ');
 export const USAGE = `websplatter renders, inspects and converts Gaussian-splat scenes.
 
 websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.png [options]
-  SCENE                  a file, a URL, or builtin:still-life, builtin:still-life-small; several are sorted together
+  SCENE                  a file, a URL, - for standard input, or builtin:still-life, builtin:still-life-small; several are sorted
+                         together
   --camera CAM.json      {"position":[x,y,z],"target":[x,y,z],"up":[x,y,z],"fovYDegrees":60,"near":0.01,"far":1000};
                          or "projection":"orthographic","height":h instead of the field of view;
                          or {"viewMatrix":[…],"projectionMatrix":[…]}, column-major (looking along -z, y up)
@@ -72,6 +73,9 @@ websplatter soak [--frames 1000] [--seed 1] [--json]
   --seed 1               decides everything that happens
 
 websplatter --help | --version
+
+Files are written whole or not at all, links followed, modes and owners kept. Pipes and devices are written into. - is standard
+output, as /dev/stdout is; what was done is then said on standard error.
 
 Exit status: 0 on success, 2 on bad input, 1 otherwise; errors are one line (WEBSPLATTER_DEBUG=1 adds the stack).
 `;

@@ -1,2 +1,2 @@
 export { createNodeGpu, type NodeGpu, type NodeGpuOptions } from './node-gpu.ts';
-export { openFile } from './open-file.ts';
+export { openFile, openStdin } from './open-file.ts';

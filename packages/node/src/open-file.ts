@@ -8,6 +8,8 @@ import { isLeadingFile } from '@websplatter/core/formats';
 
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
+type OnFile = ((path: string) => void) | undefined;
+
 /** Most files that are looked at beside one that leads to others. */
 const MOST_PARTS = 10_000;
 
@@ -16,22 +18,29 @@ const MOST_PARTS = 10_000;
  * `openAsBlob` takes sizes modulo 4 GiB. A file that leads to others, such as `meta.json`, comes with those of its folder; a folder
  * is opened by such a file.
  *
+ * @param onFile told of this file, and of each other one when it is read.
  * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES`, or `EISDIR` for a folder without one) if the file cannot be read.
  */
-export async function openFile(path: string): Promise<SplatSource> {
+export async function openFile(path: string, onFile?: OnFile): Promise<SplatSource> {
   const found = await stat(path);
   if (found.isDirectory()) {
     const leading = (await readdir(path)).find(isLeadingFile);
-    if (leading !== undefined) return openFile(join(path, leading));
+    if (leading !== undefined) return openFile(join(path, leading), onFile);
     throw Object.assign(new Error(`${path} is a folder, not a file`), { code: 'EISDIR' });
   }
   await access(path, constants.R_OK);
+  onFile?.(path);
   if (!found.isFile()) return streamOf(path);
-  return isLeadingFile(basename(path)) ? openFolder(path) : fileOf(path, found.size);
+  return isLeadingFile(basename(path)) ? openFolder(path, onFile) : fileOf(path, found.size, onFile);
+}
+
+/** What this process is given on its standard input, once. */
+export function openStdin(): ReadableStream<Uint8Array<ArrayBuffer>> {
+  return webStreamOf(process.stdin);
 }
 
 /** The file at `leading` with those that it may lead to, itself first. */
-async function openFolder(leading: string): Promise<SplatSource> {
+async function openFolder(leading: string, onFile: OnFile): Promise<SplatSource> {
   const folder = dirname(leading);
   const paths = [leading];
   const folders = [folder];
@@ -43,13 +52,17 @@ async function openFolder(leading: string): Promise<SplatSource> {
     }
     if (paths.length > MOST_PARTS) break;
   }
-  const files = await Promise.all(paths.map(async (path) => fileOf(path, (await stat(path)).size)));
+  const files = await Promise.all(paths.map(async (path) => fileOf(path, (await stat(path)).size, onFile)));
   return { files, paths: paths.map((path) => relative(folder, path).replaceAll('\\', '/')) };
 }
 
 /** What readers need of a File. */
-function fileOf(path: string, size: number): Blob {
-  return { name: basename(path), size, stream: () => streamOf(path) } as unknown as Blob;
+function fileOf(path: string, size: number, onFile: OnFile): Blob {
+  const stream = () => {
+    onFile?.(path);
+    return streamOf(path);
+  };
+  return { name: basename(path), size, stream } as unknown as Blob;
 }
 
 function streamOf(path: string): ReadableStream<Uint8Array<ArrayBuffer>> {

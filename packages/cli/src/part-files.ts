@@ -1,0 +1,68 @@
+import { rmSync } from 'node:fs';
+import { type FileHandle, open, rename, rm } from 'node:fs/promises';
+import { basename, dirname, join } from 'node:path';
+import type { OutputPlace } from './output-place.ts';
+
+const SIGNALS: readonly NodeJS.Signals[] = ['SIGINT', 'SIGTERM', 'SIGHUP'];
+
+/** Files beside those that they will replace. Those that did not become whole are removed, also where the process ends before. */
+export class PartFiles {
+  /** By the path of what each will replace. */
+  readonly #parts = new Map<string, string>();
+  readonly #remove = () => {
+    for (const part of this.#parts.values()) rmSync(part, { force: true });
+    this.#parts.clear();
+  };
+  readonly #onSignal = (signal: NodeJS.Signals) => {
+    this.end();
+    // It ends by the signal, status 128 and its number: `process.exit` would wait for a pipe that has no reader.
+    process.kill(process.pid, signal);
+  };
+
+  constructor() {
+    process.once('exit', this.#remove);
+    for (const signal of SIGNALS) process.once(signal, this.#onSignal);
+  }
+
+  /**
+   * Makes the file that will replace the one at `place`, with its mode and owner; null where that may not be done, and the older one
+   * can only be written into.
+   *
+   * Rejects with the system's error.
+   */
+  async open({ path, found }: OutputPlace): Promise<FileHandle | null> {
+    const part = join(dirname(path), `.${basename(path)}.${process.pid}.part`);
+    this.#parts.set(path, part);
+    let file: FileHandle | undefined;
+    try {
+      file = await open(part, 'wx', found && 0o600);
+      if (found) {
+        const { uid, gid } = await file.stat();
+        if (uid !== Number(found.uid) || gid !== Number(found.gid))
+          await file.chown(Number(found.uid), Number(found.gid));
+        await file.chmod(Number(found.mode) & 0o7777);
+      }
+      return file;
+    } catch (error) {
+      await file?.close();
+      const isForbidden = ['EACCES', 'EPERM'].includes((error as NodeJS.ErrnoException).code ?? '');
+      if (!found || !isForbidden) throw error;
+      await rm(part, { force: true });
+      this.#parts.delete(path);
+      return null;
+    }
+  }
+
+  /** Puts the file that was made for this place there. */
+  async finish({ path }: OutputPlace): Promise<void> {
+    await rename(this.#parts.get(path)!, path);
+    this.#parts.delete(path);
+  }
+
+  /** Removes those that are not in their places. */
+  end(): void {
+    process.off('exit', this.#remove);
+    for (const signal of SIGNALS) process.off(signal, this.#onSignal);
+    this.#remove();
+  }
+}
