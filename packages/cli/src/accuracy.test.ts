@@ -15,6 +15,7 @@ test('accuracy refuses bad input with one line, and writes nothing', async () =>
     [[...common, '--size', '8x8', '--settings', 'sharpness'], '“sharpness”'],
     [[...common, '--size', '8x8', '--frames', '0'], '--frames is 0'],
     [[...common, '--size', '8x8', '--sort-by', 'z'], '--sort-by is z'],
+    [[...common, '--size', '8x8', '--svg', camera], `--svg is ${camera}, which is read too`],
   ] as const) {
     const { status, out, err } = await runMain(...args);
     expect(err).toContain(message);

@@ -7,6 +7,7 @@ import { findBenchScene, loadTimed } from './bench-scene.ts';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
 import { currentCommit, describeMachine } from './machine.ts';
+import { checkOutputs } from './output-files.ts';
 import { tenthsOf } from './progress-lines.ts';
 
 /** `websplatter bench SCENE|--synthetic N [--camera CAM.json] [--json]`. */
@@ -18,8 +19,9 @@ export async function bench(args: readonly string[], console: Console): Promise<
 
 async function measure(options: BenchOptions, console: Console): Promise<BenchReport> {
   const { widthPx, heightPx, frames, orbitDegrees, accuracy, accuracyLabel } = options;
-  const camera = await cameraOf(options);
   const scene = await findBenchScene(options.scene);
+  await checkOutputs([], options.camera === undefined ? scene.files : [options.camera, ...scene.files]);
+  const camera = await cameraOf(options);
   const { engine, cloud, load, notice, checkGpuErrors } = await loadTimed(scene, accuracy);
   try {
     if (notice !== null) console.err(`note: ${notice}\n`);

@@ -100,6 +100,15 @@ unixTest('files that are open elsewhere are written into', () => {
   expect(lstatSync(folder.file('stdout.ply')).isSymbolicLink()).toBe(true);
 });
 
+binTest('standard output that is read is refused', () => {
+  const folder = new TestFolder();
+  const scene = readFileSync(folder.scene());
+  const { status, stderr } = shell('"$0" "$1" info scene.ply >> scene.ply', folder.path);
+  expect(status).toBe(2);
+  expect(stderr).toMatch(/^websplatter: standard output is a file that is read too [^\n]+\n$/);
+  expect(readFileSync(folder.file('scene.ply'))).toEqual(scene);
+});
+
 unixTest('a device without end is refused in one line', () => {
   const { status, stdout, stderr } = websplatter('info', '/dev/zero');
   expect([status, stdout]).toEqual([2, '']);

@@ -1,4 +1,4 @@
-import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { existsSync, linkSync, mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { type Harmonics, readCoefficients, readSplats, type SplatSet } from '@websplatter/core';
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
@@ -112,6 +112,32 @@ test('notes say what may surprise', async () => {
   const about = expect.stringContaining('more.gltf: 1 other primitive');
   expect(await notesOf(more, folder.file('more.ply'), '--up=-y')).toEqual([about]);
   expect(await notesOf('builtin:still-life-small', folder.file('made.glb'), '--sh', '0')).toEqual([]);
+});
+
+test('what is read is not overwritten by any of its names, nor is a part of a scene', async () => {
+  const folder = new TestFolder();
+  const scene = folder.scene();
+  linkSync(scene, folder.file('linked.ply'));
+  mkdirSync(folder.file('parts'));
+  const gltf = folder.write('parts/scene.gltf', {
+    ...gltfOfOneSplat(),
+    buffers: [{ byteLength: 16, uri: 'ones.bin' }],
+  });
+  const pairs = [
+    [scene, folder.file('linked.ply')],
+    [gltf, folder.write('parts/ones.bin', new Uint8Array(new Float32Array(4).fill(1).buffer))],
+    [folder.file('parts'), gltf],
+  ];
+  for (const [from, to] of pairs) {
+    const before = readFileSync(to);
+    const { status, err } = await runMain('convert', from, to, '--format', 'ply');
+    expect([status, err]).toEqual([2, expect.stringContaining(`OUT is ${to}, which is read too`)]);
+    expect(readFileSync(to)).toEqual(before);
+  }
+  // What is in the folder of a scene, and no part of it, is replaced.
+  const beside = folder.write('parts/beside.ply', 'old');
+  expect((await runMain('convert', folder.file('parts'), beside)).status).toBe(0);
+  expect((await read(beside)).count).toBe(1);
 });
 
 test('bad input gives one line, status 2 and no file', async () => {

@@ -1,4 +1,3 @@
-import { resolve } from 'node:path';
 import { type Harmonics, printable, type ShDegree, type SplatSet } from '@websplatter/core';
 import {
   cropSplats,
@@ -10,9 +9,7 @@ import {
 } from '@websplatter/core/write';
 import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
-import { UsageError } from './input-error.ts';
 import { checkOutputs, reportBeside, writeFiles } from './output-files.ts';
-import { STDIO } from './output-place.ts';
 import { tenthsOf } from './progress-lines.ts';
 import { findScene, readScene, type SceneSource } from './scene-source.ts';
 
@@ -48,10 +45,6 @@ export async function convert(args: readonly string[], console: Console): Promis
   const output = { argument: 'OUT', path: out };
   const scenes = await Promise.all(options.scenes.map(findScene));
   const filesRead = () => scenes.flatMap(({ files }) => [...files]);
-  for (const { name } of scenes) {
-    if (name !== STDIO && resolve(name) === resolve(out))
-      throw new UsageError('OUT', `OUT is ${out}, which is read too; give it another name`);
-  }
   await checkOutputs([output], filesRead());
   const report = await reportBeside([out], console);
   const showTenths = tenthsOf(console);

@@ -11,6 +11,7 @@ import {
 import type { Console } from './console.ts';
 import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
+import { checkOutputs } from './output-files.ts';
 import { parseStrictly } from './render-options.ts';
 import { findScene, readScene } from './scene-source.ts';
 import { type ShBand, shEnergyPerBand } from './sh-energy.ts';
@@ -56,6 +57,7 @@ export async function info(args: readonly string[], console: Console): Promise<v
     throw new UsageError('SCENE', `info needs one SCENE, found ${positionals.length}`);
   }
   const scene = await findScene(positionals[0]);
+  await checkOutputs([], scene.files);
   const found = describeScene(scene.name, await readScene(scene, 'palette'));
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }

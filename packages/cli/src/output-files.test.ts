@@ -1,7 +1,7 @@
 import { execFileSync } from 'node:child_process';
-import { chmodSync, lstatSync, readdirSync, readFileSync, statSync, symlinkSync } from 'node:fs';
+import { chmodSync, linkSync, lstatSync, readdirSync, readFileSync, statSync, symlinkSync } from 'node:fs';
 import { mkdir, readFile } from 'node:fs/promises';
-import { dirname } from 'node:path';
+import { dirname, join } from 'node:path';
 import { beforeEach, describe, expect, test } from 'vitest';
 import { checkOutputs, writeFiles } from './output-files.ts';
 import { TestFolder } from './testing/test-folder.ts';
@@ -82,6 +82,28 @@ describe.skipIf(process.platform === 'win32')('an output that is there', () => {
   });
 });
 
-test('standard input is read only once', async () => {
+test('an output that is read, or another output, by any name is refused', async () => {
+  const scene = folder.write('scene.ply', 'scene');
+  await mkdir(folder.file('sub'));
+  const names = {
+    same: scene,
+    dotted: join(folder.path, 'sub', '..', 'scene.ply'),
+    soft: folder.file('soft.ply'),
+    hard: folder.file('hard.ply'),
+    'in a linked folder': folder.file('linked/scene.ply'),
+  };
+  symlinkSync('scene.ply', names.soft);
+  linkSync(scene, names.hard);
+  symlinkSync('.', folder.file('linked'));
+  for (const path of Object.values(names)) {
+    const refused = `--out is ${path}, which is read too; give it another name`;
+    await expect(checkOutputs([out(path)], ['cam.json', scene])).rejects.toThrow(refused);
+    await expect(writeFiles([{ ...out(path), content: 'x' }], [scene])).rejects.toThrow(refused);
+    const both = [out(scene), { argument: '--raw', path }];
+    await expect(checkOutputs(both, [])).rejects.toThrow(`--raw is ${path}, which --out writes too`);
+  }
+  expect(readFileSync(scene, 'utf8')).toBe('scene');
+  const newNames = [out(folder.file('new')), { argument: '--raw', path: folder.file('linked/new') }];
+  await expect(checkOutputs(newNames, [])).rejects.toThrow('which --out writes too');
   await expect(checkOutputs([], ['-', '-'])).rejects.toThrow('standard input, -, can be read only once');
 });

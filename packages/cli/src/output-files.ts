@@ -6,7 +6,7 @@ import { pipeline } from 'node:stream/promises';
 import { WebSplatterError } from '@websplatter/core';
 import type { Console } from './console.ts';
 import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
-import { type OutputPlace, outputPlace, STDIO } from './output-place.ts';
+import { identityOf, type OutputPlace, outputPlace, STDIN_FD, STDIO, STDOUT_FD } from './output-place.ts';
 import { PartFiles } from './part-files.ts';
 
 /** Where a command writes a file. */
@@ -25,18 +25,33 @@ export interface OutputFile extends Output {
 const PIECE_BYTES = 1 << 20;
 
 /**
- * To be called before any work is done.
+ * Checks what a command writes, standard output included. To be called before any work is done.
  *
  * @param inputs files that are read; `-` is standard input.
  *
- * Rejects with InputFileError if an output cannot be written; with UsageError if standard input is read twice.
+ * Rejects with InputFileError if an output cannot be written; with UsageError if it is read, or another output, by any name.
  */
 export async function checkOutputs(outputs: readonly Output[], inputs: Iterable<string>): Promise<void> {
+  const uses = new Map<string, string>();
   let stdinUses = 0;
-  for (const input of inputs)
+  for (const input of inputs) {
     if (input === STDIO && ++stdinUses > 1)
       throw new UsageError('arguments', 'standard input, -, can be read only once');
-  for (const { path } of outputs) await checkWritable(path);
+    // What cannot be found is for its reader to report.
+    const identity = await identityOf(input, STDIN_FD).catch(() => undefined);
+    if (identity !== undefined) uses.set(identity, 'is read');
+  }
+  const stdout = await identityOf(STDIO, STDOUT_FD);
+  if (stdout !== undefined && uses.has(stdout))
+    throw new UsageError('standard output', 'standard output is a file that is read too');
+  for (const { argument, path } of outputs) {
+    await checkWritable(path);
+    const identity = await identityOf(path, STDOUT_FD);
+    if (identity === undefined) continue;
+    const use = uses.get(identity);
+    if (use) throw new UsageError(argument, `${argument} is ${path}, which ${use} too; give it another name`);
+    uses.set(identity, `${argument} writes`);
+  }
 }
 
 async function checkWritable(path: string): Promise<void> {

@@ -4,7 +4,8 @@ import { basename, dirname, join, resolve } from 'node:path';
 
 /** What stands for standard input among inputs, and for standard output among outputs. */
 export const STDIO = '-';
-const STDOUT_FD = 1;
+export const STDIN_FD = 0;
+export const STDOUT_FD = 1;
 
 /** Where writing to a path leads, links followed. */
 export interface OutputPlace {
@@ -32,7 +33,7 @@ export async function outputPlace(path: string): Promise<OutputPlace> {
  *
  * @param stdioFd what `-` stands for.
  */
-async function identityOf(path: string, stdioFd: number): Promise<string | undefined> {
+export async function identityOf(path: string, stdioFd: number): Promise<string | undefined> {
   const found = path === STDIO ? fstatSync(stdioFd, { bigint: true }) : await statIfThere(path);
   if (found === undefined) return followLinks(path);
   return found.isCharacterDevice() ? undefined : `${found.dev}:${found.ino}`;

@@ -62,7 +62,6 @@ test.each([
   [['--set', 'alphaCutoff'], '--set is alphaCutoff; it must be name=value'],
   [['--set', 'alphaCutoff=small'], 'alphaCutoff is small; it must lie in'],
   [['--model', 'a.json', '--model', 'b.json'], '2 --model for 1 scene; give one for each'],
-  [['--raw', './a.png'], '--out, --raw and --timings need files of their own'],
   [['--raw', ''], '--raw is empty'],
   [['', '--camera', 'c', '--size', '1x1', '--out', 'o'], 'an argument is empty (see websplatter --help)'],
   [['--colour', 'red'], "Unknown option '--colour' (see websplatter --help)"],

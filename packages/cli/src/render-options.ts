@@ -1,4 +1,3 @@
-import { resolve } from 'node:path';
 import { type ParseArgsConfig, parseArgs } from 'node:util';
 import {
   ACCURACY_SETTINGS,
@@ -59,9 +58,6 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   if (values.out === undefined && values.raw === undefined) {
     throw new UsageError('--out', 'render needs --out image.png or --raw image.f32, or both');
   }
-  const outputs = [values.out, values.raw, values.timings].filter((path) => path !== undefined);
-  if (new Set(outputs.map((path) => resolve(path))).size < outputs.length)
-    throw new UsageError('--out', '--out, --raw and --timings need files of their own');
   if (values.model.length !== 0 && values.model.length !== positionals.length) {
     const found = `${values.model.length} --model for ${positionals.length} scene${positionals.length === 1 ? '' : 's'}`;
     throw new UsageError('--model', `${found}; give one for each, in the order of the scenes, or none`);

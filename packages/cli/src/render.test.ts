@@ -115,3 +115,29 @@ test('splats are sorted by what is asked for', async () => {
   expect(await redOf('depth')).toBeGreaterThan(2 * (await redOf('distance')));
   expect(await redOf('auto')).toBe(await redOf('depth'));
 });
+
+test.each(['--out', '--raw', '--timings'])('%s does not overwrite what is read', async (argument) => {
+  const folder = new TestFolder();
+  const [scene, camera] = [folder.scene(), folder.camera()];
+  const model = folder.write('model.json', [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+  const inputs = [scene, '--camera', camera, '--model', model, ...SIZE, ...REFERENCE];
+  const before = [scene, camera, model].map((path) => readFileSync(path));
+  const others = argument === '--timings' ? ['--out', folder.file('a.png')] : [];
+  for (const path of [scene, camera, model]) {
+    const { status, out, err } = await runMain('render', ...inputs, ...others, argument, path);
+    expect([status, out]).toEqual([2, '']);
+    expect(err).toBe(
+      `websplatter: ${argument} is ${path}, which is read too; give it another name (see websplatter --help)\n`,
+    );
+  }
+  expect([scene, camera, model].map((path) => readFileSync(path))).toEqual(before);
+  expect(readdirSync(folder.path).sort()).toEqual(['camera.json', 'model.json', 'scene.ply']);
+});
+
+test('two outputs need files of their own', async () => {
+  const folder = new TestFolder();
+  const inputs = [folder.scene(), '--camera', folder.camera(), ...SIZE, ...REFERENCE];
+  const outputs = ['--out', folder.file('a'), '--raw', `${folder.path}/./a`];
+  const { status, err } = await runMain('render', ...inputs, ...outputs);
+  expect([status, err]).toEqual([2, expect.stringContaining('which --out writes too')]);
+});

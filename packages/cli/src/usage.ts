@@ -75,7 +75,7 @@ websplatter soak [--frames 1000] [--seed 1] [--json]
 websplatter --help | --version
 
 Files are written whole or not at all, links followed, modes and owners kept. Pipes and devices are written into. - is standard
-output, as /dev/stdout is; what was done is then said on standard error.
+output, as /dev/stdout is; what was done is then said on standard error. A file that a command reads is never written.
 
 Exit status: 0 on success, 2 on bad input, 1 otherwise; errors are one line (WEBSPLATTER_DEBUG=1 adds the stack).
 `;
