@@ -15,6 +15,8 @@ export {
   uprightRotation,
 } from './data/editing/quaternion.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
+export { PieceFacts } from './io/formats/piece-facts.ts';
 export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
-export type { WriteOptions } from './io/formats/write-format.ts';
-export { writeSplats } from './io/formats/writers.ts';
+export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-format.ts';
+export { canWritePieces, writeSplatPieces, writeSplats } from './io/formats/writers.ts';
+export { readSplatPieces } from './io/loading/read-splat-pieces.ts';

@@ -7,26 +7,45 @@ export interface PackOptions {
   readonly onProgress?: (fraction: number) => void;
 }
 
+type Put = (bytes: Uint8Array<ArrayBuffer>) => Promise<void>;
+
 /** Packs bytes as a gzip stream (RFC 1952). Rejects with the signal's reason once it aborts. */
 export async function packGzip(
   bytes: Uint8Array<ArrayBuffer>,
   { signal, onProgress }: PackOptions,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  const { readable, writable } = new CompressionStream('gzip');
-  const packed = new Response(readable).arrayBuffer();
-  const writer = writable.getWriter();
-  try {
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  const keep = async (part: Uint8Array<ArrayBuffer>) => {
+    parts.push(part);
+  };
+  await packGzipTo(keep, async (put) => {
     for (let at = 0; at < bytes.length; at += PIECE_BYTES) {
       signal?.throwIfAborted();
-      await writer.write(bytes.subarray(at, at + PIECE_BYTES));
+      await put(bytes.subarray(at, at + PIECE_BYTES));
       onProgress?.(Math.min(1, (at + PIECE_BYTES) / bytes.length));
     }
     signal?.throwIfAborted();
-    await writer.close();
+  });
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
+}
+
+/**
+ * Packs what `work` puts as a gzip stream, which goes to `put` while it grows. Bytes that `work` has put must stay as they are.
+ *
+ * Rejects as both do.
+ */
+export async function packGzipTo(put: Put, work: (put: Put) => Promise<void>): Promise<void> {
+  const { readable, writable } = new CompressionStream('gzip');
+  const writer = writable.getWriter();
+  const packing = readable.pipeTo(new WritableStream({ write: put }));
+  try {
+    // Where the packed bytes find no place, that is the reason, and not that nothing more can be written.
+    await work((bytes) => Promise.race([writer.write(bytes), packing]));
+    await Promise.race([writer.close(), packing]);
   } catch (error) {
-    packed.catch(() => {});
+    packing.catch(() => {});
     await writer.abort(error).catch(() => {});
     throw error;
   }
-  return new Uint8Array(await packed);
+  await packing;
 }

@@ -125,7 +125,7 @@ async function passValues(values: Float32Array, atOnce: number, sink: RowSink): 
 async function collectRows(
   { count, shDegree, isAntialiased, fileFacts, arrive, decode }: DecodedRows,
   { name, reader }: SplatInput,
-  { shPrecision }: SplatFormatOptions,
+  { shPrecision, onPiece }: SplatFormatOptions,
   progress: ReadProgress,
 ): Promise<SplatSet<PackedHarmonics>> {
   const length = rowLength(shDegree);
@@ -138,6 +138,7 @@ async function collectRows(
     isHeld: true,
     isAntialiased,
     fileFacts,
+    onPiece,
   });
   const values = new Float32Array(Math.min(count, ROWS_AT_ONCE) * length);
   for (let row = 0; row < count; row += ROWS_AT_ONCE) {
@@ -149,6 +150,7 @@ async function collectRows(
       builder.push(row + i);
     }
     progress.report(row);
+    await builder.handOn();
     await reader.pause();
   }
   return builder.finish();

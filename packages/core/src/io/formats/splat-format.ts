@@ -24,11 +24,19 @@ export interface SplatFormat {
   recognise(firstBytes: Uint8Array, fileName: string): boolean;
 }
 
+/**
+ * Takes some splats of a file, in its order, with the rows that were dropped since the piece before. The `bandReach` of its harmonics is
+ * that of all splats so far. Its memory is used again once this has resolved.
+ */
+export type OnPiece = (piece: SplatSet<ReadHarmonics>) => Promise<void>;
+
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
   /** Precision in which to pack the spherical harmonics above degree 0. */
   readonly shPrecision: OwnShPrecision;
   /** Whether harmonics that are a palette in the file stay one, and no rows are handed over; default false. */
   readonly keepsPalette?: boolean;
+  /** Where it is given, formats that have one splat after another call it while they read, and return the last piece. */
+  readonly onPiece?: OnPiece;
   /** Files with more splats are refused. */
   readonly maxSplats: number;
   /** See `ReadLimits`; undefined for the default. */

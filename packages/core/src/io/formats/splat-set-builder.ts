@@ -13,8 +13,11 @@ import {
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
 import { emptyError } from './empty-error.ts';
+import type { OnPiece } from './splat-format.ts';
 
 const FIRST_CAPACITY = 4096;
+/** Splats that are handed on at once, or some more: a few megabytes. */
+const PIECE_SPLATS = 1 << 14;
 
 interface Columns {
   positions: Float32Array | Float64Array;
@@ -40,11 +43,13 @@ export interface SplatSetBuilderOptions {
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
+  /** See `SplatFormatOptions`. */
+  readonly onPiece?: OnPiece;
 }
 
 /**
  * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are not finite in
- * float32 are dropped and counted.
+ * float32 are dropped and counted. Where pieces are wanted, `handOn` between rows keeps memory bounded.
  */
 export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
@@ -53,10 +58,11 @@ export class SplatSetBuilder {
   readonly #shRow: Float64Array;
   readonly #wordsPerSplat: number;
   readonly #reach: ShReachMeter;
-  readonly #dropped: DropCounts = {};
+  #dropped: DropCounts = {};
   #columns: Columns;
   #capacity = 0;
   #count = 0;
+  #handedOn = 0;
 
   constructor(options: SplatSetBuilderOptions) {
     this.#options = options;
@@ -73,13 +79,14 @@ export class SplatSetBuilder {
       shWords: new Uint32Array(0),
       fileIndices: new Uint32Array(0),
     };
-    const { promisedCount, isHeld } = options;
-    this.#setCapacity(isHeld ? promisedCount : Math.min(FIRST_CAPACITY, promisedCount));
+    const { promisedCount, isHeld, onPiece } = options;
+    const mostAtFirst = onPiece ? 2 * PIECE_SPLATS : isHeld ? promisedCount : FIRST_CAPACITY;
+    this.#setCapacity(Math.min(mostAtFirst, promisedCount));
   }
 
   /** Splats kept so far. */
   get count(): number {
-    return this.#count;
+    return this.#handedOn + this.#count;
   }
 
   /** Takes the splat in `row`, which is row `fileIndex` of its file. */
@@ -113,11 +120,35 @@ export class SplatSetBuilder {
     this.#reach.include(this.#shRow, 0);
   }
 
-  /** The finished set; throws `SplatFileError` 'empty' if no row was kept. */
+  /** Hands the splats so far on, if they are many and that is wanted. Their memory is used again. */
+  async handOn(): Promise<void> {
+    const { onPiece } = this.#options;
+    if (!onPiece || this.#count < PIECE_SPLATS) return;
+    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
+    const count = this.#count;
+    const piece = this.#setOf({
+      positions: positions.subarray(0, 3 * count),
+      logScales: logScales.subarray(0, 3 * count),
+      rotations: rotations.subarray(0, 4 * count),
+      opacityLogits: opacityLogits.subarray(0, count),
+      colorDc: colorDc.subarray(0, 3 * count),
+      shWords: shWords.subarray(0, this.#wordsPerSplat * count),
+      fileIndices: fileIndices.subarray(0, count),
+    });
+    await onPiece(piece);
+    this.#handedOn += count;
+    this.#count = 0;
+    this.#dropped = {};
+  }
+
+  /** The finished set, or what is left of it for the last piece; throws `SplatFileError` 'empty' if no row was kept. */
   finish(): SplatSet<PackedHarmonics> {
-    if (this.#count === 0) throw emptyError(this.#options.file, this.#dropped);
+    if (this.count === 0) throw emptyError(this.#options.file, this.#dropped);
     this.#setCapacity(this.#count);
-    const { positions, shWords, ...columns } = this.#columns;
+    return this.#setOf(this.#columns);
+  }
+
+  #setOf({ positions, shWords, ...columns }: Columns): SplatSet<PackedHarmonics> {
     const { min, max } = centerBounds(positions, this.#count);
     const origin = chooseOrigin(min, max);
     const { isAntialiased, fileFacts } = this.#options;

@@ -2,6 +2,7 @@ import { InvalidArgumentError } from '../../data/errors.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { Turns } from '../../data/turns.ts';
+import type { PieceFacts } from './piece-facts.ts';
 
 /** How a scene is written: an end, and what is told meanwhile. */
 export interface WriteOptions {
@@ -20,6 +21,34 @@ export type WriteFormat = (
   set: SplatSet<Harmonics>,
   options: WriteOptions,
 ) => Promise<Uint8Array<ArrayBuffer>>;
+
+/** Splats that come in pieces, and can be read again and again. */
+export interface SplatPieces {
+  readonly facts: PieceFacts;
+  /** Reads all of them from the first on. The memory of each is used again once `onPiece` has resolved. */
+  read(onPiece: (piece: SplatSet<Harmonics>) => Promise<void>): Promise<void>;
+}
+
+/** Takes the next bytes of a file, which are not changed any more. */
+export type PutBytes = (bytes: Uint8Array<ArrayBuffer>) => Promise<void>;
+
+/** Writes splats as a file that need not be in memory, nor they. Rejects as `WriteFormat`, `read` and `put`. */
+export type WritePieces = (pieces: SplatPieces, options: WriteOptions, put: PutBytes) => Promise<void>;
+
+/** Reads all pieces, and tells the progress. `work` is given the number of splats before each. */
+export async function readInTurns(
+  { facts, read }: SplatPieces,
+  { signal, onProgress }: WriteOptions,
+  work: (piece: SplatSet<Harmonics>, before: number) => Promise<void> | void,
+): Promise<void> {
+  let before = 0;
+  await read(async (piece) => {
+    signal?.throwIfAborted();
+    await work(piece, before);
+    before += piece.count;
+    onProgress?.(before / facts.count);
+  });
+}
 
 /** Options of a part of the work: its own progress, from 0 to 1, is `from` to `to` of the whole. */
 export function partOfProgress({ signal, onProgress }: WriteOptions, from: number, to: number): WriteOptions {

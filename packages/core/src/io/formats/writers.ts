@@ -5,10 +5,15 @@ import { shown } from '../../data/printable.ts';
 import { givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
-import type { WriteFormat, WriteOptions } from './write-format.ts';
+import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } from './write-format.ts';
 
 /** Fetch the code of each of `WRITABLE_FORMATS`, by path. */
 const WRITERS = import.meta.glob<WriteFormat>(['./*/write-*.ts', '!./*/*.test.ts'], { import: 'write' });
+
+/** Of those of them that need not hold all splats. */
+const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}.ts', {
+  import: 'writePieces',
+});
 
 /**
  * Writes splats as a file in the format of this name, one of `WRITABLE_FORMATS`, whose code is fetched first. Works in the calling
@@ -29,6 +34,36 @@ export async function writeSplats(
   }
   given(options);
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
-  const write = await WRITERS[`./${formatName}/write-${formatName}.ts`]();
+  const write = await WRITERS[pathOf(formatName)]();
   return write(set, options);
+}
+
+/** Whether `writeSplatPieces` writes the format of this name. */
+export function canWritePieces(formatName: string): boolean {
+  return pathOf(formatName) in PIECE_WRITERS;
+}
+
+/**
+ * Writes splats that come in pieces as a file, of which `put` takes the bytes from the first to the last: neither all splats nor all of
+ * the file are in memory. The bytes are those of `writeSplats`, but for rounding of positions in float64. Some formats read all pieces
+ * several times.
+ *
+ * Rejects with `InvalidArgumentError` if the format cannot be written so ('formatName'), or cannot hold these splats ('set'); with the
+ * signal's reason; as `pieces.read` and `put` do.
+ */
+export async function writeSplatPieces(
+  pieces: SplatPieces,
+  formatName: string,
+  options: WriteOptions,
+  put: PutBytes,
+): Promise<void> {
+  if (!canWritePieces(formatName))
+    throw new InvalidArgumentError('formatName', `${shown(formatName)} cannot be written in pieces.`);
+  if (pieces.facts.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
+  const write = await PIECE_WRITERS[pathOf(formatName)]();
+  await write(pieces, options, put);
+}
+
+function pathOf(formatName: string): string {
+  return `./${formatName}/write-${formatName}.ts`;
 }

@@ -2,13 +2,15 @@ import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import { checkPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
-import { type FormatReaders, SNIFF_BYTES } from '../formats/splat-format.ts';
+import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/splat-format.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import { openSource } from '../sources/open-source.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { fileNameOf, isFiles, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { OtherFormat } from './other-format.ts';
+
+type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>;
 
 /**
  * Does what `readSplats` promises, for the formats that `readers` has. It is a module of its own: a page whose worker reads never
@@ -18,23 +20,23 @@ import { OtherFormat } from './other-format.ts';
  */
 export async function readSource(
   source: SplatSource,
-  options: ReadSplatsOptions,
+  options: ReadSourceOptions,
   readers: FormatReaders,
 ): Promise<SplatSet<ReadHarmonics>>;
 /** `passed` if the rows of the file went to `rowsTo` as they are. */
 export async function readSource(
   source: SplatSource,
-  options: ReadSplatsOptions,
+  options: ReadSourceOptions,
   readers: FormatReaders,
   rowsTo: RowsTo | undefined,
 ): Promise<SplatSet<ReadHarmonics> | Passed>;
 export async function readSource(
   source: SplatSource,
-  options: ReadSplatsOptions,
+  options: ReadSourceOptions,
   { pick, openFiles }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
-  const { signal, onProgress, shPrecision = 'u8' } = options;
+  const { signal, onProgress, onPiece, shPrecision = 'u8' } = options;
   checkPrecision({ shPrecision });
   const opened =
     openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
@@ -56,6 +58,7 @@ export async function readSource(
         maxBytes: options.maxBytes,
         signal,
         onProgress,
+        onPiece,
       },
       rowsTo,
     );

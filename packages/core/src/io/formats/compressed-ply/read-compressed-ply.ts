@@ -74,7 +74,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const { count, shDegree, totalBytes } = layout;
   checkCount(count, file, options.maxSplats, { element: 'vertex' });
   const isPassed = rowsTo !== undefined && takesCount(rowsTo.files, count);
-  const arriving = isPassed ? arrivingHarmonics(layout, input) : null;
+  const arriving = isPassed || options.onPiece ? arrivingHarmonics(layout, input) : null;
   const shStart = layout.harmonics?.start ?? 0;
   const bytes = await readExactly(input, arriving ? shStart : totalBytes, `its ${count} splats`);
   const sh = arriving ?? { bytes, start: shStart };

@@ -50,6 +50,7 @@ export async function readAsciiRows(
       if (++row === vertex.count) break;
     }
     progress.report(builder.count);
+    await builder.handOn();
   }
 }
 

@@ -116,6 +116,7 @@ async function readFixedRows(
     reader.advance(rowCount * stride);
     row += rowCount;
     progress.report(builder.count);
+    await builder.handOn();
   }
 }
 
@@ -184,7 +185,9 @@ async function readListRows(
       else if (!(await reader.skip(itemBytes))) throw truncatedError(reader, body, element, row);
     }
     builder?.push(row);
-    if (row % ROWS_PER_REPORT === 0) progress.report(builder?.count ?? 0);
+    if (row % ROWS_PER_REPORT !== 0) continue;
+    progress.report(builder?.count ?? 0);
+    await builder?.handOn();
   }
 }
 

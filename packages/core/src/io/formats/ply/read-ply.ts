@@ -125,6 +125,8 @@ export async function readPlyWith(
     isHeld: input.isHeld,
     isAntialiased,
     fileFacts,
+    // Completing needs all splats.
+    onPiece: variant?.complete ? undefined : options.onPiece,
   });
   for (const [slot, value] of variant?.defaults ?? []) builder.row[slot] = value;
   const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;

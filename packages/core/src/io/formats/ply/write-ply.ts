@@ -1,7 +1,14 @@
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { givenSet } from '../../../data/splats/check-set.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
-import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
+import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../../data/splats/splat-set.ts';
+import type { PieceFacts } from '../piece-facts.ts';
+import {
+  fileMemory,
+  readInTurns,
+  type WriteFormat,
+  type WritePieces,
+  writeInTurns,
+} from '../write-format.ts';
 
 /**
  * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
@@ -26,32 +33,61 @@ export const write: WriteFormat = async (set, options) => {
 };
 
 /** The line by which a PLY says whether its splats were trained with an antialias filter; none where that is not known. */
-export function antialiasComments({ isAntialiased }: SplatSet<Harmonics>): string[] {
+export function antialiasComments({ isAntialiased }: Pick<SplatColumns, 'isAntialiased'>): string[] {
   if (isAntialiased === undefined) return [];
   // As Brush says it, and what reads its files understands.
   return [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`];
 }
 
-/** A file with its header, and what puts rows into it, which must be called for all of them in order. */
+/** As `write`, in one pass over the pieces. */
+export const writePieces: WritePieces = async (pieces, options, put) => {
+  const { header, strideBytes, putRows } = layoutOf(pieces.facts);
+  await put(header);
+  await readInTurns(pieces, options, async (piece) => {
+    const rows = new Uint8Array(piece.count * strideBytes);
+    putRows(piece, 0, piece.count, new DataView(rows.buffer));
+    await put(rows);
+  });
+};
+
+/** A file with its header, and what puts rows into it. */
 function plyOf(
   set: SplatSet<Harmonics>,
   memoryOf = (byteCount: number) => new Uint8Array(byteCount),
 ): { bytes: Uint8Array<ArrayBuffer>; putRows(from: number, to: number): void } {
-  const shValues = coefficientsPerSplat(givenSet(set).harmonics.degree);
-  const isWide = set.origin.some((value) => value !== 0);
-  const positionBytes = isWide ? 8 : 4;
-  const header = new TextEncoder().encode(headerText(set, shValues, isWide ? 'double' : 'float'));
-  const stride = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);
-  const bytes = memoryOf(header.length + set.count * stride);
+  const { header, strideBytes, putRows } = layoutOf({
+    ...set,
+    shDegree: givenSet(set).harmonics.degree,
+    isAntialiased: set.isAntialiased,
+  });
+  const bytes = memoryOf(header.length + set.count * strideBytes);
   bytes.set(header);
-  const view = new DataView(bytes.buffer);
+  const view = new DataView(bytes.buffer, header.length);
+  return { bytes, putRows: (from, to) => putRows(set, from, to, view) };
+}
+
+type PlyFacts = Pick<PieceFacts, 'count' | 'origin' | 'shDegree' | 'isAntialiased'>;
+
+interface Layout {
+  readonly header: Uint8Array<ArrayBuffer>;
+  readonly strideBytes: number;
+  /** Puts rows of a set where `view`, which begins with its first row, has them. */
+  putRows(set: SplatSet<Harmonics>, from: number, to: number, view: DataView): void;
+}
+
+function layoutOf(facts: PlyFacts): Layout {
+  const shValues = coefficientsPerSplat(facts.shDegree);
+  const isWide = facts.origin.some((value) => value !== 0);
+  const positionBytes = isWide ? 8 : 4;
+  const header = new TextEncoder().encode(headerText(facts, shValues, isWide ? 'double' : 'float'));
+  const strideBytes = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);
   const sh = new Float32Array(shValues);
-  let offset = header.length;
-  const put = (value: number) => {
-    view.setFloat32(offset, value, true);
-    offset += 4;
-  };
-  const putRows = (from: number, to: number) => {
+  const putRows: Layout['putRows'] = (set, from, to, view) => {
+    let offset = from * strideBytes;
+    const put = (value: number) => {
+      view.setFloat32(offset, value, true);
+      offset += 4;
+    };
     for (let i = from; i < to; i++) {
       for (let axis = 0; axis < 3; axis++) {
         const position = absolute(set.positions[3 * i + axis], set.origin[axis]);
@@ -67,7 +103,7 @@ function plyOf(
       for (let part = 0; part < 4; part++) put(set.rotations[4 * i + part]);
     }
   };
-  return { bytes, putRows };
+  return { header, strideBytes, putRows };
 }
 
 /** −0 would become +0 if 0 were added. */
@@ -75,7 +111,7 @@ function absolute(position: number, origin: number): number {
   return origin === 0 ? position : position + origin;
 }
 
-function headerText(set: SplatSet<Harmonics>, shValues: number, positionType: 'float' | 'double'): string {
+function headerText(facts: PlyFacts, shValues: number, positionType: 'float' | 'double'): string {
   const floats = [
     ...names('f_dc', 3),
     ...names('f_rest', shValues),
@@ -86,8 +122,8 @@ function headerText(set: SplatSet<Harmonics>, shValues: number, positionType: 'f
   return [
     'ply',
     'format binary_little_endian 1.0',
-    ...antialiasComments(set),
-    `element vertex ${set.count}`,
+    ...antialiasComments(facts),
+    `element vertex ${facts.count}`,
     ...['x', 'y', 'z'].map((name) => `property ${positionType} ${name}`),
     ...floats.map((name) => `property float ${name}`),
     'end_header',

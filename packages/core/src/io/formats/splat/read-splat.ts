@@ -36,7 +36,7 @@ const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 
  * Among the first rows, those with positions or scales that no scene has tell other files: more than a half of them is too many, and
  * more than a tenth makes a note.
  *
- * Rows that go to the GPU are decoded as they arrive, where the size of the file is certain.
+ * Rows that go to the GPU, and those of pieces, are decoded as they arrive, where the size of the file is certain.
  *
  * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'unknown-format' for other files; 'too-large', 'empty'.
  */
@@ -65,7 +65,8 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     return deliverRows(rows, input, options, rowsTo);
   };
   const knownCount = totalBytesCertain && totalBytes !== undefined ? countOf(totalBytes) : undefined;
-  if (knownCount !== undefined && rowsTo && takesCount(rowsTo.files, knownCount)) {
+  const isPassed = knownCount !== undefined && rowsTo !== undefined && takesCount(rowsTo.files, knownCount);
+  if (knownCount !== undefined && (isPassed || options.onPiece)) {
     const arriving = new ArrivingRows(input, ROW_BYTES, (byte) => `at byte ${byte}`);
     return deliver(knownCount, await reader.peek(SNIFF_BYTES), arriving, arriving.arrive);
   }

@@ -2,9 +2,17 @@ import { InvalidArgumentError } from '../../../data/errors.ts';
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { largestComponent, normalizedRotation } from '../../../data/packing/rotation.ts';
 import { opacityOf } from '../../../data/splats/color-values.ts';
-import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
-import { packGzip } from '../../containers/pack-gzip.ts';
-import { fileMemory, type WriteFormat, writeInTurns } from '../write-format.ts';
+import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { packGzip, packGzipTo } from '../../containers/pack-gzip.ts';
+import type { PieceFacts } from '../piece-facts.ts';
+import {
+  fileMemory,
+  partOfProgress,
+  readInTurns,
+  type WriteFormat,
+  type WritePieces,
+  writeInTurns,
+} from '../write-format.ts';
 import { SPZ_MAGIC } from './spz-format.ts';
 import { COLOR_SCALE, FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 
@@ -13,8 +21,10 @@ const VERSION = 3;
 /** As every writer has it: positions are multiples of 1/4096, in 24 bits. */
 const FRACTIONAL_BITS = 12;
 const MOST_POSITION = 2 ** 23 - 1;
-/** Bytes of a splat without harmonics. */
-const SPLAT_BYTES = 20;
+/** Most bytes that writing in pieces holds besides those pieces. */
+const HELD_BYTES = 1 << 28;
+/** Held bytes that are packed at once. */
+const PACKED_AT_ONCE = 1 << 18;
 /**
  * Steps of harmonics of degree 1, and of the others, in 1/128: the format's own library keeps 5 and 4 bits of the 8, since gzip makes
  * nothing of the rest.
@@ -33,33 +43,16 @@ const ENCODED = 0.5;
  * Rejects with InvalidArgumentError 'set' if a coordinate is not between −2048 and 2048.
  */
 export const write: WriteFormat = async (set, { signal, onProgress }) => {
-  const { count, harmonics } = set;
-  const shValues = coefficientsPerSplat(harmonics.degree);
-  const bytes = fileMemory(HEADER_BYTES + count * (SPLAT_BYTES + shValues));
-  putHeader(set, new DataView(bytes.buffer));
-  // One attribute of all splats after another.
-  let start = HEADER_BYTES;
-  const attribute = (splatBytes: number) => {
-    const part = bytes.subarray(start, start + count * splatBytes);
-    start += part.length;
-    return part;
-  };
-  const [positions, alphas, colors, scales, rotations] = [9, 1, 3, 3, 4].map(attribute);
-  const shBytes = attribute(shValues);
-  const rotation = new Float64Array(4);
-  const sh = new Float32Array(shValues);
+  const { count, isAntialiased, harmonics } = set;
+  const attributes = attributesOf(harmonics.degree);
+  const bytes = fileMemory(HEADER_BYTES + count * bytesOf(attributes));
+  bytes.set(headerOf({ count, isAntialiased, shDegree: harmonics.degree }));
   const putRows = (from: number, to: number) => {
-    for (let i = from; i < to; i++) {
-      putPosition(set, i, positions);
-      alphas[i] = Math.round(255 * opacityOf(set.opacityLogits[i]));
-      for (let k = 3 * i; k < 3 * i + 3; k++) {
-        colors[k] = toByte(255 * (COLOR_SCALE * set.colorDc[k] + 0.5));
-        scales[k] = toByte(16 * (set.logScales[k] + 10));
-      }
-      normalizedRotation(set.rotations, 4 * i, rotation);
-      putRotation(rotation, rotations, 4 * i);
-      readCoefficients(harmonics, i, sh);
-      for (let k = 0; k < shValues; k++) shBytes[i * shValues + k] = shByte(sh[k], k);
+    let start = HEADER_BYTES;
+    for (const { splatBytes, put } of attributes) {
+      const part = bytes.subarray(start + from * splatBytes);
+      for (let i = from; i < to; i++) put(set, i, part, (i - from) * splatBytes, 0);
+      start += count * splatBytes;
     }
   };
   await writeInTurns(count, { signal, onProgress }, putRows, ENCODED);
@@ -67,30 +60,126 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
   return packGzip(bytes, { signal, onProgress: onPacked });
 };
 
-function putHeader({ count, harmonics, isAntialiased }: SplatSet<Harmonics>, view: DataView): void {
+/** As `write`, in several passes over the pieces: one for the first attribute and as many of the next as may be held, and so on. */
+export const writePieces: WritePieces = async (pieces, options, put) => {
+  const { count } = pieces.facts;
+  const passes = passesOf(attributesOf(pieces.facts.shDegree), HELD_BYTES / count);
+  await packGzipTo(put, async (pack) => {
+    await pack(headerOf(pieces.facts));
+    for (const [pass, [first, ...others]] of passes.entries()) {
+      const held = others.map(({ splatBytes }) => fileMemory(count * splatBytes));
+      const part = partOfProgress(options, pass / passes.length, (pass + 1) / passes.length);
+      await readInTurns(pieces, part, async (piece, before) => {
+        const streamed = new Uint8Array(piece.count * first.splatBytes);
+        for (let i = 0; i < piece.count; i++) first.put(piece, i, streamed, i * first.splatBytes, before);
+        for (const [k, { splatBytes, put: putOther }] of others.entries())
+          for (let i = 0; i < piece.count; i++)
+            putOther(piece, i, held[k], (before + i) * splatBytes, before);
+        await pack(streamed);
+      });
+      for (const bytes of held)
+        for (let at = 0; at < bytes.length; at += PACKED_AT_ONCE)
+          await pack(bytes.subarray(at, at + PACKED_AT_ONCE));
+    }
+  });
+};
+
+/** One value of each splat; those of all splats follow each other in the file. */
+interface Attribute {
+  readonly splatBytes: number;
+  /** Puts that of splat `i` at `at`. `before` is the number of splats before the set, for messages. */
+  put(set: SplatSet<Harmonics>, i: number, bytes: Uint8Array, at: number, before: number): void;
+}
+
+function attributesOf(shDegree: ShDegree): Attribute[] {
+  const shValues = coefficientsPerSplat(shDegree);
+  const rotation = new Float64Array(4);
+  const sh = new Float32Array(shValues);
+  const attributes: Attribute[] = [
+    { splatBytes: 9, put: putPosition },
+    {
+      splatBytes: 1,
+      put(set, i, bytes, at) {
+        bytes[at] = Math.round(255 * opacityOf(set.opacityLogits[i]));
+      },
+    },
+    {
+      splatBytes: 3,
+      put(set, i, bytes, at) {
+        for (let k = 0; k < 3; k++)
+          bytes[at + k] = toByte(255 * (COLOR_SCALE * set.colorDc[3 * i + k] + 0.5));
+      },
+    },
+    {
+      splatBytes: 3,
+      put(set, i, bytes, at) {
+        for (let k = 0; k < 3; k++) bytes[at + k] = toByte(16 * (set.logScales[3 * i + k] + 10));
+      },
+    },
+    {
+      splatBytes: 4,
+      put(set, i, bytes, at) {
+        normalizedRotation(set.rotations, 4 * i, rotation);
+        putRotation(rotation, bytes, at);
+      },
+    },
+    {
+      splatBytes: shValues,
+      put(set, i, bytes, at) {
+        readCoefficients(set.harmonics, i, sh);
+        for (let k = 0; k < shValues; k++) bytes[at + k] = shByte(sh[k], k);
+      },
+    },
+  ];
+  return attributes.filter(({ splatBytes }) => splatBytes > 0);
+}
+
+function bytesOf(attributes: readonly Attribute[]): number {
+  return attributes.reduce((sum, { splatBytes }) => sum + splatBytes, 0);
+}
+
+/** Attributes in their order, divided so that all but the first of each pass have at most so many bytes of a splat. */
+function passesOf(attributes: readonly Attribute[], mostHeldBytes: number): Attribute[][] {
+  const passes: Attribute[][] = [];
+  for (const attribute of attributes) {
+    const last = passes.at(-1);
+    if (last && bytesOf([...last.slice(1), attribute]) <= mostHeldBytes) last.push(attribute);
+    else passes.push([attribute]);
+  }
+  return passes;
+}
+
+function headerOf({
+  count,
+  shDegree,
+  isAntialiased,
+}: Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased'>): Uint8Array<ArrayBuffer> {
+  const bytes = new Uint8Array(HEADER_BYTES);
+  const view = new DataView(bytes.buffer);
   for (let i = 0; i < SPZ_MAGIC.length; i++) view.setUint8(i, SPZ_MAGIC.charCodeAt(i));
   view.setUint32(4, VERSION, true);
   view.setUint32(8, count, true);
-  view.setUint8(12, harmonics.degree);
+  view.setUint8(12, shDegree);
   view.setUint8(13, FRACTIONAL_BITS);
   view.setUint8(14, isAntialiased ? FLAG_ANTIALIASED : 0);
+  return bytes;
 }
 
-function putPosition({ positions, origin }: SplatSet<Harmonics>, i: number, bytes: Uint8Array): void {
+const putPosition: Attribute['put'] = ({ positions, origin }, i, bytes, at, before) => {
   for (let axis = 0; axis < 3; axis++) {
     const k = 3 * i + axis;
     const value = positions[k] + origin[axis];
     const steps = Math.round(value * 2 ** FRACTIONAL_BITS);
     if (Math.abs(steps) > MOST_POSITION) {
-      const found = `Splat ${i} has ${'xyz'[axis]} = ${value}; coordinates in SPZ are from -2048 to 2048`;
+      const found = `Splat ${before + i} has ${'xyz'[axis]} = ${value}; coordinates in SPZ are from -2048 to 2048`;
       const advice = 'Move or scale the scene, crop it, or write another format';
       throw new InvalidArgumentError('set', `${found}. ${advice}.`);
     }
-    bytes[3 * k] = steps;
-    bytes[3 * k + 1] = steps >> 8;
-    bytes[3 * k + 2] = steps >> 16;
+    bytes[at + 3 * axis] = steps;
+    bytes[at + 3 * axis + 1] = steps >> 8;
+    bytes[at + 3 * axis + 2] = steps >> 16;
   }
-}
+};
 
 /** All of x, y, z, w but the largest, where that one is positive: each a sign and 9 bits, up to √½. */
 function putRotation(rotation: Float64Array, bytes: Uint8Array, at: number): void {

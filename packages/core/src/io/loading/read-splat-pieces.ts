@@ -1,0 +1,21 @@
+import type { OnPiece } from '../formats/splat-format.ts';
+import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+
+/**
+ * Reads splats in the calling thread, as `readSplats` does, and hands them on piece by piece. Of files that have one splat after another
+ * (PLY, `.splat`) there are never more than some megabytes in memory; of others, their bytes. Harmonics that stay a palette, and points,
+ * are one piece with all splats.
+ *
+ * Rejects as `readSplats`, and as `onPiece`.
+ */
+export async function readSplatPieces(
+  source: SplatSource,
+  options: ReadSplatsOptions,
+  onPiece: OnPiece,
+): Promise<void> {
+  const [{ readSource }, { ALL_READERS }] = await Promise.all([
+    import('./read-source.ts'),
+    import('../formats/readers.ts'),
+  ]);
+  await onPiece(await readSource(source, { ...options, onPiece }, ALL_READERS));
+}
