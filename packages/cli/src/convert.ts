@@ -1,17 +1,35 @@
-import { type Harmonics, printable, type ShDegree, type SplatSet } from '@websplatter/core';
 import {
+  type Harmonics,
+  type LoadProgress,
+  printable,
+  type ShDegree,
+  type SplatSet,
+  SplatSourceError,
+} from '@websplatter/core';
+import {
+  canWritePieces,
   cropSplats,
   limitDegree,
   mergeSplats,
+  PieceFacts,
+  type SplatPieces,
   transformSplats,
   WRITABLE_FORMATS,
+  writeSplatPieces,
   writeSplats,
 } from '@websplatter/core/write';
 import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
-import { checkOutputs, reportBeside, writeFiles } from './output-files.ts';
+import {
+  checkOutputs,
+  type OutputFile,
+  type PutContent,
+  putContent,
+  reportBeside,
+  writeFiles,
+} from './output-files.ts';
 import { tenthsOf } from './progress-lines.ts';
-import { findScene, readScene, type SceneSource } from './scene-source.ts';
+import { findScene, readScene, readScenePieces, type SceneSource } from './scene-source.ts';
 
 /** Output of `websplatter convert --json`. */
 export interface Conversion {
@@ -29,13 +47,27 @@ export interface Conversion {
   readonly notes: readonly string[];
 }
 
-/** A scene that was read. */
+/** A scene that was read, or what is known of one that is read in pieces. */
 interface Input {
   readonly name: string;
   readonly isBuiltin: boolean;
-  readonly set: SplatSet<Harmonics>;
+  readonly set: Pick<SplatSet<Harmonics>, 'dropped' | 'isAntialiased' | 'fileFacts'>;
   readonly bytes: number;
 }
+
+/** What is to be written. */
+interface Result {
+  readonly inputs: readonly Input[];
+  readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
+  readonly shDegree: ShDegree;
+  readonly content: OutputFile['content'];
+}
+
+/** Told what is done, from 0 to 1, of reading the scene at `index`; of writing, where there is none. */
+type OnFraction = (fraction: number, index?: number) => void;
+
+/** Files that are larger are not held in memory where they and the format allow that: they are read several times instead. */
+const HELD_BYTES = 1 << 28;
 
 /** `websplatter convert IN… OUT`. */
 export async function convert(args: readonly string[], console: Console): Promise<void> {
@@ -48,28 +80,31 @@ export async function convert(args: readonly string[], console: Console): Promis
   await checkOutputs([output], filesRead());
   const report = await reportBeside([out], console);
   const showTenths = tenthsOf(console);
-  const onRead = (index: number, fraction: number) =>
-    showTenths({
-      done: index + fraction,
-      total: 2 * scenes.length,
-      label: `reading ${printable(scenes[index].name)}`,
+  const onFraction: OnFraction = (fraction, index) =>
+    index === undefined
+      ? showTenths({ done: 1 + fraction, total: 2, label: `writing ${printable(out)}` })
+      : showTenths({
+          done: index + fraction,
+          total: 2 * scenes.length,
+          label: `reading ${printable(scenes[index].name)}`,
+        });
+  const convertScenes = isReadInPieces(scenes, options) ? inPieces : whole;
+  const { inputs, set, shDegree, content } = await convertScenes(scenes, options, onFraction);
+  let bytes = 0;
+  const counted: PutContent = (put) =>
+    putContent(content, (part) => {
+      bytes += part.length;
+      return put(part);
     });
-  const inputs: Input[] = [];
-  for (const [i, scene] of scenes.entries())
-    inputs.push(await readInput(scene, (fraction) => onRead(i, fraction)));
-  const set = edited(inputs, options);
-  const onProgress = (fraction: number) =>
-    showTenths({ done: 1 + fraction, total: 2, label: `writing ${printable(out)}` });
-  const content = await writeSplats(set, format.name, { onProgress });
-  await writeFiles([{ ...output, content }], filesRead());
+  await writeFiles([{ ...output, content: counted }], filesRead());
   const conversion: Conversion = {
     scenes: options.scenes,
     out,
     format: format.name,
     splats: set.count,
-    shDegree: set.harmonics.degree,
-    bytes: content.length,
-    inputBytes: inputs.reduce((sum, { bytes }) => sum + bytes, 0),
+    shDegree,
+    bytes,
+    inputBytes: inputs.reduce((sum, input) => sum + input.bytes, 0),
     elapsedMs: performance.now() - startMs,
     notes: notesOf(inputs, set, options),
   };
@@ -77,29 +112,83 @@ export async function convert(args: readonly string[], console: Console): Promis
   report(options.json ? `${JSON.stringify(conversion, null, 2)}\n` : line(conversion));
 }
 
-async function readInput(scene: SceneSource, onFraction: (fraction: number) => void): Promise<Input> {
+async function whole(
+  scenes: readonly SceneSource[],
+  options: ConvertOptions,
+  onFraction: OnFraction,
+): Promise<Result> {
+  const inputs: (Input & { readonly set: SplatSet<Harmonics> })[] = [];
+  for (const [i, scene] of scenes.entries()) {
+    let bytes = 0;
+    // A palette is written as it is where nothing changes it.
+    const set = await readScene(scene, 'palette', ({ loadedBytes, totalBytes }) => {
+      bytes = loadedBytes;
+      if (totalBytes) onFraction(loadedBytes / totalBytes, i);
+    });
+    inputs.push({ name: scene.name, isBuiltin: scene.isBuiltin, set, bytes });
+  }
+  const set = edited(
+    inputs.map((input) => input.set),
+    options,
+  );
+  const content = await writeSplats(set, options.format.name, { onProgress: onFraction });
+  return { inputs, set, shDegree: set.harmonics.degree, content };
+}
+
+/** Whether a scene is too large to be held, and can be read again. What a box leaves of a piece may be nothing. */
+function isReadInPieces(scenes: readonly SceneSource[], { format, crop }: ConvertOptions): boolean {
+  const [{ source }] = scenes;
+  const isLarge = source instanceof Object && 'size' in source && Number(source.size) > HELD_BYTES;
+  return scenes.length === 1 && isLarge && !crop && canWritePieces(format.name);
+}
+
+/** Reads the scene once for what the beginning of a file says of all splats, and again for each part of it. */
+async function inPieces(
+  [scene]: readonly SceneSource[],
+  options: ConvertOptions,
+  onFraction: OnFraction,
+): Promise<Result> {
+  const facts = new PieceFacts();
   let bytes = 0;
-  // A palette is written as it is where nothing changes it.
-  const set = await readScene(scene, 'palette', ({ loadedBytes, totalBytes }) => {
-    bytes = loadedBytes;
-    if (totalBytes) onFraction(loadedBytes / totalBytes);
-  });
-  return { name: scene.name, isBuiltin: scene.isBuiltin, set, bytes };
+  const read = (
+    onPiece: (piece: SplatSet<Harmonics>) => Promise<void>,
+    onProgress?: (progress: LoadProgress) => void,
+  ) => readScenePieces(scene, 'palette', (piece) => onPiece(edited([piece], options)), onProgress);
+  await read(
+    async (piece) => facts.add(piece),
+    ({ loadedBytes, totalBytes }) => {
+      bytes = loadedBytes;
+      if (totalBytes) onFraction(loadedBytes / totalBytes, 0);
+    },
+  );
+  const readAgain: SplatPieces['read'] = async (onPiece) => {
+    const now = new PieceFacts();
+    await read(async (piece) => {
+      now.add(piece);
+      await onPiece(piece);
+    });
+    if (now.count !== facts.count)
+      throw new SplatSourceError(scene.name, 'it changed while it was read; convert it again');
+  };
+  const content: PutContent = (put) =>
+    writeSplatPieces({ facts, read: readAgain }, options.format.name, { onProgress: onFraction }, put);
+  const { name, isBuiltin } = scene;
+  return { inputs: [{ name, isBuiltin, set: facts, bytes }], set: facts, shDegree: facts.shDegree, content };
 }
 
 /** Merged, moved, cropped and simplified, in this order. */
 function edited(
-  inputs: readonly Input[],
+  sets: readonly SplatSet<Harmonics>[],
   { transform, crop, shDegree }: ConvertOptions,
 ): SplatSet<Harmonics> {
-  const moved = transformSplats(mergeSplats(inputs.map(({ set }) => set)), transform);
+  const moved = transformSplats(mergeSplats(sets), transform);
   const cropped = crop ? cropSplats(moved, crop) : moved;
   return shDegree === undefined ? cropped : limitDegree(cropped, shDegree);
 }
 
 function notesOf(
   inputs: readonly Input[],
-  { isAntialiased, fileFacts }: SplatSet<Harmonics>,
+  { isAntialiased, fileFacts }: Result['set'],
   { format, isTurnedUp }: ConvertOptions,
 ): string[] {
   const notes: string[] = [];

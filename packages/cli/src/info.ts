@@ -1,22 +1,20 @@
 import {
+  type CloudFacts,
   cloudFacts,
   type DropCounts,
   type FileFacts,
-  type Harmonics,
   printable,
   type ShDegree,
-  type SplatColumns,
-  type SplatSet,
+  type Vec3,
 } from '@websplatter/core';
+import { PieceFacts } from '@websplatter/core/write';
 import type { Console } from './console.ts';
 import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
 import { checkOutputs } from './output-files.ts';
 import { parseStrictly } from './render-options.ts';
-import { findScene, readScene } from './scene-source.ts';
-import { type ShBand, shEnergyPerBand } from './sh-energy.ts';
-
-type Point = [number, number, number];
+import { findScene, readScenePieces, type SceneSource } from './scene-source.ts';
+import { type ShBand, ShEnergy } from './sh-energy.ts';
 
 /** A band of spherical harmonics above 0: its energy, and how much of it can be seen. */
 interface ShBandInfo extends ShBand {
@@ -29,7 +27,7 @@ export interface SceneInfo {
   readonly scene: string;
   readonly count: number;
   /** Bounds of the splats' centres, in scene coordinates. */
-  readonly bounds: { readonly min: Point; readonly max: Point };
+  readonly bounds: { readonly min: Vec3; readonly max: Vec3 };
   /** Point that stored positions are relative to. */
   readonly origin: readonly [number, number, number];
   /** Degree of the file. */
@@ -58,41 +56,36 @@ export async function info(args: readonly string[], console: Console): Promise<v
   }
   const scene = await findScene(positionals[0]);
   await checkOutputs([], scene.files);
-  const found = describeScene(scene.name, await readScene(scene, 'palette'));
+  const found = await describeScene(scene);
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
 }
 
-function describeScene(scene: string, set: SplatSet<Harmonics>): SceneInfo {
-  const { count, dropped, origin } = set;
-  const { declaredShDegree, trueShDegree, shBandReach, paletteEntries, fileFacts, isAntialiased } =
-    cloudFacts(set);
+/** Holds no more of a scene than is read at once. */
+async function describeScene(source: SceneSource): Promise<SceneInfo> {
+  const facts = new PieceFacts();
+  const energy = new ShEnergy();
+  let last: CloudFacts | undefined;
+  await readScenePieces(source, 'palette', async (piece) => {
+    facts.add(piece);
+    energy.add(piece);
+    last = cloudFacts(piece);
+  });
+  const { declaredShDegree, trueShDegree, shBandReach, paletteEntries, fileFacts, isAntialiased } = last!;
   return {
-    scene,
-    count,
-    bounds: boundsOfCenters(set),
-    origin,
+    scene: source.name,
+    count: facts.count,
+    bounds: facts.bounds,
+    origin: facts.origin,
     shDegree: declaredShDegree,
     trueShDegree,
-    shBands: shEnergyPerBand(set).map((band, i) => ({ ...band, reach: shBandReach[i] })),
+    shBands: energy.bands().map((band, i) => ({ ...band, reach: shBandReach[i] })),
     paletteEntries,
-    droppedCount: Object.values(dropped).reduce((sum, each) => sum + each, 0),
-    dropped,
+    droppedCount: Object.values(facts.dropped).reduce((sum, each) => sum + each, 0),
+    dropped: facts.dropped,
     file: fileFacts,
     isAntialiased,
-    gpuBytes: gpuBytesPerPreset(count, trueShDegree),
+    gpuBytes: gpuBytesPerPreset(facts.count, trueShDegree),
   };
-}
-
-function boundsOfCenters({ count, positions, origin }: SplatColumns): { min: Point; max: Point } {
-  const min: Point = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
-  const max: Point = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
-  for (let i = 0; i < 3 * count; i++) {
-    const axis = i % 3;
-    const value = origin[axis] + positions[i];
-    if (value < min[axis]) min[axis] = value;
-    if (value > max[axis]) max[axis] = value;
-  }
-  return { min, max };
 }
 
 function shDegreeText({ shDegree, trueShDegree }: SceneInfo): string {

@@ -1,8 +1,6 @@
 import { constants } from 'node:fs';
 import { access, type FileHandle, open, stat } from 'node:fs/promises';
 import { dirname } from 'node:path';
-import { Readable } from 'node:stream';
-import { pipeline } from 'node:stream/promises';
 import { WebSplatterError } from '@websplatter/core';
 import type { Console } from './console.ts';
 import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
@@ -17,11 +15,14 @@ export interface Output {
   readonly path: string;
 }
 
+/** Puts the bytes of a file, from the first to the last. */
+export type PutContent = (put: (bytes: Uint8Array) => Promise<void>) => Promise<void>;
+
 export interface OutputFile extends Output {
-  readonly content: Uint8Array | string;
+  readonly content: Uint8Array | string | PutContent;
 }
 
-/** Bytes that standard output is given at once. */
+/** Bytes that are written at once. */
 const PIECE_BYTES = 1 << 20;
 
 /**
@@ -124,24 +125,32 @@ function asOutputError(path: string, error: unknown): WebSplatterError {
 }
 
 async function writeInto({ kind, path }: OutputPlace, content: OutputFile['content']): Promise<void> {
-  if (kind === 'stdout') {
-    const bytes = typeof content === 'string' ? Buffer.from(content) : content;
-    await pipeline(Readable.from(piecesOf(bytes)), process.stdout, { end: false });
-    return;
-  }
+  if (kind === 'stdout') return putContent(content, putOnStdout);
   // A file that is open elsewhere goes on where it ends. One that nothing can replace starts anew.
   const flag = kind === 'stream' ? constants.O_APPEND : constants.O_TRUNC;
   await writeAndClose(await open(path, constants.O_WRONLY | flag), content);
 }
 
-function* piecesOf(bytes: Uint8Array): Generator<Uint8Array> {
-  for (let at = 0; at < bytes.length; at += PIECE_BYTES) yield bytes.subarray(at, at + PIECE_BYTES);
-}
-
 async function writeAndClose(file: FileHandle, content: OutputFile['content']): Promise<void> {
   try {
-    await file.writeFile(content);
+    await putContent(content, (bytes) => file.writeFile(bytes));
   } finally {
     await file.close();
   }
+}
+
+/** Puts what a file is to hold. */
+export async function putContent(
+  content: OutputFile['content'],
+  put: Parameters<PutContent>[0],
+): Promise<void> {
+  if (typeof content === 'function') return content(put);
+  const bytes = typeof content === 'string' ? Buffer.from(content) : content;
+  for (let at = 0; at < bytes.length; at += PIECE_BYTES) await put(bytes.subarray(at, at + PIECE_BYTES));
+}
+
+function putOnStdout(bytes: Uint8Array): Promise<void> {
+  return new Promise((resolve, reject) => {
+    process.stdout.write(bytes, (error) => (error ? reject(error) : resolve()));
+  });
 }

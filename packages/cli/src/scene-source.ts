@@ -9,6 +9,7 @@ import {
   type SplatSource,
   SplatSourceError,
 } from '@websplatter/core';
+import { readSplatPieces } from '@websplatter/core/write';
 import { openFile, openStdin } from '@websplatter/node';
 import { builtinScenes } from '@websplatter/scenes';
 import { describeSystemError, UsageError } from './input-error.ts';
@@ -63,6 +64,16 @@ export function readScene(
   onProgress?: (progress: LoadProgress) => void,
 ): Promise<SplatSet<Harmonics>> {
   return readSplats(source, { ...limits, name, shPrecision, onProgress });
+}
+
+/** Reads the splats of a scene, and hands them on piece by piece; see `readSplatPieces`. */
+export function readScenePieces(
+  { name, source, limits }: SceneSource,
+  shPrecision: ShPrecision,
+  onPiece: (piece: SplatSet<Harmonics>) => Promise<void>,
+  onProgress?: (progress: LoadProgress) => void,
+): Promise<void> {
+  return readSplatPieces(source, { ...limits, name, shPrecision, onProgress }, onPiece);
 }
 
 async function openNamed(scene: string): Promise<Pick<SceneSource, 'source' | 'limits' | 'files'>> {

@@ -13,22 +13,32 @@ export interface ShBand {
   readonly rms: number;
 }
 
-/** Measures the energy of each band of spherical harmonics above 0. */
-export function shEnergyPerBand({ count, harmonics }: SplatSet<Harmonics>): ShBand[] {
-  const degrees = Array.from({ length: harmonics.degree }, (_, i) => (i + 1) as ShDegree);
-  const squares = degrees.map(() => 0);
-  const values = new Float64Array(coefficientsPerSplat(harmonics.degree));
-  for (let splat = 0; splat < count && harmonics.degree > 0; splat++) {
-    readCoefficients(harmonics, splat, values);
-    degrees.forEach((degree, i) => {
-      const [from, to] = bandRange(degree);
-      for (let value = from; value < to; value++) squares[i] += values[value] ** 2;
+/** Measures the energy of each band of spherical harmonics above 0, of splats that come in pieces. */
+export class ShEnergy {
+  readonly #squares: number[] = [];
+  #count = 0;
+
+  add({ count, harmonics }: SplatSet<Harmonics>): void {
+    const { degree } = harmonics;
+    const values = new Float64Array(coefficientsPerSplat(degree));
+    while (this.#squares.length < degree) this.#squares.push(0);
+    for (let splat = 0; splat < count && degree > 0; splat++) {
+      readCoefficients(harmonics, splat, values);
+      for (let i = 0; i < degree; i++) {
+        const [from, to] = bandRange((i + 1) as ShDegree);
+        for (let value = from; value < to; value++) this.#squares[i] += values[value] ** 2;
+      }
+    }
+    this.#count += count;
+  }
+
+  bands(): ShBand[] {
+    return this.#squares.map((square, i) => {
+      const band = (i + 1) as ShDegree;
+      const [from, to] = bandRange(band);
+      return { band, rms: this.#count === 0 ? 0 : Math.sqrt(square / (this.#count * (to - from))) };
     });
   }
-  return degrees.map((degree, i) => {
-    const [from, to] = bandRange(degree);
-    return { band: degree, rms: count === 0 ? 0 : Math.sqrt(squares[i] / (count * (to - from))) };
-  });
 }
 
 /** Range of band `degree` among the 3K values of a splat. */

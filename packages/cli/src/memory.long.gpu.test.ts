@@ -1,0 +1,75 @@
+import { spawnSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
+import { appendFileSync, createReadStream, readFileSync } from 'node:fs';
+import { pipeline } from 'node:stream/promises';
+import { fileURLToPath } from 'node:url';
+import { expect, test } from 'vitest';
+import { TestFolder } from './testing/test-folder.ts';
+
+const bin = fileURLToPath(new URL('../bin/websplatter.js', import.meta.url));
+/** More than `convert` holds. */
+const FILE_BYTES = 300e6;
+const ROWS_AT_ONCE = 1 << 14;
+/** Node itself takes a third of it. A file in memory would take twice as much. */
+const MOST_BYTES = 200e6;
+
+/** The splats of a small PLY over and over; returns their number. */
+function writeLargePly(folder: TestFolder, name: string): number {
+  const small = readFileSync(folder.scene('small.ply'));
+  const start = small.indexOf('end_header\n') + 'end_header\n'.length;
+  const block = Buffer.concat(Array.from({ length: ROWS_AT_ONCE }, () => small.subarray(start)));
+  const blocks = Math.ceil(FILE_BYTES / block.length);
+  const count = 3 * ROWS_AT_ONCE * blocks;
+  folder.write(name, small.toString('latin1', 0, start).replace('vertex 3', `vertex ${count}`));
+  for (let i = 0; i < blocks; i++) appendFileSync(folder.file(name), block);
+  return count;
+}
+
+/** Runs the program, and adds the most memory that it has had. */
+function websplatter(folder: TestFolder, ...args: string[]) {
+  // Not resourceUsage, which counts the memory of this process before the program took its place.
+  const status = 'require("node:fs").readFileSync("/proc/self/status", "utf8")';
+  const meter = `process.on("exit", () => console.error(/^VmHWM.*$/m.exec(${status})[0]))`;
+  const ended = spawnSync(process.execPath, ['--require', folder.write('meter.cjs', meter), bin, ...args], {
+    cwd: folder.path,
+    encoding: 'utf8',
+  });
+  return { ...ended, peakBytes: 1024 * Number(/^VmHWM:\s+(\d+) kB$/m.exec(ended.stderr)?.[1]) };
+}
+
+async function digestOf(path: string): Promise<string> {
+  const hash = createHash('sha256');
+  await pipeline(createReadStream(path), hash);
+  return hash.digest('hex');
+}
+
+test.skipIf(process.platform !== 'linux')(
+  'a scene that is larger than the memory is described and converted',
+  async () => {
+    const folder = new TestFolder();
+    const count = writeLargePly(folder, 'large.ply');
+    const described = websplatter(folder, 'info', 'large.ply', '--json');
+    expect(described.status).toBe(0);
+    expect(JSON.parse(described.stdout)).toMatchObject({
+      count,
+      bounds: { min: [-1, 0, 0], max: [1, 0, 0.5] },
+      shBands: [{ band: 1, rms: expect.closeTo(0.5, 9) }],
+    });
+    expect(described.peakBytes).toBeLessThan(MOST_BYTES);
+    for (const out of ['same.ply', 'small.spz']) {
+      const converted = websplatter(folder, 'convert', 'large.ply', out);
+      expect(converted).toMatchObject({
+        status: 0,
+        stdout: expect.stringContaining(count.toLocaleString('en')),
+      });
+      // Of SPZ all attributes but the first are held, 20 bytes of a splat.
+      const heldBytes = out.endsWith('.spz') ? 20 * count : 0;
+      expect(converted.peakBytes, out).toBeLessThan(MOST_BYTES + heldBytes);
+    }
+    expect(await digestOf(folder.file('same.ply'))).toBe(await digestOf(folder.file('large.ply')));
+    expect(JSON.parse(websplatter(folder, 'info', 'small.spz', '--json').stdout)).toMatchObject({
+      count,
+      shDegree: 1,
+    });
+  },
+);
