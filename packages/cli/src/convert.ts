@@ -8,9 +8,11 @@ import {
 } from '@websplatter/core';
 import {
   canWritePieces,
+  cropPiece,
   cropSplats,
   limitDegree,
   mergeSplats,
+  nothingLeft,
   PieceFacts,
   type SplatPieces,
   transformSplats,
@@ -127,19 +129,16 @@ async function whole(
     });
     inputs.push({ name: scene.name, isBuiltin: scene.isBuiltin, set, bytes });
   }
-  const set = edited(
-    inputs.map((input) => input.set),
-    options,
-  );
+  const set = edited(mergeSplats(inputs.map((input) => input.set)), options, cropSplats);
   const content = await writeSplats(set, options.format.name, { onProgress: onFraction });
   return { inputs, set, shDegree: set.harmonics.degree, content };
 }
 
-/** Whether a scene is too large to be held, and can be read again. What a box leaves of a piece may be nothing. */
-function isReadInPieces(scenes: readonly SceneSource[], { format, crop }: ConvertOptions): boolean {
+/** Whether a scene is too large to be held, and can be read again. */
+function isReadInPieces(scenes: readonly SceneSource[], { format }: ConvertOptions): boolean {
   const [{ source }] = scenes;
   const isLarge = source instanceof Object && 'size' in source && Number(source.size) > HELD_BYTES;
-  return scenes.length === 1 && isLarge && !crop && canWritePieces(format.name);
+  return scenes.length === 1 && isLarge && canWritePieces(format.name);
 }
 
 /** Reads the scene once for what the beginning of a file says of all splats, and again for each part of it. */
@@ -153,14 +152,17 @@ async function inPieces(
   const read = (
     onPiece: (piece: SplatSet<Harmonics>) => Promise<void>,
     onProgress?: (progress: LoadProgress) => void,
-  ) => readScenePieces(scene, 'palette', (piece) => onPiece(edited([piece], options)), onProgress);
+  ) => readScenePieces(scene, 'palette', (piece) => onPiece(edited(piece, options, cropPiece)), onProgress);
+  let splats = 0;
   await read(
     async (piece) => facts.add(piece),
-    ({ loadedBytes, totalBytes }) => {
-      bytes = loadedBytes;
-      if (totalBytes) onFraction(loadedBytes / totalBytes, 0);
+    (progress) => {
+      bytes = progress.loadedBytes;
+      splats = progress.splats;
+      if (progress.totalBytes) onFraction(progress.loadedBytes / progress.totalBytes, 0);
     },
   );
+  if (facts.count === 0 && options.crop) throw nothingLeft(splats, options.crop);
   const readAgain: SplatPieces['read'] = async (onPiece) => {
     const now = new PieceFacts();
     await read(async (piece) => {
@@ -176,13 +178,14 @@ async function inPieces(
   return { inputs: [{ name, isBuiltin, set: facts, bytes }], set: facts, shDegree: facts.shDegree, content };
 }
 
-/** Merged, moved, cropped and simplified, in this order. */
+/** Moved, cropped and simplified, in this order. */
 function edited(
-  sets: readonly SplatSet<Harmonics>[],
+  set: SplatSet<Harmonics>,
   { transform, crop, shDegree }: ConvertOptions,
+  cropBy: typeof cropSplats,
 ): SplatSet<Harmonics> {
-  const moved = transformSplats(mergeSplats(sets), transform);
-  const cropped = crop ? cropSplats(moved, crop) : moved;
+  const moved = transformSplats(set, transform);
+  const cropped = crop ? cropBy(moved, crop) : moved;
   return shDegree === undefined ? cropped : limitDegree(cropped, shDegree);
 }
 

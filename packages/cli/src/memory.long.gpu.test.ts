@@ -66,6 +66,13 @@ test.skipIf(process.platform !== 'linux')(
       const heldBytes = out.endsWith('.spz') ? 20 * count : 0;
       expect(converted.peakBytes, out).toBeLessThan(MOST_BYTES + heldBytes);
     }
+    const edits = ['--translate', '1,0,0', '--crop', '1.5,0,0,3,1,1', '--sh', '0'];
+    expect(websplatter(folder, 'convert', 'large.ply', 'edited.ply', ...edits).status).toBe(0);
+    expect(JSON.parse(websplatter(folder, 'info', 'edited.ply', '--json').stdout)).toMatchObject({
+      ...{ count: count / 3, shDegree: 0, bounds: { min: [2, 0, 0], max: [2, 0, 0] } },
+    });
+    const none = websplatter(folder, 'convert', 'large.ply', 'none.ply', '--crop', '5,5,5,6,6,6');
+    expect(none.stderr).toContain(`websplatter: None of ${count} splats is between 5, 5, 5 and 6, 6, 6.`);
     expect(await digestOf(folder.file('same.ply'))).toBe(await digestOf(folder.file('large.ply')));
     expect(JSON.parse(websplatter(folder, 'info', 'small.spz', '--json').stdout)).toMatchObject({
       count,

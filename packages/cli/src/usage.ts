@@ -39,7 +39,7 @@ websplatter convert IN … OUT [options]
   --crop a,b,c,d,e,f     then keeps what lies between a,b,c and d,e,f: minX,minY,minZ,maxX,maxY,maxZ
   --sh 3                 keeps spherical harmonics up to this degree
   --json                 prints splats, bytes and notes as JSON
-  One scene of more than 256 MiB that becomes PLY or SPZ without --crop is read several times instead of held in memory.
+  One scene of more than 256 MiB that becomes PLY or SPZ is read several times instead of held in memory.
 
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   measures each accuracy setting for this scene and view: milliseconds, and error against the reference

@@ -2,7 +2,7 @@
  * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine:
  * pages that only show splats do not download it.
  */
-export { type CropBox, cropSplats } from './data/editing/crop-splats.ts';
+export { type CropBox, cropPiece, cropSplats, nothingLeft } from './data/editing/crop-splats.ts';
 export { filterSplats } from './data/editing/filter-splats.ts';
 export { limitDegree } from './data/editing/limit-degree.ts';
 export { mergeSplats } from './data/editing/merge-splats.ts';

@@ -2,7 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { centersOf, coefficientsOf, expectInvalid } from '../../testing/edited-splats.ts';
 import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { cropSplats } from './crop-splats.ts';
+import { cropPiece, cropSplats } from './crop-splats.ts';
 
 describe('cropSplats', () => {
   test('keeps the splats within, sides included, as they are', () => {
@@ -37,6 +37,8 @@ describe('cropSplats', () => {
   test('wants a box with something in it', () => {
     const set = splatsOf([{ position: [1, 2, 3] }]);
     expect(cropSplats(set, { min: [1, 2, 3], max: [1, 2, 3] }).count).toBe(1);
+    expect(cropPiece(set, { min: [0, 0, 0], max: [1, 1, 1] }).count).toBe(0);
+    expectInvalid('box', () => cropPiece(set, { min: [0, 2, 0], max: [1, 1, 1] }));
     expectInvalid('box', () => cropSplats(set, { min: [0, 0, 0], max: [1, 1, 1] }));
     expectInvalid('box', () => cropSplats(set, { min: [0, 2, 0], max: [1, 1, 1] }));
     expectInvalid('box', () => cropSplats(set, { min: [0, Number.NaN, 0], max: [1, 1, 1] }));

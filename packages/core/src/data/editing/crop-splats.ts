@@ -23,6 +23,17 @@ export interface CropBox {
  * @throws InvalidArgumentError 'box' if it is none, or if nothing stays.
  */
 export function cropSplats<Kind extends Harmonics>(set: SplatSet<Kind>, box: CropBox): SplatSet<Kind> {
+  const cropped = cropPiece(set, box);
+  if (cropped.count === 0) throw nothingLeft(set.count, box);
+  return cropped;
+}
+
+/**
+ * As `cropSplats`, but nothing may stay, as of a piece of a scene.
+ *
+ * @throws InvalidArgumentError 'box' if it is none.
+ */
+export function cropPiece<Kind extends Harmonics>(set: SplatSet<Kind>, box: CropBox): SplatSet<Kind> {
   const { min, max, keep = 'inside' } = given(box, {}, 'box');
   for (const corner of [min, max]) checkNumbers('box', corner, 3);
   if (keep !== 'inside' && keep !== 'outside') {
@@ -34,8 +45,8 @@ export function cropSplats<Kind extends Harmonics>(set: SplatSet<Kind>, box: Cro
     const message = `The least ${'xyz'[flat]} of the box, ${min[flat]}, is above the greatest, ${max[flat]}.`;
     throw new InvalidArgumentError('box', message);
   }
-  const { positions, origin, count } = givenSet(set);
-  const cropped = filterSplats(set, (i) => {
+  const { positions, origin } = givenSet(set);
+  return filterSplats(set, (i) => {
     let isInside = true;
     for (let axis = 0; axis < 3; axis++) {
       const value = positions[3 * i + axis] + origin[axis];
@@ -43,11 +54,12 @@ export function cropSplats<Kind extends Harmonics>(set: SplatSet<Kind>, box: Cro
     }
     return isInside === (keep === 'inside');
   });
-  if (cropped.count === 0) {
-    const place = keep === 'inside' ? 'between' : 'outside of the box from';
-    const end = keep === 'inside' ? 'and' : 'to';
-    const message = `None of ${count} splats is ${place} ${min.join(', ')} ${end} ${max.join(', ')}.`;
-    throw new InvalidArgumentError('box', message);
-  }
-  return cropped;
+}
+
+/** The error where a box leaves nothing of `count` splats. */
+export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBox): InvalidArgumentError {
+  const place = keep === 'inside' ? 'between' : 'outside of the box from';
+  const end = keep === 'inside' ? 'and' : 'to';
+  const message = `None of ${count} splats is ${place} ${min.join(', ')} ${end} ${max.join(', ')}.`;
+  return new InvalidArgumentError('box', message);
 }
