@@ -1,7 +1,8 @@
 import type { FitMode } from './clouds/fit-settings.ts';
 import { InvalidArgumentError } from './data/errors.ts';
 import { given } from './data/given.ts';
-import { type CloudPrecision, checkOneOf, checkPrecision } from './data/packing/precision.ts';
+import { checkOneOf, checkPrecision } from './data/packing/check-precision.ts';
+import type { CloudPrecision } from './data/packing/precision.ts';
 import { shown } from './data/printable.ts';
 
 /** Demand on a number, in words and as a test. */

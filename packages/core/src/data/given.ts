@@ -30,7 +30,7 @@ export const SPLATS: Members = {
   chunks: 'an ArrayBuffer',
 };
 /** A cloud on the GPU, for functions that take one. */
-export const CLOUD: Members = { pagesFor: 'a function' };
+export const CLOUD: Members = { checkUsable: 'a function' };
 
 /**
  * Returns `value` if it is an object that has these members, for arguments of callers without types.

@@ -2,6 +2,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracyRequest } from '../data/accuracy/accuracy-target.ts';
 import { type Camera, checkDepths } from '../data/camera/camera.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
+import { CLOUD, given } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { shown } from '../data/printable.ts';
 import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
@@ -82,7 +83,7 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
     throw new InvalidArgumentError('clouds', `clouds is ${shown(clouds)}; it must be a list of { cloud }.`);
   }
   for (const { cloud, modelMatrix, shDegree = 3 } of clouds as readonly CloudInstance[]) {
-    cloud.checkUsable();
+    given(cloud, CLOUD, 'cloud').checkUsable();
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);

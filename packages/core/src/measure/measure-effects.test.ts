@@ -67,7 +67,7 @@ function effectsOf({ clouds: [{ shDegree = 3, effects = [] }] }: FrameRequest): 
 test('a cost is the time with an effect less the time without it, whatever drifts, whatever a view or a change adds', async () => {
   const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
   const clouds = [
-    { cloud: { facts: {}, pagesFor: () => null } as never, effects: [tint([1, 0, 0]), brightness(1)] },
+    { cloud: { facts: {}, checkUsable: () => {} } as never, effects: [tint([1, 0, 0]), brightness(1)] },
   ];
   const costs = await measureEffects(
     fakeEngine(),

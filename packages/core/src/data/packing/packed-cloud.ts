@@ -5,11 +5,12 @@ import { selectValue } from '../math/select-value.ts';
 import { givenSet } from '../splats/check-set.ts';
 import type { DropCounts, SplatColumns, SplatSet } from '../splats/splat-set.ts';
 import { emptyBounds } from './center-bounds.ts';
+import { checkPrecision } from './check-precision.ts';
 import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { type Harmonics, isPacked, isPalette, type StoredHarmonics } from './harmonics.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
-import { checkPrecision, type GeometryPrecision, ownShPrecision, type ShPrecision } from './precision.ts';
+import { type GeometryPrecision, ownShPrecision, type ShPrecision } from './precision.ts';
 import { packHarmonics, packPalette, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
 /** An axis-aligned box, corners included. */

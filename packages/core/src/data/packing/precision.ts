@@ -1,6 +1,3 @@
-import { InvalidArgumentError } from '../errors.ts';
-import { shown } from '../printable.ts';
-
 /** From the finest on. */
 export const GEOMETRY_PRECISIONS = ['f32', 'packed'] as const;
 /** From the finest on. */
@@ -33,16 +30,4 @@ export interface CloudPrecision {
 /** How rows are packed one by one. */
 export interface RowPrecision extends CloudPrecision {
   readonly shPrecision: OwnShPrecision;
-}
-
-/** @throws InvalidArgumentError for a precision that there is not. */
-export function checkPrecision({ geometryPrecision, shPrecision }: Partial<CloudPrecision>): void {
-  checkOneOf('geometryPrecision', geometryPrecision, GEOMETRY_PRECISIONS);
-  checkOneOf('shPrecision', shPrecision, SH_PRECISIONS);
-}
-
-/** @throws InvalidArgumentError for a value that is none of `values`. */
-export function checkOneOf(name: string, value: string | undefined, values: readonly string[]): void {
-  if (value === undefined || values.includes(value)) return;
-  throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`);
 }

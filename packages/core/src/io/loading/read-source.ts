@@ -1,5 +1,5 @@
+import { checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
-import { checkPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/splat-format.ts';

@@ -1,5 +1,5 @@
+import { checkPrecision } from '../../data/packing/check-precision.ts';
 import { type PackedCloud, packCloud, transferablesOf } from '../../data/packing/packed-cloud.ts';
-import { checkPrecision } from '../../data/packing/precision.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { Passed, RowSink, RowsTo } from '../formats/row-sink.ts';
 import type { FormatReaders } from '../formats/splat-format.ts';

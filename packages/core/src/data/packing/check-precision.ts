@@ -1,0 +1,15 @@
+import { InvalidArgumentError } from '../errors.ts';
+import { shown } from '../printable.ts';
+import { type CloudPrecision, GEOMETRY_PRECISIONS, SH_PRECISIONS } from './precision.ts';
+
+/** @throws InvalidArgumentError for a precision that there is not. */
+export function checkPrecision({ geometryPrecision, shPrecision }: Partial<CloudPrecision>): void {
+  checkOneOf('geometryPrecision', geometryPrecision, GEOMETRY_PRECISIONS);
+  checkOneOf('shPrecision', shPrecision, SH_PRECISIONS);
+}
+
+/** @throws InvalidArgumentError for a value that is none of `values`. */
+export function checkOneOf(name: string, value: string | undefined, values: readonly string[]): void {
+  if (value === undefined || values.includes(value)) return;
+  throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`);
+}
