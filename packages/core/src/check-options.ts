@@ -1,9 +1,7 @@
 import type { FitMode } from './clouds/fit-settings.ts';
-import { InvalidArgumentError } from './data/errors.ts';
-import { given } from './data/given.ts';
+import { given, wrongArgument } from './data/given.ts';
 import { checkOneOf, checkPrecision } from './data/packing/check-precision.ts';
 import type { CloudPrecision } from './data/packing/precision.ts';
-import { shown } from './data/printable.ts';
 
 /** Demand on a number, in words and as a test. */
 type Rule = readonly [expected: string, isValid: (value: number) => boolean];
@@ -28,7 +26,7 @@ export function checkEngineNumbers(options: object): void {
   for (const [name, [expected, isValid]] of Object.entries(ENGINE_NUMBERS)) {
     const value: unknown = options[name as keyof typeof options];
     if (value === undefined || (typeof value === 'number' && isValid(value))) continue;
-    throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be ${expected}.`);
+    throw wrongArgument(name, value, expected);
   }
 }
 

@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from './errors.ts';
-import { shown } from './printable.ts';
+import { isArrayOrTyped, shown } from './printable.ts';
 
 /** Tests of values, by the words that messages have for them. */
 const KINDS = {
@@ -8,7 +8,7 @@ const KINDS = {
   'a number': (value: unknown) => typeof value === 'number',
   'a string': (value: unknown) => typeof value === 'string',
   'a list': Array.isArray,
-  'a typed array': (value: unknown) => ArrayBuffer.isView(value) && !(value instanceof DataView),
+  'a typed array': (value: unknown) => ArrayBuffer.isView(value) && isArrayOrTyped(value),
   'an ArrayBuffer': (value: unknown) => tagOf(value) === 'ArrayBuffer',
   'an AbortSignal': (value: unknown) => tagOf(value) === 'AbortSignal',
 } as const;
@@ -50,8 +50,12 @@ export function given<T extends object>(value: T, members: Members = {}, argumen
 export function checkKind(argument: string, value: unknown, kind: Kind | `${Kind}?`): void {
   if (value === undefined && kind.endsWith('?')) return;
   const expected = kind.replace('?', '') as Kind;
-  if (KINDS[expected](value)) return;
-  throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
+  if (!KINDS[expected](value)) throw wrongArgument(argument, value, expected);
+}
+
+/** Returns the error for a value that is not `expected`. */
+export function wrongArgument(argument: string, value: unknown, expected: string): InvalidArgumentError {
+  return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
 }
 
 /** The class of an object, also of one that another frame of the page has made. */

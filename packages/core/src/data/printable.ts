@@ -21,8 +21,8 @@ const MAX_VALUE_LENGTH = 80;
 const MAX_READ_LENGTH = 1000;
 
 /**
- * Any value as messages show it, those included that cannot become text. However deep, long or wide a value is, and if it contains
- * itself, no more of it is looked at than may be shown.
+ * Any value as messages show it, those included that cannot become text. However deep, long or wide
+ * a value is, and if it contains itself, no more of it is looked at than may be shown.
  */
 export function shown(value: unknown): string {
   const text = textOf(value, MAX_READ_LENGTH);
@@ -31,22 +31,25 @@ export function shown(value: unknown): string {
   return whole.length <= MAX_VALUE_LENGTH ? whole : `${whole.slice(0, MAX_VALUE_LENGTH)}…`;
 }
 
+/** Whether a value is an array, or a typed one. */
+export function isArrayOrTyped(value: unknown): value is ArrayLike<unknown> {
+  return Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
+}
+
 /** Text of a value; what is behind its first `length` characters may be left out. */
 function textOf(value: unknown, length: number): string {
   try {
-    const isList = Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
+    const isList = isArrayOrTyped(value);
     if (!isList && !isPlain(value)) return String(value);
-    const items = value as Readonly<Record<string, unknown>>;
-    const keys = isList ? null : Object.keys(items);
-    let text = isList ? '[' : '{';
-    const end = (keys ?? (value as ArrayLike<unknown>)).length;
-    for (let i = 0; i < end && text.length <= length; i++) {
-      if (i > 0) text += ', ';
-      if (keys) text += `${keys[i]}: `;
-      const item = items[keys ? keys[i] : i];
-      text += textOf(typeof item === 'string' ? `"${item}"` : item, length - text.length);
+    const items = value as Readonly<Record<string | number, unknown>>;
+    let text = '';
+    for (const key of isList ? (value as unknown[]).keys() : Object.keys(items)) {
+      if (text.length > length) break;
+      const item = items[key];
+      const shownItem = textOf(typeof item === 'string' ? `"${item}"` : item, length - text.length);
+      text += `${text && ', '}${isList ? '' : `${key}: `}${shownItem}`;
     }
-    return text + (isList ? ']' : '}');
+    return isList ? `[${text}]` : `{${text}}`;
   } catch {
     return `an unusual ${typeof value}`;
   }

@@ -1,14 +1,15 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracyRequest } from '../data/accuracy/accuracy-target.ts';
-import { type Camera, checkDepths } from '../data/camera/camera.ts';
+import { type Camera, checkDepths, checkMatrix } from '../data/camera/camera.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
-import { CLOUD, given } from '../data/given.ts';
+import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
-import { shown } from '../data/printable.ts';
+import { checkOneOf } from '../data/packing/check-precision.ts';
+import { checkDegree } from '../data/splats/check-set.ts';
 import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
-import { SH_REST_COEFFICIENTS, type ShDegree } from '../data/splats/splat-set.ts';
+import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
-import { checkVector, invalidOption } from '../gpu/effects/option-checks.ts';
+import { checkVector } from '../gpu/effects/option-checks.ts';
 
 /** A cloud, its place and how to draw it. */
 export interface CloudInstance {
@@ -49,17 +50,14 @@ export interface FrameRequest {
 
 /** @throws InvalidArgumentError */
 function checkCamera(camera: Camera): void {
-  for (const name of ['viewMatrix', 'projectionMatrix', 'wholeProjectionMatrix'] as const) {
-    const isLeftOut = name === 'wholeProjectionMatrix' && camera[name] === undefined;
-    if (!isLeftOut && !isMatrix(camera?.[name])) {
-      throw new InvalidArgumentError(name, `The camera's ${name} must be 16 finite numbers, column-major.`);
-    }
-  }
+  const {
+    viewMatrix,
+    projectionMatrix,
+    wholeProjectionMatrix = projectionMatrix,
+  } = given(camera, {}, 'camera');
+  for (const [name, matrix] of Object.entries({ viewMatrix, projectionMatrix, wholeProjectionMatrix }))
+    checkMatrix(name, matrix);
   checkDepths(camera.near, camera.far);
-}
-
-function isMatrix(values: ArrayLike<number> | undefined): boolean {
-  return values?.length === 16 && Array.prototype.every.call(values, Number.isFinite);
 }
 
 /**
@@ -68,34 +66,22 @@ function isMatrix(values: ArrayLike<number> | undefined): boolean {
  */
 export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   const { camera, clouds, widthPx, heightPx, background = [0, 0, 0], sortBy = 'auto' } = request ?? {};
-  if (!(Number.isInteger(widthPx) && Number.isInteger(heightPx) && widthPx >= 0 && heightPx >= 0)) {
-    throw new InvalidArgumentError(
-      'widthPx',
-      `The image size is ${shown(widthPx)}×${shown(heightPx)}; use whole numbers of pixels.`,
-    );
-  }
+  for (const [name, value] of Object.entries({ widthPx, heightPx }))
+    if (!(Number.isInteger(value) && value >= 0))
+      throw wrongArgument(name, value, 'a whole number of pixels');
   checkCamera(camera);
-  if (!SORTED_BY.includes(sortBy)) {
-    throw invalidOption('sortBy', sortBy, SORTED_BY.join(' or '));
-  }
+  checkOneOf('sortBy', sortBy, SORTED_BY);
   checkVector('background', background, 'the sRGB-encoded colour behind the splats');
-  if (!Array.isArray(clouds) || [...clouds].some((instance) => !instance?.cloud)) {
-    throw new InvalidArgumentError('clouds', `clouds is ${shown(clouds)}; it must be a list of { cloud }.`);
-  }
-  for (const { cloud, modelMatrix, shDegree = 3 } of clouds as readonly CloudInstance[]) {
+  checkKind('clouds', clouds, 'a list');
+  for (const instance of clouds) {
+    const { cloud, modelMatrix, shDegree = 3 } = given(instance, {}, 'clouds');
     given(cloud, CLOUD, 'cloud').checkUsable();
     if (cloud.device !== device) {
-      const message = `${cloud.name} is on another GPU device than this view; load it with the engine that draws it.`;
+      const message = `${cloud.name} is on another GPU device; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);
     }
-    if (modelMatrix && !isMatrix(modelMatrix)) {
-      const message = `The model matrix of ${cloud.name} must be 16 finite numbers, column-major.`;
-      throw new InvalidArgumentError('modelMatrix', message);
-    }
-    if (typeof shDegree !== 'number' || !Object.hasOwn(SH_REST_COEFFICIENTS, shDegree)) {
-      const message = `${cloud.name} cannot be drawn with degree ${shown(shDegree)}; use 0, 1, 2 or 3.`;
-      throw new InvalidArgumentError('shDegree', message);
-    }
+    if (modelMatrix) checkMatrix('modelMatrix', modelMatrix);
+    checkDegree('shDegree', shDegree);
   }
   const limitPx = device.limits.maxTextureDimension2D;
   if (Math.max(widthPx, heightPx) > limitPx) {

@@ -1,6 +1,5 @@
 import { InvalidArgumentError } from '../data/errors.ts';
-import { CLOUD, checkKind, ENGINE, given } from '../data/given.ts';
-import { shown } from '../data/printable.ts';
+import { CLOUD, checkKind, ENGINE, given, wrongArgument } from '../data/given.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 
@@ -25,7 +24,6 @@ export function checkMeasured(
     given(given(instance, {}, `clouds[${i}]`).cloud, CLOUD, `clouds[${i}].cloud`);
   for (const [name, value] of Object.entries({ widthPx, heightPx, ...counts })) {
     if (Number.isInteger(value) && value >= 1) continue;
-    const message = `${name} is ${shown(value)}; it must be a whole number of at least 1.`;
-    throw new InvalidArgumentError(name, message);
+    throw wrongArgument(name, value, 'a whole number of at least 1');
   }
 }

@@ -1,8 +1,7 @@
 import type { Camera } from '../data/camera/camera.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
-import { given } from '../data/given.ts';
+import { given, wrongArgument } from '../data/given.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
-import { shown } from '../data/printable.ts';
 import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
 
 /**
@@ -23,10 +22,7 @@ export function orbitCameras(
 ): Camera[] {
   const { count, sweepDegrees } = given(options, { count: 'a number', sweepDegrees: 'a number' });
   if (!(Number.isInteger(count) && count >= 1))
-    throw new InvalidArgumentError(
-      'count',
-      `count is ${shown(count)}; it must be a whole number of at least 1.`,
-    );
+    throw wrongArgument('count', count, 'a whole number of at least 1');
   if (!(sweepDegrees > 0 && sweepDegrees <= 360)) {
     const message = `sweepDegrees is ${sweepDegrees}; it must be above 0 and at most 360.`;
     throw new InvalidArgumentError('sweepDegrees', message);

@@ -1,7 +1,6 @@
 import type { Camera } from '../data/camera/camera.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
+import { wrongArgument } from '../data/given.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
-import { shown } from '../data/printable.ts';
 import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
 
 /** Largest angle between a sampled view and the given one. */
@@ -23,10 +22,7 @@ const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
  */
 export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera[] {
   if (!(Number.isInteger(count) && count >= 1))
-    throw new InvalidArgumentError(
-      'count',
-      `count is ${shown(count)}; it must be a whole number of at least 1.`,
-    );
+    throw wrongArgument('count', count, 'a whole number of at least 1');
   const depth = pivotDepth(camera, bounds);
   return Array.from({ length: count }, (_, index) => {
     if (index === 0) return camera;

@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
-import { given, SPLATS } from '../../data/given.ts';
+import { given, SPLATS, wrongArgument } from '../../data/given.ts';
 import type { Bounds, PackedCloud } from '../../data/packing/packed-cloud.ts';
 import { shown } from '../../data/printable.ts';
 import { buildOfGeometry } from '../build-of-geometry.ts';
@@ -104,20 +104,16 @@ function planFor(
     );
   }
   if (!(solidAt > 0 && solidAt < 1)) {
-    throw new InvalidArgumentError(
-      'solidAt',
-      `solidAt is ${shown(solidAt)}; it must be an opacity between 0 and 1.`,
-    );
+    throw wrongArgument('solidAt', solidAt, 'an opacity between 0 and 1');
   }
   if (!(Number.isInteger(fewestTriangles) && fewestTriangles >= 0)) {
-    const message = `fewestTriangles is ${shown(fewestTriangles)}; it must be a whole number of 0 or more.`;
-    throw new InvalidArgumentError('fewestTriangles', message);
+    throw wrongArgument('fewestTriangles', fewestTriangles, 'a whole number of 0 or more');
   }
   // A single splat has no sides.
   const longest = Math.max(...sides) || 1;
   const edge = cellSize ?? longest / DEFAULT_CELLS;
   if (!(edge > 0 && edge < Number.POSITIVE_INFINITY)) {
-    throw new InvalidArgumentError('cellSize', `cellSize is ${shown(edge)}; it must be a length above 0.`);
+    throw wrongArgument('cellSize', edge, 'a length above 0');
   }
   const size = nodesAlong(sides, edge);
   if (size[0] * size[1] * size[2] > MAX_COLLIDER_NODES) {

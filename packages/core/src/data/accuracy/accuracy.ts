@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { wrongArgument } from '../given.ts';
 import { HALF_MAX } from '../layout/half.ts';
 import {
   GEOMETRY_PRECISIONS,
@@ -358,9 +359,6 @@ function checkSetting(name: string, value: unknown): void {
     );
   }
   if (!values.includes(value)) {
-    throw new InvalidArgumentError(
-      name,
-      `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`,
-    );
+    throw wrongArgument(name, value, `one of ${values.join(', ')}`);
   }
 }

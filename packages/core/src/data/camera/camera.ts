@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { given } from '../given.ts';
+import { given, wrongArgument } from '../given.ts';
 import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/mat4.ts';
 import { shown } from '../printable.ts';
 
@@ -69,10 +69,7 @@ export function orthographicCamera(options: LookAtOptions & { readonly height: n
   const { aspect, near = 0.01, far = 1000, height } = given(options);
   checkRange(aspect, near, far);
   if (!(Number.isFinite(height) && height > 0)) {
-    throw new InvalidArgumentError(
-      'height',
-      `height is ${shown(height)}; it must be a positive length in world units.`,
-    );
+    throw wrongArgument('height', height, 'a positive length in world units');
   }
   const projectionMatrix = new Float64Array(16);
   projectionMatrix[0] = 2 / (height * aspect);
@@ -241,7 +238,7 @@ function checked(camera: Camera): Camera {
 function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4 {
   for (const [name, place] of Object.entries({ position, target, up })) {
     if (place?.length === 3 && Array.prototype.every.call(place, Number.isFinite)) continue;
-    throw new InvalidArgumentError(name, `${name} is ${shown(place)}; it must be three finite numbers.`);
+    throw wrongArgument(name, place, 'three finite numbers');
   }
   const back = normalized(subtract(position, target));
   const right = back && normalized(cross(up, back));
@@ -270,22 +267,15 @@ function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4
   );
 }
 
-function checkMatrix(name: string, matrix: ArrayLike<number>): void {
-  const isMatrix = matrix?.length === 16 && Array.prototype.every.call(matrix, Number.isFinite);
-  if (!isMatrix) {
-    throw new InvalidArgumentError(
-      name,
-      `${name} must be 16 finite numbers, column-major; found ${shown(matrix)}.`,
-    );
-  }
+/** @throws InvalidArgumentError unless `matrix` is 16 finite numbers. */
+export function checkMatrix(name: string, matrix: ArrayLike<number> | undefined): void {
+  if (matrix?.length === 16 && Array.prototype.every.call(matrix, Number.isFinite)) return;
+  throw wrongArgument(name, matrix, '16 finite numbers, column-major');
 }
 
 function checkRange(aspect: number, near: number, far: number): void {
   if (!(Number.isFinite(aspect) && aspect > 0)) {
-    throw new InvalidArgumentError(
-      'aspect',
-      `aspect is ${shown(aspect)}; it must be width divided by height.`,
-    );
+    throw wrongArgument('aspect', aspect, 'width divided by height');
   }
   checkDepths(near, far);
 }

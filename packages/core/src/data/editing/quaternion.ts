@@ -1,6 +1,5 @@
-import { InvalidArgumentError } from '../errors.ts';
+import { wrongArgument } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { shown } from '../printable.ts';
 import { checkNumbers } from './check-numbers.ts';
 
 /** A rotation w, x, y, z. It may have any length above 0: so turns by right angles are exact. */
@@ -32,7 +31,7 @@ export const AXIS_NAMES: readonly string[] = Object.keys(UPRIGHT);
  */
 export function uprightRotation(axis: string): Quaternion {
   if (Object.hasOwn(UPRIGHT, axis)) return UPRIGHT[axis];
-  throw new InvalidArgumentError('up', `up is ${shown(axis)}; it must be one of ${AXIS_NAMES.join(', ')}.`);
+  throw wrongArgument('up', axis, `one of ${AXIS_NAMES.join(', ')}`);
 }
 
 /**

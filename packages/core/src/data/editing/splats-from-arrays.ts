@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { wrongArgument } from '../given.ts';
 import { principalAxes } from '../math/principal-axes.ts';
 import { shown } from '../printable.ts';
 import { colorDcOf, logitOf } from '../splats/color-values.ts';
@@ -68,8 +69,7 @@ export function splatsFromArrays(arrays: SplatArrays): SplatSet {
     checkColumn('opacities', 'opacities', opacities, count);
   }
   if (isAntialiased !== undefined && typeof isAntialiased !== 'boolean') {
-    const message = `isAntialiased is ${shown(isAntialiased)}; it must be true or false.`;
-    throw new InvalidArgumentError('isAntialiased', message);
+    throw wrongArgument('isAntialiased', isAntialiased, 'true or false');
   }
   return {
     count,

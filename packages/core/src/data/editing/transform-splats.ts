@@ -1,8 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { given } from '../given.ts';
+import { given, wrongArgument } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
-import { shown } from '../printable.ts';
 import { givenSet } from '../splats/check-set.ts';
 import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
@@ -53,8 +52,7 @@ function check(rotation: Quaternion, scale: number, translation: Vec3): void {
   checkNumbers('translation', translation, 3);
   if (rotation.every((value) => value === 0))
     throw new InvalidArgumentError('rotation', 'rotation is 0, 0, 0, 0; a quaternion has a length above 0.');
-  if (!(Number.isFinite(scale) && scale > 0))
-    throw new InvalidArgumentError('scale', `scale is ${shown(scale)}; it must be a number above 0.`);
+  if (!(Number.isFinite(scale) && scale > 0)) throw wrongArgument('scale', scale, 'a number above 0');
 }
 
 function movedPositions(

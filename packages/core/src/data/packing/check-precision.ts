@@ -1,5 +1,4 @@
-import { InvalidArgumentError } from '../errors.ts';
-import { shown } from '../printable.ts';
+import { wrongArgument } from '../given.ts';
 import { type CloudPrecision, GEOMETRY_PRECISIONS, SH_PRECISIONS } from './precision.ts';
 
 /** @throws InvalidArgumentError for a precision that there is not. */
@@ -11,5 +10,5 @@ export function checkPrecision({ geometryPrecision, shPrecision }: Partial<Cloud
 /** @throws InvalidArgumentError for a value that is none of `values`. */
 export function checkOneOf(name: string, value: string | undefined, values: readonly string[]): void {
   if (value === undefined || values.includes(value)) return;
-  throw new InvalidArgumentError(name, `${name} is ${shown(value)}; it must be one of ${values.join(', ')}.`);
+  throw wrongArgument(name, value, `one of ${values.join(', ')}`);
 }

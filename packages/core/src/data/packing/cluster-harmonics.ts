@@ -1,7 +1,6 @@
-import { InvalidArgumentError } from '../errors.ts';
+import { wrongArgument } from '../given.ts';
 import { clampCoefficient } from '../layout/half.ts';
 import { principalAxes } from '../math/principal-axes.ts';
-import { shown } from '../printable.ts';
 import { coefficientsPerSplat } from '../splats/splat-set.ts';
 import { Turns } from '../turns.ts';
 import { EntrySearch } from './entry-search.ts';
@@ -53,8 +52,7 @@ export async function clusterHarmonics(
   { entryCount, mostSampled = MOST_SAMPLED, signal, onProgress }: ClusterOptions,
 ): Promise<HarmonicsPalette> {
   if (!Number.isInteger(entryCount) || entryCount < 1 || entryCount > MAX_PALETTE_ENTRIES) {
-    const message = `entryCount is ${shown(entryCount)}; it must be a whole number from 1 to ${MAX_PALETTE_ENTRIES}.`;
-    throw new InvalidArgumentError('entryCount', message);
+    throw wrongArgument('entryCount', entryCount, `a whole number from 1 to ${MAX_PALETTE_ENTRIES}`);
   }
   const { degree } = harmonics;
   const length = coefficientsPerSplat(degree);

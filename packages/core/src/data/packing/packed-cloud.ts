@@ -42,14 +42,10 @@ export interface PackedCloud {
 
 const PACKED: Members = {
   count: 'a number',
-  origin: 'a list',
-  bounds: 'an object',
-  robustBounds: 'an object',
   geometry: 'an object',
   harmonics: 'an object',
   chunks: 'an ArrayBuffer',
   fileIndices: 'a typed array',
-  dropped: 'an object',
   facts: 'an object',
 };
 

@@ -1,7 +1,13 @@
-import { InvalidArgumentError } from '../errors.ts';
-import { checkKind, given } from '../given.ts';
-import { shown } from '../printable.ts';
-import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from './splat-set.ts';
+import { checkKind, given, wrongArgument } from '../given.ts';
+import type { PackedHarmonics } from '../packing/harmonics.ts';
+import type { HarmonicsPalette } from '../packing/harmonics-palette.ts';
+import {
+  coefficientsPerSplat,
+  SH_REST_COEFFICIENTS,
+  type ShDegree,
+  type SplatSet,
+  type TrainedHarmonics,
+} from './splat-set.ts';
 
 /** Values of each splat in the columns of a set. */
 const WIDTHS = {
@@ -25,33 +31,40 @@ export function givenSet<Kind extends SplatSet<{ readonly degree: ShDegree }>>(
 ): Kind {
   given(set, { origin: 'a list', dropped: 'an object', harmonics: 'an object' }, argument);
   const { count, harmonics } = set;
-  if (!(Number.isInteger(count) && count >= 0)) throw wrong(`${argument}.count`, count, 'a whole number');
+  if (!(Number.isInteger(count) && count >= 0))
+    throw wrongArgument(`${argument}.count`, count, 'a whole number');
   for (const [name, width] of Object.entries(WIDTHS))
     checkColumn(`${argument}.${name}`, set[name as keyof typeof WIDTHS], width * count);
-  const { degree } = harmonics;
-  if (typeof degree !== 'number' || !Object.hasOwn(SH_REST_COEFFICIENTS, degree))
-    throw wrong(`${argument}.harmonics.degree`, degree, '0, 1, 2 or 3');
-  const { words, wordsPerSplat, indices, entries, coefficients }: Partial<Record<string, never>> = {
-    ...(harmonics as object),
-  };
-  if (words) {
-    checkKind(`${argument}.harmonics.wordsPerSplat`, wordsPerSplat, 'a number');
-    checkColumn(`${argument}.harmonics.words`, words, Number(wordsPerSplat) * count);
-  } else if (indices) {
-    checkColumn(`${argument}.harmonics.indices`, indices, count);
-    checkColumn(`${argument}.harmonics.entries`, entries, 0);
-  } else
-    checkColumn(`${argument}.harmonics.coefficients`, coefficients, coefficientsPerSplat(degree) * count);
+  checkDegree(`${argument}.harmonics.degree`, harmonics.degree);
+  checkHarmonics(`${argument}.harmonics`, harmonics as Partial<Forms>, count);
   return set;
+}
+
+/** @throws InvalidArgumentError unless there are harmonics of this degree. */
+export function checkDegree(argument: string, degree: ShDegree): void {
+  if (typeof degree === 'number' && Object.hasOwn(SH_REST_COEFFICIENTS, degree)) return;
+  throw wrongArgument(argument, degree, '0, 1, 2 or 3');
+}
+
+/** Members of all forms that harmonics have. */
+type Forms = TrainedHarmonics & PackedHarmonics & HarmonicsPalette;
+
+function checkHarmonics(
+  argument: string,
+  { degree, words, wordsPerSplat, indices, entries, coefficients }: Partial<Forms>,
+  count: number,
+): void {
+  if (words) {
+    checkKind(`${argument}.wordsPerSplat`, wordsPerSplat, 'a number');
+    checkColumn(`${argument}.words`, words, count * wordsPerSplat!);
+  } else if (indices) {
+    checkColumn(`${argument}.indices`, indices, count);
+    checkColumn(`${argument}.entries`, entries, 0);
+  } else checkColumn(`${argument}.coefficients`, coefficients, count * coefficientsPerSplat(degree!));
 }
 
 function checkColumn(argument: string, column: ArrayLike<number> | undefined, length: number): void {
   checkKind(argument, column, 'a typed array');
-  if (column!.length >= length) return;
-  const message = `${argument} has ${column!.length} values; the splats of the set need ${length}.`;
-  throw new InvalidArgumentError(argument, message);
-}
-
-function wrong(argument: string, value: unknown, expected: string): InvalidArgumentError {
-  return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
+  if (!(column!.length >= length))
+    throw wrongArgument(`${argument}.length`, column!.length, `${length}, for the splats of the set`);
 }

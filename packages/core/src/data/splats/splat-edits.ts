@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { shown } from '../printable.ts';
+import { given, wrongArgument } from '../given.ts';
+import { isArrayOrTyped, shown } from '../printable.ts';
 import { colorDcOf } from './color-values.ts';
 import { SplatSelection } from './splat-selection.ts';
 
@@ -133,8 +134,7 @@ export interface EditsFollower {
 
 /** @throws InvalidArgumentError naming `name`, unless `values` are an array. `advice` follows. */
 export function checkArray(name: string, values: unknown, advice = ''): asserts values is ArrayLike<number> {
-  const isArray = Array.isArray(values) || (ArrayBuffer.isView(values) && !(values instanceof DataView));
-  if (isArray) return;
+  if (isArrayOrTyped(values)) return;
   throw new InvalidArgumentError(
     name,
     `${name} is ${shown(values)}; it must be an array of numbers.${advice}`,
@@ -215,8 +215,7 @@ export class SplatEdits {
   set(rows: EditedRows, values: EditedValues): void {
     const edited = this.#rowsOf(rows);
     const count = edited instanceof Uint32Array ? edited.length : edited.count;
-    if (typeof values !== 'object' || values === null)
-      throw new InvalidArgumentError('values', `values is ${shown(values)}; it must be an object.`);
+    given(values, {}, 'values');
     const columns = COLUMNS.filter((column) => values[column] !== undefined);
     for (const column of columns) {
       checkArray(column, values[column]);
@@ -225,7 +224,7 @@ export class SplatEdits {
     }
     const { visible } = values;
     if (visible !== undefined && typeof visible !== 'boolean')
-      throw new InvalidArgumentError('visible', `visible is ${shown(visible)}; it must be true or false.`);
+      throw wrongArgument('visible', visible, 'true or false');
     let changed = visible === undefined ? 0 : EDITED.hidden;
     for (const column of columns) {
       this.#write(edited, count, column, values[column]!);

@@ -1,7 +1,7 @@
 import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { wrongArgument } from '../../data/given.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
-import { shown } from '../../data/printable.ts';
 import type { EffectUse, SplatEffect } from './effect.ts';
 import { antialias, EFFECTS, opacity } from './effects.ts';
 
@@ -29,10 +29,7 @@ interface EffectSource {
 export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { effects: requested = [] } = source;
   if (!Array.isArray(requested) || [...requested].some((use) => !use?.effect))
-    throw new InvalidArgumentError(
-      'effects',
-      `effects is ${shown(requested)}; it must be a list of what effects return, such as [tint([1, 0, 0])].`,
-    );
+    throw wrongArgument('effects', requested, 'a list of what effects return, such as [tint([1, 0, 0])]');
   const uses = [...requested];
   const { opacity: factor = 1 } = source;
   // Host objects always have an opacity: if it is 1, a caller's effects may include that effect.

@@ -1,5 +1,4 @@
-import { InvalidArgumentError } from '../../data/errors.ts';
-import { shown } from '../../data/printable.ts';
+import { wrongArgument } from '../../data/given.ts';
 
 /** Whether `value` is finite in float32, which shaders take. */
 export function isFiniteF32(value: number): boolean {
@@ -36,28 +35,17 @@ export function checkVector(
     !(isDirection && numbers.every((number) => number === 0));
   if (isRight) return;
   const rule = (isNonNegative ? ', none below 0' : '') + (isDirection ? ', not all of them 0' : '');
-  throw invalidOption(argument, value, `${what}: ${length} finite numbers${rule}`);
+  throw wrongArgument(argument, value, `${what}: ${length} finite numbers${rule}`);
 }
 
 /** @throws InvalidArgumentError unless `value` is a length of 0 or more, finite in float32. */
 export function checkLength(argument: string, value: number, what: string): void {
   if (isFiniteF32(value) && value >= 0) return;
-  throw invalidOption(argument, value, `${what}: a finite number of world units, 0 or more`);
-}
-
-/** @throws InvalidArgumentError unless there are options at all. */
-export function checkOptions(argument: string, options: object): void {
-  if (typeof options === 'object' && options !== null) return;
-  throw invalidOption(argument, options, 'an object with options');
+  throw wrongArgument(argument, value, `${what}: a finite number of world units, 0 or more`);
 }
 
 /** @throws InvalidArgumentError unless `value` lies in 0…`max`. */
 export function checkRange(argument: string, value: number, max: number, what: string): void {
   if (typeof value === 'number' && value >= 0 && value <= max) return;
-  throw invalidOption(argument, value, `${what}, 0…${max}`);
-}
-
-/** Returns the error for an invalid option. `expected`: its meaning and valid values. */
-export function invalidOption(argument: string, value: unknown, expected: string): InvalidArgumentError {
-  return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it is ${expected}.`);
+  throw wrongArgument(argument, value, `${what}, 0…${max}`);
 }

@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
-import { shown } from '../../data/printable.ts';
+import { wrongArgument } from '../../data/given.ts';
 import type { RequestOptions } from './splat-source.ts';
 
 const CREDENTIALS: readonly unknown[] = ['omit', 'same-origin', 'include'];
@@ -38,5 +38,5 @@ function namesAndValues(headers: HeadersInit): Record<string, string> {
 }
 
 function refuse(argument: string, value: unknown, expected: string): never {
-  throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
+  throw wrongArgument(argument, value, `${expected}`);
 }

@@ -1,5 +1,5 @@
-import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
-import { shown } from '../../data/printable.ts';
+import { SplatFileError } from '../../data/errors.ts';
+import { wrongArgument } from '../../data/given.ts';
 import type { OpenedSource, ReadLimits } from './splat-source.ts';
 
 /** Splats of degree 3 as they are trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */
@@ -36,7 +36,7 @@ export function unpackedLimit(
 
 function checkLimit(argument: string, value: number): void {
   if (typeof value === 'number' && value > 0) return;
-  throw new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be a number above 0.`);
+  throw wrongArgument(argument, value, 'a number above 0');
 }
 
 /** @throws SplatFileError 'too-large' if the source says itself that it has more bytes. */

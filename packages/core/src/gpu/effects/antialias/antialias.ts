@@ -1,5 +1,5 @@
+import { wrongArgument } from '../../../data/given.ts';
 import { defineEffect } from '../effect.ts';
-import { invalidOption } from '../option-checks.ts';
 import wgsl from './antialias.wgsl?raw';
 
 /**
@@ -16,7 +16,7 @@ export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   hooks: { opacity: 'compensateDilation' },
   wgsl,
   check(isOn = true) {
-    if (typeof isOn !== 'boolean') throw invalidOption('antialias', isOn, 'true or false');
+    if (typeof isOn !== 'boolean') throw wrongArgument('antialias', isOn, 'true or false');
   },
   calledFor: (isOn = true) => (isOn ? 'scenes trained with antialiasing expect it' : null),
 });

@@ -73,7 +73,7 @@ describe('clip', () => {
     'no volumes': [{ volumes: [] }, /^There are 0 volumes; clip takes 1 to 8/],
     'more than eight': [{ volumes: Array(9).fill(BOX) }, /^There are 9 volumes/],
     'none given': [{}, /^There are no volumes/],
-    'another shape': [{ volumes: box({ shape: 'cone' }) }, /volumes\[0\]\.shape is cone; it is "box", /],
+    'another shape': [{ volumes: box({ shape: 'cone' }) }, /volumes\[0\]\.shape is cone; it must be "box", /],
     'another side': [{ volumes: box({ keep: 'left' }) }, /volumes\[0\]\.keep is left; .*"outside"/],
     'a box without centre': [{ volumes: box({ center: undefined }) }, /volumes\[0\]\.center is undefined/],
     'a centre nowhere': [{ volumes: box({ center: [0, Number.NaN, 0] }) }, /center is \[0, NaN, 0\]/],

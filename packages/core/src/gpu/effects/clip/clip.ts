@@ -1,7 +1,8 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
+import { given, wrongArgument } from '../../../data/given.ts';
 import { type Mat4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
-import { checkLength, checkOptions, checkVector, invalidOption } from '../option-checks.ts';
+import { checkLength, checkVector } from '../option-checks.ts';
 import wgsl from './clip.wgsl?raw';
 
 /** x, y, z, w; any length except 0. */
@@ -87,7 +88,7 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   wgsl,
   fields: FIELDS,
   check(options) {
-    checkOptions('clip', options);
+    given(options, {}, 'clip');
     const { volumes, softEdge = 0 } = options;
     if (!(Array.isArray(volumes) && volumes.length >= 1 && volumes.length <= MOST_VOLUMES)) {
       const message = `There are ${volumes?.length ?? 'no'} volumes; clip takes 1 to ${MOST_VOLUMES}. To cut nothing off, leave the effect out.`;
@@ -119,10 +120,10 @@ export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
 });
 
 function checkVolume(name: string, volume: ClipVolume): void {
-  checkOptions(name, volume);
+  given(volume, {}, name);
   const { keep = 'inside' } = volume;
   if (keep !== 'inside' && keep !== 'outside')
-    throw invalidOption(`${name}.keep`, keep, 'the side that stays: "inside" or "outside"');
+    throw wrongArgument(`${name}.keep`, keep, 'the side that stays: "inside" or "outside"');
   switch (volume.shape) {
     case 'box': {
       const { center, size, rotation = [0, 0, 0, 1] } = volume;
@@ -141,7 +142,7 @@ function checkVolume(name: string, volume: ClipVolume): void {
       checkVector(`${name}.normal`, volume.normal, 'the normal of a plane', { isDirection: true });
       return;
     default:
-      throw invalidOption(`${name}.shape`, (volume as ClipVolume).shape, '"box", "sphere" or "plane"');
+      throw wrongArgument(`${name}.shape`, (volume as ClipVolume).shape, '"box", "sphere" or "plane"');
   }
 }
 

@@ -1,6 +1,7 @@
+import { given, wrongArgument } from '../../../data/given.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
-import { checkOptions, checkVector, invalidOption, isFiniteF32 } from '../option-checks.ts';
+import { checkVector, isFiniteF32 } from '../option-checks.ts';
 import wgsl from './fog.wgsl?raw';
 
 interface FogColor {
@@ -43,21 +44,21 @@ export const fog = /* @__PURE__ */ defineEffect<
   wgsl,
   fields: { color: 'vec3f', near: 'f32', range: 'f32', density: 'f32' },
   check(options) {
-    checkOptions('fog', options);
+    given(options, {}, 'fog');
     checkVector('color', options.color, 'the sRGB-encoded colour of fog', { isNonNegative: true });
     if ('density' in options) {
       const { density } = options;
       if ('near' in options || 'far' in options)
-        throw invalidOption('density', density, 'given instead of near and far, not with them');
+        throw wrongArgument('density', density, 'given instead of near and far, not with them');
       if (!(isFiniteF32(density) && density >= 0))
-        throw invalidOption('density', density, 'the density of fog: a finite number, 0 or more');
+        throw wrongArgument('density', density, 'the density of fog: a finite number, 0 or more');
       return;
     }
     const { near, far } = options;
     if (!isFiniteF32(near))
-      throw invalidOption('near', near, 'the view depth where fog begins: a finite number');
+      throw wrongArgument('near', near, 'the view depth where fog begins: a finite number');
     if (!(isFiniteF32(far) && far > near))
-      throw invalidOption(
+      throw wrongArgument(
         'far',
         far,
         `the view depth where fog is complete: a finite number above near, ${near}`,

@@ -1,7 +1,8 @@
+import { given, wrongArgument } from '../../../data/given.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import type { SplatSelection } from '../../../data/splats/splat-selection.ts';
 import { defineEffect } from '../effect.ts';
-import { checkOptions, checkRange, checkVector, invalidOption } from '../option-checks.ts';
+import { checkRange, checkVector } from '../option-checks.ts';
 import wgsl from './highlight.wgsl?raw';
 
 /** Options of `highlight`. */
@@ -23,13 +24,13 @@ export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color:
   wgsl,
   fields: { color: 'vec3f', strength: 'f32' },
   check(options) {
-    checkOptions('highlight', options);
+    given(options, {}, 'highlight');
     const { selection, color, strength } = options;
     if (typeof selection?.bitsOf !== 'function')
-      throw invalidOption('selection', selection, 'the SplatSelection to show');
+      throw wrongArgument('selection', selection, 'the SplatSelection to show');
     checkVector('color', color, 'red, green and blue of a highlight, each 0…1', { isNonNegative: true });
     if (color.some((value) => value > 1))
-      throw invalidOption('color', color, 'red, green and blue of a highlight, each 0…1');
+      throw wrongArgument('color', color, 'red, green and blue of a highlight, each 0…1');
     checkRange('strength', strength, 1, 'the share of that colour');
   },
   calledFor: ({ selection: { count }, strength }) =>

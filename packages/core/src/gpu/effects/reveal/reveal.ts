@@ -1,6 +1,7 @@
+import { given, wrongArgument } from '../../../data/given.ts';
 import { linearPart, multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
-import { checkLength, checkOptions, checkVector, invalidOption } from '../option-checks.ts';
+import { checkLength, checkVector } from '../option-checks.ts';
 import wgsl from './reveal.wgsl?raw';
 
 /** Options of `reveal`. */
@@ -30,11 +31,11 @@ export const reveal = /* @__PURE__ */ defineEffect<
   wgsl,
   fields: { linear: 'mat3x3f', offset: 'vec3f', radius: 'f32', softEdge: 'f32', grows: 'u32' },
   check(options) {
-    checkOptions('reveal', options);
+    given(options, {}, 'reveal');
     const { from, radius, softEdge = 0 } = options;
     const place = 'where the cloud appears from, "camera" or a point in world space';
     if (typeof from === 'string') {
-      if (from !== 'camera') throw invalidOption('from', from, `${place}: 3 finite numbers`);
+      if (from !== 'camera') throw wrongArgument('from', from, `${place}: 3 finite numbers`);
     } else checkVector('from', from, place);
     if (radius !== Number.POSITIVE_INFINITY)
       checkLength('radius', radius, 'how far the cloud is shown, Infinity for all of it');
