@@ -38,7 +38,6 @@ export function checkLoadOptions(options: {
   const { precision, fit } = given(options, {
     name: 'a string?',
     onPreview: 'a function?',
-    request: 'an object?',
   });
   checkOneOf('fit', fit, FIT_MODES);
   if (precision === undefined) return;

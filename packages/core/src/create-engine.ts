@@ -29,8 +29,8 @@ export const SplatEngine = {
    */
   async create(options: EngineOptions = {}): Promise<SplatEngine> {
     // Reject unknown settings before a device is requested in vain.
-    const { accuracy } = given(options, { device: 'an object?' });
-    if (options.device)
+    const { accuracy } = given(options);
+    if (options.device !== undefined)
       given(options.device, { createBuffer: 'a function', adapterInfo: 'an object' }, 'device');
     checkAccuracy(accuracy ?? DEFAULT_ACCURACY);
     checkEngineNumbers(options);

@@ -350,7 +350,7 @@ describe('a view', () => {
       expect(() => view.render({ ...frame, clouds: [{ cloud, opacity }] })).toThrow(/garden.*0…1/);
     for (const shDegree of [4, 'toString'] as unknown[] as ShDegree[])
       expect(() => view.render({ ...frame, clouds: [{ cloud, shDegree }] })).toThrow(
-        `garden cannot be drawn with degree ${shDegree}`,
+        `garden: shDegree is ${shDegree}`,
       );
     for (const depths of [
       { far: Number.NaN },

@@ -373,8 +373,8 @@ export class SplatEngine {
   /** Creates a view that draws on `canvas`, or, without one, a view whose images are read back. */
   createView(options: { readonly canvas?: HTMLCanvasElement | OffscreenCanvas } = {}): SplatView {
     this.#checkUsable();
-    const { canvas } = given(options, { canvas: 'an object?' });
-    if (canvas) given(canvas, { getContext: 'a function' }, 'canvas');
+    const { canvas } = given(options);
+    if (canvas !== undefined) given(canvas, { getContext: 'a function' }, 'canvas');
     const format = globalThis.navigator?.gpu?.getPreferredCanvasFormat() ?? 'rgba8unorm';
     const forget = (destroyed: SplatView) => this.#views.delete(destroyed);
     const view = new SplatView(this.#viewContext(), canvas ?? null, format, forget);

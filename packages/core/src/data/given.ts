@@ -53,9 +53,15 @@ export function checkKind(argument: string, value: unknown, kind: Kind | `${Kind
   if (!KINDS[expected](value)) throw wrongArgument(argument, value, expected);
 }
 
-/** Returns the error for a value that is not `expected`. */
-export function wrongArgument(argument: string, value: unknown, expected: string): InvalidArgumentError {
-  return new InvalidArgumentError(argument, `${argument} is ${shown(value)}; it must be ${expected}.`);
+/** Returns the error for a value that is not `expected`. @param owner thing that it is of. */
+export function wrongArgument(
+  argument: string,
+  value: unknown,
+  expected: string,
+  owner?: string,
+): InvalidArgumentError {
+  const message = `${argument} is ${shown(value)}; it must be ${expected}.`;
+  return new InvalidArgumentError(argument, owner ? `${owner}: ${message}` : message);
 }
 
 /** The class of an object, also of one that another frame of the page has made. */

@@ -80,8 +80,8 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
       const message = `${cloud.name} is on another GPU device; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);
     }
-    if (modelMatrix) checkMatrix('modelMatrix', modelMatrix);
-    checkDegree('shDegree', shDegree);
+    if (modelMatrix) checkMatrix('modelMatrix', modelMatrix, cloud.name);
+    checkDegree('shDegree', shDegree, cloud.name);
   }
   const limitPx = device.limits.maxTextureDimension2D;
   if (Math.max(widthPx, heightPx) > limitPx) {

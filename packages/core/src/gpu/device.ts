@@ -43,8 +43,8 @@ const WIDENED_LIMITS = [
  * @throws WebGpuUnavailableError if there is no WebGPU, no adapter or no device.
  */
 export async function requestSplatDevice(options: DeviceOptions = {}): Promise<GPUDevice> {
-  const asked = given(options, { adapter: 'an object?' }).adapter;
-  if (asked) given(asked, { requestDevice: 'a function' }, 'adapter');
+  const asked = given(options).adapter;
+  if (asked !== undefined) given(asked, { requestDevice: 'a function' }, 'adapter');
   const adapter = asked ?? (await requestAdapter(options));
   const isWanted = (feature: GPUFeatureName) =>
     options.allFeatures ? !EXPERIMENTAL.test(feature) : OPTIONAL_FEATURES.includes(feature);

@@ -1,6 +1,6 @@
 import type { DepthConvention } from '../data/camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
-import { given, type Members } from '../data/given.ts';
+import { given } from '../data/given.ts';
 import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -9,8 +9,6 @@ import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { type PossibleDepths, View, type ViewContext } from './view.ts';
-
-const PASS: Members = { color: 'an object', xPx: 'a number', yPx: 'a number' };
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
@@ -144,7 +142,11 @@ export class EmbeddedView extends View {
    */
   #shapeOver(pass: HostPass): FrameShape {
     this.checkUsable();
-    given(given(pass, PASS, 'pass').color, { createView: 'a function' }, 'pass.color');
+    given(
+      given(pass, { xPx: 'a number', yPx: 'a number' }, 'pass').color,
+      { createView: 'a function' },
+      'pass.color',
+    );
     const { shape } = this;
     if (!shape) {
       throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');

@@ -268,9 +268,9 @@ function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4
 }
 
 /** @throws InvalidArgumentError unless `matrix` is 16 finite numbers. */
-export function checkMatrix(name: string, matrix: ArrayLike<number> | undefined): void {
+export function checkMatrix(name: string, matrix: ArrayLike<number> | undefined, owner?: string): void {
   if (matrix?.length === 16 && Array.prototype.every.call(matrix, Number.isFinite)) return;
-  throw wrongArgument(name, matrix, '16 finite numbers, column-major');
+  throw wrongArgument(name, matrix, '16 finite numbers, column-major', owner);
 }
 
 function checkRange(aspect: number, near: number, far: number): void {

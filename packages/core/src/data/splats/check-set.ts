@@ -41,9 +41,9 @@ export function givenSet<Kind extends SplatSet<{ readonly degree: ShDegree }>>(
 }
 
 /** @throws InvalidArgumentError unless there are harmonics of this degree. */
-export function checkDegree(argument: string, degree: ShDegree): void {
+export function checkDegree(argument: string, degree: ShDegree, owner?: string): void {
   if (typeof degree === 'number' && Object.hasOwn(SH_REST_COEFFICIENTS, degree)) return;
-  throw wrongArgument(argument, degree, '0, 1, 2 or 3');
+  throw wrongArgument(argument, degree, '0, 1, 2 or 3', owner);
 }
 
 /** Members of all forms that harmonics have. */
