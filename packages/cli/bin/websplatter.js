@@ -7,7 +7,7 @@ const built = new URL('../dist/main.js', import.meta.url);
 if (!existsSync(built)) {
   console.error('websplatter: building, as this is its first run here …');
   const build = fileURLToPath(new URL('../../tools/build.mjs', import.meta.url));
-  // What the command itself prints goes to stdout.
+  // Standard output is for the command itself.
   const { status } = spawnSync(process.execPath, [build, '--packages'], { stdio: ['ignore', 2, 2] });
   if (status !== 0) {
     console.error('websplatter: it could not be built; see above');

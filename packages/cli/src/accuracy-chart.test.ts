@@ -7,7 +7,7 @@ import { placeLabels } from './label-placement.ts';
 
 type Row = readonly [name: string, psnrDb: number, totalMs: number, isOnFront?: boolean];
 
-/** As crowded as a real measurement: many settings make little difference and lie close together. */
+/** As crowded as a real measurement: many settings differ little and lie close together. */
 const ROWS: readonly Row[] = [
   ['balanced', 52.1, 6.2],
   ['reference', Number.POSITIVE_INFINITY, 11.4, true],

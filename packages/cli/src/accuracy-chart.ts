@@ -6,11 +6,11 @@ import { placeLabels } from './label-placement.ts';
 const WIDTH = 800;
 const HEIGHT = 500;
 const PLOT: LabelBox = { left: 64, top: 66, right: 776, bottom: 440 };
-/** Images that equal the reference have no error in dB: their points lie on a line of their own above the scale. */
+/** Images equal to the reference have no error in dB: their points lie above the scale. */
 const EQUAL_Y = PLOT.top + 18;
 const SCALE_TOP = PLOT.top + 48;
 const DOT_RADIUS = 4;
-/** Combinations of settings have long names: the plot shows a letter for each, and the key below it the name. */
+/** Combinations of settings have long names: the plot shows letters, the key below the names. */
 const KEY_ROW_PX = 16;
 
 const STYLE = `
@@ -27,7 +27,7 @@ const STYLE = `
     .dot.onFront { fill: #58a6ff; stroke: #58a6ff; } .dot.base { stroke: #f0883e; } .label.onFront { fill: #79c0ff; }
   }`;
 
-/** Draws error over time as a self-contained SVG, 800 px wide and at least 500 px high: accurate is up, fast is left. */
+/** Draws error over time as an SVG, 800 px wide and 500 px high or more: accurate up, fast left. */
 export function accuracyChart(table: AccuracyTable, scene: string): string {
   const { points } = table;
   const x = timeScale(points);

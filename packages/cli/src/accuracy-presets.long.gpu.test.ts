@@ -7,8 +7,9 @@ import { afterAll, beforeAll, describe } from 'vitest';
 import { expectPresets, expectPresetsOfObject, IS_FULL, referenceEngine } from './testing/expect-presets.ts';
 
 /**
- * Compares every preset with float64, and with the reference image of the terminal and the viewer, and times it.
- * `npm run test:full` adds the whole built-in scene, larger images, and enough frames for the times to mean something.
+ * Compares every preset with float64 and with the reference image of the terminal and the viewer,
+ * and times it. `npm run test:full` adds the whole built-in scene, larger images, and enough frames
+ * for meaningful times.
  */
 
 const scene = builtinScenes.find(({ name }) => name === (IS_FULL ? 'still-life' : 'still-life-small'))!;

@@ -22,7 +22,7 @@ const COLUMNS: readonly Column[] = [
 /** Columns of text; the others, of numbers, are right-aligned. */
 const LEFT_ALIGNED = 2;
 
-/** With fewer frames there is no interval of 95 % confidence: it spans all measured times instead. */
+/** Fewer frames give no interval of 95 % confidence: it spans all measured times instead. */
 const INTERVAL_FRAMES = 6;
 
 /** Whether the intervals of a table with so many frames hold the median with 95 % confidence. */
@@ -59,7 +59,7 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
   ].join('\n');
 }
 
-/** Formats everything that was measured as JSON; `psnrDb` is null where the image equals the reference. */
+/** Formats all measurements as JSON; `psnrDb` is null where the image equals the reference. */
 export function accuracyJson(table: AccuracyTable, scenes: readonly string[]): string {
   const finite = (_key: string, value: unknown) => (value === Number.POSITIVE_INFINITY ? null : value);
   return `${JSON.stringify({ scenes, ...table }, finite, 2)}\n`;

@@ -10,7 +10,7 @@ import { checkOutputs, type Output, reportBeside, writeFiles } from './output-fi
 import { tenthsOf } from './progress-lines.ts';
 import { findScene, type SceneSource } from './scene-source.ts';
 
-/** `websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [--json] [--svg chart.svg]`. */
+/** `websplatter accuracy SCENE … --camera CAM.json --size WxH [--json] [--svg chart.svg]`. */
 export async function accuracy(args: readonly string[], console: Console): Promise<void> {
   const options = parseAccuracyArguments(args);
   const outputs: Output[] = options.svg === undefined ? [] : [{ argument: '--svg', path: options.svg }];

@@ -4,7 +4,7 @@ import type { BenchOptions } from './bench-options.ts';
 import { type Gpu, openGpu } from './gpu-session.ts';
 import { findScene, type SceneSource } from './scene-source.ts';
 
-/** What loading a scene took, in milliseconds. */
+/** Times that the steps of loading a scene took, in milliseconds. */
 export interface LoadTimes {
   /** Reading and decoding the splats; making them too where code does. */
   readonly readMs: number;
@@ -44,7 +44,8 @@ export async function findBenchScene(scene: BenchOptions['scene']): Promise<Benc
 }
 
 /**
- * Loads a scene the way that applications do, and times the steps. No driver is opened before the scene has been read.
+ * Loads a scene the way that applications do, and times the steps. No driver is opened before the
+ * scene has been read.
  *
  * @param accuracy the engine's settings, for which the splats are packed.
  */

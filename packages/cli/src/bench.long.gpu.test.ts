@@ -2,7 +2,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';
 
-/** Bytes of the copies that bandwidth is measured by: in the short run fewer than usual, which take seconds in software. */
+/** Size of the copies that measure bandwidth: small in the short run, as software takes seconds. */
 const copyBytes = process.env.WEBSPLATTER_FULL === '1' ? undefined : 2 ** 20;
 vi.mock('@websplatter/core/measure', async (original) => {
   const module = await original<typeof import('@websplatter/core/measure')>();

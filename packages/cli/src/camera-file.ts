@@ -16,9 +16,9 @@ export async function readCameraFile(file: string, aspect: number): Promise<Came
 }
 
 /**
- * Makes a camera from the contents of a camera file: `position`, `target`, `up`, `near`, `far` with `fovYDegrees`, or with
- * `"projection": "orthographic"` and `height`; or `viewMatrix` and `projectionMatrix`, column-major. Unknown fields are
- * ignored.
+ * Makes a camera from the contents of a camera file: `position`, `target`, `up`, `near`, `far` with
+ * `fovYDegrees`, or with `"projection": "orthographic"` and `height`; or `viewMatrix` and
+ * `projectionMatrix`, column-major. Unknown fields are ignored.
  *
  * @throws InputFileError that names the file and the field.
  */

@@ -24,7 +24,7 @@ export interface ConvertOptions {
   readonly transform: SplatTransform;
   /** Whether `--up` says which axis points up. */
   readonly isTurnedUp: boolean;
-  /** In the space of what is written. */
+  /** In the space of the output. */
   readonly crop: CropBox | undefined;
   readonly json: boolean;
 }
@@ -76,7 +76,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   };
 }
 
-/** Makes `--up -y` one argument, `--up=-y`: parsers take what begins with a minus for an option. */
+/** Makes `--up -y` one argument, `--up=-y`: parsers take an initial minus for an option. */
 function withJoinedValues(args: readonly string[]): string[] {
   const joined: string[] = [];
   for (const arg of args) {

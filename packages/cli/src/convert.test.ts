@@ -74,7 +74,7 @@ test('several scenes are merged, moved, cropped and simplified, in this order', 
   expect(status, err).toBe(0);
   const set = await read(out);
   expect(set.harmonics.degree).toBe(0);
-  // Half a turn about x negates z; twice as large; x becomes -y; shifted; and y = 1, of x = -1, is cropped away.
+  // Half a turn about x; twice as large; x becomes -y; shifted; y = 1, of x = -1, is cropped away.
   const expected = [0, 1, 9, 10, 11].map((x) => [-5, -2 * x - 1, x % 10 === 0 ? -1 : 0]);
   const found = centersOf(set).sort((a, b) => b[1] - a[1]);
   expect(found).toEqual(expected);
@@ -107,7 +107,7 @@ test('notes say what may surprise', async () => {
   expect(await notesOf(far, far, folder.file('merged.glb'), '--merge')).toEqual([order]);
   // A PLY is sorted by depths, and so is the .glb made of it.
   expect(await notesOf(glb, folder.file('back.ply'), '--up=-y')).toEqual([]);
-  // What the reader says of the file is said again.
+  // Notes of the reader are repeated.
   const more = folder.write('more.gltf', gltfOfOneSplat({ sortingMethod: 'zDepth' }, [{ attributes: {} }]));
   const about = expect.stringContaining('more.gltf: 1 other primitive');
   expect(await notesOf(more, folder.file('more.ply'), '--up=-y')).toEqual([about]);
@@ -134,7 +134,7 @@ test('what is read is not overwritten by any of its names, nor is a part of a sc
     expect([status, err]).toEqual([2, expect.stringContaining(`OUT is ${to}, which is read too`)]);
     expect(readFileSync(to)).toEqual(before);
   }
-  // What is in the folder of a scene, and no part of it, is replaced.
+  // A file in a scene's folder that is no part of the scene is replaced.
   const beside = folder.write('parts/beside.ply', 'old');
   expect((await runMain('convert', folder.file('parts'), beside)).status).toBe(0);
   expect((await read(beside)).count).toBe(1);

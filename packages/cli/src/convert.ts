@@ -45,11 +45,11 @@ export interface Conversion {
   /** Bytes of all scenes together. */
   readonly inputBytes: number;
   readonly elapsedMs: number;
-  /** What may surprise, a sentence each. */
+  /** Surprising facts, a sentence each. */
   readonly notes: readonly string[];
 }
 
-/** A scene that was read, or what is known of one that is read in pieces. */
+/** A scene that was read, or facts about one that is read in pieces. */
 interface Input {
   readonly name: string;
   readonly isBuiltin: boolean;
@@ -57,7 +57,7 @@ interface Input {
   readonly bytes: number;
 }
 
-/** What is to be written. */
+/** The output to write. */
 interface Result {
   readonly inputs: readonly Input[];
   readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
@@ -65,10 +65,10 @@ interface Result {
   readonly content: OutputFile['content'];
 }
 
-/** Told what is done, from 0 to 1, of reading the scene at `index`; of writing, where there is none. */
+/** Told the fraction, 0 to 1, that is done of reading scene `index`, or of writing without one. */
 type OnFraction = (fraction: number, index?: number) => void;
 
-/** Files that are larger are not held in memory where they and the format allow that: they are read several times instead. */
+/** Larger files are not held in memory, but read several times where source and format allow it. */
 const HELD_BYTES = 1 << 28;
 
 /** `websplatter convert IN… OUT`. */
@@ -141,7 +141,7 @@ function isReadInPieces(scenes: readonly SceneSource[], { format }: ConvertOptio
   return scenes.length === 1 && isLarge && canWritePieces(format.name);
 }
 
-/** Reads the scene once for what the beginning of a file says of all splats, and again for each part of it. */
+/** Reads the scene once for the facts that the output begins with, and again for each part of it. */
 async function inPieces(
   [scene]: readonly SceneSource[],
   options: ConvertOptions,

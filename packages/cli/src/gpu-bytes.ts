@@ -6,7 +6,7 @@ import {
   shWordsPerSplat,
 } from '@websplatter/core';
 
-/** Bytes that `count` splats take on the GPU, by accuracy preset, without the buffers of a view for visible splats. */
+/** GPU bytes of `count` splats by accuracy preset, without a view's buffers for visible splats. */
 export function gpuBytesPerPreset(count: number, shDegree: ShDegree): Record<AccuracyPreset, number> {
   const bytes = Object.entries(ACCURACY_PRESETS).map(([preset, { geometryPrecision, shPrecision }]) => [
     preset,

@@ -25,8 +25,8 @@ export interface GpuSession extends Gpu {
 }
 
 /**
- * Reads `scenes`, then uploads them. No driver is opened before all scenes have been read: bad input fails sooner, and nothing
- * that a driver writes precedes the one line about it.
+ * Reads `scenes`, then uploads them. No driver is opened before all scenes have been read: bad
+ * input fails sooner, and no output of a driver precedes the one line about it.
  *
  * @param accuracy the engine's settings, for which the splats are packed.
  */

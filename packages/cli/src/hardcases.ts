@@ -29,7 +29,7 @@ export async function hardcases(args: readonly string[], console: Console): Prom
   const { format, cases, sizePx } = parseHardCaseArguments(args);
   const { notice } = await createNodeGpu();
   if (notice !== null) console.err(`note: ${notice}\n`);
-  // A fresh adapter per device. createNodeGpu also keeps devices from being garbage-collected, which Dawn does not survive.
+  // A fresh adapter per device; createNodeGpu keeps devices from being collected, which kills Dawn.
   const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
   const nameWidth = Math.max(...cases.map(({ name }) => name.length));
   if (format === 'table') console.out(`${resultHeading(nameWidth)}\n`);

@@ -18,7 +18,7 @@ import { type ShBand, ShEnergy } from './sh-energy.ts';
 
 /** A band of spherical harmonics above 0: its energy, and how much of it can be seen. */
 interface ShBandInfo extends ShBand {
-  /** Largest change to a colour channel of any splat, in any direction; 1 is from black to white. */
+  /** Largest change to any splat's colour channel, in any direction; 1 is from black to white. */
   readonly reach: number;
 }
 
@@ -41,9 +41,9 @@ export interface SceneInfo {
   /** Number of splats in the file that were left out. */
   readonly droppedCount: number;
   readonly dropped: DropCounts;
-  /** What the file says of itself; null for scenes that are made. */
+  /** Facts from the file itself; null for generated scenes. */
   readonly file: FileFacts | null;
-  /** Whether the file says that it was trained with an antialias filter; null if it does not say. */
+  /** Whether the file says that it was trained with an antialias filter; null if it is silent. */
   readonly isAntialiased: boolean | null;
   readonly gpuBytes: Readonly<Record<string, number>>;
 }

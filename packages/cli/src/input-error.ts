@@ -1,6 +1,6 @@
 import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
 
-/** A file given on the command line cannot be used. The message names the file, the cause and the place. */
+/** An unusable file on the command line. The message names the file, the cause and the place. */
 export class InputFileError extends WebSplatterError {
   constructor(file: string, cause: string, place?: string, options?: ErrorOptions) {
     super('bad-input-file', `${file}: ${cause}${place === undefined ? '' : ` (${place})`}`, options);

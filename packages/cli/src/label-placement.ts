@@ -27,8 +27,8 @@ const GAP_PX = 4;
 const NEAR_PX = 14;
 
 /**
- * Finds a place for each text beside its point: the nearest place inside `area` that covers no point and no other text,
- * or else the one that covers least.
+ * Finds a place for each text beside its point: the nearest inside `area` that covers no point and
+ * no other text, else the one that covers least.
  *
  * @param lines lines that labels should not cover, as thin boxes.
  */

@@ -14,7 +14,7 @@ export function describeMachine() {
   };
 }
 
-/** Of the published packages, which this program is built from; its own manifest is not released. */
+/** Version of the published packages, of which this program is built: its own is not released. */
 export const version: string = corePackage.version;
 
 /** Commit of the working copy that this program runs from, as apps that are built name theirs. */

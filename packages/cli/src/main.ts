@@ -61,7 +61,7 @@ export async function run(args: readonly string[]): Promise<never> {
   process.exit(status);
 }
 
-/** Ends the process whose output cannot be written; silently where a reader, such as `head`, wants no more of it. */
+/** Ends the process if its output cannot be written; silently if its reader (`head`) has left. */
 function endWithoutOutput(error: NodeJS.ErrnoException): void {
   if (error.code !== 'EPIPE') console.error(`websplatter: cannot write: ${describeSystemError(error)}`);
   process.exit(1);

@@ -9,7 +9,7 @@ import { PartFiles } from './part-files.ts';
 
 /** Where a command writes a file. */
 export interface Output {
-  /** What names it on the command line, such as `--out`. */
+  /** Its name on the command line, such as `--out`. */
   readonly argument: string;
   /** A file, a pipe, a device, or `-`, which is standard output. */
   readonly path: string;
@@ -30,7 +30,8 @@ const PIECE_BYTES = 1 << 20;
  *
  * @param inputs files that are read; `-` is standard input.
  *
- * Rejects with InputFileError if an output cannot be written; with UsageError if it is read, or another output, by any name.
+ * Rejects with InputFileError for outputs that cannot be written; with UsageError for any that are
+ * also an input or another output, by any name.
  */
 export async function checkOutputs(outputs: readonly Output[], inputs: Iterable<string>): Promise<void> {
   const uses = new Map<string, string>();
@@ -38,7 +39,7 @@ export async function checkOutputs(outputs: readonly Output[], inputs: Iterable<
   for (const input of inputs) {
     if (input === STDIO && ++stdinUses > 1)
       throw new UsageError('arguments', 'standard input, -, can be read only once');
-    // What cannot be found is for its reader to report.
+    // The reader of a missing input reports it.
     const identity = await identityOf(input, STDIN_FD).catch(() => undefined);
     if (identity !== undefined) uses.set(identity, 'is read');
   }
@@ -74,15 +75,16 @@ async function checkWritable(path: string): Promise<void> {
   }
 }
 
-/** Where a command says what it has done: on standard error, if standard output is one of the files that it writes. */
+/** Where a command reports its work: on standard error if one of its outputs is standard output. */
 export async function reportBeside(paths: readonly string[], console: Console): Promise<Console['out']> {
   const places = await Promise.all(paths.map(outputPlace));
   return places.some(({ kind }) => kind === 'stdout') ? console.err : console.out;
 }
 
 /**
- * Writes files under temporary names beside those that they replace, and renames them once all are complete; these keep the mode and
- * the owner of the older ones. Links are followed. Pipes and devices are written into.
+ * Writes files under temporary names beside those that they replace, and renames them once all are
+ * complete; they keep the mode and the owner of the older ones. Links are followed. Pipes and
+ * devices are written into.
  *
  * Rejects as `checkOutputs`, and with InputFileError; of files nothing has changed then.
  */
@@ -139,7 +141,7 @@ async function writeAndClose(file: FileHandle, content: OutputFile['content']): 
   }
 }
 
-/** Puts what a file is to hold. */
+/** Puts the content of a file. */
 export async function putContent(
   content: OutputFile['content'],
   put: Parameters<PutContent>[0],

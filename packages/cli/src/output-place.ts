@@ -2,14 +2,14 @@ import { type BigIntStats, fstatSync } from 'node:fs';
 import { readlink, realpath, stat } from 'node:fs/promises';
 import { basename, dirname, join, resolve } from 'node:path';
 
-/** What stands for standard input among inputs, and for standard output among outputs. */
+/** Stands for standard input among inputs, and for standard output among outputs. */
 export const STDIO = '-';
 export const STDIN_FD = 0;
 export const STDOUT_FD = 1;
 
 /** Where writing to a path leads, links followed. */
 export interface OutputPlace {
-  /** A `file`, which may not be there yet, can be replaced; a `stream` is written into: a pipe, a device, an open file. */
+  /** A `file`, maybe new, can be replaced; a `stream` (pipe, device, open file) is written into. */
   readonly kind: 'file' | 'stream' | 'stdout';
   readonly path: string;
   /** Undefined where there is nothing yet. */
@@ -28,10 +28,10 @@ export async function outputPlace(path: string): Promise<OutputPlace> {
 }
 
 /**
- * What two paths have in common if they lead to the same file; undefined for terminals and other devices that are read and written
- * without regard to each other.
+ * A key that two paths share if they lead to the same file; undefined for terminals and other
+ * devices that are read and written independently.
  *
- * @param stdioFd what `-` stands for.
+ * @param stdioFd the file descriptor that `-` stands for.
  */
 export async function identityOf(path: string, stdioFd: number): Promise<string | undefined> {
   const found = path === STDIO ? fstatSync(stdioFd, { bigint: true }) : await statIfThere(path);
@@ -55,7 +55,7 @@ async function followLinks(path: string): Promise<string> {
   return link === undefined ? target : followLinks(resolve(folder, link));
 }
 
-/** Whether what lies in a folder stands for devices and open files, such as `/dev/fd/3`. */
+/** Whether the entries of a folder stand for devices and open files, such as `/dev/fd/3`. */
 function isOfSystem(folder: string): boolean {
   return ['/dev', '/dev/fd'].includes(folder) || folder.startsWith('/proc/');
 }

@@ -5,9 +5,9 @@ import type { OutputPlace } from './output-place.ts';
 
 const SIGNALS: readonly NodeJS.Signals[] = ['SIGINT', 'SIGTERM', 'SIGHUP'];
 
-/** Files beside those that they will replace. Those that did not become whole are removed, also where the process ends before. */
+/** Files beside those that they will replace. Incomplete ones are removed at any end. */
 export class PartFiles {
-  /** By the path of what each will replace. */
+  /** By the path of the file that each will replace. */
   readonly #parts = new Map<string, string>();
   readonly #remove = () => {
     for (const part of this.#parts.values()) rmSync(part, { force: true });
@@ -15,7 +15,7 @@ export class PartFiles {
   };
   readonly #onSignal = (signal: NodeJS.Signals) => {
     this.end();
-    // It ends by the signal, status 128 and its number: `process.exit` would wait for a pipe that has no reader.
+    // The signal sets status 128 + number; `process.exit` would wait for a pipe without a reader.
     process.kill(process.pid, signal);
   };
 
@@ -25,8 +25,8 @@ export class PartFiles {
   }
 
   /**
-   * Makes the file that will replace the one at `place`, with its mode and owner; null where that may not be done, and the older one
-   * can only be written into.
+   * Makes the file that will replace the one at `place`, with its mode and owner; null where that
+   * is not permitted, so that the older one can only be written into.
    *
    * Rejects with the system's error.
    */

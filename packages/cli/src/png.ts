@@ -1,7 +1,7 @@
 import type { Vec3 } from '@websplatter/core';
 import { encode } from 'fast-png';
 
-/** An image as renderers return it: premultiplied RGBA in the blending (sRGB-encoded) space, top row first. */
+/** An image as rendered: premultiplied RGBA in the blending (sRGB-encoded) space, top row first. */
 export interface RawImage {
   readonly widthPx: number;
   readonly heightPx: number;

@@ -85,7 +85,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
 }
 
 /**
- * `parseArgs` with one-line messages for unknown arguments, and for empty ones, which it would take.
+ * `parseArgs` with one-line messages for unknown arguments, and for empty ones, which it accepts.
  *
  * @throws UsageError that names the argument.
  */
@@ -126,7 +126,7 @@ export function parseSize(text: string): [number, number] {
   return size as [number, number];
 }
 
-/** Parses what splats are sorted by. */
+/** Parses the sort key of splats. */
 export function parseSortBy(text: string): SortBy {
   const sortBy = SORTED_BY.find((each) => each === text);
   if (sortBy) return sortBy;
@@ -183,7 +183,7 @@ function isNumeric(name: string): boolean {
   return 'min' in values || typeof values[0] === 'number';
 }
 
-/** Parses a number or a fraction such as 1/255. Returns other text unchanged, for the setting's own check to report. */
+/** Parses a number or a fraction such as 1/255. Leaves other text to the setting's own check. */
 function parseNumber(text: string): number | string {
   const [numerator, denominator = '1'] = splitOnce(text, '/');
   const value = Number(numerator) / Number(denominator);

@@ -11,19 +11,19 @@ export interface Rendered {
   readonly warmUpFrames: number;
   /** One per measured frame. */
   readonly timings: readonly StageTimings[];
-  /** What drew the measured frames; null for the reference renderer. */
+  /** The rasteriser of the measured frames; null for the reference renderer. */
   readonly rasterizer: DrawnBy | null;
-  /** Name of what rendered: a GPU's label, or the reference renderer. */
+  /** Name of the renderer: a GPU's label, or the reference renderer. */
   readonly label: string;
   /** Messages for the user, e.g. that no GPU was found. */
   readonly notices: readonly string[];
-  /** The earliest frame that differs in any bit from the first by the same rasteriser, and in how many pixels; null if none. */
+  /** The earliest frame with pixels unlike those of its rasteriser's first; null if none. */
   readonly firstDifference: { readonly frame: number; readonly pixels: number } | null;
 }
 
-/** What drew frames, and what is known about both rasterisers after them. */
+/** The rasteriser of the frames, and facts about both rasterisers after them. */
 export interface DrawnBy extends Omit<RasterizerReport, 'rasterizer'> {
-  /** Number of measured frames by what drew them. */
+  /** Number of measured frames by rasteriser. */
   readonly frames: Readonly<Record<FrameRasterizer, number>>;
 }
 

@@ -19,21 +19,22 @@ import { STDIO } from './output-place.ts';
 export interface SceneSource {
   /** As given on the command line; messages use it. */
   readonly name: string;
-  /** What to read it from. */
+  /** The source to read. */
   readonly source: SplatSource;
   readonly limits: ReadLimits;
-  /** Files that are read, as far as that is known: one that leads to others comes first. `-` is standard input. */
+  /** Files that are read, as far as known, any that leads to others first. `-`: standard input. */
   readonly files: ReadonlySet<string>;
   /** Whether y is up, whatever is usual in files of its format. */
   readonly isBuiltin: boolean;
 }
 
 const BUILTIN_PREFIX = 'builtin:';
-/** A file on this machine may be as large as its owner likes. What an address sends has the usual limits. */
+/** Files on this machine may have any size. Data from an address has the usual limits. */
 const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: Number.POSITIVE_INFINITY };
 
 /**
- * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file), a path, or `-` for standard input.
+ * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file), a
+ * path, or `-` for standard input.
  *
  * @throws SplatSourceError if there is no such file; UsageError if there is no such built-in scene.
  */

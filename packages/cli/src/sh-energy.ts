@@ -13,7 +13,7 @@ export interface ShBand {
   readonly rms: number;
 }
 
-/** Measures the energy of each band of spherical harmonics above 0, of splats that come in pieces. */
+/** Measures the energy of each band of spherical harmonics above 0, of splats in pieces. */
 export class ShEnergy {
   readonly #squares: number[] = [];
   #count = 0;

@@ -14,7 +14,7 @@ export async function soak(args: readonly string[], console: Console): Promise<v
   const { frames, seed, json } = parseSoakArguments(args);
   const { notice } = await createNodeGpu();
   if (notice !== null) console.err(`note: ${notice}\n`);
-  // A fresh adapter per device. createNodeGpu also keeps devices from being garbage-collected, which Dawn does not survive.
+  // A fresh adapter per device; createNodeGpu keeps devices from being collected, which kills Dawn.
   const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
   const showTenths = tenthsOf(console);
   const onFrame = (frame: number) => showTenths({ done: frame, total: frames, label: `frame ${frame}` });
@@ -48,7 +48,7 @@ function mib(bytes: number): string {
   return `${(bytes / 2 ** 20).toFixed(2)} MiB`;
 }
 
-/** Collects garbage and says what is left. Node has no garbage collector to call unless it is told to show it. */
+/** Collects garbage and returns the bytes left. Node has its collector behind a flag. */
 function heapBytesReader(): () => number {
   setFlagsFromString('--expose-gc');
   const collect = runInNewContext('gc') as () => void;

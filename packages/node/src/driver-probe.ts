@@ -14,8 +14,9 @@ process.exit((await create([]).requestAdapter(JSON.parse(options))) ? 0 : 1);
 `;
 
 /**
- * Finds out in a process of its own whether Dawn gets an adapter. For a driver that fails, the loader and Dawn write lines
- * to stderr that cannot be turned off, and drivers have ended the process: neither reaches this one.
+ * Finds out in a process of its own whether Dawn gets an adapter. Failing drivers make the loader
+ * and Dawn write to stderr, which cannot be turned off, and have ended the process: neither reaches
+ * this one.
  *
  * @param loader name or path of the Vulkan loader.
  * @param env environment variables that choose the drivers, besides this process's own.
@@ -28,7 +29,7 @@ export function opensAdapter(
   const webgpu = pathToFileURL(createRequire(import.meta.url).resolve('webgpu')).href;
   const args = ['--input-type=module', '--eval', PROBE, webgpu, JSON.stringify(adapterOptions)];
   const surroundings: NodeJS.ProcessEnv = { ...process.env, ...env };
-  // What this process preloads or watches is not for that one.
+  // Preloads and watch mode of this process are not for the child.
   delete surroundings.NODE_OPTIONS;
   // Dawn asks for the loader by name.
   if (isAbsolute(loader)) {

@@ -6,14 +6,14 @@ import { lendDevice } from './testing/shared-devices.ts';
 export { watchDevice };
 
 /**
- * `test` for tests that need a GPU. Where no adapter is found, they are skipped with a printed reason; in CI and under
- * `WEBSPLATTER_REQUIRE_GPU` the file fails instead.
+ * `test` for tests that need a GPU. Without an adapter they are skipped with a printed reason; in
+ * CI and under `WEBSPLATTER_REQUIRE_GPU` the file fails instead.
  */
 export const gpuTest = (await isGpuUsable()) ? test : test.skip;
 
 /**
- * Returns a device for tests. Any validation error, other uncaptured error or loss fails the test in which it happens.
- * Call the device's `destroy()`, or leave it to the end of the file.
+ * Returns a device for tests. Any validation error, other uncaptured error or loss fails the test
+ * in which it happens. Call the device's `destroy()`, or leave it to the end of the file.
  */
 export async function createTestDevice(
   options: Pick<GPUDeviceDescriptor, 'requiredLimits' | 'requiredFeatures'> = {},
@@ -25,8 +25,8 @@ export async function createTestDevice(
 }
 
 /**
- * The same for tests that destroy their device only when they are done with it: they take turns with others of their process, which
- * saves what SwiftShader would take to compile the same shaders again.
+ * The same for tests that destroy their device when they are done with it: they take turns with
+ * others of their process, so that SwiftShader compiles the same shaders only once.
  */
 export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
@@ -35,7 +35,7 @@ export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promis
   return device;
 }
 
-/** The same, with blending in float32 where the adapter has it: `reference` is then drawn as it is asked for. */
+/** The same, with float32 blending where the adapter has it, as `reference` asks for. */
 export async function shareBlendingDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
   const blendable = 'float32-blendable' as GPUFeatureName;
@@ -69,8 +69,9 @@ async function isGpuUsable(): Promise<boolean> {
 const POLL_MS = 0.2;
 
 /**
- * Makes `setImmediate` sleep first. In each turn of the event loop Dawn asks whether the GPU is done, and by `setImmediate` for
- * the next turn, which takes all of one core; software adapters need that core for the work itself.
+ * Makes `setImmediate` sleep first. In each turn of the event loop Dawn asks whether the GPU is
+ * done, and by `setImmediate` for the next turn, which takes all of one core; software adapters
+ * need that core for the work itself.
  */
 function waitPatiently(): void {
   const { setImmediate } = globalThis;

@@ -1,7 +1,7 @@
 import { basename, delimiter, join } from 'node:path';
 import type { VulkanSurroundings } from './vulkan-surroundings.ts';
 
-/** Driver descriptions (ICDs) that the Vulkan loader finds by itself, sorted by their use on this machine. */
+/** Driver descriptions (ICDs) that the Vulkan loader finds, sorted by use on this machine. */
 export interface InstalledDrivers {
   /** Drivers that may find a GPU here. */
   readonly gpu: readonly string[];
@@ -14,9 +14,9 @@ export interface InstalledDrivers {
 const RENDER_NODE = 'renderD';
 
 /**
- * Devices in `/dev` and `/dev/dri`, by the start of their names, without which a driver finds no GPU. Distributions
- * install Mesa's drivers all together, and for each that finds nothing the loader and Dawn write lines on stderr.
- * Drivers that are not listed, NVIDIA's among them, are always tried.
+ * Devices in `/dev` and `/dev/dri`, by the start of their names, without which a driver finds no
+ * GPU. Distributions install Mesa's drivers all together, and the loader and Dawn write to stderr
+ * for each that finds none. Unlisted drivers, NVIDIA's among them, are always tried.
  */
 const NEEDED_DEVICES: Readonly<Record<string, readonly string[]>> = {
   amd: [RENDER_NODE],
@@ -36,7 +36,7 @@ const NEEDED_DEVICES: Readonly<Record<string, readonly string[]>> = {
 /** Mesa's lavapipe. */
 const SOFTWARE_DRIVER = 'lvp';
 
-/** Drivers in the directories in which the Vulkan loader looks; none where the user has chosen others. */
+/** Drivers in the directories that the Vulkan loader searches; none if the user chose others. */
 export function installedDrivers(surroundings: VulkanSurroundings): InstalledDrivers {
   const { env, listDirectory } = surroundings;
   const found: Record<keyof InstalledDrivers, string[]> = { gpu: [], software: [], idle: [] };

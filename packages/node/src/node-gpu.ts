@@ -25,8 +25,9 @@ export interface NodeGpu {
 }
 
 /**
- * Finds a WebGPU adapter through Dawn: a GPU, or else a software driver. Defines WebGPU's constants and classes
- * (`GPUBufferUsage`, …) as globals where they are missing. Every call returns a fresh adapter of the same GPU.
+ * Finds a WebGPU adapter through Dawn: a GPU, or else a software driver. Defines missing WebGPU
+ * constants and classes (`GPUBufferUsage`, …) as globals. Every call returns a fresh adapter of the
+ * same GPU.
  *
  * @throws WebGpuUnavailableError if no adapter is found, with what was tried and what to install.
  */
@@ -70,8 +71,9 @@ const keptForever = new Set<unknown>();
 /** Rounding timestamps protects web pages from one another; this process only measures itself. */
 const UNWANTED_FEATURES = ['timestamp_quantization'];
 /**
- * With this Vulkan extension SwiftShader compiles one store per word of workgroup memory, which takes most of a second
- * for 16 KiB. Without it Dawn writes a loop that does the same, and that compiles in 20 ms.
+ * With this Vulkan extension SwiftShader compiles one store per word of workgroup memory, which
+ * takes most of a second for 16 KiB. Without it Dawn writes an equivalent loop that compiles in 20
+ * ms.
  */
 const UNWANTED_IN_SOFTWARE = ['use_vulkan_zero_initialize_workgroup_memory_extension'];
 
@@ -143,8 +145,8 @@ async function loadDawn(): Promise<Dawn> {
 }
 
 /**
- * Loads a Vulkan loader, if that can be done. Dawn asks for `libvulkan.so.1` by name and gets the one that is already in the
- * process: this makes Chromium's copy work, which lies outside the library path.
+ * Loads a Vulkan loader, if possible. Dawn asks for `libvulkan.so.1` by name and gets the one that
+ * is already in the process: this makes Chromium's copy work, which lies outside the library path.
  */
 function loadVulkan(loader: string): boolean {
   const { RTLD_NOW, RTLD_GLOBAL } = os.constants.dlopen;
@@ -158,7 +160,7 @@ function loadVulkan(loader: string): boolean {
   }
 }
 
-/** Runs `open` in the environment that `route` needs; child processes that are started later do not inherit it. */
+/** Runs `open` in the environment that `route` needs; later child processes do not inherit it. */
 async function onRoute<T>(route: VulkanRoute | null, open: () => Promise<T>): Promise<T> {
   const variables = route ? Object.entries(routeEnvironment(route, process.env)) : [];
   const before = variables.map(([name]) => process.env[name]);

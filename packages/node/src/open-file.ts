@@ -14,12 +14,13 @@ type OnFile = ((path: string) => void) | undefined;
 const MOST_PARTS = 10_000;
 
 /**
- * A file as a source of splats: one of any size, which can be read again, or a pipe, which can be read once. Node's own
- * `openAsBlob` takes sizes modulo 4 GiB. A file that leads to others, such as `meta.json`, comes with those of its folder; a folder
- * is opened by such a file.
+ * A file as a source of splats: one of any size, which can be read again, or a pipe, which can be
+ * read once. Node's own `openAsBlob` takes sizes modulo 4 GiB. A file that leads to others, such as
+ * `meta.json`, comes with those of its folder; a folder is opened by such a file.
  *
  * @param onFile told of this file, and of each other one when it is read.
- * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES`, or `EISDIR` for a folder without one) if the file cannot be read.
+ * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES`, or `EISDIR` for a folder without
+ * one) if the file cannot be read.
  */
 export async function openFile(path: string, onFile?: OnFile): Promise<SplatSource> {
   const found = await stat(path);
@@ -34,7 +35,7 @@ export async function openFile(path: string, onFile?: OnFile): Promise<SplatSour
   return isLeadingFile(basename(path)) ? openFolder(path, onFile) : fileOf(path, found.size, onFile);
 }
 
-/** What this process is given on its standard input, once. */
+/** The standard input of this process, once. */
 export function openStdin(): ReadableStream<Uint8Array<ArrayBuffer>> {
   return webStreamOf(process.stdin);
 }
@@ -56,7 +57,7 @@ async function openFolder(leading: string, onFile: OnFile): Promise<SplatSource>
   return { files, paths: paths.map((path) => relative(folder, path).replaceAll('\\', '/')) };
 }
 
-/** What readers need of a File. */
+/** The part of a File that readers need. */
 function fileOf(path: string, size: number, onFile: OnFile): Blob {
   const stream = () => {
     onFile?.(path);
@@ -69,7 +70,7 @@ function streamOf(path: string): ReadableStream<Uint8Array<ArrayBuffer>> {
   return webStreamOf(createReadStream(path, { highWaterMark: READ_BYTES }));
 }
 
-/** Not `Readable.toWeb`, whose stream throws outside of every promise where it is cancelled while it is full. */
+/** `Readable.toWeb` gives a stream that throws outside of every promise if cancelled while full. */
 function webStreamOf(readable: Readable): ReadableStream<Uint8Array<ArrayBuffer>> {
   return WebStream.from<Uint8Array>(readable) as ReadableStream<Uint8Array<ArrayBuffer>>;
 }

@@ -23,10 +23,11 @@ const NVIDIA_CONTAINER_DRIVER = '/usr/local/nvidia/share/vulkan/icd.d/nvidia_icd
 const LOADER = 'libvulkan.so.1';
 
 /**
- * Lists the ways to a Vulkan driver on Linux, best first: the GPU drivers that the system or the user has set up, NVIDIA's
- * container mount, then software (SwiftShader, or else Mesa's lavapipe). Leaves out driver files that do not exist and
- * installed drivers that have no GPU here, because the loader and Dawn write to stderr about every driver that fails, and
- * says which others may fail.
+ * Lists the ways to a Vulkan driver on Linux, best first: the GPU drivers that the system or the
+ * user has set up, NVIDIA's container mount, then software (SwiftShader, or else Mesa's lavapipe).
+ * Leaves out missing driver files and installed drivers that have no GPU here, because the loader
+ * and Dawn write to stderr about every driver that fails, and says which others may fail.
+ *
  * `WEBSPLATTER_VK_ICD` names the file of a software driver to use instead of these two.
  */
 export function vulkanRoutes(surroundings: VulkanSurroundings, forceSoftware = false): VulkanRoute[] {
@@ -70,7 +71,7 @@ export function vulkanRoutes(surroundings: VulkanSurroundings, forceSoftware = f
       loaders,
       driverFiles: [softwareDriver],
       isSoftware: true,
-      // Lavapipe may lack what Dawn needs.
+      // Lavapipe may lack features that Dawn needs.
       mayFail: basename(softwareDriver) !== SWIFTSHADER_DRIVER,
     });
   }

@@ -19,7 +19,7 @@ import { expect } from 'vitest';
 
 export const IS_FULL = process.env.WEBSPLATTER_FULL !== undefined;
 const SIZE = IS_FULL ? { widthPx: 128, heightPx: 128 } : { widthPx: 64, heightPx: 64 };
-/** Frames measured after a warm-up frame. With none, the warm-up frame's time is reported: software takes a second for some. */
+/** Frames after the warm-up frame, whose time counts if there are none: software may take 1 s. */
 const TIMED_FRAMES = IS_FULL ? 9 : 0;
 
 /** Settings to draw with, the most exact first. */
@@ -28,7 +28,7 @@ const ROWS: Readonly<Record<string, Accuracy>> = {
   // By tiles, as `fast` is drawn: quads round every blended layer to 8 bits.
   'paper, f16 records, tiles': { preset: 'paper', recordPrecision: 'f16', rasterizer: 'tiles' },
 };
-/** No preset is more exact than those before it in this list. `paper` has tests of its own below. */
+/** No preset is more exact than those before it. `paper` has tests of its own below. */
 const MOST_EXACT_FIRST = ['reference', 'high', 'balanced', 'fast'];
 
 export async function referenceEngine(): Promise<SplatEngine> {
@@ -148,14 +148,15 @@ function expectPresetsInOrder(rows: Record<string, Row>): void {
       coarser.againstReferenceDb,
     );
   }
-  // `paper` may lie on either side of `fast`, and only because of its records: with wider ones it is as exact. It blends
-  // more faint layers than `fast` does, and adapters round each of them to 8 bits in their own way: one loses 0.15 dB.
+  // `paper` may lie on either side of `fast`, only because of its records: wider ones make it as
+  // exact. It blends more faint layers than `fast` does, and adapters round each to 8 bits in their
+  // own way: one loses 0.15 dB.
   expect(paper.rawDb).toBeGreaterThan(35);
   expect(rows['paper, f16 records, tiles'].rawDb).toBeGreaterThanOrEqual(paper.rawDb);
   expect(rows['paper, f16 records, tiles'].rawDb).toBeGreaterThan(fast.rawDb - 0.5);
 }
 
-/** Compares every preset with float64, prints what each costs, and expects the more exact ones to be so. */
+/** Compares every preset with float64, prints its cost, and expects the list to be in order. */
 export async function expectPresets(
   engine: SplatEngine,
   scene: string,

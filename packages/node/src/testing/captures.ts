@@ -1,10 +1,10 @@
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
 
-/** The folder of real captures that `WEBSPLATTER_CAPTURES` names. Tests of captures are in `describe.runIf(captures)`. */
+/** The folder of real captures; the tests of captures are in `describe.runIf(captures)`. */
 export const captures = process.env.WEBSPLATTER_CAPTURES;
 
-/** @throws Error where the folder has no such file: captures that were asked for are not passed over. */
+/** @throws Error if the folder has no such file: requested captures are not passed over. */
 export function capturePath(name: string, folder = captures ?? ''): string {
   const path = resolve(folder, name);
   if (existsSync(path)) return path;

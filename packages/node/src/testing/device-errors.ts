@@ -2,7 +2,7 @@
 const watched = new Map<GPUDevice, string[]>();
 const closing = new WeakSet<GPUDevice>();
 
-/** Fails the running test on any error or loss of `device`, for devices that a test makes itself. */
+/** Fails the running test on any error or loss of `device`, which a test has made itself. */
 export function watchDevice(device: GPUDevice): void {
   const errors: string[] = [];
   watched.set(device, errors);
@@ -20,7 +20,7 @@ export function watchDevice(device: GPUDevice): void {
   });
 }
 
-/** Throws what devices of the running test have complained about, and forgets it. */
+/** Throws the errors of the running test's devices, and forgets them. */
 export async function throwDeviceErrors(): Promise<void> {
   const errors: string[] = [];
   for (const [device, found] of watched) {

@@ -1,15 +1,17 @@
-/** Devices that are not in use, by what they were asked for. */
+/** Idle devices, by the options that they were requested with. */
 const idle = new Map<string, GPUDevice[]>();
 
 /**
- * Pipelines of all shared devices. As long as one lives, Dawn gives it to callers that ask its device for an equal one, in place of
- * compiling it again, which is most of what many files of tests would do on a software adapter.
+ * Pipelines of all shared devices. As long as one lives, Dawn gives it to callers that ask its
+ * device for an equal one, instead of compiling it again, which would take most of the time of many
+ * test files on a software adapter.
  */
 const compiled: GPUObjectBase[] = [];
 
 /**
- * Lends a device of `adapter` that tests before have used, or makes one: no other test has it until it is destroyed, which destroys
- * what was made with it, and leaves the rest to the next. Everything but Dawn's own memory of shaders is as of a new device.
+ * Lends a device of `adapter` that earlier tests have used, or makes one: no other test has it
+ * until it is destroyed, which destroys the objects made with it and leaves the rest to the next.
+ * Everything but Dawn's own memory of shaders is as of a new device.
  */
 export async function lendDevice(
   adapter: GPUAdapter,
@@ -26,7 +28,7 @@ function giveBack(device: GPUDevice, key: string): void {
   idle.set(key, [...(idle.get(key) ?? []), device]);
 }
 
-/** An object of its own for `device`, so that what tests put in the place of its methods ends with them. */
+/** An object of its own for `device`, so that methods that tests replace end with them. */
 function borrowed(device: GPUDevice, key: string): GPUDevice {
   const made = new Set<{ destroy(): unknown }>();
   const listeners: Parameters<GPUDevice['removeEventListener']>[] = [];
