@@ -2,12 +2,12 @@ import { toRgba } from './vp8l.ts';
 import type { WebpImage } from './webp.ts';
 
 const RIFF_HEADER_BYTES = 20;
-/** In the fifth byte of a coded image: that not all of it is opaque. Other than our decoder, browsers may go by it. */
+/** A bit of a coded image's fifth byte, which browsers may go by: not all of it is opaque. */
 const ALPHA_HINT = { byte: 4, bit: 0x10 } as const;
 
 /**
- * An image of 4 × 4 pixels, coded: one bit for each channel of each pixel, so that the pixels count from 0 to 15. A browser that
- * multiplies colours by opacities, or converts them, changes some of them.
+ * An image of 4 × 4 pixels, coded: one bit for each channel of each pixel, so that the pixels count
+ * from 0 to 15. A browser that multiplies colours by opacities, or converts them, changes some.
  */
 const PROBE = Uint8Array.of(
   ...[0x2f, 0x03, 0xc0, 0x00, 0x10, 0xf8, 0x00, 0xe0, 0x15, 0x90, 0xdf, 0x34],
@@ -15,15 +15,16 @@ const PROBE = Uint8Array.of(
 );
 const PROBE_SIDE = 4;
 
-/** What probes have found, by what they asked: something else may take the place of the browser's own. */
+/** Results of probes, by the decoder probed: other code may take the place of the browser's own. */
 const probed = new WeakMap<typeof ImageDecoder, Promise<typeof decode | null>>();
 
 /**
- * Returns what decodes lossless images by the browser, several of them at once in threads of its own, to the very bytes that
- * `decodeWebp` gives; null where the browser has nothing that does. An image's result is null where it fails.
+ * Returns a decoder of lossless images by the browser, several at once in threads of its own, to
+ * the very bytes that `decodeWebp` gives; null where the browser has none. An image's result is
+ * null where it fails.
  *
- * By WebCodecs, whose frames are not premultiplied and are copied as they are. Through a canvas or a texture, colours of faint
- * pixels would be lost, or depend on the browser.
+ * It uses WebCodecs, whose frames are not premultiplied and are copied as they are. A canvas or a
+ * texture would lose colours of faint pixels, or make them depend on the browser.
  *
  * Probes once. Never rejects: callers need not wait before there are images.
  */
@@ -81,12 +82,12 @@ async function decode({
       decoder.close();
     }
   } catch {
-    // Our own decoder says what is wrong with the image, if anything is.
+    // Our own decoder reports any fault of the image.
     return null;
   }
 }
 
-/** What stands in the place of opacities is not said. Null for formats that are no four bytes. */
+/** The fourth channel of opaque formats is undefined. Null for formats without four bytes. */
 function opaque(format: VideoPixelFormat | null, pixels: Int32Array<ArrayBuffer>) {
   if (format !== 'RGBX' && format !== 'BGRX') return null;
   for (let i = 0; i < pixels.length; i++) pixels[i] |= 0xff000000;

@@ -1,7 +1,7 @@
 /** Bytes that are taken at once, which takes half the time. */
 const AT_ONCE = 8;
 
-/** Of the reversed polynomial of ISO 3309: by a byte, then by a byte that a zero follows, and so on up to seven zeros. */
+/** By a byte, a byte followed by a zero, up to seven zeros; polynomial of ISO 3309, reversed. */
 const TABLE = new Int32Array(AT_ONCE * 256);
 for (let byte = 0; byte < 256; byte++) {
   let crc = byte;

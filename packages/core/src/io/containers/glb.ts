@@ -7,7 +7,7 @@ const MAGIC = 0x46546c67;
 const JSON_CHUNK = 0x4e4f534a;
 const BINARY_CHUNK = 0x004e4942;
 
-/** What a binary glTF holds. */
+/** Contents of a binary glTF. */
 export interface GlbChunks {
   readonly json: Uint8Array<ArrayBuffer>;
   /** The buffer that has no address. */
@@ -19,8 +19,8 @@ export function isGlb({ buffer, byteOffset, length }: Uint8Array): boolean {
 }
 
 /**
- * Finds the chunks of a binary glTF 2.0 (.glb). Chunks of other kinds, and what comes after the end that its header states, are
- * passed over.
+ * Finds the chunks of a binary glTF 2.0 (.glb). Chunks of other kinds, and bytes after the end that
+ * its header states, are passed over.
  *
  * @param bytes the whole file, of which `isGlb` is true.
  * @param file its name in messages.
@@ -58,7 +58,8 @@ function truncated({ length }: Uint8Array, file: string, neededBytes: number): S
 }
 
 /**
- * Begins a binary glTF 2.0: a file with its JSON, whose binary chunk is still to be filled. That chunk begins at a multiple of 4 bytes.
+ * Begins a binary glTF 2.0: a file with its JSON, whose binary chunk, at a multiple of 4 bytes, is
+ * still to be filled.
  *
  * @param memoryOf gives memory for the file, filled with zeros.
  */

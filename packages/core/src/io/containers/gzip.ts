@@ -3,7 +3,7 @@ import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts'
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
 import { unpackedLimit } from '../sources/read-limits.ts';
 
-/** Reads what is in a gzip stream (RFC 1952) by `read`. */
+/** Reads the contents of a gzip stream (RFC 1952) by `read`. */
 export async function readGzipped<Result>(
   packed: SplatInput,
   options: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
@@ -18,7 +18,7 @@ export async function readGzipped<Result>(
 }
 
 /**
- * What is in a gzip stream, as an input of its own.
+ * The contents of a gzip stream, as an input of its own.
  *
  * @param maxBytes most that it may have.
  */
@@ -36,7 +36,7 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
 }
 
 /**
- * What is in a gzip stream. It fails with SplatFileError 'damaged'.
+ * The contents of a gzip stream. It fails with SplatFileError 'damaged'.
  *
  * @param byteOffset where in `file` the stream is, for that error.
  */
@@ -54,7 +54,7 @@ export function gunzip(
           if (done) controller.close();
           else controller.enqueue(value);
         } catch (cause) {
-          // What fails before the unpacking says so itself.
+          // Failures before the unpacking are typed already.
           if (cause instanceof WebSplatterError) throw cause;
           const advice = 'Download or export it again';
           const message = `it cannot be unpacked (${messageOf(cause)}). ${advice}.`;

@@ -1,6 +1,6 @@
 /**
- * Length of each symbol's code in a Huffman code without codes of more than `most` bits; 0 for symbols that do not come, 1 for a lone
- * one.
+ * Length of each symbol's code in a Huffman code without codes of more than `most` bits; 0 for
+ * symbols that do not come, 1 for a lone one.
  */
 export function codeLengths(counts: Uint32Array, most: number): Uint8Array {
   const lengths = new Uint8Array(counts.length);
@@ -43,7 +43,7 @@ function depthsOf(weights: readonly number[]): number[] {
   return depths.slice(0, count);
 }
 
-/** Canonical codes as they are written into bits from the lowest on: the first bit of a code is the lowest. */
+/** Canonical codes as written, from the lowest bit on: a code's first bit is its lowest. */
 export function codesOf(lengths: Uint8Array): Uint16Array {
   const codes = new Uint16Array(lengths.length);
   let next = 0;

@@ -30,7 +30,8 @@ export async function packGzip(
 }
 
 /**
- * Packs what `work` puts as a gzip stream, which goes to `put` while it grows. Bytes that `work` has put must stay as they are.
+ * Packs the bytes that `work` puts as a gzip stream, which goes to `put` while it grows. Those
+ * bytes must stay as they are.
  *
  * Rejects as both do.
  */
@@ -39,7 +40,7 @@ export async function packGzipTo(put: Put, work: (put: Put) => Promise<void>): P
   const writer = writable.getWriter();
   const packing = readable.pipeTo(new WritableStream({ write: put }));
   try {
-    // Where the packed bytes find no place, that is the reason, and not that nothing more can be written.
+    // A failure of `put` is the reason to report, and not that nothing more can be written.
     await work((bytes) => Promise.race([writer.write(bytes), packing]));
     await Promise.race([writer.close(), packing]);
   } catch (error) {

@@ -1,7 +1,7 @@
 import type { Turns } from '../../data/turns.ts';
 import { distanceTo, NEIGHBOURS } from './vp8l-format.ts';
 
-/** An image as single pixels and copies of what came before. */
+/** An image as single pixels and copies of earlier ones. */
 export interface Items {
   readonly count: number;
   /** Pixels of each item. */
@@ -28,7 +28,7 @@ const LONG_ENOUGH = 256;
 const PIXELS_AT_ONCE = 4096;
 
 /**
- * Finds what comes again, by chains of places where the same two pixels begin.
+ * Finds repeated pixels, by chains of places where the same two pixels begin.
  *
  * @param pixelBits About how many bits a single pixel takes.
  */

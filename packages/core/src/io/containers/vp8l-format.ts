@@ -1,4 +1,5 @@
-// What reading and writing of lossless WebP images (VP8L, RFC 9649 section 3) share. "Sections" in comments are of that document.
+// Shared by the reader and the writer of lossless WebP images (VP8L, RFC 9649 section 3).
+// "Sections" in comments are of that document.
 
 export const SIGNATURE = 0x2f;
 
@@ -66,8 +67,8 @@ function clamp(value: number): number {
 }
 
 /**
- * Neighbours up to 7 rows above, 8 columns to the left and 7 to the right, nearest first; of equally near ones that in the nearer
- * column, the left one before the right one.
+ * Neighbours up to 7 rows above, 8 columns to the left and 7 to the right, nearest first; of
+ * equally near ones that in the nearer column, the left one before the right one.
  */
 function neighboursByDistance(): readonly (readonly [number, number])[] {
   const neighbours: [number, number][] = [];

@@ -22,7 +22,8 @@ export function withoutGreen(pixels: Int32Array): Int32Array {
 }
 
 /**
- * Chooses for each block the predictor (section 3.5.1) whose rests take the fewest bits, in a code by the rests of the blocks before.
+ * Chooses for each block the predictor (section 3.5.1) whose rests take the fewest bits, in a code
+ * by the rests of the blocks before.
  */
 export async function predict(pixels: Int32Array, width: number, turns: Turns): Promise<Predicted> {
   const height = pixels.length / width;
@@ -112,7 +113,7 @@ class RestCosts {
   }
 }
 
-/** What a pixel is likely to be, by those before it. */
+/** The likely value of a pixel, by those before it. */
 function prediction(
   mode: number,
   pixels: Int32Array,
@@ -160,7 +161,7 @@ function prediction(
   }
 }
 
-/** Subtracts each channel modulo 256: the bits between channels take what one borrows. */
+/** Subtracts each channel modulo 256: the bits between channels take the borrow. */
 function lessPixel(a: number, b: number): number {
   return (
     ((0x00ff00ff + (a & 0xff00ff00) - (b & 0xff00ff00)) & 0xff00ff00) |

@@ -185,7 +185,7 @@ describe('transforms', () => {
       }
     }
     const transforms = [{ type: 'color-indexing', size, image: { items: differences } }] as const;
-    // What the table lacks is transparent black.
+    // Indices beyond the table are transparent black.
     const pixels = indices.map((index) => colors[index] ?? 0);
     expect(decodeVp8l(vp8lBytes(width, height, { items }, transforms))).toEqual(rgbaOf(pixels));
   });

@@ -1,4 +1,4 @@
-// Reads lossless WebP images (VP8L, RFC 9649 section 3). "Sections" in comments are of that document.
+// Reads lossless WebP images (VP8L). "Sections" in comments are of RFC 9649, from section 3 on.
 import {
   average,
   blocks,
@@ -34,7 +34,7 @@ const MAX_BYTES = 2 ** 28 - 16;
 
 /** Lengths of at most this many bits are found by one look into a table. */
 const ROOT_BITS = 8;
-/** Most entries of all tables of an image: encoders need far fewer, and a few bits could ask for many. */
+/** Most entries of an image's tables: encoders need far fewer; a few bits could ask for many. */
 const MAX_TABLE_ENTRIES = 2 ** 23;
 
 /**
@@ -102,8 +102,8 @@ class BitReader {
 /** Lookup tables of prefix codes, one after another in one array. */
 class Tables {
   /**
-   * By the next bits: symbol × 16 + length of its code; or, for a code longer than ROOT_BITS, −1 − (index of a second table × 16 +
-   * its bits).
+   * By the next bits: symbol × 16 + length of its code; or, for a code longer than ROOT_BITS, −1 −
+   * (index of a second table × 16 + its bits).
    */
   entries = new Int32Array(1 << 12);
   #length = 0;
@@ -172,7 +172,7 @@ function readTransform(bits: BitReader, width: number, height: number): Transfor
   if (type === TRANSFORM.colorIndexing) {
     const count = bits.read(8) + 1;
     const data = decodePixels(bits, count, 1, false);
-    // Each is given as what it differs by from the one before.
+    // Each is stored as its difference from the one before.
     for (let i = 1; i < count; i++) data[i] = addPixels(data[i], data[i - 1]);
     return { type, bits: count <= 2 ? 3 : count <= 4 ? 2 : count <= 16 ? 1 : 0, width, data };
   }
@@ -181,7 +181,7 @@ function readTransform(bits: BitReader, width: number, height: number): Transfor
   return { type, bits: sizeBits, width, data };
 }
 
-/** Decodes an entropy-coded image (section 3.6) to A, R, G, B in one int32 each. Only a main image has several code groups. */
+/** Decodes an entropy-coded image (section 3.6) to ARGB; only main ones have several groups. */
 function decodePixels(
   bits: BitReader,
   width: number,
@@ -216,7 +216,7 @@ function decodePixels(
     });
     bits.checkEnd();
   }
-  // Only now: what comes before has been there.
+  // Only now: everything before it has been there.
   const pixels = pixelMemory(width * height);
   readPixels(bits, pixels, width, tables.entries, groups, groupOfBlock, blockBits, cacheBits);
   return pixels;
@@ -450,7 +450,7 @@ function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
   return { table, mask };
 }
 
-/** Bits of the second table that begins with a code of `length`, when `left` codes of that length are left. */
+/** Bits of the second table that begins with a code of `length`, of which `left` are left. */
 function secondTableBits(countOf: Int32Array, length: number, left: number, rootBits: number): number {
   let bits = length - rootBits;
   let open = (1 << bits) - left;
@@ -598,7 +598,7 @@ function lookUpColors(
   { bits, width, data }: Transform,
   height: number,
 ): Int32Array<ArrayBuffer> {
-  // What is not in the table is transparent black.
+  // Indices beyond the table are transparent black.
   const colors = new Int32Array(256);
   colors.set(data);
   const argb = pixelMemory(width * height);
@@ -615,7 +615,7 @@ function lookUpColors(
   return argb;
 }
 
-/** Changes the order of the channels in place, from B, G, R, A in memory, and shows the pixels as bytes. */
+/** Changes the channels in place, from B, G, R, A in memory, and shows the pixels as bytes. */
 export function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   for (let i = 0; i < argb.length; i++) {
     const pixel = argb[i];

@@ -62,7 +62,7 @@ export function openWebp(bytes: Uint8Array, file: string): WebpImage {
 }
 
 /**
- * Decodes an image: R, G, B, A of each pixel, row by row from the top left, exactly as they were before they were packed.
+ * Decodes an image to R, G, B, A of each pixel, row by row from the top left, without loss.
  *
  * @throws SplatFileError 'damaged'
  */

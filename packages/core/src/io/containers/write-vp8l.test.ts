@@ -11,7 +11,7 @@ const choices = new Choices(5);
 const encode = (width: number, height: number, rgba: Uint8Array) =>
   encodeVp8l(width, height, rgba, new Turns(undefined));
 
-/** Encodes an image whose pixels are given by column and row, decodes it again, and returns its bytes. */
+/** Encodes an image whose pixels are given by column and row, decodes it, and returns its bytes. */
 async function bytesOf(width: number, height: number, pixelAt: (x: number, y: number) => readonly number[]) {
   const rgba = new Uint8Array(4 * width * height);
   for (let i = 0; i < width * height; i++) rgba.set(pixelAt(i % width, Math.floor(i / width)), 4 * i);

@@ -1,4 +1,4 @@
-// Writes lossless WebP images (VP8L, RFC 9649 section 3). "Sections" in comments are of that document.
+// Writes lossless WebP images (VP8L). "Sections" in comments are of RFC 9649, from section 3 on.
 import type { Turns } from '../../data/turns.ts';
 import { BitWriter } from './bit-writer.ts';
 import { codeLengths, codesOf } from './huffman-lengths.ts';
@@ -25,8 +25,8 @@ const MAX_LENGTH_LENGTH = 7;
 const GREEN_CODES = 256 + LENGTH_CODES;
 
 /**
- * Encodes an image: tries what lossless WebP can do with its colours, by the bits that they then take on average, and copies what
- * comes again. Equal images give equal bytes.
+ * Encodes an image: tries the ways of lossless WebP to change its colours, by the bits that they
+ * then take on average, and copies repeated pixels. Equal images give equal bytes.
  *
  * @param rgba R, G, B, A of each pixel, row by row from the top left.
  * @param width 1 to MAX_SIDE_PX, like `height`.

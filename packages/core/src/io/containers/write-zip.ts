@@ -1,7 +1,7 @@
 import { crc32 } from './crc32.ts';
 import { DIRECTORY_END, DIRECTORY_ENTRY, LOCAL_HEADER, STORED } from './zip-format.ts';
 
-/** Version of the format that is needed to read what is only stored. */
+/** Version of the format that files need which are only stored. */
 const VERSION = 20;
 /** Names are in UTF-8. */
 const UTF8 = 1 << 11;

@@ -1,4 +1,4 @@
-// Records of zip archives (PKWARE's APPNOTE 6.3): signatures, lengths, and where their fields begin.
+// Records of zip archives (PKWARE's APPNOTE 6.3): signatures, lengths, places of their fields.
 
 /** Before each file. */
 export const LOCAL_HEADER = {

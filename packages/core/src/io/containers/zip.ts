@@ -27,7 +27,7 @@ export interface ZipEntry {
 const MOST_COMMENT = 0xffff;
 /** These stand for numbers that are kept where there is room for them, in 64 bits. */
 const IN_ZIP64 = { uint16: 0xffff, uint32: 0xffffffff } as const;
-/** Of each extra field: what it is, and the bytes that follow. */
+/** Of each extra field: its kind, and the number of bytes that follow. */
 const EXTRA_HEADER_BYTES = 4;
 const ENCRYPTED = 1;
 const DEFLATED = 8;
@@ -38,7 +38,7 @@ const DOWNLOAD_AGAIN = 'Download or export it again';
 const UNPACK = 'unpack it, and open what is in it';
 
 /**
- * The files that the directory of a zip archive lists. No two of them share bytes, and none lies outside of the archive.
+ * The files in a zip archive's directory. No two share bytes; none lies outside of the archive.
  *
  * @param bytes of the whole archive.
  * @throws SplatFileError 'truncated', 'damaged'; 'unknown-format' for encrypted and split archives
@@ -115,7 +115,7 @@ function directoryPlace(view: DataView, fail: Fail): DirectoryPlace {
   return { count, directory, end: recordsAt };
 }
 
-/** Where the record at the end of an archive begins, which a comment may follow; −1 if there is none. */
+/** Place of the record that ends an archive, which a comment may follow; −1 if there is none. */
 function findDirectoryEnd(view: DataView): number {
   const last = view.byteLength - DIRECTORY_END.bytes;
   for (let at = last; at >= Math.max(0, last - MOST_COMMENT); at--) {
@@ -125,7 +125,7 @@ function findDirectoryEnd(view: DataView): number {
   return -1;
 }
 
-/** Where the record of a zip64 archive begins that has the numbers of its end; null if it is none. */
+/** Place of the zip64 record with the numbers of the archive's end; null if there is none. */
 function findZip64End(view: DataView, end: number, fail: Fail): number | null {
   const locator = end - ZIP64_LOCATOR.bytes;
   if (locator < 0 || view.getUint32(locator, true) !== ZIP64_LOCATOR.signature) return null;
@@ -135,7 +135,7 @@ function findZip64End(view: DataView, end: number, fail: Fail): number | null {
   return at;
 }
 
-/** Where an extra field with 64-bit numbers lies, among those between `from` and `to`; null if there is none. */
+/** Place of an extra field with 64-bit numbers between `from` and `to`; null if there is none. */
 function zip64Field(view: DataView, from: number, to: number): { at: number; end: number } | null {
   for (let at = from; at + EXTRA_HEADER_BYTES <= to; ) {
     const start = at + EXTRA_HEADER_BYTES;
@@ -154,8 +154,8 @@ function uint64(view: DataView, at: number): number {
 /**
  * The entry that the directory describes at `at`. Files lie before `limit`.
  *
- * @param wide its extra field with 64-bit numbers: of the three, those that do not fit into 32 bits, in the order in which they are
- * read here.
+ * @param wide its extra field with 64-bit numbers: of the three, those that do not fit into 32
+ * bits, in the order in which they are read here.
  */
 function entryAt(
   view: DataView,
@@ -217,8 +217,8 @@ function checkApart(entries: readonly ZipEntry[], fail: Fail): void {
 }
 
 /**
- * Opens a file in an archive. What it gives has the length and the CRC-32 of the directory, or the stream fails with
- * SplatFileError 'damaged'.
+ * Opens a file in an archive. Its bytes have the length and the CRC-32 of the directory, or the
+ * stream fails with SplatFileError 'damaged'.
  *
  * @param bytes of the whole archive.
  * @param name of the file in messages.
@@ -266,7 +266,7 @@ function* checkedPieces(
   }
 }
 
-/** Puts the packed bytes into a gzip file, whose end has CRC-32 and length: the browser's own code checks them then. */
+/** Makes the packed bytes a gzip file, whose CRC-32 and length the browser's own code checks. */
 function inflatedStream(
   packed: Uint8Array<ArrayBuffer>,
   { crc, start, unpackedBytes }: ZipEntry,
@@ -293,7 +293,7 @@ function inflatedStream(
       if (last) controller.enqueue(last);
       last = piece;
     },
-    // Only now is it known that all are right: the end of a gzip file has no more than 32 bits of the length.
+    // Only now are all known to be right: the end of a gzip file has only 32 bits of the length.
     flush(controller) {
       if (given < unpackedBytes) {
         const message = `it unpacks to ${given} bytes, fewer than its ${unpackedBytes}. ${DOWNLOAD_AGAIN}.`;

@@ -1,2 +1,2 @@
-/** What is wrong with Zstandard data, in words that follow "it cannot be unpacked:". */
+/** A fault of Zstandard data, in words that follow "it cannot be unpacked:". */
 export class ZstdDamage extends Error {}

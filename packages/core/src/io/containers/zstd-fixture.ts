@@ -23,7 +23,7 @@ function bellShaped(): Uint8Array {
   return Uint8Array.from({ length: 1200 }, () => 128 + half() - half());
 }
 
-/** What zstd 1.5 makes of some bytes; together these have every kind of literals and every way to give a table. */
+/** Data packed by zstd 1.5, with every kind of literals and every way to give a table. */
 export const ZSTD_EXAMPLES: readonly {
   readonly name: string;
   readonly unpacked: Uint8Array;

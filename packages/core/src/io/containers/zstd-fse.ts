@@ -1,6 +1,6 @@
 import { ZstdDamage } from './zstd-damage.ts';
 
-/** A finite state entropy decoder (RFC 8878, section 4.1): for each state, its symbol and how the next state is found. */
+/** A finite state entropy decoder (RFC 8878, section 4.1): symbol and next state of each state. */
 export interface FseTable {
   /** There are two to the power of this many states. */
   readonly log: number;
@@ -101,8 +101,8 @@ export function constantFseTable(symbol: number): FseTable {
 }
 
 /**
- * Number of bits of a stream that is read backwards, from byte `start` to before byte `end`: those before the highest one that is
- * set in its last byte.
+ * Number of bits of a stream that is read backwards, from byte `start` to before byte `end`: those
+ * before the highest one that is set in its last byte.
  */
 export function backwardBits(bytes: Uint8Array, start: number, end: number): number {
   const last = end > start ? bytes[end - 1] : 0;

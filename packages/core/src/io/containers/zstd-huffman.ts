@@ -1,7 +1,7 @@
 import { ZstdDamage } from './zstd-damage.ts';
 import { backwardBits, readFseTable } from './zstd-fse.ts';
 
-/** A Huffman code of bytes (RFC 8878, section 4.2): what each of the next `maxBits` bits mean. */
+/** A Huffman code of bytes (RFC 8878, section 4.2): the meaning of each next `maxBits` bits. */
 export interface HuffmanTable {
   readonly maxBits: number;
   /** The byte, and above it how many of the bits are its own. */
@@ -29,7 +29,7 @@ function plainWeights(bytes: Uint8Array, start: number, count: number): number[]
   return Array.from({ length: count }, (_, i) => (bytes[start + (i >> 1)] >> (i & 1 ? 0 : 4)) & 15);
 }
 
-/** Weights that two interleaved states of a finite state entropy code give, until it has no more bits. */
+/** Weights that two interleaved states of a finite state entropy code give, until its bits end. */
 function packedWeights(bytes: Uint8Array, start: number, end: number): number[] {
   const { table, end: from } = readFseTable(bytes, start, end, { maxLog: 6, maxSymbol: MOST_BITS });
   const { log, symbols, bits, bases } = table;
@@ -61,7 +61,7 @@ function huffmanTable(weights: number[]): HuffmanTable {
     if (weight > MOST_BITS) throw new ZstdDamage(`a Huffman code has weight ${weight}`);
     sum += (1 << weight) >> 1;
   }
-  // The last byte has what is left of a power of two.
+  // The last byte takes the rest of a power of two.
   const maxBits = 32 - Math.clz32(sum);
   const rest = (1 << maxBits) - sum;
   const isPower = (rest & (rest - 1)) === 0;
@@ -81,7 +81,7 @@ function huffmanTable(weights: number[]): HuffmanTable {
   return { maxBits, entries };
 }
 
-/** Decodes the stream from byte `start` to before byte `end` into `into`, from `at` to before `to`: no more and no less. */
+/** Decodes the stream in bytes `start` to `end` into bytes `from` to `to` of `into`, exactly. */
 export function decodeHuffman(
   bytes: Uint8Array,
   start: number,

@@ -66,7 +66,7 @@ describe('what is refused', () => {
     }
   });
 
-  /** The weights of its Huffman code take no bits: a decoder that waits for the last bit waits for ever. */
+  /** The weights of its Huffman code take no bits: waiting for the last bit would never end. */
   const endlessWeights = [0xa2, 0x40, 0x02, 6, 0xf0, 3, 255, 255, 255, 128, 0x55, 128, 0];
   const cases = [
     { name: 'no magic number', bytes: [1, 2, 3, 4], says: /does not begin as zstd data does/ },

@@ -13,7 +13,7 @@ const LONG_COPY = 64;
 
 const MOST_BITS_AT_ONCE = 25;
 
-/** One of the three values that make up a sequence: how its code is packed, and what each code means. */
+/** One of the three values of a sequence: how its code is packed, and the meaning of each code. */
 interface Field {
   readonly maxLog: number;
   readonly maxSymbol: number;
@@ -85,11 +85,11 @@ function basesOf(bits: Uint8Array, first: number): Int32Array {
 }
 
 /**
- * Unpacks Zstandard data (RFC 8878) of which it is known how many bytes it holds. Whatever is in it, no more memory is taken than
- * that, and no more time than goes with both lengths; a decoder that trusts its tables can be made to run for ever by 22 bytes.
- * Dictionaries are not supported, and checksums are not looked at.
+ * Unpacks Zstandard data (RFC 8878) of a known unpacked length. Whatever is in it, memory is
+ * bounded by that length, and time by both lengths; 22 bytes make a decoder that trusts its tables
+ * run for ever. Dictionaries are not supported, and checksums are not looked at.
  *
- * @param length what it must unpack to, in bytes.
+ * @param length its unpacked length, in bytes.
  * @param file its name in messages.
  * @throws SplatFileError 'damaged', or 'too-large' where there is no memory for it.
  */
@@ -118,7 +118,7 @@ class ZstdUnpacking {
   /** Index of the next byte of each. */
   #at = 0;
   #outAt = 0;
-  /** What the blocks of a frame take from those before. */
+  /** State that the blocks of a frame take from those before. */
   #frameStart = 0;
   #huffman: HuffmanTable | null = null;
   #tables: (FseTable | null)[] = [];
@@ -220,7 +220,7 @@ class ZstdUnpacking {
     return start;
   }
 
-  /** Finds the literals of the block in bytes `start` to `end`, and returns where its sequences begin. */
+  /** Finds the literals of the block in bytes `start` to `end`; returns its sequences' start. */
   #readLiterals(start: number, end: number): number {
     const bytes = this.#bytes;
     const kind = bytes[start] & 3;
@@ -377,7 +377,7 @@ class ZstdUnpacking {
       }
       if (left < 0) throw new ZstdDamage('the sequences of a block end too early');
 
-      // The three offsets used last are told by their places; without literals, the first one could not be meant.
+      // The three last offsets are told by place; without literals, the first cannot be meant.
       const place = offsetValue + (literalCount === 0 ? 1 : 0);
       let offset: number;
       if (offsetValue > 3) offset = offsetValue - 3;
@@ -411,7 +411,7 @@ class ZstdUnpacking {
   }
 }
 
-/** As many bits from bit `from` on, counted from byte `start`; up to `MOST_BITS_AT_ONCE`. Before the first one, anything. */
+/** Up to `MOST_BITS_AT_ONCE` bits, from bit `from` after byte `start`; any before `start`. */
 function bitsAt(bytes: Uint8Array, start: number, from: number, count: number): number {
   const at = start + (from >> 3);
   const word =

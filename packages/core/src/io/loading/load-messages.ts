@@ -35,11 +35,11 @@ export type LoadRequest =
 
 /** Worker to page. */
 export type LoadReply =
-  /** The worker's script is running. The job is posted only now, since a posted stream cannot be taken back. */
+  /** The worker's script runs. The job is posted only now: posted streams cannot be taken back. */
   | { readonly kind: 'ready' }
   | { readonly kind: 'progress'; readonly progress: LoadProgress }
   | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
-  /** The file has rows that the page takes as they are; they follow, in pieces, and then their end. */
+  /** The file has rows that the page takes as they are; they follow in pieces, then their end. */
   | { readonly kind: 'layout'; readonly layout: RowLayout }
   | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
   | { readonly kind: 'rows-end' }
@@ -78,7 +78,7 @@ export function fromPostedError(posted: PostedError): Error {
   const error = emptyError(posted, posted.cause === undefined ? {} : { cause: posted.cause });
   // Constructors add file and place to a message; this message has them already.
   error.message = posted.message;
-  // Chromium and Node begin a stack with the message that the error was made with, and consoles print stacks.
+  // Chromium and Node begin a stack with the error's first message, and consoles print stacks.
   error.stack = error.stack?.replace(/^\w*Error\b.*/, `${error.name}: ${error.message}`);
   return error;
 }

@@ -24,7 +24,7 @@ import { type LoadPort, serveLoad } from './serve-load.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
 
-/** What each worker reads, by the beginning of its name. */
+/** The formats that each worker reads, by the beginning of its name. */
 const READERS: Readonly<Record<string, FormatReaders>> = {
   ply: onlyOf(plyFormat, readPly),
   formats: ALL_READERS,
@@ -60,7 +60,7 @@ class RowList implements RowSink {
   }
 }
 
-/** A worker in this thread behind a real message channel: what crosses is cloned or transferred as between threads. */
+/** A worker in this thread behind a real message channel, which clones or transfers as usual. */
 class FakeWorker {
   static behaviour: Behaviour = 'works';
   static started: FakeWorker[] = [];

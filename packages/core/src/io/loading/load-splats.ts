@@ -32,10 +32,11 @@ type OtherFile = Extract<LoadReply, { kind: 'other-format' }>;
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
- * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling thread (in Node, or where a
- * bundler left the worker out or a content security policy forbids it, which the console says once; see `setWorkerUrl`).
- * Buffers are copied to the worker, so that the caller's stay usable; a stream is consumed. As many loads run at once as the
- * machine has threads, 2 to 8; others wait for their turn.
+ * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling
+ * thread (in Node, or where a bundler left the worker out or a content security policy forbids it,
+ * which the console says once; see `setWorkerUrl`). Buffers are copied to the worker, so that the
+ * caller's stay usable; a stream is consumed. As many loads run at once as the machine has threads,
+ * 2 to 8; others wait for their turn.
  *
  * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
  * and with the signal's reason, in which case the worker is stopped at once.
@@ -69,7 +70,7 @@ export async function loadOrPass(
   let kind: keyof typeof WORKERS =
     isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
   let isDone = false;
-  // Always aborted at the end: a terminated worker does not tell a stream that it is not read any more.
+  // Always aborted at the end: a terminated worker does not tell a stream that it stops reading.
   const stop = new AbortController();
   const onAbort = () => stop.abort(signal?.reason);
   signal?.addEventListener('abort', onAbort, { once: true });
@@ -107,7 +108,7 @@ export async function loadOrPass(
 /** Whether a name says that a file is no ordinary PLY. */
 const isNamedOtherwise = (fileName: string) => /\.compressed\.ply$|\.(?!ply$)\w+$/i.test(fileName);
 
-/** Reads in the calling thread. The code that reads is fetched only then: a page whose worker reads never needs it. */
+/** Reads in the calling thread. Only pages whose worker does not read fetch the code for it. */
 async function readHere(
   source: SplatSource,
   settings: LoadSettings,
@@ -123,9 +124,9 @@ async function readHere(
 
 const loadWorkers = () => import('./workers.ts');
 
-/** Fetches what starts workers, ahead of the first load. */
+/** Fetches the code that starts workers, ahead of the first load. */
 export function foreseeWorkers(): void {
-  // The load says what is wrong.
+  // The load reports the fault.
   loadWorkers().catch(() => {});
 }
 
@@ -134,8 +135,8 @@ async function makerOf(kind: keyof typeof WORKERS): Promise<() => Worker> {
 }
 
 /**
- * Settles at the latest when `watch.signal` aborts, which stops a stream as well. Calls `watch.onDone` when the worker is free
- * for another load.
+ * Settles at the latest when `watch.signal` aborts, which stops a stream as well. Calls
+ * `watch.onDone` when the worker is free for another load.
  */
 function loadInWorker(
   worker: Worker,
@@ -192,7 +193,7 @@ function callOrReject(call: () => void, reject: (reason: unknown) => void): void
   }
 }
 
-/** Posts the job. If it cannot be posted, returns what to read in this thread instead. */
+/** Posts the job. If it cannot be posted, returns the source to read in this thread instead. */
 function post(
   worker: Worker,
   source: SplatSource,
@@ -204,7 +205,7 @@ function post(
   let transfer: Transferable[] = [];
   if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
   else if (isStream(source)) {
-    // Opening it is what refuses it.
+    // Opening the stream refuses it.
     if (source.locked) return source;
     // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
     const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
@@ -220,17 +221,18 @@ function post(
     worker.postMessage(request, transfer);
     return undefined;
   } catch (error) {
-    // Safari cannot transfer streams, and options such as Headers are no data. The attempt leaves the source as it was.
+    // Safari cannot transfer streams, and Headers are no data. The source stays as it was.
     if (error instanceof DOMException && error.name === 'DataCloneError') return posted;
     throw error;
   }
 }
 
 /**
- * A source from which the same splats can be read again, any number of times: the absolute URL, or the very same Blob
- * or Files. Null for streams, which are consumed, and for buffers, which would have to be kept in memory.
+ * A source from which the same splats can be read again, any number of times: the absolute URL, or
+ * the very same Blob or Files. Null for streams, which are consumed, and for buffers, which would
+ * have to be kept in memory.
  *
- * @throws InvalidArgumentError for what is neither text nor an object, and so no source of any kind.
+ * @throws InvalidArgumentError for a value that is neither text nor an object, and so no source.
  */
 export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));

@@ -13,8 +13,8 @@ import { OtherFormat } from './other-format.ts';
 type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>;
 
 /**
- * Does what `readSplats` promises, for the formats that `readers` has. It is a module of its own: a page whose worker reads never
- * fetches it.
+ * Keeps the promises of `readSplats`, for the formats that `readers` has. It is a module of its
+ * own: a page whose worker reads never fetches it.
  *
  * Rejects with OtherFormat for a file that `readers` leaves to others.
  */

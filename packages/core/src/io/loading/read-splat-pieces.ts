@@ -2,9 +2,9 @@ import type { OnPiece } from '../formats/splat-format.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
- * Reads splats in the calling thread, as `readSplats` does, and hands them on piece by piece. Of files that have one splat after another
- * (PLY, `.splat`) there are never more than some megabytes in memory; of others, their bytes. Harmonics that stay a palette, and points,
- * are one piece with all splats.
+ * Reads splats in the calling thread, as `readSplats` does, and hands them on piece by piece. Files
+ * that have one splat after another (PLY, `.splat`) take a few megabytes of memory; others their
+ * bytes. Harmonics that stay a palette, and points, are one piece with all splats.
  *
  * Rejects as `readSplats`, and as `onPiece`.
  */

@@ -5,11 +5,11 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
- * Reads splats in the calling thread, from any source and in any format. Works in pages, workers and Node. Harmonics
- * are packed in `options.shPrecision` as they are read.
+ * Reads splats in the calling thread, from any source and in any format. Works in pages, workers
+ * and Node. Harmonics are packed in `options.shPrecision` as they are read.
  *
- * Rejects with `SplatSourceError` (cannot be fetched or read), `SplatFileError` (cannot be understood; says where),
- * `InvalidArgumentError` (not a source), or the signal's reason.
+ * Rejects with `SplatSourceError` (cannot be fetched or read), `SplatFileError` (cannot be
+ * understood; says where), `InvalidArgumentError` (not a source), or the signal's reason.
  */
 export async function readSplats(
   source: SplatSource,

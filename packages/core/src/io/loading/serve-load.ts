@@ -18,8 +18,8 @@ export interface LoadPort {
 }
 
 /**
- * Does a whole load in the calling thread, for the formats that `readers` has. `passed` if the rows of the file
- * went to `rowsTo` as they are.
+ * Does a whole load in the calling thread, for the formats that `readers` has. `passed` if the rows
+ * of the file went to `rowsTo` as they are.
  */
 export async function readAndPack(
   source: SplatSource,

@@ -2,13 +2,14 @@ import { WebSplatterError } from '../../data/errors.ts';
 import { baseUrl } from '../sources/source-kind.ts';
 import { tryWorker } from './try-worker.ts';
 
-// What is done about a worker that does not start. It is fetched only then.
+// Fetched only when a worker does not start.
 
 let wasReported = false;
 
 /**
- * Starts the worker that `make` could not start because its script is of another origin: from a Blob of the page's own, which imports
- * the script. Resolves with null where that fails too; the first time, the console says how to mend it.
+ * Starts the worker that `make` could not start because its script is of another origin: from a
+ * Blob of the page's own, which imports the script. Resolves with null where that fails too; the
+ * first time, the console says how to mend it.
  *
  * Rejects with the signal's reason.
  */
@@ -25,7 +26,7 @@ export async function startElsewhere(
   return worker;
 }
 
-/** The script that `make` asks for, which only the bundler knows that wrote it there; null if `make` gets no further than that. */
+/** The script that `make` asks for, known to its bundler alone; null if `make` fails before. */
 function addressOf(make: () => Worker): URL | null {
   let asked: string | URL | null = null;
   const { Worker } = globalThis;

@@ -2,12 +2,14 @@ import { WebSplatterError } from '../../data/errors.ts';
 import { tryWorker } from './try-worker.ts';
 
 /**
- * Starts a worker, which posts a message as soon as its script is running. Resolves with it then, and with null where none can
- * start: in Node, or where a bundler left the script out or a content security policy forbids workers, which the console says once.
+ * Starts a worker, which posts a message as soon as its script is running. Resolves with it then,
+ * and with null where none can start: in Node, or where a bundler left the script out or a content
+ * security policy forbids workers, which the console says once.
  *
  * Rejects with the signal's reason.
  *
- * @param find resolves with what makes the worker, and throws where it cannot make one. It is not called where there are no workers.
+ * @param find resolves with a function that makes the worker, and throws where it cannot make one.
+ * It is not called where there are no workers.
  */
 export async function startWorker(
   find: () => Promise<() => Worker>,
@@ -23,7 +25,7 @@ export async function startWorker(
 /**
  * The error for a worker that died at its work.
  *
- * @param subject what it worked on.
+ * @param subject the object of its work.
  * @param workerName `loading worker`.
  */
 export function workerStopped(

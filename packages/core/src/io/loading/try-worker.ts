@@ -1,5 +1,5 @@
 /**
- * Starts the worker that `make` makes. Resolves with it once its script is running, and with null where it cannot start.
+ * Starts `make`'s worker. Resolves with it once its script runs, or with null if none can start.
  *
  * Rejects with the signal's reason.
  *

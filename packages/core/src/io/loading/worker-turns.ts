@@ -9,8 +9,8 @@ const waiting = new Set<Take>();
 let running = 0;
 
 /**
- * Waits until a load may run: as many do at once as the machine has threads. Resolves with the worker of a load that has
- * ended, or with null if there is none. `endTurn` must follow.
+ * Waits until a load may run: as many do at once as the machine has threads. Resolves with the
+ * worker of a load that has ended, or with null if there is none. `endTurn` must follow.
  *
  * Rejects with the signal's reason; no turn is taken then.
  */

@@ -10,7 +10,7 @@ type Reader =
   | { readonly kind: 'into'; readonly reader: ReadableStreamBYOBReader }
   | { readonly kind: 'chunks'; readonly reader: ReadableStreamDefaultReader<Uint8Array> };
 
-/** Bytes held at once, unless one item needs more: bounds both memory and the work between two pauses. */
+/** Bytes held at once, unless an item needs more: bounds memory and the work between pauses. */
 const WINDOW_BYTES = 1 << 20;
 /** Most bytes of a read that is copied into the window. */
 const CHUNK_BYTES = 1 << 18;
@@ -20,16 +20,18 @@ const LEAST_BYTES_IN_TIME = 1 << 14;
 const NO_BYTES = new Uint8Array(0);
 
 /**
- * Shows a stream as a window of contiguous bytes that moves forward. Chunks are copied into the window, at most
- * `WINDOW_BYTES` at a time, so that items which straddle chunks need no special case and a huge chunk is never doubled.
+ * Shows a stream as a window of contiguous bytes that moves forward. Chunks are copied into the
+ * window, at most `WINDOW_BYTES` at a time, so that items which straddle chunks need no special
+ * case and a huge chunk is never doubled.
  *
  * A stream that fails, or that gives next to nothing for long, is resumed where its source can be.
  *
- * Rejects with the signal's reason once it aborts; with `SplatSourceError` if the stream fails for good or yields anything
- * but bytes; and with `SplatFileError` 'too-large' if it gives more than `maxBytes`.
+ * Rejects with the signal's reason once it aborts; with `SplatSourceError` if the stream fails for
+ * good or yields anything but bytes; and with `SplatFileError` 'too-large' if it gives more than
+ * `maxBytes`.
  */
 export class ByteReader {
-  /** The window's memory; valid from `start` on for `available` bytes, until the next `fill` or `skip`. */
+  /** The window's memory, valid for `available` bytes from `start` until a `fill` or `skip`. */
   bytes: Uint8Array<ArrayBuffer> = new Uint8Array(WINDOW_BYTES);
   /** The same memory as `bytes`. */
   view = new DataView(this.bytes.buffer);
@@ -103,10 +105,10 @@ export class ByteReader {
   }
 
   /**
-   * Fills `bytes` with what comes next, past the window; null if the stream ends first.
+   * Fills `bytes` with those that come next, past the window; null if the stream ends first.
    *
-   * @param mayDetach whether the memory of `bytes` may move to another buffer, of the same size, as it does where a stream
-   *   writes into it by itself.
+   * @param mayDetach whether the memory of `bytes` may move to another buffer of the same size, as
+   * it does where a stream writes into it by itself.
    * @param onPart called when some have arrived.
    * @returns `bytes`, where they are now.
    */
@@ -134,7 +136,7 @@ export class ByteReader {
         const read = await this.#readByReader(new Uint8Array(target.buffer, byteOffset + at, length - at));
         if (read === undefined) return null;
         if (read instanceof SplatSourceError) {
-          // The memory went with the stream, and with it what had been read. That must not happen again and again.
+          // The memory and its bytes went with the stream. That must not happen again and again.
           detaches = false;
           await this.#resume(startOffset, read);
           target = new Uint8Array(new ArrayBuffer(memoryBytes), byteOffset, length);
@@ -181,7 +183,7 @@ export class ByteReader {
     return this.#turns.give();
   }
 
-  /** What has not been read yet, as a stream of its own, which ends this reader's use. */
+  /** The unread bytes, as a stream of its own, which ends this reader's use. */
   rest(): ReadableStream<Uint8Array<ArrayBuffer>> {
     this.#isHandedOn = true;
     return new ReadableStream(
@@ -197,7 +199,7 @@ export class ByteReader {
     );
   }
 
-  /** Releases the stream and cancels what has not been read, unless that was handed on. */
+  /** Releases the stream and cancels its unread rest, unless that was handed on. */
   close(): void {
     if (!this.#isHandedOn) this.#cancel(undefined);
   }
@@ -262,7 +264,7 @@ export class ByteReader {
     if (this.#signal?.aborted) this.#onAbort();
   }
 
-  /** Reads some bytes, into `target` if the stream can; undefined at its end, or why the stream has failed. */
+  /** Reads some bytes, into `target` if possible; undefined at the end, or why it has failed. */
   async #readByReader(target?: Uint8Array<ArrayBuffer>): Promise<Uint8Array | SplatSourceError | undefined> {
     this.#signal?.throwIfAborted();
     const startMs = performance.now();
@@ -323,7 +325,7 @@ export class ByteReader {
   }
 }
 
-/** Files and responses write into memory that they are given, in most browsers; other streams give chunks. */
+/** Files and responses write into given memory, in most browsers; other streams give chunks. */
 function readerOf(stream: ReadableStream<Uint8Array>): Reader {
   try {
     return { kind: 'into', reader: stream.getReader({ mode: 'byob' }) };

@@ -31,7 +31,7 @@ function namesAndValues(headers: HeadersInit): Record<string, string> {
   try {
     return Object.fromEntries(new Headers(headers));
   } catch {
-    // What is wrong may be a secret, which the cause repeats.
+    // The faulty value may be a secret, which the cause repeats.
     const message = 'headers must be names and values as HTTP allows them.';
     throw new InvalidArgumentError('headers', message);
   }

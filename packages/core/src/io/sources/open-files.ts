@@ -53,7 +53,7 @@ export function leadingPath(source: SceneFiles): string {
 /**
  * `source` with its paths written out: Files that are posted lose theirs.
  *
- * @throws InvalidArgumentError for anything but Blobs, or if there are fewer or more paths than files.
+ * @throws InvalidArgumentError for anything but Blobs, or unless there is a path for each file.
  */
 export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Required<SceneFiles> {
   if (!files.every(isBlob))

@@ -10,8 +10,8 @@ const PIECE_BYTES = 1 << 20;
 /**
  * Opens anything that splats can be read from as a stream of bytes. Memory is not copied.
  *
- * Rejects with `SplatSourceError` (network, HTTP status, a stream already in use), with `InvalidArgumentError` for
- * anything that is not a source, and with the signal's reason.
+ * Rejects with `SplatSourceError` (network, HTTP status, a stream already in use), with
+ * `InvalidArgumentError` for anything that is not a source, and with the signal's reason.
  */
 export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
   options.signal?.throwIfAborted();

@@ -14,7 +14,7 @@ const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(2
 
 type Answer = (request: IncomingMessage, response: ServerResponse, attempt: number) => void;
 
-/** What the server answers now, and the requests that it has had. */
+/** The server's answer now, and the requests that it has had. */
 let answer: Answer;
 let requests: IncomingMessage[];
 let server: Server;
@@ -29,8 +29,8 @@ const listen = async (listener: (request: IncomingMessage, response: ServerRespo
   return { listening, url: `http://127.0.0.1:${port}/scene.ply` };
 };
 
-// Servers of its own for each test: a connection that breaks at the end of one could be taken for the
-// first request of the next, which no server would see.
+// Servers of its own for each test: a connection that breaks at the end of one could be taken for
+// the first request of the next, which no server would see.
 beforeEach(async () => {
   const onRequest = (request: IncomingMessage, response: ServerResponse) => {
     requests.push(request);
@@ -183,7 +183,7 @@ describe('a transfer that breaks off', () => {
     expect(requests).toHaveLength(2);
     const { range, 'if-range': ifRange } = requests[1].headers;
     expect(ifRange).toBe(etag ?? date);
-    // What was still on its way when the connection broke may be lost.
+    // Bytes that were still on their way when the connection broke may be lost.
     expect(Number(range?.match(/\d+/)?.[0])).toBeLessThanOrEqual(CUT);
   });
 
@@ -384,7 +384,7 @@ describe('a server that lies', () => {
     answer = (_, response) => {
       response.setHeader('content-length', ply.length + 1000).write(ply);
     };
-    // All splats have come; what should follow them is not waited for.
+    // All splats have come; bytes that should follow them are not waited for.
     expect((await readSplats(url)).count).toBe(2000);
   });
 

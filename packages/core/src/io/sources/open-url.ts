@@ -8,11 +8,11 @@ import { waitMs } from './wait-ms.ts';
 const FIRST_WAIT_MS = 500;
 /** A server that wants a longer pause would keep the reader waiting too long. */
 const LONGEST_WAIT_MS = 30_000;
-/** Too early, too many requests, or a gateway without a server behind it. Other failures would come again. */
+/** Too early, too many requests, or a gateway without a server behind it. Other failures last. */
 const PASSING_STATUSES: readonly number[] = [408, 425, 429, 502, 503, 504];
 /**
- * Tries until a server has answered at all. Pages cannot tell a refusal by CORS or a host that does not exist from a lost
- * connection, and a person should not wait long for that message.
+ * Tries until a server has answered at all. Pages cannot tell a refusal by CORS or a host that does
+ * not exist from a lost connection, and a person should not wait long for that message.
  */
 const UNANSWERED_TRIES = 2;
 
@@ -20,12 +20,13 @@ const ABSOLUTE_ADVICE =
   'cannot be fetched: outside a page only absolute http, https, data and blob URLs can be; read a local file yourself and pass its Blob or bytes';
 
 /**
- * Opens an address. Requests that a server cannot answer for the moment are repeated, and a transfer that breaks off goes on
- * where it was, if the server can tell that the file is still the same. A page is not told which part another origin sends, nor
- * whether that is packed; the file is asked for from its beginning then.
+ * Opens an address. Requests that a server cannot answer for the moment are repeated, and a
+ * transfer that breaks off goes on where it was, if the server can tell that the file is still the
+ * same. A page is not told which part another origin sends, nor whether that is packed; the file is
+ * asked for from its beginning then.
  *
- * Rejects with SplatSourceError (no valid address, credentials in it, network, HTTP status), InvalidArgumentError for options, and
- * the signal's reason.
+ * Rejects with SplatSourceError (no valid address, credentials in it, network, HTTP status),
+ * InvalidArgumentError for options, and the signal's reason.
  */
 export async function openUrl(url: string, options: ReadOptions): Promise<OpenedSource> {
   const { name = shortName(url), signal, request = {} } = options;
@@ -33,7 +34,7 @@ export async function openUrl(url: string, options: ReadOptions): Promise<Opened
   return new Transfer(addressOf(url, name), name, checked, signal).open();
 }
 
-/** @throws SplatSourceError; the error of `fetch` would repeat the address, credentials included. */
+/** @throws SplatSourceError; the error of `fetch` would repeat the address with credentials. */
 function addressOf(url: string, name: string): URL {
   const base = baseUrl();
   if (!URL.canParse(url, base))
@@ -52,7 +53,7 @@ class Transfer {
   readonly #request: Required<RequestOptions>;
   readonly #signal: AbortSignal | undefined;
   #retries = 0;
-  /** What the first answer says of the file; null before. */
+  /** Facts about the file from the first answer; null before. */
   #file: FileFacts | null = null;
 
   constructor(url: URL, name: string, request: Required<RequestOptions>, signal: AbortSignal | undefined) {
@@ -109,7 +110,7 @@ class Transfer {
     );
   }
 
-  /** Rejects with `failure` if there is no answer: what came first says more. */
+  /** Rejects with `failure`, which says more, if there is no answer. */
   async #askAgain(headers: Readonly<Record<string, string>>, failure: SplatSourceError): Promise<Response> {
     try {
       return await this.#ask(headers);
@@ -139,7 +140,7 @@ class Transfer {
     }
   }
 
-  /** Sends the request once. Returns the failure if there is no answer; throws only the signal's reason. */
+  /** Sends the request. Returns a failure if there is no answer; throws the signal's reason. */
   async #fetch(headers: Readonly<Record<string, string>>): Promise<Response | SplatSourceError> {
     const { headers: own, credentials, idleTimeoutMs } = this.#request;
     const late = new AbortController();
@@ -164,7 +165,7 @@ class Transfer {
     }
   }
 
-  /** Waits before another try, at least as long as the server asks for. Throws `failure` if no try is left. */
+  /** Waits before another try, at least as long as asked. Throws `failure` if no try is left. */
   async #waitAfter(failure: SplatSourceError, askedMs = 0): Promise<void> {
     if (this.#retries >= this.#request.maxRetries || askedMs > LONGEST_WAIT_MS) throw failure;
     // Spread out, so that clients refused together do not return together.
@@ -193,9 +194,9 @@ class Transfer {
   }
 }
 
-/** What an answer says of the whole file. */
+/** Facts about the whole file from an answer. */
 interface AnswerFacts {
-  /** What shows that the file is still the same; null without, and for packed files. */
+  /** Proof that the file is still the same; null without, and for packed files. */
   readonly validator: string | null;
   /** Undefined if it does not say, and for packed files. */
   readonly totalBytes: number | undefined;
@@ -224,7 +225,7 @@ function validatorOf(headers: Headers): string | null {
   return tag !== null && !tag.startsWith('W/') ? tag : headers.get('last-modified');
 }
 
-/** A date as HTTP has it: `Date.parse` takes other text for one, too, as `-99999` for the year 99999. */
+/** A date as HTTP has it: `Date.parse` takes other text, too, as `-99999` for the year 99999. */
 const HTTP_DATE = /^[A-Z][a-z]+, \d\d[ -][A-Z][a-z]{2}[ -]\d{2,4} [\d:]{8} GMT$/;
 
 /** Milliseconds that a server wants to be left alone; 0 if it does not say. */

@@ -5,9 +5,9 @@ import type { ByteReader } from './byte-reader.ts';
 const FIRST_BYTES = 1 << 20;
 
 /**
- * Reads up to `maxBytes` of what has not been read, into memory that grows with what arrives.
+ * Reads up to `maxBytes` of the unread bytes, into memory that grows as they arrive.
  *
- * Rejects with SplatFileError 'too-large' if there is no memory for it, which is one piece; and as the reader does.
+ * Rejects with SplatFileError 'too-large' for lack of memory in one piece; and as the reader.
  *
  * @param expectedBytes how much it will be, as far as that is sure: memory for it is taken at once.
  * @param onArrived told how much is there, again and again.

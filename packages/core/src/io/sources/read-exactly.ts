@@ -3,9 +3,9 @@ import type { SplatInput } from '../formats/splat-format.ts';
 import { readAll } from './read-all.ts';
 
 /**
- * Reads the next `byteCount` bytes into memory, which grows with what arrives.
+ * Reads the next `byteCount` bytes into memory, which grows as they arrive.
  *
- * Rejects with SplatFileError 'truncated' if there are fewer, before it reads any where that is known.
+ * Rejects with SplatFileError 'truncated' if there are fewer, before it reads any if that is known.
  *
  * @param what the bytes, for messages: `the header`, `31000 splats`.
  */

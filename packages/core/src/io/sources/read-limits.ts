@@ -2,7 +2,7 @@ import { SplatFileError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import type { OpenedSource, ReadLimits } from './splat-source.ts';
 
-/** Splats of degree 3 as they are trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */
+/** Splats of degree 3 as trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */
 const DEFAULT_MAX_SPLATS = 2 ** 25;
 const DEFAULT_MAX_BYTES = 2 ** 33;
 /** Zeros pack a thousandfold; floats of a scene never do by nearly as much. */

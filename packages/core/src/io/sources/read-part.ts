@@ -9,7 +9,7 @@ import type { OpenedSource } from './splat-source.ts';
 
 type PartOptions = Pick<SplatFormatOptions, 'signal' | 'maxBytes'>;
 
-/** Told of a file's size, if that is known; what it returns is told how many bytes are there. */
+/** Told of a file's size, if known; returns a function that is told how many bytes are there. */
 type BeginPart = (totalBytes: number | undefined) => (loadedBytes: number) => void;
 
 /**
@@ -32,8 +32,8 @@ export async function readPart(
 /**
  * Opens another file of the scene of `input`.
  *
- * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such part; as `openSource`; and with the
- * signal's reason.
+ * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such
+ * part; as `openSource`; and with the signal's reason.
  *
  * @param path from the folder of `input`.
  */
@@ -45,7 +45,7 @@ export async function openPart(
   return input.openPart ? input.openPart(path) : openFetched(input, path, signal);
 }
 
-/** Reads what `openPart` has opened. @param begin see `readPart`. */
+/** Reads a source from `openPart`. @param begin see `readPart`. */
 export async function readOpenedPart(
   opened: OpenedSource,
   { signal, maxBytes }: PartOptions,

@@ -15,9 +15,10 @@ export function sourceName(source: SplatSource): string {
 }
 
 /**
- * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an address, without folders and queries.
+ * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an
+ * address, without folders and queries.
  *
- * @param name what the caller calls the source; taken where the source has no name.
+ * @param name the caller's name for the source; taken where the source has no name.
  */
 export function fileNameOf(source: SplatSource, name: string | undefined): string {
   if (typeof source === 'string' || source instanceof URL) {
@@ -25,7 +26,7 @@ export function fileNameOf(source: SplatSource, name: string | undefined): strin
     if (!/^(?:blob|data):/i.test(address)) return address.replace(/[?#].*$/s, '').replace(/^.*\//s, '');
   }
   const own = (source as Partial<File> | null)?.name ?? name;
-  // What is no text is refused later.
+  // Other values than text are refused later.
   return typeof own === 'string' ? own.replace(/^.*\//s, '') : '';
 }
 
@@ -35,7 +36,7 @@ export function shortName(text: string): string {
   return shown.length <= MAX_NAME_LENGTH ? shown : `${shown.slice(0, MAX_NAME_LENGTH)}…`;
 }
 
-/** What relative addresses are resolved against; undefined outside a page. */
+/** The address that relative ones are resolved against; undefined outside a page. */
 export function baseUrl(): string | undefined {
   return typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
 }
@@ -55,8 +56,8 @@ export function isFiles(source: unknown): source is SceneFiles {
 }
 
 /**
- * The bytes of a buffer, or of the part that a view shows, without a copy. Throws `InvalidArgumentError` for anything
- * else.
+ * The bytes of a buffer, or of the part that a view shows, without a copy. Throws
+ * `InvalidArgumentError` for anything else.
  */
 export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
   // By its tag, since a buffer may come from another realm (an iframe, a test runner).

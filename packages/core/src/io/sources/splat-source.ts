@@ -4,11 +4,11 @@ import type { ShPrecision } from '../../data/packing/precision.ts';
 /** The files of one scene that has several, such as `meta.json` and its images. */
 export interface SceneFiles {
   readonly files: readonly Blob[];
-  /** Path of each, from any folder that holds them all; default their `webkitRelativePath`, or their names. */
+  /** Path of each, from a folder that holds all; default `webkitRelativePath`, or the name. */
   readonly paths?: readonly string[];
 }
 
-/** What the same splats can be read from again, any number of times. */
+/** Source from which the same splats can be read again, any number of times. */
 export type LastingSource = string | Blob | SceneFiles;
 
 /** Anything that splats can be read from. */
@@ -26,20 +26,21 @@ export interface LoadProgress {
   readonly phase: 'read' | 'arrange' | 'upload';
   /** Bytes read so far, of all files of a scene that has several. */
   readonly loadedBytes: number;
-  /** Size of the source in bytes, all files of a scene together; undefined as long as it is not known. */
+  /** Size of the source in bytes, all files of a scene together; undefined while it is unknown. */
   readonly totalBytes: number | undefined;
   /** Splats decoded so far. */
   readonly splats: number;
-  /** Bytes that were read per second, on average since reading began; 0 as long as that cannot be told. */
+  /** Bytes read per second, on average since reading began; 0 as long as that cannot be told. */
   readonly bytesPerSecond: number;
 }
 
 /** Most that is read of a source. */
 export interface ReadLimits {
   /**
-   * Most bytes that a source may have, unpacked where a server packs them; Infinity for no limit, which is the default for
-   * Files, Blobs and buffers. For addresses and streams the default is 8 GiB, and where a server says how much it sends no
-   * more than 64 times that (but at least 64 MiB), so that a few packed bytes cannot fill the memory.
+   * Most bytes that a source may have, unpacked where a server packs them; Infinity for no limit,
+   * the default for Files, Blobs and buffers. For addresses and streams the default is 8 GiB, and
+   * if a server says how much it sends no more than 64 times that (but at least 64 MiB), so that a
+   * few packed bytes cannot fill the memory.
    */
   readonly maxBytes?: number;
   /** Most splats that a source may have; Infinity for no limit. Default 33,554,432. */
@@ -48,29 +49,30 @@ export interface ReadLimits {
 
 /** How an address is fetched. */
 export interface RequestOptions {
-  /** Headers of every request. Redirects are refused then, since another origin could be sent them. */
+  /** Headers of every request. Redirects are then refused: other origins could receive these. */
   readonly headers?: Readonly<Record<string, string>>;
   /** Default `same-origin`: other origins receive no cookies. */
   readonly credentials?: RequestCredentials;
   /**
-   * A server that sends less than 16 KiB in this time counts as gone, ms; Infinity to wait for ever. Default 30,000. Time in
-   * which nothing is read does not count.
+   * A server that sends less than 16 KiB in this time counts as gone, ms; Infinity to wait for
+   * ever. Default 30,000. Time in which nothing is read does not count.
    */
   readonly idleTimeoutMs?: number;
   /**
-   * How often an overloaded server is asked again and a transfer that broke off is resumed, in all; default 4. The wait
-   * before doubles from half a second on, or is as long as the server says, up to 30 s.
+   * How often an overloaded server is asked again and a transfer that broke off is resumed, in all;
+   * default 4. The wait before doubles from half a second on, or is as long as the server says, up
+   * to 30 s.
    */
   readonly maxRetries?: number;
 }
 
-/** What holds for a source whenever it is read. */
+/** Options that hold for a source whenever it is read. */
 export interface SourceOptions extends ReadLimits {
   /** For addresses. */
   readonly request?: RequestOptions;
 }
 
-/** How a source is read: its name, an end, and what is told meanwhile. */
+/** How a source is read: its name, an end, and reports meanwhile. */
 export interface ReadOptions extends SourceOptions {
   /** Name for messages; by default the file's name or the URL. */
   readonly name?: string;
@@ -80,8 +82,8 @@ export interface ReadOptions extends SourceOptions {
 
 export interface ReadSplatsOptions extends ReadOptions {
   /**
-   * Precision in which to pack the spherical harmonics above degree 0; default `u8`. With `palette`, those that are a palette in
-   * the file stay one, and others are as `f32`.
+   * Precision in which to pack the spherical harmonics above degree 0; default `u8`. With
+   * `palette`, those that are a palette in the file stay one, and others are as `f32`.
    */
   readonly shPrecision?: ShPrecision;
 }
@@ -93,32 +95,33 @@ export interface OpenedSource {
   /** Size in bytes; undefined if it is not known. */
   readonly totalBytes: number | undefined;
   /**
-   * Whether the stream will really give `totalBytes`. False for responses from another origin: a page sees their
-   * Content-Length, which counts compressed bytes, but not their Content-Encoding. Then it is good for a progress bar
-   * only.
+   * Whether the stream will really give `totalBytes`. False for responses from another origin: a
+   * page sees their Content-Length, which counts compressed bytes, but not their Content-Encoding.
+   * Then it is good for a progress bar only.
    */
   readonly totalBytesCertain: boolean;
-  /** Whether `totalBytes` are there already, not only promised: memory for what is in them may be taken at once. */
+  /** Whether `totalBytes` are there, not only promised: memory may be taken for all at once. */
   readonly isHeld: boolean;
-  /** Bytes that a server says it sends, which may be packed; undefined if it says nothing, and for other sources. */
+  /** Bytes that a server says it sends, perhaps packed; undefined if it says nothing. */
   readonly sentBytes?: number;
   readonly stream: ReadableStream<Uint8Array>;
-  /** What the stream would give, where it is in memory: to be used instead of the stream, or not at all. */
+  /** The stream's bytes, if in memory: to be used instead of the stream, or not at all. */
   readonly unchecked?: UncheckedBytes;
   /** See `RequestOptions.idleTimeoutMs`; undefined where nothing can be late. */
   readonly idleTimeoutMs?: number;
   /** Undefined where a stream cannot be had again. */
   readonly resume?: ResumeSource;
-  /** Address that answered, and how it was asked; undefined for what is not fetched. */
+  /** Address that answered, and how it was asked; undefined for sources that are not fetched. */
   readonly fetched?: { readonly url: string; readonly request: RequestOptions };
   /**
-   * Opens another file of the same scene, by its path from the folder of this one; undefined where there is none, and for what is
-   * fetched. Rejects with SplatFileError 'missing-part', and as `openSource`.
+   * Opens another file of the same scene, by its path from the folder of this one; undefined where
+   * there is none, and for fetched sources. Rejects with SplatFileError 'missing-part', and as
+   * `openSource`.
    */
   readonly openPart?: (path: string) => Promise<OpenedSource>;
 }
 
-/** Bytes of which it is not known yet whether they are right. A caller that can wait for that works with them meanwhile. */
+/** Bytes not yet known to be right. A caller that can wait for that works with them meanwhile. */
 export interface UncheckedBytes {
   readonly bytes: Uint8Array<ArrayBuffer>;
   /**
@@ -132,7 +135,7 @@ export interface UncheckedBytes {
 /**
  * Opens the source again after a stream of it has failed, to go on at byte `offset`.
  *
- * Rejects with `failure`, with a SplatSourceError that says why the rest cannot be had, or with the signal's reason.
+ * Rejects with `failure`, with a SplatSourceError for the lost rest, or with the signal's reason.
  */
 export type ResumeSource = (offset: number, failure: SplatSourceError) => Promise<ResumedStream>;
 
