@@ -8,7 +8,7 @@ export interface RowSource {
   start: number;
 }
 
-/** Rows of a file that are decoded while the rest is on its way: first `arrive`, then as many can be decoded. */
+/** Rows that are decoded while the rest arrives: first `arrive`, then as many can be decoded. */
 export class ArrivingRows implements RowSource {
   bytes: Uint8Array = new Uint8Array(0);
   start = 0;
@@ -30,7 +30,7 @@ export class ArrivingRows implements RowSource {
   /** See `DecodedRows`. Rejects with SplatFileError 'truncated'. */
   readonly arrive = async (rowCount: number): Promise<void> => {
     const { name, reader } = this.#input;
-    // What it waited for before has been decoded.
+    // The rows that it waited for before are decoded.
     reader.advance(this.#givenBytes);
     this.#givenBytes = rowCount * this.#strideBytes;
     if (!(await reader.fill(this.#givenBytes))) {

@@ -106,7 +106,7 @@ describe.runIf(captures)('a real capture of 31,000 splats', () => {
     const columns = names.map(columnOf);
     expect(columns).not.toContain(-1);
 
-    // The writer puts splats in another order: each is found by its position, in cells that are larger than its steps.
+    // The writer sorts splats: each is found by its position, in cells larger than its steps.
     const length = names.length;
     const cellOf = (x: number, y: number, z: number) =>
       (Math.round(x) * 8192 + Math.round(y)) * 8192 + Math.round(z);
@@ -156,17 +156,17 @@ describe.runIf(captures)('a real capture of 31,000 splats', () => {
       }
     }
     expect(found.size).toBeGreaterThan(6190);
-    // Positions: the writer rounds down, to a step of (max − min) / 65535 of ln(|v| + 1), which stretches by up to e^0.74.
+    // Positions: rounded down to steps of (max − min) / 65535 of ln(|v| + 1), stretched by e^0.74.
     const step = (1.43 / 65535) * Math.exp(0.74);
     for (let slot = 0; slot < 3; slot++) expect(worst[slot]).toBeLessThan(step);
-    // Log scales and base colours: the nearest of 256 values; were they as far apart as can be, half a step of 10 / 255.
+    // Log scales, base colours: nearest of 256 values; half a step of 10 / 255 if they are even.
     for (let slot = 3; slot < 6; slot++) expect(means[slot]).toBeLessThan(0.02);
     for (let slot = 11; slot < 14; slot++) expect(means[slot]).toBeLessThan(0.02);
-    // Rotations: the writer rounds down, to a step of √2 / 255; the largest component follows from three such errors.
+    // Rotations: rounded down to steps of √2 / 255; the largest follows from three such errors.
     for (let slot = 6; slot < 10; slot++) expect(worst[slot]).toBeLessThan((3 * Math.SQRT2) / 255);
     // Opacities: rounded down to a step of 1 / 255.
     expect(worst[ROW_SLOT.opacity]).toBeLessThan(1.001 / 255);
-    // Harmonics: half as many colours as splats, found by clustering, for which there is no bound; a wrong order would be far off.
+    // Harmonics: clustered, half as many as splats, without a bound; a wrong order is far off.
     for (let slot = ROW_SLOT.harmonics; slot < length; slot++) expect(means[slot]).toBeLessThan(0.006);
   });
 
@@ -178,7 +178,7 @@ describe.runIf(captures)('a real capture of 31,000 splats', () => {
     let [scale, rotation, color, opacity] = [0, 0, 0, 0];
     for (let i = 0; i < 3 * 31_000; i++) {
       scale = Math.max(scale, Math.abs(set.logScales[i] - truth.logScales[i]));
-      // What no byte can hold is clamped.
+      // Values that no byte can hold are clamped.
       const trained = Math.max(0, Math.min(1, truth.colorDc[i] * SH_C0 + 0.5));
       color = Math.max(color, Math.abs(set.colorDc[i] * SH_C0 + 0.5 - trained));
     }
@@ -196,7 +196,7 @@ describe.runIf(captures)('a real capture of 31,000 splats', () => {
     // The writer of this file cuts fractions off: a byte stands for up to one step more.
     expect(color).toBeLessThan(1 / 255 + 1e-6);
     expect(opacity).toBeLessThan(1 / 255 + 1e-6);
-    // Four parts that are half a step off, and one step at 0, turn what is then made as long as 1 again.
+    // Four parts half a step off, and one step at 0, turn a rotation that is then normalized.
     expect(rotation).toBeLessThan(2 / 128);
   });
 
@@ -232,11 +232,11 @@ describe.runIf(captures)('a real capture of 31,000 splats', () => {
     expect(worst.opacity).toBeLessThanOrEqual(0.5 / 255 + 1e-7);
     // The colour of degree 0 times 0.15 is a multiple of 1/255.
     expect(worst.color).toBeLessThanOrEqual(0.5 / 255 / 0.15 + 1e-6);
-    // Three components of steps of sqrt(1/2)/511 are off by half a step; the fourth one, at least 1/2, follows from them, by up to
-    // twice as much as they are off together. The angle is twice the length of all that.
+    // Three components of steps of sqrt(1/2)/511 are off by half a step; the fourth one, at least
+    // 1/2, by up to twice as much as they are together. The angle is twice the length of all that.
     const off = (Math.sqrt(3) * Math.SQRT1_2) / 511 / 2;
     expect(worst.rotation).toBeLessThanOrEqual(2 * Math.hypot(off, 2 * off));
-    // Its writer keeps 5 bits of degree 1 and 4 of the others, of bytes for -1 to 1; the largest byte is 255 and not 256.
+    // Its writer keeps 5 bits of degree 1 and 4 of the others, of bytes for -1 to 1, 255 being 1.
     expect(worst.harmonic1).toBeLessThanOrEqual(4.5 / 128);
     expect(worst.harmonic).toBeLessThanOrEqual(8.5 / 128);
   });

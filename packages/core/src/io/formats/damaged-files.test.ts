@@ -26,7 +26,7 @@ interface Kind {
   /** Name of its format. */
   readonly format: string;
   readonly filesOf: (splats: number) => Files | Promise<Files>;
-  /** Makes one file of them; else that is what there is, or they are a folder. */
+  /** Makes one file of them; without it, there is a single file, or they are a folder. */
   readonly pack?: (files: Files) => Bytes;
   /** Name of the one file. */
   readonly name?: string;
@@ -156,7 +156,7 @@ const SIZES = [1, 30, 300];
 const WAYS = ['whole', 'streamed'] as const;
 type Way = (typeof WAYS)[number];
 
-/** Files as what is read. */
+/** Files as a source. */
 function sourceOf(
   { pack }: Pick<Kind, 'pack'>,
   files: Files,
@@ -175,7 +175,7 @@ const EVIL_NUMBERS = [
   ...['1e9', '9007199254740993'],
 ];
 
-/** Puts another number in the place of one that is written as text, if there is one near the start. */
+/** Replaces a number that is written as text, if there is one near the start, by another. */
 function damagedNumber(bytes: Bytes, choices: Choices): Bytes {
   const text = Buffer.from(bytes.buffer, bytes.byteOffset, Math.min(bytes.length, 4000)).toString('latin1');
   const numbers = [...text.matchAll(/(?<![\w.])-?\d+(?:\.\d+)?/g)];

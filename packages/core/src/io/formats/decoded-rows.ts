@@ -18,28 +18,28 @@ const ROWS_AT_ONCE = 4096;
 
 /** Harmonics that the splats of a file share, for sinks that take them so. */
 export interface DecodedPalette extends RowPalette {
-  /** The coefficients of all entries, as rows have them. Can be called once `arrive` has resolved. */
+  /** The coefficients of all entries, as in rows. Can be called once `arrive` has resolved. */
   values(): Float32Array;
-  /** As that of `DecodedRows`, in whose stead it is called, but with the index of an entry for all harmonics. */
+  /** Replaces that of `DecodedRows`, but writes the index of an entry for all harmonics. */
   decode(rows: Float32Array, rowCount: number): void;
 }
 
 /** Splats of a file whose bytes are there, or sure to come, to be decoded one after another. */
 export interface DecodedRows {
-  /** Number of rows. Memory for all of them is taken at once: there must be bytes for each, or a size that is certain. */
+  /** Number of rows. Memory is taken for all: their bytes must be there, or their size certain. */
   readonly count: number;
   readonly shDegree: ShDegree;
-  /** Whether the file says that its splats were trained with an antialias filter; undefined if it does not say. */
+  /** Whether the file says that training had an antialias filter; undefined if it does not say. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
-  /** Waits for the bytes of the next `rowCount` rows, where they may still be on their way. Rejects as `ReadFormat`. */
+  /** Waits for the next `rowCount` rows, if they may still arrive. Rejects as `ReadFormat`. */
   arrive?(rowCount: number): Promise<void>;
   /**
-   * Writes the next `rowCount` rows into `rows`, which has room for them: each has `rowLength(shDegree)` values by `ROW_SLOT`, as
-   * they were trained (log scales, logits, w x y z).
+   * Writes the next `rowCount` rows into `rows`, which has room for them: each has
+   * `rowLength(shDegree)` values by `ROW_SLOT`, as they were trained (log scales, logits, w x y z).
    */
   decode(rows: Float32Array, rowCount: number): void;
-  /** Where rows share their harmonics. Undefined where they do not, or are many more than is worth it. */
+  /** Present where rows share their harmonics, unless these are too many to be worth it. */
   readonly palette?: DecodedPalette;
 }
 

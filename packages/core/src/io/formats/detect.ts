@@ -33,12 +33,12 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
 ];
 
 /**
- * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all if there are fewer), and by its name only where nothing in
- * the bytes tells it.
+ * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all if there are fewer), and
+ * by its name only if the bytes do not tell it.
  *
  * @param file its name in messages.
  * @param fileName its own name.
- * @throws SplatFileError 'unknown-format', which says what the bytes look like.
+ * @throws SplatFileError 'unknown-format', which describes the bytes.
  */
 export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
   const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));

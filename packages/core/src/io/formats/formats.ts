@@ -11,8 +11,9 @@ import { spzFormat } from './spz/spz-format.ts';
 import { zipFormat } from './zip/zip-format.ts';
 
 /**
- * Every format that can be read, in the order in which files are tried and people are told of them: common ones first, archives
- * last. To add one, write its folder, and list it here; if it has several files, list its code in `readers.ts`.
+ * Every format that can be read, in the order in which files are tried and people are told of them:
+ * common ones first, archives last. To add one, write its folder, and list it here; if it has
+ * several files, list its code in `readers.ts`.
  */
 export const SPLAT_FORMATS: readonly SplatFormat[] = [
   compressedPlyFormat,
@@ -21,14 +22,14 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   spzFormat,
   sogFormat,
   gltfFormat,
-  // By its name only: it leaves to those below what they know by its first bytes.
+  // By its name only: it leaves files that others know by their first bytes to those below.
   splatFormat,
   ksplatFormat,
   zipFormat,
   gzipFormat,
 ];
 
-/** What people call the formats, each once. */
+/** Names of the formats for people, each once. */
 export const FORMAT_TITLES: readonly string[] = [...new Set(SPLAT_FORMATS.map(({ title }) => title))];
 
 /** Whether a file with this name, without folders, leads to the others of its scene. */

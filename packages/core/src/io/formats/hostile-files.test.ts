@@ -43,7 +43,7 @@ const EVIL_WORDS = [
 ];
 const EVIL_VALUES = ['nan', '-inf', '1e999', '.', '-', '1e', '--1', '1.#QNAN', '9'.repeat(3000), 'x', ''];
 
-/** What a reader makes of some bytes. */
+/** A reader's outcome for some bytes. */
 type Outcome = SplatSet<ReadHarmonics> | WebSplatterError;
 
 function fixtureOf(choices: Choices): Fixture {
@@ -177,7 +177,7 @@ async function outcomeOf(reading: Promise<SplatSet<ReadHarmonics>>): Promise<Out
   }
 }
 
-/** Throws unless the outcome can be used: finite splats that can be packed, or an error that can be read. */
+/** Throws unless the outcome is usable: finite splats that can be packed, or a readable error. */
 function checkOutcome(outcome: Outcome, { maxSplats = Number.POSITIVE_INFINITY }: ReadLimits): void {
   if (outcome instanceof WebSplatterError) {
     if (outcome.message.length > 1200 || /[\p{Cc}\p{Bidi_C}]/u.test(outcome.message))
@@ -198,11 +198,11 @@ function checkOutcome(outcome: Outcome, { maxSplats = Number.POSITIVE_INFINITY }
   expect(geometry.words.length).toBe(8 * count);
 }
 
-/** A size that is known refuses a file before its end has come, even for what would not have been read. */
+/** A known size refuses a file before its end, even for bytes that would not have been read. */
 function expectSame(a: Outcome, b: Outcome): void {
   const codes = [a, b].map((outcome) => (outcome instanceof WebSplatterError ? outcome.code : 'splats'));
   if (codes.includes('truncated') || codes.includes('too-large')) return;
-  // What is wrong with packed bytes shows at once, or only after the first of them: that depends on how they come.
+  // Faults of packed bytes show at once, or after the first of them, depending on their arrival.
   if (!codes.includes('damaged')) expect(codes[0]).toBe(codes[1]);
   if (codes[0] === 'splats') expect(a).toEqual(b);
 }

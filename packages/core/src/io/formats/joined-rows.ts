@@ -2,8 +2,8 @@ import { agreedAntialiasing, type ShDegree } from '../../data/splats/splat-set.t
 import { type DecodedRows, rowLength } from './decoded-rows.ts';
 
 /**
- * Rows of several parts, one part after another; those of lower degrees get zeros as their further harmonics. Of an antialias filter
- * is known what all parts agree on.
+ * Rows of several parts, one part after another; those of lower degrees get zeros as their further
+ * harmonics. The antialias filter is known if all parts agree on it.
  */
 export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   const shDegree = parts.reduce<ShDegree>(

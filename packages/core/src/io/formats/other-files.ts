@@ -1,4 +1,4 @@
-/** How files begin that are no scenes, whatever their name says. A number at the start of rows has the same bytes one time in 2²⁸. */
+/** First bytes of files that are no scenes. A number at the start of rows has them once in 2²⁸. */
 export const OTHER_FILES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
   {
     pattern: /^(?:\x89PNG|\xff\xd8\xff[\xc0-\xfe]|RIFF....WEBP|GIF8|II\*\0|MM\0\*)/s,

@@ -33,12 +33,12 @@ function rowOf({ harmonics, ...set }: Splats, i: number): Float64Array {
   return row;
 }
 
-/** Errors of each property's values; those of the position, log scale and colour by axis or channel. */
+/** Errors of each property's values; of position, log scale and colour by axis or channel. */
 type Errors = Record<keyof typeof ROW_SLOT, Float64Array>;
 
 /**
- * Compares each splat with the nearest of `truth`, since writers sort splats; harmonics that `found` lacks are not compared.
- * Also returns the largest angle between rotations, in radians.
+ * Compares each splat with the nearest of `truth`, since writers sort splats; harmonics that
+ * `found` lacks are not compared. Also returns the largest angle between rotations, in radians.
  */
 function errorsOf(found: Splats, truth: Splats): { worst: Errors; mean: Errors; angle: number } {
   const trueRows = Array.from({ length: truth.count }, (_, i) => rowOf(truth, i));
@@ -133,14 +133,14 @@ describe.each([2, 3] as const)(
       expect(set).toMatchObject({ harmonics: { degree }, fileFacts: { format: 'sog', variant: '2' } });
       expect(set.isAntialiased).toBeUndefined();
       const { worst, mean } = errorsOf(set, truth);
-      // The writer rounds down, to a step of (max − min) / 65535 of ln(|v| + 1), which stretches by up to the largest |v| + 1.
+      // Rounded down to steps of (max − min) / 65535 of ln(|v| + 1), stretched by |v| + 1.
       const logs = truth.positions.map((value) => Math.sign(value) * Math.log1p(Math.abs(value)));
       const stretch = 1 + Math.max(...truth.positions.map(Math.abs));
       expectWithin(
         worst.position,
         extents(logs).map((extent) => (extent / 65535) * stretch),
       );
-      // The nearest of 256 values; were they as far apart as can be, half a step of the extent / 255.
+      // The nearest of 256 values; if these are even, half a step of the extent / 255.
       const halfSteps = (column: Float32Array) => extents(column).map((extent) => extent / 255 / 2);
       expectWithin(mean.logScale, halfSteps(truth.logScales));
       expectWithin(mean.colorDc, halfSteps(truth.colorDc));
@@ -163,11 +163,12 @@ describe.each([2, 3] as const)(
       expectWithin(worst.opacity, 0.5 / 255 + 1e-7);
       // The colour of degree 0 times 0.15 is a multiple of 1/255.
       expectWithin(worst.colorDc, 0.5 / 255 / 0.15 + 1e-6);
-      // Three components of steps of sqrt(1/2)/511 are off by half a step; the fourth one, at least 1/2, follows from them, by up to
-      // twice as much as they are off together. The angle is twice the length of all that.
+      // Three components of steps of sqrt(1/2)/511 are off by half a step; the fourth one, at least
+      // 1/2, by up to twice as much as they are together. The angle is twice the length of all
+      // that.
       const off = (Math.sqrt(3) * Math.SQRT1_2) / 511 / 2;
       expect(angle).toBeLessThanOrEqual(2 * Math.hypot(off, 2 * off));
-      // Its writer keeps 5 bits of degree 1 and 4 of the others, of bytes for -1 to 1; the largest byte is 255 and not 256.
+      // Its writer keeps 5 bits of degree 1 and 4 of the others, of bytes for -1 to 1, 255 being 1.
       expectWithin(worst.harmonics.subarray(0, 9), 4.5 / 128);
       expectWithin(worst.harmonics.subarray(9), 8.5 / 128);
     });
@@ -192,7 +193,7 @@ test('a .splat that gsplat.js wrote from a PLY of ours holds the same splats in 
   // Half a step of a byte.
   expectWithin(worst.colorDc, (0.5 / 255 + 1e-6) / SH_C0);
   expectWithin(worst.opacity, 0.5 / 255 + 1e-6);
-  // Four parts that are half a step off, and one step at 0, turn what is then made as long as 1 again.
+  // Four parts half a step off, and one step at 0, turn a rotation that is then normalized.
   expectWithin(worst.rotation, 2 / 128);
 });
 
@@ -204,7 +205,7 @@ test('a .ksplat that GaussianSplats3D wrote from a PLY of ours holds the same sp
   const { worst } = errorsOf(set, truth);
   // Half a step of 16 bits in blocks 5 across.
   expectWithin(worst.position, 5 / 2 / 32767 / 2 + 1e-6);
-  // Its writer cuts off what halves and bytes cannot hold, which is up to one step of them.
+  // Its writer cuts off the fractions that halves and bytes cannot hold: up to one step of them.
   expectWithin(worst.logScale, 2 ** -10);
   expectWithin(worst.colorDc, (1 / 255 + 1e-6) / SH_C0);
   expectWithin(worst.opacity, 1 / 255 + 1e-6);

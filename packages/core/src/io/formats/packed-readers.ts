@@ -12,18 +12,18 @@ const READERS: Readonly<Record<string, ReadFormat | undefined>> = import.meta.gl
   { eager: true, import: 'read' },
 );
 
-/** Formats of a single file, which people pack by gzip and zip, in the order in which they are tried. */
+/** Formats of a single file, which people pack by gzip and zip, in the order of trial. */
 export const PACKED_READERS: readonly FormatReader[] = SPLAT_FORMATS.flatMap((format) => {
   const read = READERS[`./${format.name}/read-${format.name}.ts`];
   return read ? { format, read } : [];
 });
 
-/** What people call them, each once. */
+/** Their names for people, each once. */
 export const PACKED_TITLES: readonly string[] = [
   ...new Set(PACKED_READERS.map(({ format }) => format.title)),
 ];
 
-/** The code that reads what was packed; undefined if it is of none of these formats. See `SplatFormat.recognise`. */
+/** The code that reads an unpacked file; undefined for others. See `SplatFormat.recognise`. */
 export function packedReaderOf(firstBytes: Uint8Array, fileName: string): ReadFormat | undefined {
   return PACKED_READERS.find(({ format }) => format.recognise(firstBytes, fileName))?.read;
 }

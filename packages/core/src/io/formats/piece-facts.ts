@@ -4,7 +4,7 @@ import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import type { DropCounts, DropReason, FileFacts, ShDegree, SplatSet } from '../../data/splats/splat-set.ts';
 
-/** What is known of the splats of a file, of which some pieces have come. */
+/** Facts about the splats of a file, of which some pieces have come. */
 export class PieceFacts {
   count = 0;
   shDegree: ShDegree = 0;

@@ -11,7 +11,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-/** A file of 100 bytes that has been read, of a size that the server does not tell as it packs it. */
+/** A file of 100 bytes that has been read, whose size the server does not tell as it packs it. */
 async function readInput(about: Partial<SplatInput> = {}): Promise<SplatInput> {
   const name = 'meta.json';
   const reader = new ByteReader({ name, stream: new Blob([new Uint8Array(100)]).stream() });

@@ -12,8 +12,9 @@ interface Part {
 }
 
 /**
- * Passes on a reader's progress, no more often than a person can see. Of a scene with several files, the first of which has been read,
- * the size is told from when it is known of all of them: a size that grew would make the part that is done shrink.
+ * Passes on a reader's progress, no more often than a person can see. Of a scene with several
+ * files, the first of which has been read, the size is told from when it is known of all of them: a
+ * size that grew would make the part that is done shrink.
  */
 export class ReadProgress {
   readonly #input: SplatInput;
@@ -40,7 +41,7 @@ export class ReadProgress {
    * @returns to be told how many bytes of it are there.
    */
   beginPart(totalBytes: number | undefined): (loadedBytes: number) => void {
-    // What is packed has them in it.
+    // The packed file counts them.
     if (this.#input.packed) return () => {};
     const part: Part = { totalBytes, loadedBytes: 0 };
     this.#parts.push(part);
@@ -56,7 +57,7 @@ export class ReadProgress {
 
   /** As `report`, but always. */
   finish(splats: number): void {
-    // What is packed is counted as it arrives.
+    // Packed files count as they arrive.
     const { reader } = this.#input.packed ?? this.#input;
     const loadedBytes = this.#parts.reduce((sum, part) => sum + part.loadedBytes, reader.byteOffset);
     const totalBytes = this.#totalBytes();

@@ -1,16 +1,17 @@
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 
-/** Takes the rows of a file as they are, piece by piece; before them, the values of their palette, where the layout has one. */
+/** Takes a file's rows as they are, in pieces; before them the values of their palette, if any. */
 export interface RowSink {
   /** Whether its memory may move to another buffer while it is filled. */
   readonly mayDetach: boolean;
   /** Called first. */
   begin(layout: RowLayout): Promise<void>;
-  /** Memory for the next piece, as soon as some is free; it has room for `pieceRows` rows, or for all. */
+  /** Memory for the next piece, once some is free: room for `pieceRows` rows, or for all. */
   memory(): Promise<Uint8Array<ArrayBuffer>>;
   /**
-   * Takes this many rows, at the beginning of that memory, which is no longer the caller's then. All pieces but the last are
-   * full. Of a palette, takes this many values, in pieces of their own, of which all but the last are full as well.
+   * Takes this many rows, at the beginning of that memory, which is no longer the caller's then.
+   * All pieces but the last are full. Of a palette, takes this many values, in pieces of their own,
+   * of which all but the last are full as well.
    *
    * @param rows in the same buffer as the memory, or in the one that it has moved to.
    */
@@ -31,7 +32,7 @@ export function takesCount({ minRows, maxRows }: RowFiles, count: number): boole
   return count >= minRows && count <= maxRows;
 }
 
-/** What a load results in whose rows have gone to a sink. */
+/** Result of a load whose rows have gone to a sink. */
 export type Passed = 'passed';
 
 export interface RowsTo {

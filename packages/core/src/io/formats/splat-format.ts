@@ -9,7 +9,7 @@ import type { Passed, RowsTo } from './row-sink.ts';
 export interface SplatFormat {
   /** Short lower-case name, also that of the format's folder. */
   readonly name: string;
-  /** What people call it; kinds of a format share it. */
+  /** Its name for people; kinds of a format share it. */
   readonly title: string;
   /** Ends of file names, in lower case, e.g. `.ply`; the usual one first. */
   readonly extensions: readonly string[];
@@ -25,17 +25,18 @@ export interface SplatFormat {
 }
 
 /**
- * Takes some splats of a file, in its order, with the rows that were dropped since the piece before. The `bandReach` of its harmonics is
- * that of all splats so far. Its memory is used again once this has resolved.
+ * Takes some splats of a file, in its order, with the rows that were dropped since the piece
+ * before. The `bandReach` of its harmonics is that of all splats so far. Its memory is used again
+ * once this has resolved.
  */
 export type OnPiece = (piece: SplatSet<ReadHarmonics>) => Promise<void>;
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
   /** Precision in which to pack the spherical harmonics above degree 0. */
   readonly shPrecision: OwnShPrecision;
-  /** Whether harmonics that are a palette in the file stay one, and no rows are handed over; default false. */
+  /** Whether harmonics that are a palette stay one, and no rows are handed over; default false. */
   readonly keepsPalette?: boolean;
-  /** Where it is given, formats that have one splat after another call it while they read, and return the last piece. */
+  /** If given, formats with successive splats call it while reading and return the last piece. */
   readonly onPiece?: OnPiece;
   /** Files with more splats are refused. */
   readonly maxSplats: number;
@@ -69,7 +70,8 @@ export interface FormatReaders {
 }
 
 /**
- * Reads all splats of an input. Where `rowsTo` is given and takes such files, their rows go there instead: they have `passed`.
+ * Reads all splats of an input. Where `rowsTo` is given and takes such files, their rows go there
+ * instead: they have `passed`.
  *
  * Rejects with a `WebSplatterError` or the signal's reason.
  */

@@ -48,8 +48,9 @@ export interface SplatSetBuilderOptions {
 }
 
 /**
- * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are not finite in
- * float32 are dropped and counted. Where pieces are wanted, `handOn` between rows keeps memory bounded.
+ * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are
+ * not finite in float32 are dropped and counted. `handOn` between rows keeps memory bounded for
+ * pieces.
  */
 export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
@@ -116,11 +117,11 @@ export class SplatSetBuilder {
       shWords,
       index * this.#wordsPerSplat,
     );
-    // Measured before rounding: it decides which bands are stored, which must not depend on the precision.
+    // Measured before rounding: it decides which bands are stored, whatever the precision.
     this.#reach.include(this.#shRow, 0);
   }
 
-  /** Hands the splats so far on, if they are many and that is wanted. Their memory is used again. */
+  /** Hands the splats so far on, if they are many and wanted in pieces. Their memory is reused. */
   async handOn(): Promise<void> {
     const { onPiece } = this.#options;
     if (!onPiece || this.#count < PIECE_SPLATS) return;
@@ -141,7 +142,7 @@ export class SplatSetBuilder {
     this.#dropped = {};
   }
 
-  /** The finished set, or what is left of it for the last piece; throws `SplatFileError` 'empty' if no row was kept. */
+  /** The finished set, or its last piece; throws `SplatFileError` 'empty' if no row was kept. */
   finish(): SplatSet<PackedHarmonics> {
     if (this.count === 0) throw emptyError(this.#options.file, this.#dropped);
     this.#setCapacity(this.#count);

@@ -4,7 +4,7 @@ import { checkKind } from '../../data/given.ts';
 export interface WritableFormat {
   /** As in `SplatFormat`. */
   readonly name: string;
-  /** What people call it. */
+  /** Its name for people. */
   readonly title: string;
   /** Usual end of a file's name, e.g. `.ply`. */
   readonly extension: string;

@@ -4,7 +4,7 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { Turns } from '../../data/turns.ts';
 import type { PieceFacts } from './piece-facts.ts';
 
-/** How a scene is written: an end, and what is told meanwhile. */
+/** How a scene is written: an end, and reports meanwhile. */
 export interface WriteOptions {
   /** Ends the writing, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
@@ -15,7 +15,7 @@ export interface WriteOptions {
 /**
  * Writes all splats of a set as a file.
  *
- * Rejects with `InvalidArgumentError` 'set' if the format cannot hold them, or with the signal's reason.
+ * Rejects with `InvalidArgumentError` 'set' if the format cannot hold them, or the signal's reason.
  */
 export type WriteFormat = (
   set: SplatSet<Harmonics>,
@@ -25,14 +25,14 @@ export type WriteFormat = (
 /** Splats that come in pieces, and can be read again and again. */
 export interface SplatPieces {
   readonly facts: PieceFacts;
-  /** Reads all of them from the first on. The memory of each is used again once `onPiece` has resolved. */
+  /** Reads all from the first on. Their memory is used again once `onPiece` has resolved. */
   read(onPiece: (piece: SplatSet<Harmonics>) => Promise<void>): Promise<void>;
 }
 
 /** Takes the next bytes of a file, which are not changed any more. */
 export type PutBytes = (bytes: Uint8Array<ArrayBuffer>) => Promise<void>;
 
-/** Writes splats as a file that need not be in memory, nor they. Rejects as `WriteFormat`, `read` and `put`. */
+/** Writes splats as a file, neither of them in memory. Rejects as `WriteFormat`, `read`, `put`. */
 export type WritePieces = (pieces: SplatPieces, options: WriteOptions, put: PutBytes) => Promise<void>;
 
 /** Reads all pieces, and tells the progress. `work` is given the number of splats before each. */
@@ -59,9 +59,9 @@ export function partOfProgress({ signal, onProgress }: WriteOptions, from: numbe
 const ROWS_AT_ONCE = 1024;
 
 /**
- * Lets `work` write rows `from` up to but not including `to`, until all `count` are written; gives the event loop turns.
+ * Lets `work` write rows `from` to before `to`, until all `count` are; gives the event loop turns.
  *
- * @param until what `onProgress` is told at the end; less than 1 where other work follows.
+ * @param until fraction for `onProgress` at the end; less than 1 where other work follows.
  *
  * Rejects with the signal's reason once it aborts.
  */

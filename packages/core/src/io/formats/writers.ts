@@ -16,11 +16,11 @@ const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}
 });
 
 /**
- * Writes splats as a file in the format of this name, one of `WRITABLE_FORMATS`, whose code is fetched first. Works in the calling
- * thread and gives its event loop turns.
+ * Writes splats as a file in the format of this name, one of `WRITABLE_FORMATS`, whose code is
+ * fetched first. Works in the calling thread and gives its event loop turns.
  *
- * Rejects with `InvalidArgumentError` if there is no such format ('formatName'), or if it cannot hold these splats ('set'); or with the
- * signal's reason.
+ * Rejects with `InvalidArgumentError` if there is no such format ('formatName'), or if it cannot
+ * hold these splats ('set'); or with the signal's reason.
  */
 export async function writeSplats(
   set: SplatSet<Harmonics>,
@@ -44,12 +44,12 @@ export function canWritePieces(formatName: string): boolean {
 }
 
 /**
- * Writes splats that come in pieces as a file, of which `put` takes the bytes from the first to the last: neither all splats nor all of
- * the file are in memory. The bytes are those of `writeSplats`, but for rounding of positions in float64. Some formats read all pieces
- * several times.
+ * Writes splats that come in pieces as a file, of which `put` takes the bytes from the first to the
+ * last: neither all splats nor all of the file are in memory. The bytes are those of `writeSplats`,
+ * but for rounding of positions in float64. Some formats read all pieces several times.
  *
- * Rejects with `InvalidArgumentError` if the format cannot be written so ('formatName'), or cannot hold these splats ('set'); with the
- * signal's reason; as `pieces.read` and `put` do.
+ * Rejects with `InvalidArgumentError` if the format cannot be written so ('formatName'), or cannot
+ * hold these splats ('set'); with the signal's reason; as `pieces.read` and `put` do.
  */
 export async function writeSplatPieces(
   pieces: SplatPieces,

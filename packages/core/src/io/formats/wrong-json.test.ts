@@ -13,7 +13,7 @@ import type { SplatSource } from '../sources/splat-source.ts';
 /** A scene whose JSON may be written wrong. */
 interface Scene {
   readonly json: unknown;
-  /** What is read, with this text as its JSON. */
+  /** The source with this text as its JSON. */
   source(text: string): SplatSource;
 }
 
@@ -51,7 +51,7 @@ const PARTS = Array.from({ length: 5 }, (_, i) =>
   sogExample({ version: 2, count: 4 + i, shDegree: i === 0 ? 1 : 0, paletteSize: 3 }, new Choices(i)),
 );
 
-/** `lod-meta.json`: a tree of random shape, whose leaves share the splats of each file among them. */
+/** `lod-meta.json`: a tree of random shape, whose leaves share the splats of each file. */
 function streamedScene(choices: Choices): Scene {
   const parts = PARTS.slice(0, 1 + choices.below(PARTS.length));
   const lodLevels = 1 + choices.below(3);
@@ -142,7 +142,7 @@ const SCENES = { 'meta.json': sogScene, 'lod-meta.json': streamedScene, glTF: gl
 /** Of one processor, ms. */
 const MOST_TIME = 400;
 
-/** Reads a source; throws unless it gives splats that can be drawn, or a typed error that can be shown. */
+/** Reads a source; throws unless it gives drawable splats, or a typed error that can be shown. */
 async function outcomeOf(source: SplatSource): Promise<string> {
   try {
     checkDrawable(await readSplats(source));

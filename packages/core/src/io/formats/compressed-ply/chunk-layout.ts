@@ -1,7 +1,7 @@
 /** Splats that share their bounds. */
 export const CHUNK_ROWS = 256;
 
-/** What a chunk has bounds of, in the order that readers expect. */
+/** Values with bounds in each chunk, in the order that readers expect. */
 export const BOUNDED = {
   position: ['x', 'y', 'z'],
   logScale: ['scale_x', 'scale_y', 'scale_z'],

@@ -137,7 +137,7 @@ async function failure(bytes: Uint8Array): Promise<SplatFileError> {
   return error;
 }
 
-/** The largest difference between what a set holds and what the file was made of, for each attribute. */
+/** The largest difference between a set and the splats of its file, for each attribute. */
 function errorsOf(set: Awaited<ReturnType<typeof read>>, splats: readonly Splat[]): Record<string, number> {
   const errors = { position: 0, logScale: 0, rotation: 0, color: 0, opacity: 0, sh: 0 };
   const note = (key: keyof typeof errors, difference: number) => {
@@ -163,9 +163,10 @@ function errorsOf(set: Awaited<ReturnType<typeof read>>, splats: readonly Splat[
 }
 
 /**
- * Half a step of each attribute: 10 bits over bounds of at most 25 (positions) and 7 (scales); a byte over 1.7 and 1; for rotations, half
- * a step of √2 / 1023 each, of which the largest component, at least ½, takes up to the sum of three; for harmonics half of 8 / 256. Float32
- * adds less than 1e-6 here.
+ * Half a step of each attribute: 10 bits over bounds of at most 25 (positions) and 7 (scales); a
+ * byte over 1.7 and 1; for rotations, half a step of √2 / 1023 each, of which the largest
+ * component, at least ½, takes up to the sum of three; for harmonics half of 8 / 256. Float32 adds
+ * less than 1e-6.
  */
 const BOUND = {
   position: 25 / 1023 / 2,

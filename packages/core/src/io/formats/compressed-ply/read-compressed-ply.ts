@@ -26,8 +26,8 @@ const COLOR_BOUNDS = boundsNames(BOUNDED.color);
 const LOGITS = tableOfBytes(logitOf);
 
 /**
- * Writers cut −4 … 4 into 256 steps and keep the number of the step, of which the middle is nearest on average. What lies beyond is in
- * the outermost steps.
+ * Writers cut −4 … 4 into 256 steps and keep the number of the step, of which the middle is nearest
+ * on average. Values beyond are in the outermost steps.
  */
 const SH_VALUES = Float32Array.from({ length: 256 }, (_, byte) => {
   if (byte === 0) return -4;
@@ -57,15 +57,16 @@ interface Layout {
 }
 
 /**
- * Reads a compressed PLY of either byte order: an element `chunk` with bounds of 256 splats each; `vertex` with packed_position and
- * packed_scale (11, 10, 11 bits, from the chunk's least value to its greatest), packed_rotation (2 bits for which of w, x, y, z is
- * largest, 10 for each of the others, in that order) and packed_color (a byte each for r, g, b, opacity); and `sh`, if there is any,
- * with a byte for each f_rest.
+ * Reads a compressed PLY of either byte order: an element `chunk` with bounds of 256 splats each;
+ * `vertex` with packed_position and packed_scale (11, 10, 11 bits, from the chunk's least value to
+ * its greatest), packed_rotation (2 bits for which of w, x, y, z is largest, 10 for each of the
+ * others, in that order) and packed_color (a byte each for r, g, b, opacity); and `sh`, if there is
+ * any, with a byte for each f_rest.
  *
  * An opacity of 0 or 255 is a logit of ±Infinity.
  *
- * Rejects with `SplatFileError`: 'damaged' if the numbers of rows contradict each other; 'bad-header', 'bad-property', 'truncated',
- * 'too-large', 'empty'.
+ * Rejects with `SplatFileError`: 'damaged' if the numbers of rows contradict each other;
+ * 'bad-header', 'bad-property', 'truncated', 'too-large', 'empty'.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { reader, name: file } = input;
@@ -86,8 +87,8 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
 };
 
 /**
- * Harmonics that come last, three quarters of a file, are decoded while they arrive. Null where they do not, or may not be there:
- * memory for all splats is taken before they are.
+ * Harmonics that come last, three quarters of a file, are decoded while they arrive. Null where
+ * they do not, or may not be there: memory for all splats is taken before they are.
  */
 function arrivingHarmonics(
   { count, chunks, vertices, harmonics, totalBytes }: Layout,
@@ -99,7 +100,7 @@ function arrivingHarmonics(
   return new ArrivingRows(input, harmonics.strideBytes, () => `within the harmonics of its ${count} splats`);
 }
 
-/** Finds what is needed in the body; throws if it is not there. */
+/** Finds the needed parts of the body; throws if one is missing. */
 function layoutOf({ format, elements }: PlyHeader, file: string): Layout {
   const fail = (code: SplatFileErrorCode, message: string, element?: string): never => {
     throw new SplatFileError(code, file, `${message}.`, { element });
@@ -189,7 +190,7 @@ function rowDecoder(
   const [positionAt, rotationAt, scaleAt, colorAt] = vertices.offsets;
   const shOffsets = Int32Array.from(harmonics?.offsets ?? []);
   const shStride = harmonics?.strideBytes ?? 0;
-  /** What 0 stands for, and how much more the greatest number does; of x, y, z, three scales, r, g, b. */
+  /** Value of 0, and its distance from the greatest; of x, y, z, three scales, r, g, b. */
   const least = new Float64Array(9);
   const extent = new Float64Array(9).fill(1);
   const takeBounds = (chunk: number) => {

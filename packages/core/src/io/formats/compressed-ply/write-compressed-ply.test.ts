@@ -33,14 +33,14 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of its 
   for (let first = 0; first < set.count; first += 256) {
     const chunk = chunkOf(expected, first);
     const errors = splatErrors(chunkOf(found as SplatSet<never>, first), chunk);
-    // Half of the coarsest step each, and what float32 rounds.
+    // Half of the coarsest step each, and the rounding of float32.
     const rounding = (largest: number) => largest * 2 ** -23;
     expect(errors.position).toBeLessThanOrEqual(extentOf(chunk.positions) / 1023 / 2 + rounding(40));
     expect(errors.logScale).toBeLessThanOrEqual(extentOf(chunk.logScales) / 1023 / 2 + rounding(12));
     expect(errors.colorDc).toBeLessThanOrEqual(extentOf(chunk.colorDc) / 255 / 2 + rounding(4));
     expect(errors.opacity).toBeLessThanOrEqual(0.5 / 255 + 1e-7);
-    // Three components are off by half a step of √2/1023, the fourth by up to twice as much as they are together; the angle is twice
-    // the length of all that.
+    // Three components are off by half a step of √2/1023, the fourth by up to twice as much as they
+    // are together; the angle is twice the length of all that.
     const off = (Math.sqrt(3) * Math.SQRT2) / 1023 / 2;
     expect(errors.angle).toBeLessThanOrEqual(2 * Math.hypot(off, 2 * off));
     // Read as the middle of one of 256 steps from −4 to 4.

@@ -19,7 +19,7 @@ import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 const CHUNK_PROPERTIES = Object.values(BOUNDED).flatMap(boundsNames);
 /** Values of a splat that chunks have bounds of: x, y, z, three log scales, r, g, b. */
 const BOUNDED_VALUES = 9;
-/** As others write them: one splat that is larger or thinner than anything would take all precision from its chunk. */
+/** As others write them: one extremely large or thin splat would take its chunk's precision. */
 const MOST_LOG_SCALE = 20;
 const VERTEX_BYTES = 4 * PACKED.length;
 /** Part of the work that is done when the order of the splats is found. */
@@ -28,9 +28,10 @@ const ORDERED = 0.25;
 const ORDER_PROGRESS = { bounds: 0.1, unit: 0.2 } as const;
 
 /**
- * Writes a compressed PLY, in chunks of 256 splats in the order of `chunkOrder`. What is lost: positions
- * and log scales keep 10 or 11 bits between the least and the greatest value of their chunk, base colours 8, opacities 8 between 0
- * and 1, components of rotations 10, harmonics 8 between −4 and 4; bounds are float32, so that coordinates far from 0 are coarser.
+ * Writes a compressed PLY, in chunks of 256 splats in the order of `chunkOrder`. It rounds:
+ * positions and log scales keep 10 or 11 bits between the least and the greatest value of their
+ * chunk, base colours 8, opacities 8 between 0 and 1, components of rotations 10, harmonics 8
+ * between −4 and 4; bounds are float32, so that coordinates far from 0 are coarser.
  */
 export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;
@@ -60,8 +61,8 @@ export const write: WriteFormat = async (set, options) => {
 };
 
 /**
- * The splat of each row. In Morton order, chunks are small; and all the smaller if boxes of the scene's proportions are cut, and not cubes:
- * by a tenth to a seventh in the scenes that were tried.
+ * The splat of each row. Morton order makes chunks small, and a tenth to a seventh smaller, in the
+ * scenes that were tried, if it cuts boxes of the scene's proportions instead of cubes.
  *
  * Rejects with the signal's reason.
  */
@@ -167,7 +168,7 @@ class Chunk {
   }
 }
 
-/** Which of w, x, y, z is largest, and the others where that one is positive: 10 bits each, from −√½ to √½. */
+/** The largest of w, x, y, z, and the others where it is positive: 10 bits each, from −√½ to √½. */
 function smallestThree(rotation: Float64Array): number {
   const largest = largestComponent(rotation);
   const factor = (rotation[largest] < 0 ? -1 : 1) * Math.SQRT1_2;
@@ -177,7 +178,7 @@ function smallestThree(rotation: Float64Array): number {
   return packed;
 }
 
-/** The number of the step, of 256 between −4 and 4, that each coefficient is in: all of red, then green, then blue. */
+/** The step, of 256 between −4 and 4, of each coefficient: all of red, then green, then blue. */
 function putHarmonics(sh: Float32Array, bytes: Uint8Array, byteOffset: number): void {
   let at = byteOffset;
   for (let channel = 0; channel < 3; channel++) {

@@ -11,7 +11,7 @@ export interface Column {
   readonly size: number;
   /** From one row to the next, in numbers. */
   readonly stride: number;
-  /** What a number is multiplied by: below 1 for integers that stand for fractions. */
+  /** Factor of each number: below 1 for integers that stand for fractions. */
   readonly factor: number;
   /** Least result: the lowest signed integer stands for −1, as the one above it does. */
   readonly least: number;
@@ -19,7 +19,7 @@ export interface Column {
 
 type NumberKind = 'float' | 'unsigned' | 'unsigned normalized' | 'signed' | 'signed normalized';
 
-/** What an attribute may be. */
+/** Types and sizes that an attribute may have. */
 export interface AttributeRule {
   readonly semantic: string;
   readonly type: 'SCALAR' | 'VEC3' | 'VEC4';
@@ -34,7 +34,7 @@ interface Component {
     readonly BYTES_PER_ELEMENT: number;
   };
   readonly kind: 'float' | 'unsigned' | 'signed';
-  /** What stands for 1 where integers are normalized. */
+  /** Integer that stands for 1 when normalized. */
   readonly one: number;
 }
 

@@ -78,7 +78,7 @@ export class GltfBuffers {
    *
    * Rejects as `view` and `read` do.
    *
-   * @param user names what refers to it, and the file in messages.
+   * @param user names its user, and the file in messages.
    */
   async readView<Result>(
     index: unknown,
@@ -147,7 +147,7 @@ export class GltfBuffers {
     return this.#count(bytes);
   }
 
-  /** Files that buffers are in. Some may be of other geometry and never be read: then the size of all stays unknown. */
+  /** Files with buffers. Some of other geometry may never be read: the size stays unknown. */
   #fileCount(): number {
     const uris = this.#json.listOf(this.#json.root, 'buffers').map((buffer) => objectOf(buffer).uri);
     return new Set(uris.filter(isFile)).size;
@@ -158,7 +158,7 @@ export class GltfBuffers {
     return bytes;
   }
 
-  /** An address as a path: what is encoded in it but needs not be is decoded. */
+  /** An address as a path: all unnecessary encoding in it is decoded. */
   #pathOf(uri: string, element: string): string {
     try {
       if (uri.length <= LONGEST_PATH) return decodeURI(uri);
@@ -170,7 +170,7 @@ export class GltfBuffers {
   }
 }
 
-/** Writers may forget to pad the JSON of a .glb; typed arrays need what they look at to be aligned. */
+/** Writers may forget to pad the JSON of a .glb; typed arrays need aligned bytes. */
 function aligned(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   return bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
 }

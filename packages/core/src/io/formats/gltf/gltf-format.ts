@@ -1,7 +1,7 @@
 import { latin1 } from '../latin1.ts';
 import type { SplatFormat } from '../splat-format.ts';
 
-/** What every glTF must have, at any place. 3D Tiles have the same with versions 1. */
+/** Part of every glTF, at any place. 3D Tiles have the same with versions 1. */
 const ASSET = /"asset"\s*:\s*\{[^}]*"version"\s*:\s*"2\./;
 
 /** glTF 2.0 with KHR_gaussian_splatting, in one file or with buffers beside it. */

@@ -6,7 +6,7 @@ import { SPLATTING } from './gltf-semantics.ts';
 /** Scenes of splats have a few hundred. */
 const MOST_VALUES = 2 ** 20;
 
-/** What is in these extensions is not splats, or is nothing that changes them. */
+/** Extensions whose contents are no splats, or do not change them. */
 const HARMLESS_EXTENSIONS = /^[A-Z]+_(?:materials|texture|lights)_|^KHR_draco_mesh_compression$/;
 /** Draft: splats as an .spz in a bufferView. The second is an earlier name. */
 export const SPZ_COMPRESSIONS: readonly string[] = [
@@ -17,12 +17,14 @@ const READ_EXTENSIONS: readonly string[] = [SPLATTING, 'KHR_mesh_quantization', 
 
 export type JsonObject = Readonly<Record<string, unknown>>;
 
-/** The JSON of a glTF, with checks for what is taken from it. */
+/** The JSON of a glTF, with checks for values taken from it. */
 export class GltfJson {
   readonly #file: string;
   readonly #root: JsonObject;
 
-  /** @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' for other versions and required extensions. */
+  /**
+   * @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' for versions, extensions.
+   */
   constructor(bytes: Uint8Array, file: string) {
     this.#file = file;
     this.#root = this.#parse(bytes);
@@ -51,7 +53,7 @@ export class GltfJson {
     return this.#root;
   }
 
-  /** Entry `index` of one of the file's lists; `user` names what refers to it. */
+  /** Entry `index` of one of the file's lists; `user` names the element that refers to it. */
   entryOf(list: string, index: unknown, user: string): JsonObject {
     const entries = this.listOf(this.#root, list);
     if (typeof index === 'number' && Object.hasOwn(entries, index)) {

@@ -12,13 +12,13 @@ export interface PlacedMesh {
 
 interface Visit {
   readonly index: unknown;
-  /** What refers to the node. */
+  /** Name of the node's user, for messages. */
   readonly user: string;
   readonly parent: Mat4;
 }
 
 /**
- * Finds the meshes of the scene that a glTF shows: its default scene, else its first, else all nodes.
+ * Finds the meshes of the scene that a glTF shows: the default, else the first, else all nodes.
  *
  * @throws SplatFileError 'bad-header'; 'damaged' if nodes form anything but trees.
  */
@@ -65,7 +65,7 @@ function isMoved({ matrix, translation, rotation, scale }: JsonObject): boolean 
   return (matrix ?? translation ?? rotation ?? scale) !== undefined;
 }
 
-/** The node's matrix, or that of its translation, rotation and scale, in this order from the left. */
+/** The node's matrix, or that of its translation, rotation and scale, in this order. */
 function localMatrix(json: GltfJson, node: JsonObject, element: string): Mat4 {
   const matrix = json.numbersOf(node, 'matrix', 16, element);
   if (matrix) {

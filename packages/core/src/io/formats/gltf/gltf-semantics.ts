@@ -4,8 +4,9 @@ import type { ShDegree } from '../../../data/splats/splat-set.ts';
 export const SPLATTING = 'KHR_gaussian_splatting';
 
 /**
- * Key of the extension's `extras` for what it has no word for: it defines a single order, that of the distances from the camera, and
- * leaves others to further extensions, of which there are none. Readers that do not know it take the file as the extension says.
+ * Key in the extension's `extras` for values without a key of its own: it defines a single order,
+ * by distances from the camera, and leaves others to further extensions, of which there are none.
+ * Readers that do not know it take the file as the extension says.
  */
 export const OWN_EXTRAS = 'websplatter';
 /** The `sortBy` in them. */

@@ -101,7 +101,7 @@ describe('what is read', () => {
       expect([...coefficientsOf(found)]).toEqual([...set.harmonics.coefficients]);
       // Scales are rounded to float32 by 2⁻²⁴ of themselves, their logarithms up to 5 by 2⁻²² of 1.
       expectNear(found.logScales, set.logScales, 2 ** -24 + 2 ** -22);
-      // Opacities to σ(4) are rounded by 2⁻²⁵, which logits show 1/(σ(4)·(1 − σ(4))) = 56.6 times; those by 2⁻²².
+      // Opacities to σ(4) are off by 2⁻²⁵; logits 1/(σ(4)·(1 − σ(4))) = 56.6 times, and 2⁻²².
       expectNear(found.opacityLogits, set.opacityLogits, 56.7 * 2 ** -25 + 2 ** -22);
     });
   }
@@ -127,7 +127,7 @@ describe('what is read', () => {
         }),
       ),
     );
-    // Half a step, and what float32 rounds.
+    // Half a step, and the rounding of float32.
     expectNear(found.positions, set.positions, 0.5 / mostSigned + 2 ** -24);
     expectNear(found.rotations, set.rotations, 0.5 / mostSigned + 2 ** -24);
     expectNear(found.logScales.map(Math.exp), scales.values, 0.5 / most + 2 ** -20);

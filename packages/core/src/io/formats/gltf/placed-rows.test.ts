@@ -57,7 +57,7 @@ function colorAlong({ harmonics }: ReadSet, index: number, direction: readonly n
   );
 }
 
-/** Compares splats that a node has placed with the same splats unplaced, by what the specification says of M. */
+/** Compares splats placed by a node with the same unplaced, as the specification says of M. */
 function expectPlaced(placed: ReadSet, plain: ReadSet, matrix: Mat4, axes: Float64Array): void {
   const m = linearPart(matrix);
   const largest = Math.max(...m.map(Math.abs));
@@ -71,7 +71,7 @@ function expectPlaced(placed: ReadSet, plain: ReadSet, matrix: Mat4, axes: Float
     const expected = moved(covarianceOf(plain, i), m);
     const found = covarianceOf(placed, i);
     const size = expected[0] + expected[4] + expected[8];
-    // Log scales up to 8 are rounded by 2⁻²², which squares double; quaternions by 2⁻²⁴, which matrices show four times.
+    // Log scales up to 8 are rounded by 2⁻²², doubled by squares; quaternions by 2⁻²⁴, times four.
     for (let k = 0; k < 9; k++) expect(Math.abs(found[k] - expected[k])).toBeLessThan(size * 2 ** -20);
     for (const direction of [
       [1, 2, 3],

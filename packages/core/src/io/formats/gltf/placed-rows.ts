@@ -6,7 +6,7 @@ import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 
 /** Lengths of axes that differ by less count as equal: writers round matrices to float32. */
 const ROUNDING = 1e-6;
-/** Cosine between two axes of a node up to which they count as perpendicular: matrices may be products of rounded ones. */
+/** Cosine up to which two axes count as perpendicular: matrices may be products of rounded ones. */
 const MOST_SHEAR = 1e-4;
 /** Pairs of a matrix's columns, as offsets. */
 const COLUMN_PAIRS = [
@@ -18,7 +18,7 @@ const COLUMN_PAIRS = [
 const MOST_SWEEPS = 16;
 
 /**
- * Why splats cannot be placed by `matrix`; undefined if they can. Mirrors can be: splats and their harmonics are mirrored.
+ * Why splats cannot be placed by `matrix`; undefined if they can, as by mirrors.
  */
 export function reasonNotToPlace(matrix: Mat4): string | undefined {
   const { lengths, axes } = columnsOf(matrix);
@@ -29,10 +29,11 @@ export function reasonNotToPlace(matrix: Mat4): string | undefined {
 }
 
 /**
- * Moves splats by the transformation of a node, of which `reasonNotToPlace` knows nothing: a rotation or mirror, a scale for each
- * axis, and a translation.
+ * Moves splats by the transformation of a node to which `reasonNotToPlace` has no objection: a
+ * rotation or mirror, a scale for each axis, and a translation.
  *
- * Splats are ellipsoids again however they are scaled: their covariance becomes M·C·Cᵀ·Mᵀ, for M the matrix and C the splat's axes.
+ * Splats are ellipsoids again however they are scaled: their covariance becomes M·C·Cᵀ·Mᵀ, for M
+ * the matrix and C the splat's axes.
  */
 export function placedRows(rows: DecodedRows, matrix: Mat4): DecodedRows {
   if (identity4().every((value, i) => matrix[i] === value)) return rows;
@@ -97,8 +98,9 @@ function turnedShape(lengths: readonly number[], axes: Float64Array): MoveShape 
 }
 
 /**
- * Finds the axes M·C·Cᵀ·Mᵀ = U·S²·Uᵀ by turning the columns of M·C until they are perpendicular (Jacobi's method, one-sided):
- * unlike that of the covariance, the precision of a thin axis does not suffer from a long one.
+ * Finds the axes M·C·Cᵀ·Mᵀ = U·S²·Uᵀ by turning the columns of M·C until they are perpendicular
+ * (Jacobi's method, one-sided): unlike that of the covariance, the precision of a thin axis does
+ * not suffer from a long one.
  */
 function stretchedShape(m: Mat4): MoveShape {
   const unit = new Float64Array(4);
@@ -172,7 +174,7 @@ function rotationMatrix(unit: Float64Array, result: Float64Array): void {
   result[8] = 1 - 2 * (x * x + y * y);
 }
 
-/** Writes the unit quaternion w, x, y, z of an orthogonal matrix; of its negative where it mirrors. */
+/** Writes the unit quaternion w, x, y, z of an orthogonal matrix, of its negative if it mirrors. */
 function quaternionOf(m: Float64Array, result: Float64Array): Float64Array {
   const determinant =
     m[0] * (m[4] * m[8] - m[5] * m[7]) -

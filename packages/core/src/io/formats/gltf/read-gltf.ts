@@ -14,8 +14,9 @@ import { placedRows, reasonNotToPlace } from './placed-rows.ts';
 import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
 
 /**
- * Nodes may show a mesh again and again, and attributes share their bytes, so that few bytes could become any number of splats.
- * A splat of its own has 28 bytes or more: this allows for about sixty copies of each.
+ * Nodes may show a mesh again and again, and attributes share their bytes, so that few bytes could
+ * become any number of splats. A splat of its own has 28 bytes or more: this allows for about sixty
+ * copies of each.
  */
 const MOST_ROWS_PER_BYTE = 2;
 /** However few bytes they come from, so many do no harm. */
@@ -26,15 +27,15 @@ const MOST_PLACES = 2 ** 14;
 /** The splats of a glTF's scene. */
 interface GltfSplats {
   readonly rows: DecodedRows;
-  /** Whether any are to be blended in the order of their distances from the camera, not in that of their depths. */
+  /** Whether any splats are to be blended in the order of their distances, not of their depths. */
   readonly isSortedByDistance: boolean;
   /** Primitives of the scene that are anything else. */
   readonly otherCount: number;
 }
 
 /**
- * Reads the splats of a glTF 2.0 by KHR_gaussian_splatting: those of all meshes in its scene, where their nodes put them, in the
- * scene's space (y up). Other geometry is left out.
+ * Reads the splats of a glTF 2.0 by KHR_gaussian_splatting: those of all meshes in its scene, where
+ * their nodes put them, in the scene's space (y up). Other geometry is left out.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -98,13 +99,13 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
 }
 
 interface MeshSplats {
-  /** The primitives of each mesh that are splats, by what messages call them. */
+  /** The primitives of each mesh that are splats, by their names in messages. */
   readonly splatsByMesh: ReadonlyMap<unknown, ReadonlyMap<string, JsonObject>>;
   /** Primitives that are anything else. */
   readonly otherCount: number;
 }
 
-/** Finds the splats of meshes, before any is read. @throws SplatFileError 'too-large' where they are shown too often. */
+/** Finds the splats of meshes. @throws SplatFileError 'too-large' if they are shown too often. */
 function splatsOfMeshes(json: GltfJson, meshes: readonly PlacedMesh[]): MeshSplats {
   const splatsByMesh = new Map<unknown, Map<string, JsonObject>>();
   let otherCount = 0;

@@ -10,8 +10,8 @@ import type { GltfJson, JsonObject } from './gltf-json.ts';
 import { harmonicsSemantics, SPLATTING } from './gltf-semantics.ts';
 
 /**
- * What the extension's table of attributes allows; of POSITION, what KHR_mesh_quantization adds. Scales and opacities are linear,
- * rotations x, y, z, w.
+ * Rules of the extension's table of attributes, and for POSITION of KHR_mesh_quantization. Scales
+ * and opacities are linear, rotations x, y, z, w.
  */
 const RULES = {
   position: {
@@ -28,7 +28,7 @@ const RULES = {
   opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
 } as const satisfies Readonly<Record<string, AttributeRule>>;
 const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_\\d+_COEF_\\d+$`);
-/** Rows whose values stay in a processor's nearest memory while column after column is copied to them. */
+/** Rows that stay in a processor's nearest memory while column after column is copied to them. */
 const ROWS_AT_ONCE = 128;
 
 interface PlacedColumn {
@@ -93,7 +93,7 @@ function shDegreeOf(json: GltfJson, attributes: JsonObject, element: string): Sh
     const expected = harmonicsSemantics(degree);
     if (found.length > expected.length) continue;
     const missing = expected.filter((semantic) => attributes[semantic] === undefined);
-    // What splats lack altogether is said with the rest of it.
+    // Splats without any are reported with their other missing attributes.
     if (missing.length === 0 || degree === 0) return degree;
     const message = `${element} has ${found.length} coefficients of spherical harmonics, and lacks ${missing[0]}; degrees must be whole.`;
     throw json.error('bad-property', message, { element, property: missing[0] });
@@ -122,7 +122,7 @@ export function attributeRows({ count, shDegree, columns }: SplatAttributes): De
   };
 }
 
-/** Makes what training has of what a renderer needs: logarithms, logits, and rotations that begin with w. */
+/** Turns a renderer's values into trained ones: logarithms, logits, rotations from w on. */
 function undoActivations(values: Float32Array, at: number): void {
   for (let i = at + ROW_SLOT.logScale; i < at + ROW_SLOT.logScale + 3; i++) values[i] = logScaleOf(values[i]);
   values[at + ROW_SLOT.opacity] = logitOf(values[at + ROW_SLOT.opacity]);

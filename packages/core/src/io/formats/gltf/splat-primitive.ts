@@ -12,8 +12,9 @@ const POINTS = 0;
 const BY_DISTANCE = 'cameraDistance';
 
 /**
- * Values that are drawn as they are meant. `lin_rec709_display` is not: its splats must be blended before they are encoded for the
- * display, and a renderer that blends what is encoded cannot make up for that in the colours of single splats.
+ * Values that are drawn as they are meant. `lin_rec709_display` is not: its splats must be blended
+ * before they are encoded for the display, and a renderer that blends encoded colours cannot make
+ * up for that in those of single splats.
  */
 const VALUES_READ: Readonly<Record<string, readonly string[]>> = {
   kernel: ['ellipse'],
@@ -29,7 +30,7 @@ export interface SplatPrimitive {
   readonly count: number;
   /** Bytes that were unpacked of those in the buffers. */
   readonly unpackedBytes: number;
-  /** Whether they are to be blended in the order of their distances from the camera, not in that of their depths. */
+  /** Whether splats are to be blended in the order of their distances, not of their depths. */
   readonly isSortedByDistance: boolean;
   rows(): DecodedRows;
 }
@@ -42,7 +43,8 @@ export function isSplats(primitive: JsonObject): boolean {
 /**
  * Finds the splats of a primitive.
  *
- * Rejects with SplatFileError 'bad-property', and as `splatAttributesOf` or, for splats that are an .spz, `readSpzContents`.
+ * Rejects with SplatFileError 'bad-property', and as `splatAttributesOf` or, for splats that are an
+ * .spz, `readSpzContents`.
  *
  * @param element names the primitive.
  */
@@ -60,7 +62,7 @@ export async function splatPrimitiveOf(
   const [compression, spz] =
     Object.entries(objectOf(extension.extensions)).find(([name]) => SPZ_COMPRESSIONS.includes(name)) ?? [];
   for (const [property, read] of Object.entries(VALUES_READ)) {
-    // The draft of the compression leaves out what the extension requires.
+    // The draft of the compression leaves out properties that the extension requires.
     const isOptional = OPTIONAL.includes(property) || compression !== undefined;
     if (!(isOptional && extension[property] === undefined))
       checkValue(json, extension, property, read, element);
@@ -73,8 +75,9 @@ export async function splatPrimitiveOf(
 }
 
 /**
- * Reads splats that are an .spz in a bufferView. The draft asks for other axes than the .spz has (left, up, front for right, up,
- * back), but those who read such files take them as they are, and so do those who write them.
+ * Reads splats that are an .spz in a bufferView. The draft asks for other axes than the .spz has
+ * (left, up, front for right, up, back), but readers of such files take them as they are, and so do
+ * writers.
  */
 async function spzPrimitiveOf(
   buffers: GltfBuffers,

@@ -25,9 +25,9 @@ test.each<ShDegree>([0, 1, 2, 3])(
     expect(found).toMatchObject({ fileFacts: { format: 'gltf', variant: 'glb', writer: 'WebSplatter' } });
     const errors = splatErrors(found, set);
     expect(errors).toMatchObject({ position: 0, colorDc: 0, firstHarmonics: 0, otherHarmonics: 0 });
-    // exp is rounded by a part of 2^-24, and so its logarithm; which is at most 20, and rounded again.
+    // exp is rounded by a part of 2^-24, and so its logarithm, at most 20, which is rounded again.
     expect(errors.logScale).toBeLessThanOrEqual(21 * EPSILON);
-    // Opacities below 1 are rounded by half of 2^-24; and their logits, at most 15 and times at most a quarter, again.
+    // Opacities below 1 are rounded by half of 2^-24; their logits, at most 15 and times ¼, again.
     expect(errors.opacity).toBeLessThanOrEqual((1 / 2 + 15 / 4) * EPSILON);
     // Four components, each rounded by half of 2^-24, and the file's own four in the test's.
     expect(errors.angle).toBeLessThanOrEqual(4 * EPSILON);

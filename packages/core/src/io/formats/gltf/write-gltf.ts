@@ -20,12 +20,14 @@ interface Attribute {
 }
 
 /**
- * Writes one binary glTF 2.0 with KHR_gaussian_splatting, all attributes float32, in the axes and the order of the set: glTF has y up,
- * and the caller must have turned the splats. An origin other than 0 becomes the node's translation. What is lost: rotations become
- * unit quaternions, scales and opacities are rounded after they were activated, and nothing says whether splats were trained with
- * an antialias filter. That splats are drawn in the order of their depths stands in `extras`, which other programs need not know.
+ * Writes one binary glTF 2.0 with KHR_gaussian_splatting, all attributes float32, in the axes and
+ * the order of the set: glTF has y up, and the caller must have turned the splats. An origin other
+ * than 0 becomes the node's translation. Losses: rotations become unit quaternions, scales and
+ * opacities are rounded after they were activated, and nothing says whether splats were trained
+ * with an antialias filter. Their order by depths stands in `extras`, which other programs need not
+ * know.
  *
- * Rejects with InvalidArgumentError 'set' if a scale is too large for float32, or if the file would have more than 4 GiB.
+ * Rejects with InvalidArgumentError 'set' for scales too large for float32, or more than 4 GiB.
  */
 export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;

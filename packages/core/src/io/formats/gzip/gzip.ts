@@ -3,7 +3,7 @@ import { readGzipped } from '../../containers/gzip.ts';
 import { PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { type ReadFormat, SNIFF_BYTES } from '../splat-format.ts';
 
-/** Reads the scene in a file packed by gzip. Rejects with 'unknown-format' for anything else in it. */
+/** Reads the scene in a gzip file. Rejects with 'unknown-format' for anything else in it. */
 export const readGzip: ReadFormat = (packed, options, rowsTo) =>
   readGzipped(packed, options, async (input) => {
     const firstBytes = await input.reader.peek(SNIFF_BYTES);

@@ -1,15 +1,15 @@
 import { latin1 } from '../latin1.ts';
 import type { SplatFormat } from '../splat-format.ts';
 
-/** What GaussianSplats3D writes: sections of splats in buckets, in three levels of compression. */
+/** Format of GaussianSplats3D: sections of splats in buckets, in three levels of compression. */
 export const ksplatFormat: SplatFormat = {
   name: 'ksplat',
   title: '.ksplat',
   extensions: ['.ksplat'],
-  // There is no magic number, but the version 0.x, a level below 3, and a header of which all from byte 44 on is 0.
+  // No magic number, but version 0.x, a level below 3, and a header that is 0 from byte 44 on.
   recognise: (firstBytes, fileName) => {
     const text = latin1(firstBytes);
-    // biome-ignore lint/suspicious/noControlCharactersInRegex: they are what the header consists of
+    // biome-ignore lint/suspicious/noControlCharactersInRegex: the header consists of them
     if (/^\0[^\0].{18}[\0-\x02]\0.{22}\0{200}/s.test(text)) return true;
     return /\.ksplat$/i.test(fileName) && /[^\t\n\r\x20-\x7e]/.test(text.slice(0, 32));
   },

@@ -14,7 +14,7 @@ const SECTION_HEADER_BYTES = 1024;
 /** The centre of a bucket, 3 × f32. */
 const BUCKET_BYTES = 12;
 
-/** By level of compression: bytes of a coordinate, scale or part of a rotation, and of a coefficient of harmonics. */
+/** By level of compression: bytes of a coordinate, scale or rotation part, and of a coefficient. */
 const NUMBER_BYTES = [4, 2, 2];
 const COEFFICIENT_BYTES = [4, 2, 1];
 /** Positions in a bucket are whole numbers up to twice this. */
@@ -22,7 +22,7 @@ const POSITION_RANGES = [1, 32767, 32767];
 /** Coefficients of level 2 are from −1.5 to 1.5 where the header has 0. */
 const SH_RANGE = 1.5;
 
-/** Slot after those of a splat without harmonics, for each coefficient in the file: by degree, then by channel. */
+/** Slot after a splat's other values, for each coefficient in the file: by degree, channel. */
 const SH_SLOTS = Uint8Array.from({ length: 24 }, (_, i) => {
   const [first, perChannel] = i < 9 ? [0, 3] : [9, 5];
   const channel = Math.floor((i - first) / perChannel);
@@ -37,14 +37,14 @@ interface Section {
   readonly count: number;
   readonly shDegree: ShDegree;
   readonly rowBytes: number;
-  /** Offsets after all headers: of the lengths of the buckets that are not full, of all buckets' centres, and of the rows. */
+  /** Offsets after all headers: of the lengths of partial buckets, of all centres, of the rows. */
   readonly lengthsStart: number;
   readonly centersStart: number;
   readonly rowsStart: number;
   readonly bucketSize: number;
   readonly fullBuckets: number;
   readonly partialBuckets: number;
-  /** What stands for the centre of a bucket, and how long a step is. */
+  /** Number for the centre of a bucket, and the length of a step. */
   readonly positionRange: number;
   readonly positionStep: number;
 }
@@ -62,16 +62,19 @@ interface Layout {
 }
 
 /**
- * Reads a `.ksplat` of version 0.1 or above, little-endian: a header of 4096 bytes, one of 1024 for each section, and the sections. Each
- * has the lengths of its buckets that are not full, the centres of all its buckets, and rows of: position, scale as it is, rotation w x y
- * z, a byte each for red, green, blue and opacity, and harmonics of degree 1 and 2, each by channel. Level 0 has f32; levels 1 and 2 have
- * halves, but positions of 16 bits about the centre of their bucket, and level 2 a byte for each coefficient.
+ * Reads a `.ksplat` of version 0.1 or above, little-endian: a header of 4096 bytes, one of 1024 for
+ * each section, and the sections. Each has the lengths of its buckets that are not full, the
+ * centres of all its buckets, and rows of: position, scale as it is, rotation w x y z, a byte each
+ * for red, green, blue and opacity, and harmonics of degree 1 and 2, each by channel. Level 0 has
+ * f32; levels 1 and 2 have halves, but positions of 16 bits about the centre of their bucket, and
+ * level 2 a byte for each coefficient.
  *
- * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`), as halves of very thin splats are 0; a row
- * with a negative one is dropped, as one that is not finite is.
+ * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`), as
+ * halves of very thin splats are 0; a row with a negative one is dropped, like one that is not
+ * finite.
  *
- * Rejects with `SplatFileError`: 'damaged' if numbers of splats or buckets contradict each other; 'bad-header', 'truncated', 'too-large',
- * 'empty'.
+ * Rejects with `SplatFileError`: 'damaged' if numbers of splats or buckets contradict each other;
+ * 'bad-header', 'truncated', 'too-large', 'empty'.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { name: file } = input;

@@ -9,18 +9,19 @@ const CHANNELS = ['red', 'green', 'blue'];
 const COLORS = ['f_dc_0', 'f_dc_1', 'f_dc_2'];
 const SHAPE = ['scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3'];
 
-/** What stands for full colour or opacity. */
+/** Value of full colour or opacity. */
 const MAX_OF_TYPE: Partial<Record<PlyType, number>> = { uint8: 255, uint16: 65535, float32: 1, float64: 1 };
 
 /**
- * Reads a PLY with `red`, `green` and `blue` instead of f_dc: splats (nerfstudio's export with colours), or points, which have neither
- * scales nor rotations. Points become round splats of one size, and opaque but for their `alpha`, if they have that.
+ * Reads a PLY with `red`, `green` and `blue` instead of f_dc: splats (nerfstudio's export with
+ * colours), or points, which have neither scales nor rotations. Points become round splats of one
+ * size, and opaque but for their `alpha`, if they have that.
  *
  * All else is as with PLY. Meshes are refused.
  */
 export const read: ReadFormat = (input, options) => readPlyWith(input, options, undefined, variantOf);
 
-/** What stands for the missing properties; undefined if nothing does. */
+/** The replacement of missing properties; undefined if there is none. */
 function variantOf(
   { elements }: PlyHeader,
   { properties }: PlyElement,
@@ -58,7 +59,7 @@ function variantOf(
   };
 }
 
-/** Turns what was read instead of missing properties into those. */
+/** Turns the values that were read instead of missing properties into those. */
 function complete(
   { count, positions, logScales, colorDc, opacityLogits }: SplatColumns,
   maxOf: ReadonlyMap<number, number>,
@@ -75,8 +76,8 @@ function complete(
 }
 
 /**
- * Logarithm of half the distance between as many points on a square whose side is the bounds' diagonal: scans are surfaces, not
- * volumes.
+ * Logarithm of half the distance between as many points on a square whose side is the bounds'
+ * diagonal: scans are surfaces, not volumes.
  */
 function pointLogScale(positions: Float32Array, count: number): number {
   const [x, y, z] = [0, 1, 2].map((axis) => {

@@ -55,8 +55,8 @@ export async function readAsciiRows(
 }
 
 /**
- * All complete lines in the window, without the last line end. At the end of the file, a last line that lacks one; then
- * undefined.
+ * All complete lines in the window, without the last line end. At the end of the file, a last line
+ * that lacks one; then undefined.
  */
 async function nextLines(
   reader: ByteReader,
@@ -127,7 +127,7 @@ function rowParser(body: PlyBody, vertex: PlyElement, target: Float64Array): Row
   };
 }
 
-/** A text file's value is what its binary counterpart would hold. */
+/** A text file's value as its binary counterpart would hold it. */
 function inType(value: number, type: PlyType): number {
   return type === 'float32' ? Math.fround(value) : value;
 }

@@ -25,7 +25,7 @@ const READ_SCALAR: Readonly<Record<PlyType, ReadScalar>> = {
 /** Rows with lists between two reports of progress. */
 const ROWS_PER_REPORT = 1024;
 
-/** Layout of the rows of splats, if they are all alike and have nothing but float32 in what is needed; else null. */
+/** Layout of the splats' rows, if all are alike and the needed properties float32; else null. */
 export function rowLayoutOf(
   { header, vertexIndex, slots }: PlyBody,
   shDegree: ShDegree,
@@ -148,7 +148,7 @@ function rowDecoder(
   };
 }
 
-/** Reads rows value by value: those of the splats go to `builder`; those of other elements (no builder) are skipped. */
+/** Reads rows value by value: splats go to `builder`; other elements (no builder) are skipped. */
 async function readListRows(
   reader: ByteReader,
   body: PlyBody,

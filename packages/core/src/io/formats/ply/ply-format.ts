@@ -14,7 +14,7 @@ export function plyKindOf(firstBytes: Uint8Array): 'ply' | 'compressed-ply' | 'p
   return POINTS.test(text) ? 'ply-points' : 'ply';
 }
 
-/** PLY as written by 3D Gaussian Splatting and its descendants; also the file that `encodePly` writes. */
+/** PLY as 3D Gaussian Splatting and its descendants write it, and `encodePly`. */
 export const plyFormat: SplatFormat = {
   name: 'ply',
   title: 'PLY',

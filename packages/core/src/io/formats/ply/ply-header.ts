@@ -32,7 +32,7 @@ export interface PlyHeader {
   readonly format: PlyFormat;
   /** In the order of their rows in the body. */
   readonly elements: readonly PlyElement[];
-  /** What comments say of an antialias filter in training; undefined if they say nothing. */
+  /** Whether comments say that training had an antialias filter; undefined if they do not say. */
   readonly isAntialiased: boolean | undefined;
   /** Program that wrote the file, if a comment says so. */
   readonly writer: string | undefined;
@@ -42,7 +42,7 @@ export interface PlyHeader {
   readonly lineEnd: number;
 }
 
-/** What the readers of the body need to know. */
+/** The header's facts about the body, for its readers. */
 export interface PlyBody {
   readonly file: string;
   readonly header: PlyHeader;
@@ -83,12 +83,12 @@ const FORMATS: readonly string[] = [
   'binary_big_endian',
 ] satisfies PlyFormat[];
 
-/** Far above any real header, far below what would hurt to hold. */
+/** Far above any real header, far below a size that would hurt. */
 const MAX_HEADER_BYTES = 1 << 20;
 const LF = 10;
 const CR = 13;
 
-/** Reads the header and leaves `reader` at the body's first byte. Throws `SplatFileError` 'bad-header' or 'bad-property'. */
+/** Reads up to the body's first byte. @throws SplatFileError 'bad-header', 'bad-property' */
 export async function readPlyHeader(reader: ByteReader, file: string): Promise<PlyHeader> {
   const parser = new HeaderParser(file);
   const headerStart = reader.byteOffset;

@@ -44,7 +44,7 @@ function withProperty(
   return { ...element, properties };
 }
 
-/** What a set holds of one property of the file. */
+/** A set's value for one property of the file. */
 function valueIn(set: SplatSet<PackedHarmonics>, name: string, index: number): number {
   const axis = 'xyz'.indexOf(name);
   if (axis >= 0) return set.positions[3 * index + axis] + set.origin[axis];
@@ -188,7 +188,7 @@ describe('what is read', () => {
         type: 'ushort',
         values: property.values.map((value) => toHalfBits(value as number)),
       }));
-      // What is not needed may be anything.
+      // Unneeded properties may have any value.
       const extra: FixtureProperty = { name: 'nx', type: 'float', values: [1, 2, 3, 4, 5] };
       for (const format of [LE, 'binary_big_endian'] as const) {
         const bytes = plyBytes({ format, elements: [{ ...splats, properties: [extra, ...properties] }] });
@@ -743,7 +743,7 @@ describe('properties', () => {
   });
   const small = fc.integer({ min: 0, max: 127 });
 
-  /** A file of splats with anything else in any order, and what must be read from it. */
+  /** A file of splats with anything else in any order, and the splats to read from it. */
   const fixtures = fc
     .record({
       format: fc.constantFrom(...FORMATS),
@@ -829,7 +829,7 @@ describe('properties', () => {
 
   /** Reads in any way; any outcome but splats or a typed error fails. */
   async function readAnything(bytes: Uint8Array): Promise<void> {
-    // Both caught from the start: the one that is awaited last may reject while the other one pauses.
+    // Both caught from the start: the one awaited last may reject while the other one pauses.
     const attempts = [readSplats(chunked(bytes, [97])), readSplats(bytes)].map((attempt) =>
       attempt.catch((error: unknown) => error),
     );

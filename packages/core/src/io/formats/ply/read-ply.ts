@@ -23,13 +23,13 @@ import { shDegreeOf, shNames } from './sh-properties.ts';
 
 /** A file that lacks properties of the standard layout, and is understood. */
 export interface PlyVariant {
-  /** Slots of what is read instead. */
+  /** Slots of the properties that are read instead. */
   readonly slotOf?: ReadonlyMap<string, number>;
   /** Values for slots for which there is nothing to read. */
   readonly defaults: readonly (readonly [slot: number, value: number])[];
   /** See `FileFacts`. */
   readonly note: string | undefined;
-  /** Turns what was read instead into what is missing. */
+  /** Turns the values that were read instead into the missing ones. */
   complete?(set: SplatColumns): void;
 }
 
@@ -58,22 +58,24 @@ const MOST_LISTED = 8;
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
 
 /**
- * Reads splats from a PLY: ascii or binary of either byte order, with properties in any order and of any scalar type.
- * Other properties and elements are skipped. Memory grows with the rows that arrive, not with what the header promises;
- * what comes after the splats is not read.
+ * Reads splats from a PLY: ascii or binary of either byte order, with properties in any order and
+ * of any scalar type. Other properties and elements are skipped. Memory grows with the rows that
+ * arrive, not with the header's promise; bytes after the splats are not read.
  *
- * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2; f_rest_0…3K−1, all
- * K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as plain numbers.
+ * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2;
+ * f_rest_0…3K−1, all K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as
+ * plain numbers.
  *
- * Files of 2DGS have no scale_2: their splats are flat. Halves are `half` or `float16`, or `uint16` in a binary
- * file with nothing else in what is needed, since as plain numbers these could be no splats.
+ * Files of 2DGS have no scale_2: their splats are flat. Halves are `half` or `float16`, or `uint16`
+ * in a binary file whose needed properties all are, since as plain numbers these could be no
+ * splats.
  *
- * Rows that are all alike, with nothing but float32 in what is needed, go to `rowsTo` as they are, where it is given.
+ * Rows that are all alike, their needed properties float32, go to any `rowsTo` as they are.
  *
  * @returns null if they did.
  *
- * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY), `SplatSourceError`, or the
- * signal's reason.
+ * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY),
+ * `SplatSourceError`, or the signal's reason.
  */
 export const read: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
 
@@ -121,7 +123,7 @@ export async function readPlyWith(
       ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
     ),
     promisedCount: vertex.count,
-    // What only a server or a header promises may never come.
+    // Bytes that only a server or a header promises may never come.
     isHeld: input.isHeld,
     isAntialiased,
     fileFacts,
@@ -137,7 +139,7 @@ export async function readPlyWith(
   return set;
 }
 
-/** The element that holds splats, and what stands for properties that are missing; throws if there is none. */
+/** The element that holds splats, and the replacement of missing properties; throws without. */
 function findVertex(
   header: PlyHeader,
   file: string,
@@ -217,7 +219,7 @@ function slotsOf(
   return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
 }
 
-/** The header of a file with nothing but uint16 in what is needed of its splats: these are halves. */
+/** The header of a file whose needed splat properties are all uint16: these are halves. */
 function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly number[]): PlyHeader {
   const vertex = header.elements[vertexIndex];
   const isPacked = vertex.properties.every(({ type }, i) => slots[i] < 0 || type === 'uint16');
@@ -229,12 +231,12 @@ function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly numb
   return { ...header, elements };
 }
 
-/** Whether a source may be as large as its header says. Memory for all rows is taken at once only then. */
+/** Whether a source may hold `bytes`. Only then is memory taken for all rows at once. */
 function mayHold({ totalBytes }: SplatInput, bytes: number): boolean {
   return totalBytes !== undefined && totalBytes >= bytes;
 }
 
-/** Throws if the source is known to be too small for the promised rows, or if there are too many of them. */
+/** Throws if the source is too small for the promised rows, or if these are too many. */
 function checkCounts(
   source: SplatInput,
   header: PlyHeader,

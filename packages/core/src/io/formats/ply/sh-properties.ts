@@ -17,7 +17,7 @@ export function shDegreeOf({ name, properties }: PlyElement, file: string): ShDe
   );
 }
 
-/** The properties of harmonics, in the order of `ROW_SLOT`: the file has all of red, then green, then blue. */
+/** Properties of harmonics in the order of `ROW_SLOT`; files have red, then green, then blue. */
 export function shNames(degree: ShDegree): string[] {
   const coefficients = SH_REST_COEFFICIENTS[degree];
   return Array.from(

@@ -11,13 +11,14 @@ import {
 } from '../write-format.ts';
 
 /**
- * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc, f_rest (all of red,
- * then green, then blue), opacity, scale, rot; no normals. A comment says what is known of an antialias filter. Rows keep
- * the set's order; `fileIndices` and `dropped` are not kept.
+ * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc,
+ * f_rest (all of red, then green, then blue), opacity, scale, rot; no normals. A comment tells
+ * whether there was an antialias filter, if known. Rows keep the set's order; `fileIndices` and
+ * `dropped` are lost.
  *
- * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold them. Read again at
- * shPrecision f32, a set that came from a file gives the same bits. Throws RangeError if no ArrayBuffer can be that
- * large.
+ * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold
+ * them. Read again at shPrecision f32, a set that came from a file gives the same bits. Throws
+ * RangeError if no ArrayBuffer can be that large.
  */
 export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
   const { bytes, putRows } = plyOf(set);
@@ -32,10 +33,10 @@ export const write: WriteFormat = async (set, options) => {
   return bytes;
 };
 
-/** The line by which a PLY says whether its splats were trained with an antialias filter; none where that is not known. */
+/** The line that tells whether splats were trained with an antialias filter; none if unknown. */
 export function antialiasComments({ isAntialiased }: Pick<SplatColumns, 'isAntialiased'>): string[] {
   if (isAntialiased === undefined) return [];
-  // As Brush says it, and what reads its files understands.
+  // As Brush says it, and readers of its files understand.
   return [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`];
 }
 
@@ -50,7 +51,7 @@ export const writePieces: WritePieces = async (pieces, options, put) => {
   });
 };
 
-/** A file with its header, and what puts rows into it. */
+/** A file with its header, and a function that puts rows into it. */
 function plyOf(
   set: SplatSet<Harmonics>,
   memoryOf = (byteCount: number) => new Uint8Array(byteCount),

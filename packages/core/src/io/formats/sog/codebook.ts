@@ -37,8 +37,8 @@ export class Codebook {
 }
 
 /**
- * Finds the codebook of values by k-means in one dimension, with squares of differences as the error. Where there are no more than 256
- * different values, it has just those.
+ * Finds the codebook of values by k-means in one dimension, with squares of differences as the
+ * error. Where there are no more than 256 different values, it has just those.
  *
  * @param values Finite, one or more; put into ascending order.
  */
@@ -76,7 +76,7 @@ async function fewDifferent(values: Float32Array, turns: Turns): Promise<number[
   return different;
 }
 
-/** Rounds of k-means; returns the means, ascending, and the sum of squared differences from them. */
+/** Rounds of k-means; returns the means, ascending, and the sum of squared differences. */
 async function improve(
   start: Float64Array,
   values: Float32Array,
@@ -100,8 +100,9 @@ async function improve(
 }
 
 /**
- * Values for rounds to begin with: as dense as the cube root of the density of ascending `values`, which is best where there are many
- * (Panter and Dite). Of equally many values each, intervals of width w thus get w^⅔ of them.
+ * Values for rounds to begin with: as dense as the cube root of the density of ascending `values`,
+ * which is best where there are many (Panter and Dite). Of equally many values each, intervals of
+ * width w thus get w^⅔ of them.
  */
 function companded(values: Float32Array): Float64Array {
   const at = (interval: number) => values[Math.floor((interval * (values.length - 1)) / INTERVALS)];

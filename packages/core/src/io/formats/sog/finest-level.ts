@@ -14,7 +14,7 @@ export interface LevelFile {
   readonly path: string;
   /** Splats in it; undefined where the scene does not say it. */
   readonly count: number | undefined;
-  /** What is read of it, in order; null: all. */
+  /** Its runs to read, in order; null: all. */
   readonly runs: readonly Run[] | null;
 }
 
@@ -34,11 +34,12 @@ export function isStreamedMeta(json: unknown): boolean {
 }
 
 /**
- * The files that have the finest splats of each leaf of a streamed scene, which together are all of it, and then its environment,
- * which belongs to every level. A leaf of the tree has runs of splats in files, one for each level; where it lacks the finest level,
- * the next that it has is read, as PlayCanvas shows it. A file has runs of one level, one behind another, and nothing else.
+ * The files that have the finest splats of each leaf of a streamed scene, which together are all of
+ * it, and then its environment, which belongs to every level. A leaf of the tree has runs of splats
+ * in files, one for each level; where it lacks the finest level, the next that it has is read, as
+ * PlayCanvas shows it. A file has runs of one level, one behind another, and nothing else.
  *
- * @returns the files, and what `FileFacts` says of them.
+ * @returns the files, and the notes of `FileFacts` on them.
  * @throws SplatFileError 'bad-header', 'damaged', 'too-large'; 'unknown-format' for later versions
  */
 export function finestLevel(json: unknown, file: string): { files: LevelFile[]; notes: string[] } {
@@ -143,7 +144,7 @@ function checkCounts(meta: JsonFields, files: readonly LeafRun[][], damaged: Dam
   }
 }
 
-/** What is shown otherwise than its finest level would have it. */
+/** Notes on parts that are shown otherwise than their finest level would have them. */
 function notesOf(runs: readonly LeafRun[]): string[] {
   const finest = runs.reduce((least, { level }) => Math.min(least, level), Number.POSITIVE_INFINITY);
   const coarser = runs.filter(({ level }) => level > finest).length;

@@ -4,7 +4,7 @@ import { shown } from '../../../data/printable.ts';
 /** Characters of the end of a place that messages name. */
 const MOST_PATH = 200;
 
-/** The fields of an object in JSON from a file. Each method throws SplatFileError 'bad-header' for what it does not find. */
+/** The fields of a file's JSON object. Methods throw SplatFileError 'bad-header' for others. */
 export class JsonFields {
   readonly #values: Readonly<Record<string, unknown>>;
   /** Of this object within the file, with a dot at its end. */

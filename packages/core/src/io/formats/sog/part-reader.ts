@@ -15,7 +15,7 @@ export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {
   check(): Promise<void>;
 }
 
-/** Reads the other files of a scene, each of them once: a few that are named again and again would make a large scene. */
+/** Reads the other files of a scene, once each: a few, named often, could make a large scene. */
 export class PartReader {
   readonly #input: SplatInput;
   readonly #options: SplatFormatOptions;
@@ -29,7 +29,7 @@ export class PartReader {
   }
 
   /**
-   * Rejects as `openPart` and `readPart`; and with SplatFileError 'damaged' for a file that has been read.
+   * Rejects as `openPart` and `readPart`; and with SplatFileError 'damaged' for a file read before.
    *
    * @param path from the folder of the scene.
    */
@@ -39,7 +39,7 @@ export class PartReader {
     return bytes;
   }
 
-  /** As `read`, but what tells damaged bytes by themselves, as of an archive, rejects `check`. */
+  /** As `read`, but containers that check bytes themselves, such as archives, reject `check`. */
   async readUnchecked(path: string): Promise<UncheckedPart> {
     const { name } = this.#input;
     if (path.length > MOST_PATH || path.split('/').some((part) => /^\.{0,2}$/.test(part))) {

@@ -15,7 +15,7 @@ export interface OpenedImages {
   readonly shDegree: ShDegree;
   /** Entries that labels can name; 0 where there are no harmonics. */
   readonly paletteSize: number;
-  /** Rejects with SplatFileError 'damaged', or with the signal's reason; it need not be waited for. */
+  /** Rejects with SplatFileError 'damaged', or the signal's reason; it need not be waited for. */
   readonly decoded: Promise<SogImages>;
 }
 
@@ -61,7 +61,7 @@ export function imagesOfRuns(images: SogImages, runs: readonly Run[]): SogImages
   };
 }
 
-/** Counts what a scene's images unpack to, which few bytes must not make large. */
+/** Counts the unpacked bytes of a scene's images, which few bytes must not make many. */
 export class ImageBudget {
   #packedBytes = 0;
   #unpackedBytes = 0;
@@ -85,7 +85,7 @@ export class ImageBudget {
 }
 
 /**
- * Reads the images that a SOG's metadata names, and begins to decode them. All sizes are checked before.
+ * Reads the images that a SOG's metadata names, checks all sizes, and begins to decode them.
  *
  * Rejects with SplatFileError, SplatSourceError, or the signal's reason.
  *

@@ -1,4 +1,4 @@
-// What reading and writing of SOG share.
+// Shared by the reader and the writer of SOG.
 
 /** Entries of a palette in a row of its image. */
 export const PALETTE_COLUMNS = 64;

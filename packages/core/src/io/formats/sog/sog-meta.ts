@@ -5,7 +5,7 @@ import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { JsonFields } from './json-fields.ts';
 
-/** What the bytes of a channel mean, in the row of a splat. */
+/** Values of a channel's bytes, as in the row of a splat. */
 export type ByteValues = Float32Array;
 
 /** Metadata of SOG, the same for both versions. */
@@ -41,7 +41,8 @@ export interface SogHarmonics {
 }
 
 /**
- * Understands the metadata of SOG. Version 2 gives what each byte means in codebooks; version 1, which has no number, in ranges.
+ * Understands the metadata of SOG. Version 2 gives the value of each byte in codebooks; version 1,
+ * which has no number, in ranges.
  *
  * @throws SplatFileError 'bad-header'; 'unknown-format' for other versions
  */
@@ -114,7 +115,7 @@ function shapeCount(means: JsonFields): number {
     : means.fail('shape', 'a list that begins with a count');
 }
 
-/** 2DGS has no third scale: what stands in its place is whatever the writer takes for almost nothing. */
+/** 2DGS has no third scale: writers put some value for almost nothing in its place. */
 const FLAT_LOG_SCALES = tableOfBytes(() => FLAT_LOG_SCALE);
 
 /** The logit of each opacity of 8 bits. */
@@ -146,7 +147,7 @@ function degreeIn(shN: JsonFields): ShDegree {
   return bands === 1 || bands === 2 || bands === 3 ? bands : shN.fail('bands', '1, 2 or 3');
 }
 
-/** What each byte means, by a codebook of version 2. */
+/** The value of each byte, by a codebook of version 2. */
 function codebookOf(fields: JsonFields): ByteValues {
   const values = fields.get('codebook');
   // Some writers left out the first value, for which readers go on from the next.

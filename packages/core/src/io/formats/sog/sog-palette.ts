@@ -13,8 +13,9 @@ export interface SogUnit {
 }
 
 /**
- * The palette of a scene, which those of its parts follow one another in; parts of a lower degree, or without harmonics, are
- * padded with zeros. Null where it would have too many entries for its indices, or one that is not finite.
+ * The palette of a scene, which those of its parts follow one another in; parts of a lower degree,
+ * or without harmonics, are padded with zeros. Null where it would have too many entries for its
+ * indices, or one that is not finite.
  *
  * @throws SplatFileError 'damaged'
  */
@@ -57,7 +58,7 @@ export function paletteEntries({ meta, images }: SogUnit): Float32Array {
   return entries;
 }
 
-/** The entry of each splat; 0 for all where there is no palette. @throws SplatFileError 'damaged' */
+/** The entry of each splat; 0 for all without a palette. @throws SplatFileError 'damaged' */
 export function labelsOf({ file, meta: { count }, images: { harmonics } }: SogUnit): Uint16Array {
   const indices = new Uint16Array(count);
   if (!harmonics) return indices;

@@ -14,7 +14,7 @@ type Decode = DecodedRows['decode'];
 /**
  * Decodes the splats of a SOG.
  *
- * @param shDegree of the rows, which may be higher than that of the file; 0 for rows without harmonics.
+ * @param shDegree of the rows, perhaps higher than that of the file; 0 for rows without harmonics.
  */
 export function sogRows(unit: SogUnit, shDegree: ShDegree): Decode {
   const length = rowLength(shDegree);
@@ -43,7 +43,7 @@ export function sogRows(unit: SogUnit, shDegree: ShDegree): Decode {
   };
 }
 
-/** Decodes the splats of a SOG that has a palette, with the index of its entry for the harmonics of each. */
+/** Decodes the splats of a SOG with a palette, with its index for the harmonics of each. */
 export function sogRowsOfPalette(unit: SogUnit): Decode {
   const length = ROW_SLOT.harmonics + 1;
   const putGeometry = geometryOf(unit);
@@ -57,7 +57,7 @@ export function sogRowsOfPalette(unit: SogUnit): Decode {
   };
 }
 
-/** Returns what writes everything but harmonics of a splat into the row that begins at `row`. */
+/** Returns a function that writes all but a splat's harmonics into the row from `row` on. */
 function geometryOf(unit: SogUnit) {
   const { file, meta, images } = unit;
   const { positions, logScales, colors: colorValues } = meta;
@@ -98,7 +98,7 @@ function geometryOf(unit: SogUnit) {
   };
 }
 
-/** The coordinates of one axis. Each is computed once, since scenes have many splats for every one that there can be. */
+/** The coordinates of one axis, each computed once, as scenes have many splats for each. */
 class Axis {
   readonly #min: number;
   readonly #step: number;

@@ -24,7 +24,7 @@ import { ALL_READERS } from '../readers.ts';
 const exampleOf = (fixture: Partial<SogFixture> = {}, seed = 1) =>
   sogExample({ version: 2, count: 11, shDegree: 1, ...fixture }, new Choices(seed));
 
-/** Compares rows with those in float64: all steps are in float64 but the last, which rounds to float32. */
+/** Compares rows with float64: every step is in float64 but the last, which rounds to float32. */
 function expectRows({ layout, values }: FileRows, rows: SogExample['rows']): void {
   expect(layout.count).toBe(rows.length);
   const expected = rows.flat();
@@ -36,7 +36,7 @@ function expectRows({ layout, values }: FileRows, rows: SogExample['rows']): voi
   });
 }
 
-/** Reads with a palette kept, and compares the set with one of rows. @returns the number of its entries; null if it has no palette. */
+/** Reads and keeps a palette, compares the set with rows, and returns the number of entries. */
 async function entriesKept(source: SplatSource): Promise<number | null> {
   const kept = await readSource(source, { shPrecision: 'palette' }, ALL_READERS);
   const own = await readSource(source, { shPrecision: 'f32' }, ALL_READERS);
@@ -55,7 +55,7 @@ async function entriesKept(source: SplatSource): Promise<number | null> {
     : null;
 }
 
-/** Stands for lists in lists, which are too deep for what writes JSON. */
+/** Stands for lists in lists, which are too deep for JSON.stringify. */
 const deep = (depth: number) => `deep ${depth}`;
 
 /** Files in whose JSON lists are as deep as `deep` says. */

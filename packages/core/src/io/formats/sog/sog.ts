@@ -35,9 +35,10 @@ interface OpenedUnit extends OpenedImages {
 }
 
 /**
- * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and images beside it, whose pixels are
- * the splats. Of streamed SOG, reads the finest level of the whole scene, or of each part the finest that it has, and its environment.
- * Where it is asked for, harmonics stay the palette that they are, unless those of a streamed scene have too many entries for one.
+ * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and
+ * images beside it, whose pixels are the splats. Of streamed SOG, reads the finest level of the
+ * whole scene, or of each part the finest that it has, and its environment. Harmonics stay the
+ * palette that they are, if asked, unless those of a streamed scene have too many entries for one.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -47,7 +48,7 @@ export async function readSog(
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
   const stop = new AbortController();
-  // What fails stops what else is being read.
+  // One failure stops all other reading.
   const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
   try {
     const progress = new ReadProgress(input, options.onProgress);
@@ -102,7 +103,7 @@ async function openUnits(
   for (const { path, count, runs } of files) {
     const unitJson = parseMeta(await parts.read(path), path);
     const unit = await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count);
-    // What is damaged is known before the next is fetched.
+    // Damage is known before the next is fetched.
     const images = await unit.decoded;
     units.push(runs ? unitOfRuns(unit, images, runs) : unit);
   }
@@ -124,7 +125,7 @@ async function decodedUnit({ file, meta, decoded }: OpenedUnit): Promise<SogUnit
   return { file, meta, images: await decoded };
 }
 
-/** The splats of several SOGs, one after the other, once their images are decoded. @param shDegree see `sogRows`. */
+/** The splats of several SOGs, in order, once their images are decoded; see `sogRows`. */
 function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: readonly string[]): DecodedRows {
   const decoded: SogUnit[] = [];
   const keepDecoded = async (unit: OpenedUnit, i: number) => {
@@ -161,7 +162,7 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
   };
 }
 
-/** What `make` returns, made when it is first called. */
+/** Calls the function that `make` returns when it is first called. */
 function madeLater(make: () => DecodedRows['decode']): DecodedRows['decode'] {
   let decode: DecodedRows['decode'] | undefined;
   return (rows, rowCount) => {

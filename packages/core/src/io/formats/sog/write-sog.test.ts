@@ -15,7 +15,7 @@ const again = async (set: SplatSet) => read(await write(set, {}));
 const ordered = <Kind extends Harmonics>(set: SplatSet<Kind>) =>
   permuteSplats(set, mortonOrder(set.positions, set.count));
 
-/** Three components are off by half a step of √2 / 255, and the fourth, the largest, by up to twice as much as they are together. */
+/** Three components are off by half a step of √2 / 255, the fourth by up to twice that of all. */
 const COMPONENTS_OFF = (Math.sqrt(3) * Math.SQRT1_2) / 255;
 const MOST_ANGLE = 2 * Math.hypot(COMPONENTS_OFF, 2 * COMPONENTS_OFF);
 
@@ -30,11 +30,11 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of the 
   });
   expect(found.isAntialiased).toBeUndefined();
   const errors = splatErrors(found, ordered(set));
-  // Half of 65,535 steps of ln(|v| + 1) between −50 and 50, which stretches by |v| + 1; and float32.
+  // Half of 65,535 steps of ln(|v| + 1) from −50 to 50, stretched by |v| + 1; and float32.
   expect(errors.position).toBeLessThanOrEqual(((2 * Math.log(51)) / 65_535 / 2) * 51 + 4e-6);
   expect(errors.angle).toBeLessThanOrEqual(MOST_ANGLE);
   expect(errors.opacity).toBeLessThanOrEqual(0.5 / 255 + 1e-7);
-  // 256 of 1,503 uniform values: no bound on the distance of the nearest, but twice that of even steps is far from it.
+  // 256 of 1,503 uniform values: without a bound, but twice the distance of even steps is ample.
   expect(errors.logScale).toBeLessThanOrEqual(12 / 256);
   expect(errors.colorDc).toBeLessThanOrEqual(3 / 256);
   // Half as many sets of harmonics as splats, whose errors are bounded by the range of ±0.3 alone.

@@ -21,12 +21,13 @@ const SIDE_UNIT_PX = 4;
 const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
 
 /**
- * Writes SOG, version 2, as a zip archive: images, in Morton order of the centres. What is lost: positions are rounded to 65,536 steps
- * of ln(|v| + 1) along each axis, components of rotations to 255 steps from −√½ to √½, opacities to 255 steps; log scales and base
- * colours to the 256 values that suit each best; and splats share at most 65,536 sets of harmonics, of 256 values too. Equal sets give
+ * Writes SOG, version 2, as a zip archive: images, in Morton order of the centres. It rounds
+ * positions to 65,536 steps of ln(|v| + 1) along each axis, components of rotations to 255 steps
+ * from −√½ to √½, opacities to 255 steps; log scales and base colours to the 256 values that suit
+ * each best; and splats share at most 65,536 sets of harmonics, of 256 values too. Equal sets give
  * equal bytes.
  *
- * Rejects with InvalidArgumentError 'set' if there is no splat, if one is not finite, or if there are more than 2²⁸.
+ * Rejects with InvalidArgumentError 'set' for no splats, more than 2²⁸, or any that is not finite.
  */
 export const write: WriteFormat = async (set, { signal, onProgress }) => {
   const turns = new Turns(signal);
@@ -61,7 +62,7 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
       put(order[i], pixels, 4 * i);
       if (i % ROWS_AT_ONCE === 0) await turns.give();
     }
-    // What follows the last splat repeats it, which takes no bytes.
+    // Pixels after the last splat repeat it, which takes no bytes.
     for (let at = 4 * count; at < pixels.length; at++) pixels[at] = pixels[at - 4];
     return addImage(name, pixels);
   };
@@ -160,7 +161,7 @@ async function checkFinite(
   await check(colorDc, 3, 'colour');
 }
 
-/** The set's own palette, or one of as many entries as a power of two has that is not above the number of splats: half of them or more. */
+/** The set's own palette, or one with the largest power of two up to `count` as entries. */
 async function paletteOf(
   { harmonics, count }: SplatSet<Harmonics>,
   turns: Turns,
@@ -211,7 +212,7 @@ async function rangeOf(set: SplatSet<Harmonics>, turns: Turns): Promise<{ mins: 
   return { mins, maxs };
 }
 
-/** Three components of a unit quaternion, and which one is left out: the largest, taken to be positive. */
+/** Three components of a unit quaternion, and which is left out: the largest, as if positive. */
 function putRotation(rotation: Float64Array, pixels: Uint8Array, at: number): void {
   const largest = largestComponent(rotation);
   const sign = rotation[largest] < 0 ? -1 : 1;

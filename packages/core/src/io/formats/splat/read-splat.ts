@@ -10,35 +10,38 @@ import { takesCount } from '../row-sink.ts';
 import { type ReadFormat, SNIFF_BYTES } from '../splat-format.ts';
 
 const ROW_BYTES = 32;
-/** Rows by which a file is judged, which nothing but its name tells to be a .splat: those by which other formats are told. */
+/** Rows that judge a .splat, which only its name tells: as many bytes as tell other formats. */
 const ROWS_JUDGED = SNIFF_BYTES / ROW_BYTES;
 /** In any unit, scenes are far smaller. */
 const MOST_LENGTH = 1e9;
-/** Thinner splats are flat, which is written as 0. Whole numbers of 32 bits, taken for float32, are far less. */
+/** Thinner splats are flat, written as 0. Integers of 32 bits, taken for float32, are far less. */
 const LEAST_SCALE = 1e-12;
 const ROW_LENGTH = rowLength(0);
 
 const COLORS = tableOfBytes(colorDcOf);
 const LOGITS = tableOfBytes(logitOf);
 /**
- * Parts of rotations were multiplied by 128 and moved by 128. Most writers then cut off the fraction, so that the middle of a step is
- * nearest; 0 is too common to be moved, too.
+ * Parts of rotations were multiplied by 128 and moved by 128. Most writers then cut off the
+ * fraction, so that the middle of a step is nearest; 0 is too common to be moved, too.
  */
 const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 ? 0 : (byte - 127.5) / 128));
 
 /**
- * Reads a `.splat`, little-endian rows of: position, 3 × f32; scale as it is, 3 × f32; red, green, blue, opacity, a byte each; rotation
- * w x y z, a byte each, where 128 is 0 and a step is 1/128, in which the middle is meant.
+ * Reads a `.splat`, little-endian rows of: position, 3 × f32; scale as it is, 3 × f32; red, green,
+ * blue, opacity, a byte each; rotation w x y z, a byte each, where 128 is 0 and a step is 1/128, in
+ * which the middle is meant.
  *
- * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`): splats of 2DGS, which lack the third, are
- * written so. A row with a negative one is dropped, as one that is not finite is.
+ * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`):
+ * splats of 2DGS, which lack the third, are written so. A row with a negative one is dropped, like
+ * one that is not finite.
  *
- * Among the first rows, those with positions or scales that no scene has tell other files: more than a half of them is too many, and
- * more than a tenth makes a note.
+ * Among the first rows, those with positions or scales that no scene has tell other files: more
+ * than a half of them is too many, and more than a tenth makes a note.
  *
- * Rows that go to the GPU, and those of pieces, are decoded as they arrive, where the size of the file is certain.
+ * Rows for the GPU, and those of pieces, are decoded as they arrive, if the file's size is certain.
  *
- * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'unknown-format' for other files; 'too-large', 'empty'.
+ * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'unknown-format' for
+ * other files; 'too-large', 'empty'.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;

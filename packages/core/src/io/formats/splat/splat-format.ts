@@ -2,8 +2,8 @@ import { latin1 } from '../latin1.ts';
 import { OTHER_FILES } from '../other-files.ts';
 import type { SplatFormat } from '../splat-format.ts';
 
-/** How files of other formats that are read begin, if people name like this: gzip, zip, Zstandard, .ksplat. */
-// biome-ignore lint/suspicious/noControlCharactersInRegex: they are what tells these
+/** First bytes of readable formats that people may name .splat: gzip, zip, Zstandard, .ksplat. */
+// biome-ignore lint/suspicious/noControlCharactersInRegex: they tell these formats
 const OTHERS = /^(\x1f\x8b\x08|PK\x03\x04|\x28\xb5\x2f\xfd|\0[^\0]\0\0)/;
 
 /** Rows of 32 bytes without a header, as antimatter15's viewer reads them. */
@@ -11,7 +11,7 @@ export const splatFormat: SplatFormat = {
   name: 'splat',
   title: '.splat',
   extensions: ['.splat'],
-  // Nothing in the bytes tells it. But no splat consists of letters, as PLY, a web page or a pointer to a file does.
+  // No bytes tell it. But no splat consists of letters, as PLY, web pages or pointers to files do.
   recognise: (firstBytes, fileName) => {
     const row = latin1(firstBytes.subarray(0, 32));
     if (!/\.splat$/i.test(fileName) || !/[^\t\n\r\x20-\x7e]/.test(row) || OTHERS.test(row)) return false;

@@ -17,7 +17,7 @@ import {
 } from './spz-header.ts';
 import { emptyAttributes, type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
 
-/** What a file holds, unpacked. */
+/** Contents of a file, unpacked. */
 export interface SpzContents {
   readonly header: SpzHeader;
   readonly attributes: SpzAttributes;
@@ -30,12 +30,13 @@ type SpzBody = Omit<SpzContents, 'header'>;
 const TABLE_ENTRY_BYTES = 16;
 
 /**
- * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does. Of harmonics, those of degree 4 are left out and
- * the others stay as they are.
+ * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does. Of harmonics,
+ * those of degree 4 are left out and the others stay as they are.
  *
- * Splats are turned to the axes of PLY files (right, down, front) where the file names its coordinate system. Where it does not, they
- * stay as they are: the library says that such files have y up and z to the back, but its own converter, splat-transform and Spark
- * write the axes of the PLY file that they were given, so that the two land alike.
+ * Splats are turned to the axes of PLY files (right, down, front) if the file names its coordinate
+ * system; else they stay as they are: the library says that such files have y up and z to the back,
+ * but its own converter, splat-transform and Spark write the axes of the PLY file that they were
+ * given, so that the two land alike.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { header, attributes, coordinateSystem } = await readSpzContents(input, options);
@@ -71,7 +72,7 @@ async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody>
   return { attributes, coordinateSystem };
 }
 
-/** From version 4 on: extensions, a table of sizes, and a stream for each attribute that takes any bytes. */
+/** From version 4 on: extensions, a table of sizes, a stream for each attribute with any bytes. */
 async function readStreams(
   header: SpzHeader,
   input: SplatInput,

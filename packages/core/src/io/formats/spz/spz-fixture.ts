@@ -24,7 +24,7 @@ export interface SpzFixture {
   readonly fractionalBits?: number;
   /** Bytes of all extensions. */
   readonly extensions?: readonly number[];
-  /** Changes what packs a stream. */
+  /** Replaces the packing of a stream. */
   readonly pack?: (bytes: Uint8Array) => Uint8Array;
 }
 
@@ -58,7 +58,7 @@ export function coordinateSystemExtension(system: number): number[] {
   return spzExtension(0xadbe0003, littleEndian(system, 4));
 }
 
-/** A file; before version 4, what is in its gzip stream. */
+/** A file; before version 4, the contents of its gzip stream. */
 export function spzBytes(fixture: SpzFixture): Uint8Array<ArrayBuffer> {
   const { version, degree, splats, flags = 0, fractionalBits = 12 } = fixture;
   const { extensions = [], pack = storeZstd } = fixture;
@@ -91,7 +91,7 @@ export function spzBytes(fixture: SpzFixture): Uint8Array<ArrayBuffer> {
   ]);
 }
 
-/** The four bytes of a rotation from version 3 on: the largest of x, y, z, w, and of each other one a sign and nine bits. */
+/** A rotation's four bytes from version 3 on: which is largest, a sign and 9 bits of others. */
 export function smallestThree(
   largest: number,
   others: readonly { isNegative: boolean; magnitude: number }[],

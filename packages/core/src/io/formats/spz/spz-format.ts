@@ -2,7 +2,7 @@ import { isGzip } from '../gzip/gzip-format.ts';
 import { latin1 } from '../latin1.ts';
 import type { SplatFormat } from '../splat-format.ts';
 
-/** Before version 4, what is packed begins with it. */
+/** Before version 4, packed contents begin with it. */
 export const SPZ_MAGIC = 'NGSP';
 
 /** SPZ by Niantic, versions 1 to 4; before version 4, all of the file is packed by gzip. */

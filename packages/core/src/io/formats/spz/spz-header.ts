@@ -6,7 +6,7 @@ import { SPZ_MAGIC } from './spz-format.ts';
 import { FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 import { LAST_COORDINATE_SYSTEM } from './turn-axes.ts';
 
-/** What the first bytes of a file say. */
+/** The facts in the first bytes of a file. */
 export interface SpzHeader {
   readonly version: number;
   readonly count: number;
@@ -16,7 +16,7 @@ export interface SpzHeader {
   readonly fractionalBits: number;
   readonly isAntialiased: boolean;
   readonly hasExtensions: boolean;
-  /** From version 4 on: how many streams there are, and where the table of their sizes begins, in bytes. */
+  /** From version 4 on: number of streams, and the byte where the table of their sizes begins. */
   readonly streamCount: number;
   readonly tableByte: number;
 }
@@ -32,7 +32,7 @@ const STREAMS_HEADER_BYTES = 32;
 
 const COORDINATE_SYSTEM_EXTENSION = 0xadbe0003;
 
-/** Whether each attribute is a stream of its own, packed by zstd, instead of all being one after another. */
+/** Whether each attribute is a stream of its own, packed by zstd, instead of all in succession. */
 export function hasStreams({ version }: Pick<SpzHeader, 'version'>): boolean {
   return version >= FIRST_VERSION_OF_STREAMS;
 }
@@ -95,8 +95,8 @@ export async function readSpzHeader(reader: ByteReader, file: string, maxSplats:
 }
 
 /**
- * Reads extensions up to byte `end`, or to the end of the file and at least one, and returns the number of the coordinate system that they name;
- * null if they name none. Other extensions are passed over.
+ * Reads extensions up to byte `end`, or to the end of the file and at least one. Returns the number
+ * of the coordinate system that they name, or null. Other extensions are passed over.
  *
  * Rejects with SplatFileError 'truncated', 'bad-header'.
  */

@@ -45,9 +45,9 @@ export function spzAttributeBytes({
 }
 
 /**
- * The splats of a file whose attributes are all there. Harmonics of degree 4, the last ones of each splat, are left out.
+ * The splats of a file whose attributes are all there, without harmonics of degree 4.
  *
- * @param coordinateSystem its number, if the file names one; its axes are turned to those of PLY files.
+ * @param coordinateSystem its number, if the file names one; its axes are turned to those of PLY.
  */
 export function spzRows(
   header: SpzHeader,
@@ -84,7 +84,7 @@ export function spzRows(
         rows[at + ROW_SLOT.opacity] = OPACITIES[alphas[splat]];
         const from = fileCoefficients * splat;
         const sh = at + ROW_SLOT.harmonics;
-        // Three at once, red, green and blue, take two thirds of the time; this is most of the work.
+        // Red, green and blue at once take two thirds of the time; this is most of the work.
         for (let i = 0; i < coefficients; i += 3) {
           rows[sh + i] = HARMONICS[harmonics[from + i]];
           rows[sh + i + 1] = HARMONICS[harmonics[from + i + 1]];
@@ -120,7 +120,7 @@ function firstThree(bytes: Uint8Array, from: number, rows: Float32Array, at: num
   rows[at] = Math.sqrt(Math.max(0, 1 - squares));
 }
 
-/** All of x, y, z, w but the largest: 9 bits and a sign each, of x the highest ones; the top two bits tell the largest. */
+/** All of x, y, z, w but the largest, which the top bits tell: 9 bits and a sign, x highest. */
 function smallestThree(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
   let word = bytes[from] | (bytes[from + 1] << 8) | (bytes[from + 2] << 16) | (bytes[from + 3] << 24);
   const largest = word >>> 30;

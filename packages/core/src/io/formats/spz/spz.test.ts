@@ -202,7 +202,7 @@ describe('coordinate systems', () => {
         ...coordinateSystemExtension(system),
       ];
       const set = await read(spzBytes({ version, degree: 3, splats, extensions }));
-      // What a vector along the file's axes is along those of PLY files.
+      // A vector along the file's axes, along those of PLY files.
       const turned = (vector: Vector) =>
         [0, 1, 2].map((axis) =>
           dot(
@@ -403,7 +403,7 @@ test('any damage gives splats or a typed error', { timeout: 3_600_000 }, async (
     const splats = splatsOf(version, degree, 1 + choices.below(4));
     let bytes: Uint8Array = spzBytes({ version, degree, splats, extensions });
     for (let i = choices.below(4); i >= 0; i--) {
-      // Most of what can go wrong is in the first bytes.
+      // Most possible faults are in the first bytes.
       const at = choices.below(choices.isTrue(0.6) ? 160 : bytes.length);
       if (at >= 4 && at < bytes.length) bytes[at] = choices.of([0, 1, 4, 127, 255, choices.below(256)]);
     }

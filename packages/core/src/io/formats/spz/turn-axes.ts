@@ -15,7 +15,7 @@ export const LAST_COORDINATE_SYSTEM = 16;
 /** Which axes (1 for x, 2 for y, 4 for z) each harmonic of degrees 1 to 3 is an odd function of. */
 const ODD_AXES = [2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1];
 
-/** What harmonics of degrees 1 to 3 become by (x, y, z) -> (x, z, -y): for each one, the earlier ones that it is a sum of. */
+/** Harmonics of degrees 1 to 3 after (x, y, z) -> (x, z, -y): the earlier ones in each sum. */
 const QUARTER_TURN: readonly (readonly (readonly [from: number, factor: number])[])[] = [
   [[1, -1]],
   [[0, 1]],
@@ -62,11 +62,13 @@ const QUARTER_TURN: readonly (readonly (readonly [from: number, factor: number])
 export type TurnRows = (rows: Float32Array, rowLength: number, rowCount: number) => void;
 
 /**
- * Returns what turns splats from a coordinate system, by its number in SPZ files, to that of PLY files; null if that changes nothing.
- * Mirrored axes turn the ellipsoids' rotations and the harmonics as well.
+ * Returns a function that turns splats from a coordinate system, by its number in SPZ files, to
+ * that of PLY files; null if they are equal. Mirrored axes turn the ellipsoids' rotations and the
+ * harmonics as well.
  *
- * That is how Niantic's library turns them, which is the only one that writes such numbers. Its names for 9 and 10 (left or right,
- * front, down) and for 15 and 16 (left or right, back, up) fit only the other way around.
+ * That is how Niantic's library turns them, which is the only one that writes such numbers. Its
+ * names for 9 and 10 (left or right, front, down) and for 15 and 16 (left or right, back, up) fit
+ * only the other way around.
  */
 export function turnToPlyAxes(coordinateSystem: number): TurnRows | null {
   const axes = coordinateSystem - 1;

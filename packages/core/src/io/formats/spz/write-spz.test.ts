@@ -28,7 +28,7 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of the 
   expect(errors.logScale).toBeLessThanOrEqual(1 / 32);
   expect(errors.opacity).toBeLessThanOrEqual(0.5 / 255 + 1e-7);
   expect(errors.colorDc).toBeLessThanOrEqual(0.5 / 255 / 0.15 + 1e-6);
-  // As in spz.test.ts: three components are off by half a step, the fourth by up to twice as much as they are together.
+  // As in spz.test.ts: three parts are off by half a step, the fourth by up to twice their sum.
   const off = (Math.sqrt(3) * Math.SQRT1_2) / 511 / 2;
   expect(errors.angle).toBeLessThanOrEqual(2 * Math.hypot(off, 2 * off));
   // Half of 8/128 and 16/128.

@@ -26,19 +26,19 @@ const HELD_BYTES = 1 << 28;
 /** Held bytes that are packed at once. */
 const PACKED_AT_ONCE = 1 << 18;
 /**
- * Steps of harmonics of degree 1, and of the others, in 1/128: the format's own library keeps 5 and 4 bits of the 8, since gzip makes
- * nothing of the rest.
+ * Steps of harmonics of degree 1, and of the others, in 1/128: the format's own library keeps 5 and
+ * 4 bits of the 8, since gzip makes nothing of the rest.
  */
 const FIRST_SH_STEP = 8;
 const OTHER_SH_STEP = 16;
 const FIRST_SH_VALUES = coefficientsPerSplat(1);
-/** What `onProgress` is told when all splats are encoded and none are packed. */
+/** Fraction for `onProgress` when all splats are encoded and none are packed. */
 const ENCODED = 0.5;
 
 /**
- * Writes SPZ, version 3, in the axes and the order of the set. What is lost: positions are rounded to 1/4096, log scales to 1/16 between
- * −10 and 6, opacities to 1/255, base coefficients to 1/38 between −3.3 and 3.3, components of rotations to 1/723, harmonics to 1/16 (of
- * degree 1) and 1/8 between −1 and 1.
+ * Writes SPZ, version 3, in the axes and the order of the set. It rounds positions to 1/4096, log
+ * scales to 1/16 between −10 and 6, opacities to 1/255, base coefficients to 1/38 between −3.3 and
+ * 3.3, components of rotations to 1/723, harmonics to 1/16 (of degree 1) and 1/8 between −1 and 1.
  *
  * Rejects with InvalidArgumentError 'set' if a coordinate is not between −2048 and 2048.
  */
@@ -60,7 +60,7 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
   return packGzip(bytes, { signal, onProgress: onPacked });
 };
 
-/** As `write`, in several passes over the pieces: one for the first attribute and as many of the next as may be held, and so on. */
+/** As `write`, in passes over the pieces, each for as many more attributes as may be held. */
 export const writePieces: WritePieces = async (pieces, options, put) => {
   const { count } = pieces.facts;
   const passes = passesOf(attributesOf(pieces.facts.shDegree), HELD_BYTES / count);
@@ -87,7 +87,7 @@ export const writePieces: WritePieces = async (pieces, options, put) => {
 /** One value of each splat; those of all splats follow each other in the file. */
 interface Attribute {
   readonly splatBytes: number;
-  /** Puts that of splat `i` at `at`. `before` is the number of splats before the set, for messages. */
+  /** Puts that of splat `i` at `at`. `before` counts the splats before the set, for messages. */
   put(set: SplatSet<Harmonics>, i: number, bytes: Uint8Array, at: number, before: number): void;
 }
 
@@ -138,7 +138,7 @@ function bytesOf(attributes: readonly Attribute[]): number {
   return attributes.reduce((sum, { splatBytes }) => sum + splatBytes, 0);
 }
 
-/** Attributes in their order, divided so that all but the first of each pass have at most so many bytes of a splat. */
+/** Attributes in order, in passes that hold at most so many bytes of a splat besides the first. */
 function passesOf(attributes: readonly Attribute[], mostHeldBytes: number): Attribute[][] {
   const passes: Attribute[][] = [];
   for (const attribute of attributes) {
@@ -181,7 +181,7 @@ const putPosition: Attribute['put'] = ({ positions, origin }, i, bytes, at, befo
   }
 };
 
-/** All of x, y, z, w but the largest, where that one is positive: each a sign and 9 bits, up to √½. */
+/** All of x, y, z, w but the largest, where it is positive: each a sign and 9 bits, up to √½. */
 function putRotation(rotation: Float64Array, bytes: Uint8Array, at: number): void {
   const largest = largestComponent(rotation);
   const isReversed = rotation[largest] < 0;

@@ -205,7 +205,7 @@ describe('what is refused', () => {
   const zip64 = zipBytes({ 'a.ply': ply }, { isZip64: true });
   const entry64 = placeOf(zip64, CENTRAL);
   const [end64, locator64] = [placeOf(zip64, END64), placeOf(zip64, LOCATOR64)];
-  /** After the name and a field of 9 bytes: sizes and place, behind the 4 bytes that begin their field. */
+  /** After the name and a field of 9 bytes: sizes and place, behind their field's first 4 bytes. */
   const field64 = entry64 + 46 + 'a.ply'.length + 9;
   const places64: readonly [string, number, bigint, string, RegExp][] = [
     ['more bytes', field64 + 4, 2n ** 33n, 'damaged', /two sizes/],

@@ -17,7 +17,7 @@ import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../splat-
 const MOST_LISTED = 8;
 
 /**
- * Reads the scene in a zip archive, which is a folder packed into one file: SOG, or one file of another format.
+ * Reads the scene in a zip archive: SOG, whose folder it is, or one file of another format.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -61,7 +61,7 @@ export async function readZip(
   }
 }
 
-/** What macOS adds. */
+/** Whether macOS has added the file. */
 function isByproduct(path: string): boolean {
   return /^__MACOSX\/|(?:^|\/)\._[^/]*$/.test(path);
 }
