@@ -73,7 +73,7 @@ function table(): AccuracyTable {
 describe('accuracyChart', () => {
   const chart = accuracyChart(table(), 'garden <1> & more');
 
-  test('labels every point, marks the front and the base, and escapes what it is given', () => {
+  test('labels every point, marks the front and the base, and escapes its text', () => {
     for (const [name] of ROWS) expect(chart).toContain(`>${name}</text>`);
     // A combination is a letter in the plot, and a line of the key.
     expect(chart.match(/>A<\/text>/g)).toHaveLength(2);

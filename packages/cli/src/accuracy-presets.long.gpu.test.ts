@@ -21,7 +21,7 @@ beforeAll(async () => {
 });
 afterAll(() => engine?.destroy());
 
-describe('presets against float64, with what they cost', () => {
+describe('presets against float64, with their cost', () => {
   gpuTest(
     'the built-in scene',
     async () => {

@@ -68,7 +68,7 @@ binTest('it ends quietly when its reader has gone, and with one line when its di
   });
 });
 
-binTest('- is standard input and standard output, and what was done is said on standard error', () => {
+binTest('- is standard input and standard output, and the report is on standard error', () => {
   const folder = new TestFolder();
   folder.scene();
   const report = /^(\d+ %: [^\n]+\n)+-: 3 splats, [^\n]+\n$/;

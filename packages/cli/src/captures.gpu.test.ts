@@ -5,7 +5,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe } from 'vitest';
 import { expectPresetsOfObject, referenceEngine } from './testing/expect-presets.ts';
 
-describe.runIf(captures)('presets against float64, with what they cost, of', () => {
+describe.runIf(captures)('presets against float64, with their cost, of', () => {
   gpuTest(
     'a captured robot',
     async () => {

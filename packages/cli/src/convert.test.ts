@@ -34,7 +34,7 @@ test.each(WRITABLE_FORMATS)('a PLY becomes $name and comes back', async ({ name,
   for (const value of row) expect(Math.abs(value - 0.5)).toBeLessThanOrEqual(4 / 128);
 });
 
-test('--json says what was done; progress goes to standard error', async () => {
+test('--json reports the work; progress goes to standard error', async () => {
   const folder = new TestFolder();
   const [scene, out] = [folder.scene(), folder.file('b.bin')];
   const { status, out: printed, err } = await runMain('convert', scene, out, '--format', 'spz', '--json');
@@ -80,7 +80,7 @@ test('several scenes are merged, moved, cropped and simplified, in this order', 
   expect(found).toEqual(expected);
 });
 
-test('notes say what may surprise', async () => {
+test('notes tell surprises', async () => {
   const folder = new TestFolder();
   const set = { ...threeSplats(), isAntialiased: true };
   set.positions[0] = Number.NaN;
@@ -114,7 +114,7 @@ test('notes say what may surprise', async () => {
   expect(await notesOf('builtin:still-life-small', folder.file('made.glb'), '--sh', '0')).toEqual([]);
 });
 
-test('what is read is not overwritten by any of its names, nor is a part of a scene', async () => {
+test('an input is not overwritten by any of its names, nor is a part of a scene', async () => {
   const folder = new TestFolder();
   const scene = folder.scene();
   linkSync(scene, folder.file('linked.ply'));

@@ -141,7 +141,7 @@ function isReadInPieces(scenes: readonly SceneSource[], { format }: ConvertOptio
   return scenes.length === 1 && isLarge && canWritePieces(format.name);
 }
 
-/** Reads the scene once for the facts that the output begins with, and again for each part of it. */
+/** Reads the scene once for the facts that the output begins with, and again for each part. */
 async function inPieces(
   [scene]: readonly SceneSource[],
   options: ConvertOptions,

@@ -22,14 +22,14 @@ test('info describes a file', async () => {
   });
 });
 
-test('info says what a file says of itself', async () => {
+test('info tells the facts in the header of a file', async () => {
   const folder = new TestFolder();
   const scene = folder.scene('trained.ply', { ...threeSplats(), isAntialiased: true });
   const { out } = await runMain('info', scene);
   expect(out).toMatch(/^antialiased +yes, it was trained so$/m);
 });
 
-test('info says by what a glTF is sorted', async () => {
+test('info tells the sort key of a glTF', async () => {
   const folder = new TestFolder();
   const infoOf = async (sortingMethod?: string) =>
     (await runMain('info', folder.write('splat.gltf', gltfOfOneSplat({ sortingMethod })))).out;
@@ -37,7 +37,7 @@ test('info says by what a glTF is sorted', async () => {
   expect(await infoOf('zDepth')).not.toMatch(/^sorted by/m);
 });
 
-test('info counts what was left out, by reason', async () => {
+test('info counts rows that were left out, by reason', async () => {
   const set = threeSplats();
   set.positions[3] = Number.NaN;
   const { out } = await runMain('info', new TestFolder().scene('nan.ply', set), '--json');
@@ -81,7 +81,7 @@ test('invisible bands are reported and take no memory', async () => {
   expect((await runMain('info', scene)).out).toMatch(/^SH degree +1, seen up to 0$/m);
 });
 
-test('what a terminal would obey in the name of a file is not repeated to it', async () => {
+test('codes that a terminal would obey in the name of a file are not repeated to it', async () => {
   const { out } = await runMain('info', new TestFolder().scene('a\u001b[31m.ply'));
   expect(out).toMatch(/^scene .*a·\[31m\.ply$/m);
 });

@@ -26,7 +26,7 @@ export interface OutputFile extends Output {
 const PIECE_BYTES = 1 << 20;
 
 /**
- * Checks what a command writes, standard output included. To be called before any work is done.
+ * Checks a command's outputs, standard output included. To be called before any work is done.
  *
  * @param inputs files that are read; `-` is standard input.
  *

@@ -8,7 +8,7 @@ test('pixels are composited over the background, rounded and clamped', () => {
   expect([...toRgb8(raw, [1, 0.5, 0])]).toEqual([179, 64, 0, 255, 128, 0, 255, 0, 128]);
 });
 
-test('the PNG holds what was composited, opaque', () => {
+test('the PNG holds the composited image, opaque', () => {
   const raw = { widthPx: 2, heightPx: 2, data: Float32Array.from({ length: 16 }, (_, i) => i / 16) };
   const image = decode(encodePng(raw, [0, 0, 0]));
   expect([image.width, image.height, image.channels, image.depth]).toEqual([2, 2, 3, 8]);

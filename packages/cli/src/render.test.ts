@@ -100,7 +100,7 @@ test('bad input gives one line, status 2 and no file', async () => {
   expect(readdirSync(folder.path).filter((name) => name.startsWith('.'))).toEqual([]);
 });
 
-test('splats are sorted by what is asked for', async () => {
+test('splats are sorted as asked for', async () => {
   const folder = new TestFolder();
   const set = { ...threeSplats(), logScales: new Float32Array(9).fill(0) };
   // Red, on the left, is less deep than the others, and farther.
@@ -116,7 +116,7 @@ test('splats are sorted by what is asked for', async () => {
   expect(await redOf('auto')).toBe(await redOf('depth'));
 });
 
-test.each(['--out', '--raw', '--timings'])('%s does not overwrite what is read', async (argument) => {
+test.each(['--out', '--raw', '--timings'])('%s does not overwrite an input', async (argument) => {
   const folder = new TestFolder();
   const [scene, camera] = [folder.scene(), folder.camera()];
   const model = folder.write('model.json', [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);

@@ -2,7 +2,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { runMain } from './testing/test-folder.ts';
 
-gpuTest('soak says what it drew, and that nothing is left of it', async () => {
+gpuTest('soak reports its frames, and that nothing is left of them', async () => {
   const { status, out } = await runMain('soak', '--frames', '21', '--seed', '4');
   expect(status).toBe(0);
   expect(out).toMatch(/^21 frames with seed 4 in [\d.]+ s on .+$/m);

@@ -29,7 +29,7 @@ export interface NodeGpu {
  * constants and classes (`GPUBufferUsage`, …) as globals. Every call returns a fresh adapter of the
  * same GPU.
  *
- * @throws WebGpuUnavailableError if no adapter is found, with what was tried and what to install.
+ * @throws WebGpuUnavailableError if no adapter is found, with the attempts and what to install.
  */
 export async function createNodeGpu(options: NodeGpuOptions = {}): Promise<NodeGpu> {
   const forceSoftware = options.forceSoftware ?? false;

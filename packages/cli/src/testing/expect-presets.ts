@@ -130,7 +130,7 @@ function report({ adapterLabel }: SplatEngine, scene: string, rows: Record<strin
     [
       `${scene}, ${widthPx}×${heightPx}, ${adapterLabel}; time of ${TIMED_FRAMES > 0 ? `${TIMED_FRAMES} frames` : 'the first frame alone'}`,
       ...lines,
-      '`paper` is not on the line from `reference` to `fast`: what it loses most is colours above 1, which a byte cannot hold.',
+      '`paper` is not on the line from `reference` to `fast`: it mostly loses colours above 1, which a byte cannot hold.',
     ].join('\n'),
   );
 }

@@ -207,7 +207,7 @@ describe('transforms', () => {
   });
 });
 
-describe('what is no image', () => {
+describe('bytes that are no image', () => {
   const items = noise(4);
   const good = vp8lBytes(2, 2, { items });
   const failure = (bytes: Uint8Array) => {

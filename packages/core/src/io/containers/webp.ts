@@ -47,7 +47,7 @@ export function openWebp(bytes: Uint8Array, file: string): WebpImage {
     if (kind === 'VP8L') {
       const image = { file, data, ...checked(file, () => vp8lSize(data)) };
       if (canvas && (canvas.width !== image.width || canvas.height !== image.height))
-        fail('damaged', `it says of its size what its image contradicts. ${EXPORT_AGAIN}.`, at);
+        fail('damaged', `it states a size that its image contradicts. ${EXPORT_AGAIN}.`, at);
       return image;
     }
     if (kind === 'VP8 ') fail('unknown-format', `it is a lossy WebP image; ${NEED_LOSSLESS}.`, at);

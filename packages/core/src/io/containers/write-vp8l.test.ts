@@ -62,7 +62,7 @@ describe('pixels come back', () => {
     expect(greys).toBeLessThan(1.05 * 64 * 64 + 300);
   });
 
-  test('what comes again is copied', async () => {
+  test('repeated pixels are copied', async () => {
     const tile = Array.from({ length: 256 }, noise);
     const size = await bytesOf(256, 64, (x, y) => tile[(x + 31 * y) % 256]);
     expect(size).toBeLessThan(4 * 256 + 5 * 200 + 400);

@@ -24,7 +24,7 @@ const frame = (length: number, kind: number, size: number, ...body: number[]) =>
   return [...MAGIC, 0x20, length, head & 255, (head >> 8) & 255, head >> 16, ...body];
 };
 
-describe('what is unpacked', () => {
+describe('unpacks', () => {
   test.each(ZSTD_EXAMPLES)('$name', ({ unpacked, packed }) => {
     expect(unpack(packed, unpacked.length)).toEqual(unpacked);
     expect(decompress(packed)).toEqual(unpacked);
@@ -43,7 +43,7 @@ describe('what is unpacked', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   const { unpacked, packed } = ZSTD_EXAMPLES[0];
 
   test('another length than was promised', () => {

@@ -210,7 +210,7 @@ describe('decoded rows', () => {
     await expect(deliver(11)).rejects.toMatchObject({ code: 'too-large' });
   });
 
-  test('end when the load is called off, and report how far they are', async () => {
+  test('end when the load is aborted, and report how far they are', async () => {
     const stop = new AbortController();
     const opened = await openSource(new Uint8Array(8), { name: 'test' });
     const reader = new ByteReader(opened, stop.signal);

@@ -14,7 +14,7 @@ const rowsBelow = (head: string) => documentation.split(head)[1].split('\n\n')[0
 
 test('every format that is read has code, and a row with its files in docs/formats.md', () => {
   const code = Object.keys(import.meta.glob('./*/*.ts'));
-  const rows = rowsBelow('| format | files | what is read | what is not |');
+  const rows = rowsBelow('| format | files | read | not read |');
   expect(rows).toHaveLength(SPLAT_FORMATS.length);
   for (const { name, extensions } of SPLAT_FORMATS) {
     expect(code.some((path) => [`./${name}/read-${name}.ts`, `./${name}/${name}.ts`].includes(path))).toBe(
@@ -28,7 +28,7 @@ test('every format that is read has code, and a row with its files in docs/forma
 });
 
 test('every format that is written has a row in docs/formats.md, in the order of pickers', () => {
-  const rows = rowsBelow('| format | order | what is lost: half of a step |');
+  const rows = rowsBelow('| format | order | loss: half of a step |');
   expect(rows).toHaveLength(WRITABLE_FORMATS.length);
   for (const [i, { title }] of WRITABLE_FORMATS.entries())
     expect(rows[i].toLowerCase()).toMatch(new RegExp(`^\\| ${title.toLowerCase()}\\b`));
@@ -42,7 +42,7 @@ test.each([
   ['spz', 'NGSP\x04\0\0\0'],
   ['gltf', 'glTF\x02\0\0\0'],
   ['splat', '\xff'.repeat(32)],
-])('what is %s by its first bytes is so under the name of a .splat', (name, text) => {
+])('first bytes of %s count for more than the name of a .splat', (name, text) => {
   const firstBytes = Buffer.from(text, 'latin1');
   expect(detectFormat(firstBytes, 'a', 'a.splat').name).toBe(name);
   expect(ALL_READERS.pick(firstBytes, 'a', 'a.splat')).toBeTypeOf('function');

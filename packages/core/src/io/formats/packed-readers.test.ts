@@ -30,7 +30,7 @@ const read = (bytes: Uint8Array, name: string) =>
   readSource(Uint8Array.from(bytes), { name, shPrecision: 'f32' }, ALL_READERS);
 
 describe.each(FILES)('%s', (name, bytes) => {
-  test('packed by gzip, under any name where the bytes tell what it is', async () => {
+  test('packed by gzip, under any name where the bytes tell the format', async () => {
     const alone = await read(bytes, name);
     expect(await read(gzipSync(bytes), `${name}.gz`)).toEqual(alone);
     if (!name.endsWith('.splat')) expect(await read(gzipSync(bytes), 'scene')).toEqual(alone);
@@ -48,7 +48,7 @@ test('a glTF finds its buffer in its archive', async () => {
   expect(await read(zip, 'scene.zip')).toMatchObject(whole);
 });
 
-test('what is packed and no scene is refused', async () => {
+test('packed files without a scene are refused', async () => {
   const gzip = await fileErrorOf(read(gzipSync('hello'), 'hello.gz'));
   expect(gzip).toMatchObject({
     code: 'unknown-format',

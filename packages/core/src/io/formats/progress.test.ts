@@ -32,7 +32,7 @@ function watch(input: SplatInput) {
   return { progress, reports, later };
 }
 
-test('of several files, what has arrived of each counts, and the size once it is known of all', async () => {
+test('arrived bytes of several files count, and their size once all are known', async () => {
   const { progress, reports, later } = watch(await readInput());
   progress.expectParts(2);
   const first = progress.beginPart(1000);

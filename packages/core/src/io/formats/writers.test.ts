@@ -52,7 +52,7 @@ test('no splats make no file', async () => {
   await expect(writeSplats(randomSplats({ count: 0 }), 'ply')).rejects.toMatchObject({ argument: 'set' });
 });
 
-test('what is written is among what is read', () => {
+test('every written format is read', () => {
   const read = SPLAT_FORMATS.map(({ name }) => name);
   expect(NAMES.filter((name) => !read.includes(name))).toEqual([]);
 });

@@ -187,7 +187,7 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       expect(sink.layout).toBeNull();
     });
 
-    test('what the sink throws ends the load', async () => {
+    test('an error of the sink ends the load', async () => {
       useWorkers(behaviour);
       const reason = new Error('no memory');
       const sink = new RowList();
@@ -228,7 +228,7 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       expect(harmonics.precision).toBe('f16');
     });
 
-    test('what the splats call for crosses, and bands that cannot be seen do not', async () => {
+    test('needs of the splats cross, and invisible bands do not', async () => {
       const set = randomSplats({ count: 50 });
       set.harmonics.coefficients.fill(0);
       const source = encodePly(set);
@@ -372,7 +372,7 @@ describe('many loads at once', () => {
     }
   });
 
-  test('those that fail or are called off make room for others', async () => {
+  test('those that fail or are aborted make room for others', async () => {
     useWorkers('works');
     threads(2);
     const stalled = () => new ReadableStream<Uint8Array>({ pull: () => new Promise(() => {}) });
@@ -415,7 +415,7 @@ describe('many loads at once', () => {
   });
 });
 
-describe('what can be read again', () => {
+describe('a lasting source', () => {
   test('is an address, as the page has it now, a Blob or a File', () => {
     vi.stubGlobal('document', { baseURI: 'https://example.org/scenes/' });
     expect(lastingSource('garden.ply')).toBe('https://example.org/scenes/garden.ply');

@@ -77,7 +77,7 @@ describe('a worker of another origin', () => {
     expect(warn.mock.calls[0][0].message).toContain(`${FOREIGN} did not start as a worker`);
   });
 
-  test('is not started for a load that has been called off', async () => {
+  test('is not started for a load that has been aborted', async () => {
     const startWorker = await freshStartWorker();
     const signal = AbortSignal.abort(new Error('enough'));
     await expect(startWorker(maker(FOREIGN), signal)).rejects.toThrow('enough');

@@ -60,7 +60,7 @@ describe.each(STREAMS)('a stream that $kind', ({ kind, streamOf }) => {
     }
   });
 
-  test('peek shows what comes next, no more than asked for or than there is, and leaves it to be read', async () => {
+  test('peek shows the next bytes, no more than asked for or there are, and leaves them to be read', async () => {
     const bytes = numbers(1_000_000);
     for (const sizes of [[1_000_000], [70_001, 3]]) {
       const reader = readerOf(streamOf, bytes, sizes);

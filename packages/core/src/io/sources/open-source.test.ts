@@ -201,7 +201,7 @@ describe('failures', () => {
     expect((await failure(readSplats(texts))).message).toContain('the stream gave a string');
   });
 
-  test('what is no source', async () => {
+  test('values that are no source', async () => {
     for (const wrong of [null, undefined, 7, {}, [1, 2]]) {
       expect(await failure(readSplats(wrong as unknown as SplatSource))).toBeInstanceOf(InvalidArgumentError);
     }

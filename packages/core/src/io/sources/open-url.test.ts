@@ -405,7 +405,7 @@ describe('a server that lies', () => {
   });
 });
 
-describe('what a server may send', () => {
+describe('limits of servers', () => {
   test('a bomb of 1 GB ends early', async () => {
     const zeros = Buffer.alloc(1 << 20);
     const start = Buffer.from(
@@ -450,7 +450,7 @@ describe('what a server may send', () => {
     expect((await readSplats(url, { maxSplats: 2000 })).count).toBe(2000);
   });
 
-  test('limits hold for what is in memory, if they are given', async () => {
+  test('limits hold for bytes in memory, if they are given', async () => {
     expect(await failure(readSplats(ply, { maxBytes: 10 }))).toMatchObject({ code: 'too-large' });
     expect(await failure(readSplats(new Blob([ply]), { maxSplats: 10 }))).toMatchObject({
       code: 'too-large',

@@ -16,7 +16,7 @@ test('it stops after as many bytes as it may read', async () => {
   expect(Buffer.compare(read, bytes.subarray(0, 1_500_000))).toBe(0);
 });
 
-test('what no memory can hold is refused by name', async () => {
+test('files that no memory can hold are refused by name', async () => {
   await expect(readAll(readerOf(), undefined, 2 ** 50)).rejects.toMatchObject({
     code: 'too-large',
     file: 'scene.zip',

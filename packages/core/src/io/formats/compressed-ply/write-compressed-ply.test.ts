@@ -55,7 +55,7 @@ test('a chunk whose values are all alike keeps them', async () => {
   expect(splatErrors(found, set)).toMatchObject({ position: 0, logScale: 0, colorDc: 0, opacity: 0 });
 });
 
-test('what is out of range is as near as it can be', async () => {
+test('values out of range become the nearest ones', async () => {
   const harmonics = { degree: 1 as const, coefficients: Float32Array.of(9, -9, 4, -4, 0, 0, 0, 0, 0) };
   const set = { ...splatsOf([{ logScales: [-1e30, 1e30, 0] }]), harmonics };
   const found = await again(set);

@@ -57,7 +57,7 @@ export class GltfBuffers {
   /**
    * Reads a bufferView.
    *
-   * Rejects with SplatFileError 'bad-header', 'damaged', 'truncated', 'too-large'; and as `readPart`.
+   * Rejects with SplatFileError 'bad-header', 'damaged', 'truncated', 'too-large'; as `readPart`.
    */
   async view(index: unknown, user: string): Promise<BufferView> {
     const json = this.#json;

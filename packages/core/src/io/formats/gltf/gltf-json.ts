@@ -22,9 +22,7 @@ export class GltfJson {
   readonly #file: string;
   readonly #root: JsonObject;
 
-  /**
-   * @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' for versions, extensions.
-   */
+  /** @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' by version, extension */
   constructor(bytes: Uint8Array, file: string) {
     this.#file = file;
     this.#root = this.#parse(bytes);

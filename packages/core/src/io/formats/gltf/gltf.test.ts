@@ -86,7 +86,7 @@ describe('how files are told', () => {
   });
 });
 
-describe('what is read', () => {
+describe('reads', () => {
   for (const isInterleaved of [false, true]) {
     test.each([0, 1, 2, 3] as const)(`SH degree %i, interleaved: ${isInterleaved}`, async (shDegree) => {
       const set = randomSplats({ count: 5, shDegree });
@@ -157,7 +157,7 @@ describe('what is read', () => {
     expect([...found.rotations]).toEqual([0, -1, 0, 0, 0, 0, -1, 1]);
   });
 
-  test('opacities of 0 and 1; what is out of range is left out and counted', async () => {
+  test('opacities of 0 and 1; splats out of range are left out and counted', async () => {
     const attributes = splatAttributes(randomSplats({ count: 6, shDegree: 0 }));
     attributes[`${SPLATTING}:OPACITY`].values.set([0, 1, 1.5, -0.5, Number.NaN, 0.5]);
     attributes[`${SPLATTING}:SCALE`].values.set([-1], 15);
@@ -188,7 +188,7 @@ describe('what is read', () => {
     expect([...rows.filter((_, i) => i % 59 >= 14)]).toEqual([...coefficientsOf(set)]);
   });
 
-  test('an early end of the chunk, unknown chunks and what follows the stated end are as the container allows', async () => {
+  test('an early end of the chunk, unknown chunks and bytes after the stated end are allowed', async () => {
     const fixture = gltfOf(splatAttributes(randomSplats({ count: 2, shDegree: 0 })));
     const plain = await read(glbBytes(fixture));
     const padded = glbBytes({ ...fixture, binary: Uint8Array.of(...fixture.binary, 0, 0, 0) });
@@ -255,7 +255,7 @@ test('colours for programs that draw points, COLOR_0, may be there and are not n
   expect(await read(glbBytes(gltfOf({ ...attributes, COLOR_0: colors })))).toEqual(plain);
 });
 
-test('what the file says of itself, and what is shown otherwise', async () => {
+test('facts from the file, and notes on other drawing', async () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
   const { json } = fixture;
   json.asset.generator = 'a tool 1.2';
@@ -298,7 +298,7 @@ describe('splats that are an .spz in a buffer', () => {
     expect(two.isAntialiased).toBe(true);
   });
 
-  test('what is unpacked is limited, for each primitive and for all', async () => {
+  test('unpacked bytes are limited, for each primitive and for all', async () => {
     const bytes = 3 * (9 + 1 + 3 + 3 + 3 + 9);
     const readWithin = (file: Uint8Array, maxBytes: number) => readSplats(file, { maxBytes });
     const file = glbOfSpz(spz, 4);
@@ -405,7 +405,7 @@ describe('buffers', () => {
     expect(error.message).toMatch(says);
   });
 
-  test('what is read of other files is limited', async () => {
+  test('bytes of other files are limited', async () => {
     const gltf = file('scene.gltf', gltfBytes(fixture, 'scene.bin'));
     const reading = readSplats({ files: [gltf, file('scene.bin', fixture.binary)] }, { maxBytes: gltf.size });
     if (gltf.size >= fixture.binary.length) return expect((await reading).count).toBe(3);
@@ -455,7 +455,7 @@ describe('files that are refused', () => {
     ['bad-property', /kernel of .* is box/, (json) => (extensionOf(json).kernel = 'box')],
     [
       'bad-property',
-      /colorSpace .* is lin_rec709_display; .* is srgb_rec709_display/,
+      /colorSpace .* is lin_rec709_display; only srgb_rec709_display can/,
       (json) => (extensionOf(json).colorSpace = 'lin_rec709_display'),
     ],
     ['bad-property', /projection/, (json) => (extensionOf(json).projection = 'fisheye')],

@@ -103,6 +103,6 @@ function checkValue(
 ): void {
   const value = extension[property];
   if (typeof value === 'string' && read.includes(value)) return;
-  const message = `${property} of ${element} is ${shown(value)}; what can be drawn as it is meant is ${read.join(' or ')}.`;
+  const message = `${property} of ${element} is ${shown(value)}; only ${read.join(' or ')} can be drawn as meant.`;
   throw json.error('bad-property', message, { element, property });
 }

@@ -9,6 +9,6 @@ export const readGzip: ReadFormat = (packed, options, rowsTo) =>
     const firstBytes = await input.reader.peek(SNIFF_BYTES);
     const read = packedReaderOf(firstBytes, input.name.replace(/\.gz$/i, ''));
     if (read) return read(input, options, rowsTo);
-    const message = `it is packed by gzip, and what is in it is none of ${PACKED_TITLES.join(', ')}; unpack it first.`;
+    const message = `it is packed by gzip, and its content is none of ${PACKED_TITLES.join(', ')}; unpack it first.`;
     throw new SplatFileError('unknown-format', input.name, message, { byte: 0 });
   });

@@ -28,7 +28,7 @@ const splatsOf = (sections: readonly KsplatSection[]) =>
   sections.flatMap(({ buckets }) => buckets.flatMap(({ splats }) => splats));
 const read = (bytes: Uint8Array) => readSplats(bytes, { name: 'scene.ksplat', shPrecision: 'f32' });
 
-describe('what is read', () => {
+describe('reads', () => {
   for (const level of [0, 1, 2] as const) {
     test.each([0, 1, 2] as const)(`level ${level}, SH degree %i`, async (degree) => {
       const sections = randomSections(12, [degree, degree]);
@@ -59,7 +59,7 @@ describe('what is read', () => {
     });
   }
 
-  test('sections of different degrees: what is missing is 0', async () => {
+  test('sections of different degrees: missing coefficients are 0', async () => {
     const sections = randomSections(8, [0, 2, 1]);
     const set = await read(ksplatBytes(sections, 1));
     expect(set.harmonics.degree).toBe(2);
@@ -135,7 +135,7 @@ describe('what is read', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   const sections = randomSections(8, [1, 1]);
   const changed = (level: KsplatLevel, change: (view: DataView) => void) => {
     const bytes = ksplatBytes(sections, level);

@@ -132,7 +132,7 @@ describe('splats with colours', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   const face: FixtureElement = {
     name: 'face',
     count: 1,

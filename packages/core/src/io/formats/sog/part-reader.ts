@@ -6,7 +6,7 @@ import type { UncheckedBytes } from '../../sources/splat-source.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 
-/** Far above what any file system has, and short enough for a message. */
+/** Far above the limit of any file system, and short enough for a message. */
 const MOST_PATH = 1024;
 
 /** A file whose bytes may turn out to be wrong. */

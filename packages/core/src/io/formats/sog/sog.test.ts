@@ -72,7 +72,7 @@ const deepened = (files: Record<string, Uint8Array<ArrayBuffer>>) =>
 const failure = (example: SogExample, options: ReadSplatsOptions = {}) =>
   fileErrorOf(rowsOf(droppedFiles(deepened(sogFiles(example))), options));
 
-describe('what is read', () => {
+describe('reads', () => {
   for (const version of [1, 2] as const) {
     test.each([0, 1, 2, 3] as const)(`version ${version}, SH degree %i`, async (shDegree) => {
       const example = exampleOf({ version, shDegree, count: 37, paletteSize: 130 });
@@ -368,7 +368,7 @@ describe('streamed SOG', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   test('a file that is not there', async () => {
     const example = exampleOf();
     delete example.images['quats.webp'];

@@ -52,7 +52,7 @@ test('harmonics that splats share keep their values, where these are few', async
   expect(errors).toMatchObject({ firstHarmonics: 0, otherHarmonics: 0 });
 });
 
-test('what comes from a SOG is written as it was', async () => {
+test('splats of a SOG are written as they were', async () => {
   const once = await again(randomSplats({ count: 300, shDegree: 3, opacityLogits: [-9, 9] }));
   const twice = await read(await write(once, {}));
   const errors = splatErrors(twice, ordered(once));

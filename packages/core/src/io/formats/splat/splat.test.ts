@@ -51,7 +51,7 @@ function randomRows(count: number, seed = 1): Row[] {
   }));
 }
 
-describe('what is read', () => {
+describe('reads', () => {
   test('every field', async () => {
     const set = await read(
       encode([plain, { ...plain, rgba: [1, 2, 3, 0] }, { ...plain, rgba: [1, 2, 3, 255] }]),
@@ -133,7 +133,7 @@ describe('what is read', () => {
     });
   });
 
-  test('other files with that name are what they are', async () => {
+  test('other files with that name keep their format', async () => {
     const bytes = plyBytes({ format: 'ascii', elements: [splatElement(3)] });
     expect((await read(bytes)).fileFacts?.format).not.toBe('splat');
     for (const start of ['\x1f\x8b\x08\0', 'PK\x03\x04', '\x28\xb5\x2f\xfd', '\0\x01\0\0'])
@@ -143,7 +143,7 @@ describe('what is read', () => {
   });
 });
 
-describe('what is doubtful', () => {
+describe('doubtful rows', () => {
   const absurd = { scale: [1e-30, 1, 1] };
   const rowsWith = (count: number, doubtful: number) =>
     randomRows(count).map((row, i) => (i < doubtful ? { ...row, ...absurd } : row));
@@ -177,7 +177,7 @@ describe('what is doubtful', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   test.each([
     ['a web page', Buffer.from('<!doctype html><title>404</title>'.padEnd(64)), 'unknown-format', /web page/],
     ['nothing', new Uint8Array(0), 'unknown-format', /is empty/],

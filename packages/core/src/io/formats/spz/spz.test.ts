@@ -40,7 +40,7 @@ function harmonicsOf({ harmonics }: SplatSet<PackedHarmonics>, index: number): F
   return values;
 }
 
-describe('what is read', () => {
+describe('reads', () => {
   for (const version of VERSIONS)
     test.each(DEGREES)(`version ${version}, harmonics of degree %i`, async (degree) => {
       const splats = splatsOf(version, degree, 5);
@@ -68,7 +68,7 @@ describe('what is read', () => {
       }
     });
 
-  test('rotations of a byte each: w is what is left', async () => {
+  test('rotations of a byte each: w is the rest', async () => {
     for (const version of [1, 2]) {
       const splats = [
         { ...distinctSplat(version, 0, 0), rotation: [255, 0, 128] },
@@ -138,7 +138,7 @@ describe('what is read', () => {
     expect([...set.fileIndices]).toEqual([3]);
   });
 
-  test('from version 4 on, also what gzip has packed once more, and room before the table', async () => {
+  test('from version 4 on, also files that gzip has packed once more, and room before the table', async () => {
     const room = spzExtension(0x1234, [1, 2, 3]);
     const bytes = fileOf(4, 2, { extensions: [...room, 9, 9] });
     const plain = await read(fileOf(4, 2));
@@ -238,7 +238,7 @@ describe('coordinate systems', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   function changed(bytes: Uint8Array, at: number, ...values: number[]): Uint8Array {
     const result = Uint8Array.from(bytes);
     result.set(values, at);
@@ -373,7 +373,7 @@ describe('what is refused', () => {
     }
   });
 
-  test('what unpacks to far more than it has bytes', async () => {
+  test('files that unpack to far more than their bytes', async () => {
     const count = 2 ** 22;
     /** A frame of runs of 2^17 zeros. */
     const zeros = (byteCount: number) => {

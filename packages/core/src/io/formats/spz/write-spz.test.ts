@@ -36,7 +36,7 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of the 
   expect(errors.otherHarmonics).toBeLessThanOrEqual(8 / 128);
 });
 
-test('what comes from an SPZ is written as it was', async () => {
+test('splats of an SPZ are written as they were', async () => {
   const once = await again(randomSplats({ count: 300, shDegree: 3, opacityLogits: [-9, 9] }));
   const twice = await read(await write(once, {}));
   expect(twice.opacityLogits).toEqual(once.opacityLogits);
@@ -46,7 +46,7 @@ test('what comes from an SPZ is written as it was', async () => {
   });
 });
 
-test('what is out of range is as near as it can be', async () => {
+test('values out of range become the nearest ones', async () => {
   const set = splatsOf([
     { logScales: [-30, 9, 0], colorDc: [-9, 9, 0], opacityLogit: Number.NEGATIVE_INFINITY },
     { logScales: [-10, 5.9375, 0], colorDc: [-0.5 / 0.15, 0.5 / 0.15, 0] },

@@ -39,7 +39,7 @@ const END = 0x0605;
 const END64 = 0x0606;
 const LOCATOR64 = 0x0706;
 
-describe('what is read', () => {
+describe('reads', () => {
   test.each<[string, ZipOptions]>([
     ['stored', {}],
     ['deflated', { isDeflated: true }],
@@ -61,7 +61,7 @@ describe('what is read', () => {
     expect(rows).toEqual(await rowsOf(zipBytes(sog)));
   });
 
-  test('in folders, beside other files, by backslashes, and with what macOS adds', async () => {
+  test('in folders, beside other files, by backslashes, and with additions by macOS', async () => {
     const files = Object.entries(sog).map(([path, bytes]) => [`a\\scene\\${path}`, bytes] as const);
     const bytes = zipBytes({
       'a/': new Uint8Array(0),
@@ -80,7 +80,7 @@ describe('what is read', () => {
   });
 
   test.each([false, true])(
-    'of a zip64 archive: only what does not fit elsewhere is in 64 bits (%s)',
+    'of a zip64 archive: only numbers that do not fit elsewhere have 64 bits (%s)',
     async (isZip64) => {
       const bytes = zipBytes({ 'scene.ply': ply }, { isZip64: true });
       const [directory, end] = [placeOf(bytes, CENTRAL), placeOf(bytes, END)];
@@ -128,7 +128,7 @@ describe('what is read', () => {
   });
 });
 
-describe('what is refused', () => {
+describe('refuses', () => {
   test.each<[string, Record<string, Uint8Array>, RegExp]>([
     ['nothing', { 'a/': new Uint8Array(0) }, /nothing in it/],
     [
@@ -251,7 +251,7 @@ describe('what is refused', () => {
     });
   });
 
-  test('what unpacks to 4 GiB less than its zip64 archive says', async () => {
+  test('files that unpack to 4 GiB less than their zip64 archive says', async () => {
     const deflated = zipBytes({ 'a.ply': ply }, { isZip64: true, isDeflated: true });
     const field = placeOf(deflated, CENTRAL) + 46 + 'a.ply'.length + 9;
     const size = BigInt(ply.length) + 2n ** 32n;
@@ -310,7 +310,7 @@ describe('what is refused', () => {
     expect(await failure(stored.slice(0, 100))).toMatchObject({ code: 'truncated' });
   });
 
-  test('what unpacks to far more than it has bytes', async () => {
+  test('files that unpack to far more than their bytes', async () => {
     const bytes = zipBytes({ 'a.ply': new Uint8Array(2 ** 20) }, { isDeflated: true });
     const directory = placeOf(bytes, CENTRAL);
     const promising = (size: number) => changed(bytes, (view) => view.setUint32(directory + 24, size, true));
