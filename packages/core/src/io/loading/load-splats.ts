@@ -38,8 +38,8 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
  * caller's stay usable; a stream is consumed. As many loads run at once as the machine has threads,
  * 2 to 8; others wait for their turn.
  *
- * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly for lack of memory;
- * and with the signal's reason, in which case the worker is stopped at once.
+ * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly
+ * for lack of memory; and with the signal's reason, in which case the worker is stopped at once.
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
   // Without a sink there is always a cloud.

@@ -202,7 +202,7 @@ describe('coordinate systems', () => {
         ...coordinateSystemExtension(system),
       ];
       const set = await read(spzBytes({ version, degree: 3, splats, extensions }));
-      // A vector along the file's axes, along those of PLY files.
+      // A vector of the file's axes, in those of PLY files.
       const turned = (vector: Vector) =>
         [0, 1, 2].map((axis) =>
           dot(
