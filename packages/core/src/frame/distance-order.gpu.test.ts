@@ -159,7 +159,7 @@ describe('the order of a frame', () => {
     for (const sortBy of ['radial', null, 1] as unknown as readonly SortBy[]) {
       const error = await draw(RED, BLUE, { sortBy }).catch((thrown: unknown) => thrown);
       expect(error).toBeInstanceOf(InvalidArgumentError);
-      expect((error as Error).message).toMatch(/sortBy is .* auto or depth or distance/);
+      expect((error as Error).message).toMatch(/sortBy is .* one of auto, depth, distance/);
     }
   });
 });
