@@ -22,7 +22,12 @@ export function checkMeasured(
   }
   for (const [i, instance] of clouds.entries())
     given(given(instance, {}, `clouds[${i}]`).cloud, CLOUD, `clouds[${i}].cloud`);
-  for (const [name, value] of Object.entries({ widthPx, heightPx, ...counts })) {
+  checkCounts({ widthPx, heightPx, ...counts });
+}
+
+/** @throws InvalidArgumentError naming the first that is not a whole number of at least 1. */
+export function checkCounts(counts: Readonly<Record<string, number>>): void {
+  for (const [name, value] of Object.entries(counts)) {
     if (Number.isInteger(value) && value >= 1) continue;
     throw wrongArgument(name, value, 'a whole number of at least 1');
   }

@@ -1,8 +1,9 @@
 import type { Camera } from '../data/camera/camera.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
-import { given, wrongArgument } from '../data/given.ts';
+import { given } from '../data/given.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
 import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
+import { checkCounts } from './check-options.ts';
 
 /**
  * Returns the cameras of `count` successive frames that go around the scene in front of `camera`,
@@ -21,8 +22,7 @@ export function orbitCameras(
   options: { readonly count: number; readonly sweepDegrees: number },
 ): Camera[] {
   const { count, sweepDegrees } = given(options, { count: 'a number', sweepDegrees: 'a number' });
-  if (!(Number.isInteger(count) && count >= 1))
-    throw wrongArgument('count', count, 'a whole number of at least 1');
+  checkCounts({ count });
   if (!(sweepDegrees > 0 && sweepDegrees <= 360)) {
     const message = `sweepDegrees is ${sweepDegrees}; it must be above 0 and at most 360.`;
     throw new InvalidArgumentError('sweepDegrees', message);

@@ -1,7 +1,7 @@
 import type { Camera } from '../data/camera/camera.ts';
-import { wrongArgument } from '../data/given.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
 import { pivotDepth, turnedAboutPivot } from './camera-pivot.ts';
+import { checkCounts } from './check-options.ts';
 
 /** Largest angle between a sampled view and the given one. */
 const MAX_TURN = (35 * Math.PI) / 180;
@@ -21,8 +21,7 @@ const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
  * @throws InvalidArgumentError if `count` is not a whole number of at least 1.
  */
 export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera[] {
-  if (!(Number.isInteger(count) && count >= 1))
-    throw wrongArgument('count', count, 'a whole number of at least 1');
+  checkCounts({ count });
   const depth = pivotDepth(camera, bounds);
   return Array.from({ length: count }, (_, index) => {
     if (index === 0) return camera;

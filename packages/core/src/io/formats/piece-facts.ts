@@ -1,5 +1,5 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
-import { emptyBounds } from '../../data/packing/center-bounds.ts';
+import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import type { DropCounts, DropReason, FileFacts, ShDegree, SplatSet } from '../../data/splats/splat-set.ts';
@@ -22,12 +22,10 @@ export class PieceFacts {
     this.fileFacts = fileFacts;
     for (const [reason, drops] of Object.entries(dropped) as [DropReason, number][])
       this.dropped[reason] = (this.dropped[reason] ?? 0) + drops;
-    const { min, max } = this.bounds;
-    for (let i = 0; i < 3 * count; i++) {
-      const axis = i % 3;
-      const value = origin[axis] + positions[i];
-      if (value < min[axis]) min[axis] = value;
-      if (value > max[axis]) max[axis] = value;
+    const { min, max } = centerBounds(positions, count);
+    for (let axis = 0; axis < 3; axis++) {
+      this.bounds.min[axis] = Math.min(this.bounds.min[axis], origin[axis] + min[axis]);
+      this.bounds.max[axis] = Math.max(this.bounds.max[axis], origin[axis] + max[axis]);
     }
   }
 

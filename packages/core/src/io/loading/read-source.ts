@@ -1,3 +1,4 @@
+import { given } from '../../data/given.ts';
 import { checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
@@ -36,7 +37,7 @@ export async function readSource(
   { pick, openFiles }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
-  const { signal, onProgress, onPiece, shPrecision = 'u8' } = options;
+  const { signal, onProgress, onPiece, shPrecision = 'u8' } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
   const opened =
     openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);

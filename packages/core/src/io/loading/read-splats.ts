@@ -1,4 +1,3 @@
-import { given } from '../../data/given.ts';
 import type { PackedHarmonics, ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
@@ -23,7 +22,6 @@ export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
 ): Promise<SplatSet<ReadHarmonics>> {
-  given(options, { name: 'a string?' });
   const [{ readSource }, { ALL_READERS }] = await Promise.all([
     import('./read-source.ts'),
     import('../formats/readers.ts'),

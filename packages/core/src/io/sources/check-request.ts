@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
-import { wrongArgument } from '../../data/given.ts';
+import { given, wrongArgument } from '../../data/given.ts';
 import type { RequestOptions } from './splat-source.ts';
 
 const CREDENTIALS: readonly unknown[] = ['omit', 'same-origin', 'include'];
@@ -10,13 +10,18 @@ const LONGEST_TIMER_MS = 2 ** 31 - 1;
 
 /** Returns the options with their defaults. @throws InvalidArgumentError for invalid ones. */
 export function checkRequest(request: RequestOptions): Required<RequestOptions> {
-  if (typeof request !== 'object' || request === null) refuse('request', request, 'an object of options');
-  const { headers = {}, credentials = 'same-origin', idleTimeoutMs = 30_000, maxRetries = 4 } = request;
-  if (!CREDENTIALS.includes(credentials)) refuse('credentials', credentials, CREDENTIALS.join(', '));
+  const {
+    headers = {},
+    credentials = 'same-origin',
+    idleTimeoutMs = 30_000,
+    maxRetries = 4,
+  } = given(request, {}, 'request');
+  if (!CREDENTIALS.includes(credentials))
+    throw wrongArgument('credentials', credentials, CREDENTIALS.join(', '));
   if (!(typeof idleTimeoutMs === 'number' && idleTimeoutMs > 0))
-    refuse('idleTimeoutMs', idleTimeoutMs, 'a number of milliseconds above 0');
+    throw wrongArgument('idleTimeoutMs', idleTimeoutMs, 'a number of milliseconds above 0');
   if (!(Number.isInteger(maxRetries) && maxRetries >= 0 && maxRetries <= MOST_RETRIES))
-    refuse('maxRetries', maxRetries, `a whole number in 0…${MOST_RETRIES}`);
+    throw wrongArgument('maxRetries', maxRetries, `a whole number in 0…${MOST_RETRIES}`);
   const isTimed = idleTimeoutMs <= LONGEST_TIMER_MS;
   return {
     headers: namesAndValues(headers),
@@ -35,8 +40,4 @@ function namesAndValues(headers: HeadersInit): Record<string, string> {
     const message = 'headers must be names and values as HTTP allows them.';
     throw new InvalidArgumentError('headers', message);
   }
-}
-
-function refuse(argument: string, value: unknown, expected: string): never {
-  throw wrongArgument(argument, value, `${expected}`);
 }

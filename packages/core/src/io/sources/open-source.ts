@@ -1,4 +1,3 @@
-import { wrongArgument } from '../../data/given.ts';
 import { openBlob } from './open-blob.ts';
 import { openUrl } from './open-url.ts';
 import { bytesOf, isBlob, isStream, lockedStreamError, sourceName } from './source-kind.ts';
@@ -15,8 +14,6 @@ const PIECE_BYTES = 1 << 20;
  */
 export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
   options.signal?.throwIfAborted();
-  if (!['string', 'undefined'].includes(typeof options.name))
-    throw wrongArgument('name', options.name, 'text');
   if (typeof source === 'string' || source instanceof URL) return openUrl(String(source), options);
   const { name = sourceName(source) } = options;
   if (isStream(source)) {
