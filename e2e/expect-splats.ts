@@ -46,6 +46,26 @@ function referenceOfCanvas(): ReturnType<typeof referenceImage> {
   return referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
 }
 
+/** State of a page that does not show its scene, for the one who reads why a test failed. */
+async function stateOf(page: Page): Promise<object> {
+  const logged = (await page.consoleMessages()).map((message) => message.text());
+  const state = await page.evaluate(async () => {
+    const within = (promise: Promise<string>) =>
+      Promise.race([promise, new Promise((resolve) => setTimeout(resolve, 5000, 'not within 5 s'))]);
+    return {
+      visibility: document.visibilityState,
+      root: document.querySelector('#root')?.innerHTML,
+      canvases: [...document.querySelectorAll('canvas')].map(
+        ({ width, height, clientWidth, clientHeight }) => [width, height, clientWidth, clientHeight],
+      ),
+      replies: (window as unknown as { replies: string[] }).replies,
+      frame: await within(new Promise((resolve) => requestAnimationFrame(() => resolve('drawn')))),
+      adapter: await within(navigator.gpu.requestAdapter().then((adapter) => String(adapter))),
+    };
+  });
+  return { ...state, logged };
+}
+
 /**
  * Checks that the page at `url` shows `testScene` as a Canvas does by default: the right image,
  * read by a worker, without errors.
@@ -61,6 +81,10 @@ export async function expectSplats(
   page.on('console', (message) => {
     if (message.type() === 'warning') warned.push(message.text());
   });
+  const pending = new Set<string>();
+  page.on('request', (request) => pending.add(request.url()));
+  page.on('requestfinished', (request) => pending.delete(request.url()));
+  page.on('requestfailed', (request) => pending.delete(request.url()));
   await page.addInitScript(slowDisplay);
   await page.addInitScript(() => {
     const replies: string[] = [];
@@ -81,7 +105,11 @@ export async function expectSplats(
           interval: 250,
         },
       )
-      .toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      .toBeGreaterThanOrEqual(MIN_PSNR_DB)
+      .catch(async (error: Error) => {
+        error.message += `\nThe page: ${JSON.stringify({ ...(await stateOf(page)), pending: [...pending] })}`;
+        throw error;
+      });
     expect(problems()).toEqual([]);
     await goOn(page);
     const replies = await page.evaluate(() => (window as unknown as { replies: string[] }).replies);
