@@ -356,6 +356,14 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene-title')).toBe('later.ply');
   });
 
+  it('says that the splats of a file have no third scale', async () => {
+    const page = await shareViewer(CHEAP);
+    const flat = Buffer.from(encodePly(testScene(20)));
+    flat.write('scale_x', flat.indexOf('scale_2'));
+    await openFile(page, 'flat.ply', flat);
+    expect(await textOf(page, 'scene')).toContain('no third scale (2DGS)');
+  });
+
   it('says how many splats of a file were left out, and why', async () => {
     const page = await shareViewer(CHEAP);
     const set = testScene();

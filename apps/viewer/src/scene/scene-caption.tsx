@@ -10,13 +10,16 @@ import { droppedReasons, droppedTotal } from './dropped-splats.ts';
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
   const scene = useStore(store, (state) => state.scene);
   if (!scene) return null;
-  const { title, about, cameras } = scene;
+  const { title, about, notes, cameras } = scene;
   return (
     <section className="panel caption" aria-label="Scene" data-testid="scene">
       {about && <About about={about} name={title} />}
       <h1 data-testid="scene-title">{title}</h1>
       {about && <p data-testid="scene-about">{about.text}</p>}
       <Figures store={store} scene={scene} />
+      {notes.map((note) => (
+        <p key={note} className="caption-figures">{note}</p>
+      ))}
       {cameras.length > 0 && <CameraStepper store={store} cameras={cameras} onStep={onStep} />}
     </section>
   );

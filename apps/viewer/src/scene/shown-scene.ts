@@ -109,6 +109,7 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
     declaredShDegree: Math.max(0, ...clouds.map(({ facts }) => facts.declaredShDegree)),
     shDegree: Math.max(0, ...clouds.map(({ shDegree }) => shDegree)),
     dropped: mergedDrops(clouds.map(({ dropped }) => dropped)),
+    notes: [...new Set(clouds.flatMap(({ facts }) => facts.fileFacts?.notes ?? []))],
     about,
     cameras,
     // Own cameras show the scene as it is; turned, it would be another one.

@@ -11,6 +11,7 @@ const scene = {
   declaredShDegree: 0,
   shDegree: 0,
   dropped: {},
+  notes: [],
   about: null,
   cameras: [],
   canFlip: true,

@@ -22,6 +22,8 @@ export interface SceneSummary {
   readonly shDegree: number;
   /** Rows of files that could not be drawn, by reason. */
   readonly dropped: DropCounts;
+  /** Sentences on its files, such as splats of a level that is not the finest. */
+  readonly notes: readonly string[];
   readonly about: SceneAbout | null;
   /** Names of the scene's own cameras that are to be shown as they are; mostly none. */
   readonly cameras: readonly string[];
