@@ -18,7 +18,9 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
       {about && <p data-testid="scene-about">{about.text}</p>}
       <Figures store={store} scene={scene} />
       {notes.map((note) => (
-        <p key={note} className="caption-figures">{note}</p>
+        <p key={note} className="caption-figures">
+          {note}
+        </p>
       ))}
       {cameras.length > 0 && <CameraStepper store={store} cameras={cameras} onStep={onStep} />}
     </section>
