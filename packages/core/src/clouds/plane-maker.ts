@@ -29,15 +29,13 @@ export interface PlaneMakerContext {
   readonly openRowPlanes: OpenRowPlanes;
 }
 
-type RepackStage = StageDefinition<'parameters' | 'finer' | 'coarser'>;
-
 /** Work that a request needs; null parts are not needed. */
 interface Work {
   /** Read again, to be taken. */
   readonly freshGeometry: FreshPlanes | null;
   readonly freshSh: FreshPlanes | null;
-  readonly geometryStage: RepackStage | null;
-  readonly shStage: RepackStage | null;
+  readonly geometryStage: StageDefinition | null;
+  readonly shStage: StageDefinition | null;
 }
 
 /** A plane that is not part of its cloud yet. */
@@ -177,7 +175,7 @@ export class PlaneMaker {
     this.#context.counting.uploadedBytes += freshBytes(cloud, work);
   }
 
-  #repack({ planes }: SplatCloud, stage: RepackStage, finer: Plane, coarser: Plane): void {
+  #repack({ planes }: SplatCloud, stage: StageDefinition, finer: Plane, coarser: Plane): void {
     const { device, memory, pipelines, dispatchRow } = this.#context;
     const made: GPUBuffer[] = [];
     try {

@@ -34,7 +34,7 @@ export class EffectBuffers {
   }
 
   /** Returns the bindings of one page's stages. */
-  bindingsOf(pageIndex: number, cloudIndex: number): Partial<Bindings<'effects' | 'selectedBits'>> {
+  bindingsOf(pageIndex: number, cloudIndex: number): Bindings {
     const selectedBits = this.#selections.bindingOf(pageIndex);
     const size = this.#strideBytes;
     return {

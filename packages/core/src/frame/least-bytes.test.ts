@@ -49,7 +49,7 @@ describe('leastBytes', () => {
   test.each(['tiles', 'quads'] as const)('has a rule for every stage of frames drawn by %s', (rasterizer) => {
     const shape = shapeOf(rasterizer, canvas);
     const bytesOf = leastBytes(frameOf(shape));
-    const stages = frameStages(shape).map((each) => ('bindings' in each ? each : each[0]).stage);
+    const stages = frameStages(shape).map((each) => ('stage' in each ? each : each[0]).stage);
     expect(stages).toContain('composite');
     for (const stage of stages) {
       const found = PARTS.map((part) => bytesOf(part, stage)).filter((bytes) => bytes !== null);

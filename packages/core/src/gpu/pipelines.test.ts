@@ -38,7 +38,6 @@ function variants(count: number): StageDefinition[] {
     source,
     entryPoint: 'main',
     constants: { SETTING },
-    bindings: {},
   }));
 }
 

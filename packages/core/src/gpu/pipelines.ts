@@ -2,23 +2,12 @@ import { numberOf } from '../data/number-of.ts';
 import { type Counting, zeroCounters } from './engine-counters.ts';
 import { RecentMap } from './recent-map.ts';
 import { linkShader, loadVariant, type ShaderMutation, type ShaderVariant } from './shaders/link-shader.ts';
+import { type ShaderBinding, shaderBindings } from './shaders/shader-bindings.ts';
 
-/** How a shader sees a resource. */
-export type BindingKind =
-  | 'uniform'
-  | 'read'
-  | 'read-write'
-  | 'texture'
-  | 'depth-texture'
-  | 'multisampled-depth-texture'
-  /** A texture that a compute shader writes. */
-  | `${'bgra8unorm' | 'rgba8unorm' | 'rgba16float' | 'rgba32float' | 'r32float'} writes`;
-
-/** A stage as data: its shader, its entry point, its bindings in group 0. */
-export interface StageDefinition<Binding extends string = string> extends ShaderVariant {
+/** A stage as data: its shader, which declares its bindings, and its entry point. */
+export interface StageDefinition extends ShaderVariant {
   /** Compute entry point; render stages have `vertexMain` and `fragmentMain`. */
   readonly entryPoint?: string;
-  readonly bindings: Readonly<Record<Binding, readonly [binding: number, kind: BindingKind]>>;
 }
 
 /** Targets, topology and depth state of a render stage. */
@@ -31,12 +20,21 @@ export interface RenderState {
 /** A stage with everything that compiling it needs. */
 export type CompiledStage = StageDefinition | readonly [StageDefinition, RenderState];
 
-/** Resources by the stage's names of its bindings. */
-export type Bindings<Binding extends string> = Readonly<
-  Record<Binding, GPUBuffer | GPUBufferBinding | GPUTextureView>
->;
+/** Resources by the names of a shader's bindings. */
+export type Bindings = Readonly<Record<string, GPUBuffer | GPUBufferBinding | GPUTextureView>>;
 
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
+
+/** Layout of a shader's bindings, and their names. */
+interface BindingLayout {
+  readonly bindings: readonly ShaderBinding[];
+  readonly layout: GPUBindGroupLayout;
+}
+
+interface Compiled {
+  readonly pipeline: Pipeline;
+  readonly layout: BindingLayout;
+}
 
 /**
  * Most pipelines that are kept for frames that may return, and as many shader texts and modules. A
@@ -48,7 +46,7 @@ export const MAX_KEPT_PIPELINES = 256;
 /** Compiled pipelines of one device by inputs, so that its engines compile nothing twice. */
 interface DeviceCache {
   /** As many as there are lists of bindings, a few dozen. */
-  readonly layouts: Map<string, GPUBindGroupLayout>;
+  readonly layouts: Map<string, BindingLayout>;
   /** By WGSL text. */
   readonly modules: RecentMap<string, GPUShaderModule>;
   readonly pipelines: RecentMap<string, Promise<Pipeline>>;
@@ -69,12 +67,14 @@ export class Pipelines {
   readonly #mutation: ShaderMutation | undefined;
   readonly #cache: DeviceCache;
   readonly #linked = new RecentMap<string, string>(MAX_KEPT_PIPELINES);
-  readonly #compiled = new RecentMap<string, Pipeline>(MAX_KEPT_PIPELINES);
+  readonly #compiled = new RecentMap<string, Compiled>(MAX_KEPT_PIPELINES);
   /**
    * Pipelines by the identity of stage and state, which needs no string keys; those of compute
    * stages by the stage twice.
    */
   readonly #found = new WeakMap<StageDefinition, WeakMap<StageDefinition | RenderState, Pipeline>>();
+  /** Those of the same stages. */
+  readonly #layouts = new WeakMap<StageDefinition, BindingLayout>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
   /**
@@ -99,67 +99,64 @@ export class Pipelines {
 
   /** Whether all of `stages` are compiled. */
   areReady(stages: readonly CompiledStage[]): boolean {
-    return stages.every((entry) => ('bindings' in entry ? this.compute(entry) : this.render(...entry)));
+    return stages.every((entry) => ('stage' in entry ? this.compute(entry) : this.render(...entry)));
   }
 
   /** Compiles those of `stages` that are not compiled yet. The next call retries failures. */
   async prepare(stages: Iterable<CompiledStage>): Promise<void> {
     await Promise.all(
       Array.from(stages, async (entry) => {
-        const [stage, state] = 'bindings' in entry ? [entry, undefined] : entry;
+        const [stage, state] = 'stage' in entry ? [entry, undefined] : entry;
         if (this.#find(stage, state)) return;
-        const pipeline = await this.#pipeline(stage, state);
-        this.#compiled.set(keyOf(stage, state), pipeline);
+        const compiled = await this.#compile(stage, state);
+        this.#compiled.set(keyOf(stage, state), compiled);
         // Now: others may take its place in the map before the frame looks for it.
-        this.#remember(stage, state, pipeline);
+        this.#remember(stage, state, compiled);
       }),
     );
   }
 
-  /** Makes a bind group for all of the stage's bindings; ignores other entries of `bindings`. */
-  bindGroup<Binding extends string>(
-    stage: StageDefinition<Binding>,
-    bindings: Bindings<NoInfer<Binding>>,
-  ): GPUBindGroup {
-    const names = Object.keys(stage.bindings) as Binding[];
-    return this.#device.createBindGroup({
-      label: stage.stage,
-      layout: this.#layout(stage),
-      entries: names.map((name) => ({
-        binding: stage.bindings[name][0],
-        resource: toResource(bindings[name]),
-      })),
+  /** Makes a bind group for all bindings of a compiled stage; ignores other `resources`. */
+  bindGroup(stage: StageDefinition, resources: Bindings): GPUBindGroup {
+    if (!isRenderStage(stage)) this.#find(stage, undefined);
+    const { bindings, layout } = this.#layouts.get(stage)!;
+    const entries = bindings.map(({ name, entry: { binding } }) => {
+      if (!resources[name]) throw new RangeError(`${stage.stage} needs a resource for its binding ${name}.`);
+      return { binding, resource: toResource(resources[name]) };
     });
+    return this.#device.createBindGroup({ label: stage.stage, layout, entries });
   }
 
   /** Finds a pipeline. Frames pass the same objects again, so string keys are made once. */
   #find(stage: StageDefinition, state: RenderState | undefined): Pipeline | undefined {
     const known = this.#found.get(stage)?.get(state ?? stage);
     if (known) return known;
-    const pipeline = this.#compiled.get(keyOf(stage, state));
-    if (pipeline) this.#remember(stage, state, pipeline);
-    return pipeline;
+    const compiled = this.#compiled.get(keyOf(stage, state));
+    if (compiled) this.#remember(stage, state, compiled);
+    return compiled?.pipeline;
   }
 
-  #remember(stage: StageDefinition, state: RenderState | undefined, pipeline: Pipeline): void {
+  #remember(stage: StageDefinition, state: RenderState | undefined, { pipeline, layout }: Compiled): void {
     const byState = this.#found.get(stage) ?? new WeakMap();
     this.#found.set(stage, byState.set(state ?? stage, pipeline));
+    this.#layouts.set(stage, layout);
   }
 
-  async #pipeline(stage: StageDefinition, state: RenderState | undefined): Promise<Pipeline> {
+  async #compile(stage: StageDefinition, state: RenderState | undefined): Promise<Compiled> {
     // All others start compiling at once.
     const loaded = typeof stage.source === 'function' ? await loadVariant(stage) : stage;
     const code = this.#link(loaded);
-    const key = JSON.stringify([code, stage.entryPoint, state, layoutKey(stage)]);
+    const layout = this.#layout(stage, code);
+    const key = JSON.stringify([code, stage.entryPoint, state]);
     const { pipelines } = this.#cache;
     let pipeline = pipelines.get(key);
     if (!pipeline) {
       this.#counting.pipelinesCompiled++;
-      pipeline = this.#compile(stage, state, this.#module(stage, code));
+      pipeline = this.#create(stage, state, this.#module(stage, code), layout);
       pipelines.set(key, pipeline);
       pipeline.catch(() => pipelines.delete(key));
     }
-    return pipeline;
+    return { pipeline: await pipeline, layout };
   }
 
   #link(stage: StageDefinition): string {
@@ -172,14 +169,15 @@ export class Pipelines {
     return linked;
   }
 
-  #compile(
+  #create(
     stage: StageDefinition,
     state: RenderState | undefined,
     module: GPUShaderModule,
+    { layout: bindGroupLayout }: BindingLayout,
   ): Promise<Pipeline> {
     const layout = this.#device.createPipelineLayout({
       label: stage.stage,
-      bindGroupLayouts: [this.#layout(stage)],
+      bindGroupLayouts: [bindGroupLayout],
     });
     const label = `${stage.stage} ${stage.entryPoint ?? ''}`.trim();
     if (!state) {
@@ -206,20 +204,20 @@ export class Pipelines {
     return module;
   }
 
-  #layout(stage: StageDefinition): GPUBindGroupLayout {
+  #layout(stage: StageDefinition, code: string): BindingLayout {
     const { layouts } = this.#cache;
-    const key = layoutKey(stage);
-    let layout = layouts.get(key);
-    if (!layout) {
-      layout = this.#device.createBindGroupLayout({
-        label: stage.stage,
-        entries: Object.values(stage.bindings).map(([binding, kind]) =>
-          layoutEntry(binding, kind, isRenderStage(stage)),
-        ),
-      });
-      layouts.set(key, layout);
+    const visibility = isRenderStage(stage)
+      ? GPUShaderStage.VERTEX | GPUShaderStage.FRAGMENT
+      : GPUShaderStage.COMPUTE;
+    const bindings = shaderBindings(code);
+    const key = JSON.stringify([bindings, visibility]);
+    let known = layouts.get(key);
+    if (!known) {
+      const entries = bindings.map(({ entry }) => ({ ...entry, visibility }));
+      known = { bindings, layout: this.#device.createBindGroupLayout({ label: stage.stage, entries }) };
+      layouts.set(key, known);
     }
-    return layout;
+    return known;
   }
 }
 
@@ -242,25 +240,6 @@ export function stageNameOf({ label }: GPUObjectBase): string {
 
 function isRenderStage({ entryPoint }: StageDefinition): boolean {
   return entryPoint === undefined;
-}
-
-function layoutKey(stage: StageDefinition): string {
-  return JSON.stringify([Object.values(stage.bindings), isRenderStage(stage)]);
-}
-
-function layoutEntry(binding: number, kind: BindingKind, isRender: boolean): GPUBindGroupLayoutEntry {
-  const visibility = isRender ? GPUShaderStage.VERTEX | GPUShaderStage.FRAGMENT : GPUShaderStage.COMPUTE;
-  if (kind === 'texture') return { binding, visibility, texture: { sampleType: 'unfilterable-float' } };
-  if (kind === 'depth-texture' || kind === 'multisampled-depth-texture') {
-    const multisampled = kind === 'multisampled-depth-texture';
-    return { binding, visibility, texture: { sampleType: 'depth', multisampled } };
-  }
-  if (kind.endsWith(' writes')) {
-    const format = kind.replace(' writes', '') as GPUTextureFormat;
-    return { binding, visibility, storageTexture: { access: 'write-only', format } };
-  }
-  const types = { uniform: 'uniform', read: 'read-only-storage', 'read-write': 'storage' } as const;
-  return { binding, visibility, buffer: { type: types[kind as keyof typeof types] } };
 }
 
 function toResource(value: GPUBuffer | GPUBufferBinding | GPUTextureView): GPUBindingResource {

@@ -77,7 +77,7 @@ describe('measureFrames', () => {
       expect(measured.copyBytesPerSecond).toBeGreaterThan(0);
 
       const { passes } = measured;
-      const stages = frameStages(view.shape!).map((each) => ('bindings' in each ? each : each[0]).stage);
+      const stages = frameStages(view.shape!).map((each) => ('stage' in each ? each : each[0]).stage);
       expect(new Set(passes!.map(({ stage }) => stage))).toEqual(new Set(stages));
       for (const { part, stage, bytes, dispatches, timeMs, bytesPerSecond } of passes!) {
         expect(bytes, `${part}: ${stage} has no rule in least-bytes.ts`).not.toBeNull();

@@ -21,11 +21,11 @@ export function uniformBuffer(device: GPUDevice, contents: ArrayBuffer): GPUBuff
 }
 
 /** Compiles one compute stage and runs it once. */
-export async function runStage<Binding extends string>(
+export async function runStage(
   device: GPUDevice,
   pipelines: Pipelines,
-  stage: StageDefinition<Binding>,
-  bindings: Bindings<NoInfer<Binding>>,
+  stage: StageDefinition,
+  bindings: Bindings,
   workgroups: readonly [number, number, number],
 ): Promise<void> {
   await pipelines.prepare([stage]);

@@ -76,11 +76,11 @@ export function depthTexture(
 }
 
 /** Compiles a stage that covers its targets with one triangle and draws it once. */
-export async function drawStage<Binding extends string>(
+export async function drawStage(
   device: GPUDevice,
   pipelines: Pipelines,
-  [stage, state]: readonly [StageDefinition<Binding>, RenderState],
-  bindings: Bindings<NoInfer<Binding>>,
+  [stage, state]: readonly [StageDefinition, RenderState],
+  bindings: Bindings,
   attachments: GPURenderPassDescriptor,
 ): Promise<void> {
   await pipelines.prepare([[stage, state]]);

@@ -57,7 +57,7 @@ test.each([
     await ingest.begin({ ...LAYOUT, shDegree, ...(hasPalette && { palette }) });
     const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
     expect(prepared).toEqual(rowStages({ ...precision, shDegree, hasPalette }));
-    expect('palette' in prepared[0].bindings).toBe(hasPalette);
+    expect(prepared[0].conditions?.ROW_PALETTE).toBe(hasPalette);
     ingest.destroy();
   },
 );

@@ -5,6 +5,8 @@ import type { Accuracy } from '../../data/accuracy/accuracy.ts';
 import { identity4 } from '../../data/math/mat4.ts';
 import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
 import { tint } from '../../gpu/effects/tint/tint.ts';
+import { linkShader, loadVariant } from '../../gpu/shaders/link-shader.ts';
+import { shaderBindings } from '../../gpu/shaders/shader-bindings.ts';
 import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
 import { FEATURE_SHADERS } from '../../testing/feature-shaders.ts';
 import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
@@ -117,14 +119,17 @@ describe('the ledger of automatic features', () => {
         const round = engine.add(splatsOf([ball, ball]));
         const clouds = [{ cloud, ...instance }, { cloud: round }];
         const ledger = await ledgerOf(clouds, CAMERAS[camera], accuracy);
-        const stages = frameStages(view.shape!).map((entry) => ('bindings' in entry ? entry : entry[0]));
+        const stages = frameStages(view.shape!).map((entry) => ('stage' in entry ? entry : entry[0]));
+        const texts = await Promise.all(stages.map(async (stage) => linkShader(await loadVariant(stage))));
         for (const effect of AUTOMATIC_FEATURES) {
           const own = FEATURE_SHADERS[effect.name];
           if (own.conditions.length === 0) continue;
           const isLinked = stages.some(({ conditions = {} }) =>
             own.conditions.some((each) => conditions[each]),
           );
-          const isBound = stages.some(({ bindings }) => own.bindings.some((each) => each in bindings));
+          const isBound = texts.some((text) =>
+            shaderBindings(text).some((binding) => own.bindings.includes(binding.name)),
+          );
           expect(ledger[effect.name].isOn, effect.name).toBe(isLinked);
           if (own.bindings.length > 0) expect(isBound, effect.name).toBe(isLinked);
           expect(ledger[effect.name].reason).toMatch(/^[a-z].*[^.]$/);

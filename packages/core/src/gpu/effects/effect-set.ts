@@ -1,6 +1,5 @@
 import { type GpuFields, type GpuValues, roundUp } from '../../data/layout/gpu-struct.ts';
 import { numberOf } from '../../data/number-of.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
 import type { ShaderModules } from '../shaders/shader-linker.ts';
 import type { EffectHooks, EffectUse, SplatEffect } from './effect.ts';
 
@@ -181,12 +180,4 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
     parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),
     ...Object.fromEntries(effects.map((effect) => [moduleNameOf(effect), effect.wgsl])),
   };
-}
-
-/** Returns the bindings of a stage that applies effects at these hooks, as far as used. */
-export function effectBindings(set: EffectSet, hooks: readonly SelectionHook[]): StageDefinition['bindings'] {
-  const bindings: Record<string, readonly [number, BindingKind]> = {};
-  if (set.parameterBytes > 0) bindings.effects = [PARAMETERS_BINDING, 'uniform'];
-  if (takesSelection(set, hooks)) bindings.selectedBits = [SELECTED_BINDING, 'read'];
-  return bindings;
 }

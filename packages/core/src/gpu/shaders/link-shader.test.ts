@@ -1,13 +1,14 @@
 import { describe, expect, test } from 'vitest';
-import type { TemplateInfo, TypeInfo } from 'wgsl_reflect';
+import type { TemplateInfo, VariableInfo } from 'wgsl_reflect';
 import type { GpuFields, GpuStruct } from '../../data/layout/gpu-struct.ts';
 import * as structs from '../../data/layout/structs.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { ResourceType, reflectWgsl, type WgslReflection } from '../../testing/wgsl-reflect.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { cullSplats } from '../stages/cull-splats.ts';
 import { project } from '../stages/project.ts';
 import { linkShader } from './link-shader.ts';
+import { type ShaderBinding, shaderBindings } from './shader-bindings.ts';
 
 const stageFiles = Object.keys(import.meta.glob('../../../../../shaders/stages/*.wgsl')).map(
   (path) => /([^/]+)\.wgsl$/.exec(path)![1],
@@ -24,18 +25,27 @@ const linked: readonly Linked[] = (await allStageVariants()).map((stage) => {
   return { stage, wgsl, reflection: reflectWgsl(wgsl) };
 });
 
-const TEXTURE_KINDS: Partial<Record<string, BindingKind>> = {
-  texture_2d: 'texture',
-  texture_depth_2d: 'depth-texture',
-  texture_depth_multisampled_2d: 'multisampled-depth-texture',
+const TEXTURES: Partial<Record<string, GPUTextureBindingLayout>> = {
+  texture_2d: { sampleType: 'unfilterable-float', multisampled: false },
+  texture_depth_2d: { sampleType: 'depth', multisampled: false },
+  texture_depth_multisampled_2d: { sampleType: 'depth', multisampled: true },
 };
 
-/** Kind of a texture that a shader writes; undefined for other types. */
-function storageTextureKind(type: TypeInfo): BindingKind | undefined {
-  if (type.name !== 'texture_storage_2d') return undefined;
-  const { format, access } = type as TemplateInfo;
-  expect(access).toBe('write');
-  return `${format!.name} writes` as BindingKind;
+function expectedLayout({
+  type,
+  resourceType,
+  access,
+}: VariableInfo): Omit<ShaderBinding['entry'], 'binding'> {
+  if (type.name === 'texture_storage_2d') {
+    const { format, access: mode } = type as TemplateInfo;
+    expect(mode).toBe('write');
+    return { storageTexture: { access: 'write-only', format: format!.name as GPUTextureFormat } };
+  }
+  const texture = TEXTURES[type.name];
+  if (texture) return { texture };
+  if (resourceType === ResourceType.Uniform) return { buffer: { type: 'uniform' } };
+  expect(resourceType).toBe(ResourceType.Storage);
+  return { buffer: { type: access === 'read_write' ? 'storage' : 'read-only-storage' } };
 }
 
 const describeVariant = ({ stage, conditions }: StageDefinition) =>
@@ -54,18 +64,19 @@ describe('linked shaders', () => {
     }
   });
 
-  test('bind what their stages declare: names, numbers and kinds', () => {
-    for (const { stage, reflection } of linked) {
-      const found: Record<string, readonly [number, BindingKind]> = {};
-      for (const resource of reflection.getBindGroups().flat()) {
-        if (!resource) continue;
-        expect(resource.group).toBe(0);
-        const isStorage = resource.resourceType === ResourceType.Storage;
-        const textureKind = TEXTURE_KINDS[resource.type.name] ?? storageTextureKind(resource.type);
-        const storageKind = resource.access === 'read_write' ? 'read-write' : 'read';
-        found[resource.name] = [resource.binding, textureKind ?? (isStorage ? storageKind : 'uniform')];
-      }
-      expect(found, describeVariant(stage)).toEqual(stage.bindings);
+  test('have the bindings that a parser of WGSL finds: names, numbers and layouts', () => {
+    for (const { stage, wgsl, reflection } of linked) {
+      const expected = reflection
+        .getBindGroups()
+        .flat()
+        .filter((resource) => resource !== undefined)
+        .map((resource): ShaderBinding => {
+          expect(resource.group).toBe(0);
+          const { name, binding } = resource;
+          return { name, entry: { binding, ...expectedLayout(resource) } };
+        });
+      const found = shaderBindings(wgsl).sort((a, b) => a.entry.binding - b.entry.binding);
+      expect(found, describeVariant(stage)).toEqual(expected);
     }
   });
 

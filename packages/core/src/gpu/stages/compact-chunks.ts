@@ -1,8 +1,7 @@
 import type { StageDefinition } from '../pipelines.ts';
 
 /** Lists the visible chunks of the frame in storage order. */
-export const compactChunks = {
+export const compactChunks: StageDefinition = {
   stage: 'compact-chunks',
   entryPoint: 'compactChunks',
-  bindings: { cullParameters: [0, 'uniform'], chunkOffsets: [1, 'read'], visibleChunks: [2, 'read-write'] },
-} as const satisfies StageDefinition;
+};

@@ -3,20 +3,13 @@ import { COMPARE_CONSTANTS, COMPARE_STRUCTS } from '../../data/layout/compare-st
 import type { StageDefinition } from '../pipelines.ts';
 
 /** Compares layers of equal size: writes a `CompareTile` per tile, counts absolute errors. */
-export const compareImages = {
+export const compareImages: StageDefinition = {
   stage: 'compare-images',
   source,
   structs: COMPARE_STRUCTS,
   constants: COMPARE_CONSTANTS,
   entryPoint: 'compareImages',
-  bindings: {
-    parameters: [0, 'uniform'],
-    actual: [1, 'texture'],
-    expected: [2, 'texture'],
-    tiles: [3, 'read-write'],
-    errorCounts: [4, 'read-write'],
-  },
-} as const satisfies StageDefinition;
+};
 
 /**
  * Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128

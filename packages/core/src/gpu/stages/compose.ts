@@ -1,4 +1,4 @@
-import type { BindingKind, RenderState, StageDefinition } from '../pipelines.ts';
+import type { RenderState, StageDefinition } from '../pipelines.ts';
 import { rareSource } from '../shaders/later-source.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 
@@ -14,15 +14,7 @@ export const COMPOSED_DEPTH_FORMAT = 'r32float';
  *   meshes stay smooth.
  */
 export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): StageDefinition {
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    viewport: [0, 'uniform'],
-    layer: [1, 'texture'],
-    behind: [2, 'texture'],
-  };
   const hasDepthLayer = depth !== null && depth.layerFormat !== null;
-  if (hasDepthLayer) bindings.depthLayer = [3, 'texture'];
-  if (hasDepthLayer || isMultisampled) bindings.hostDepth = [4, 'uniform'];
-  if (isMultisampled) bindings.hostDepths = [5, 'multisampled-depth-texture'];
   return {
     stage: 'compose',
     source: rareSource('compose'),
@@ -32,7 +24,6 @@ export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): 
       DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
       ORTHOGRAPHIC: depth?.isOrthographic === true,
     },
-    bindings,
   };
 }
 

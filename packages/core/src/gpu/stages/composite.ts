@@ -1,22 +1,20 @@
 import type { RenderState, StageDefinition } from '../pipelines.ts';
 
 /** Composites the blended splats over the background. */
-export const composite = {
+export const composite: StageDefinition = {
   stage: 'composite',
-  bindings: { parameters: [0, 'uniform'], layer: [1, 'texture'] },
-} as const satisfies StageDefinition;
+};
 
 /** Formats of canvases that compute shaders may write. */
 export type StorableCanvasFormat = 'bgra8unorm' | 'rgba8unorm';
 
 /** The same in a compute shader. */
-export function compositeInCompute(format: StorableCanvasFormat) {
+export function compositeInCompute(format: StorableCanvasFormat): StageDefinition {
   return {
     stage: 'composite',
     entryPoint: 'compositePixels',
     conditions: { COMPUTE: true, BGRA: format === 'bgra8unorm' },
-    bindings: { parameters: [0, 'uniform'], layer: [1, 'texture'], canvas: [2, `${format} writes`] },
-  } as const satisfies StageDefinition;
+  };
 }
 
 /** Returns the format if compute shaders of the device may write canvases of it, otherwise null. */

@@ -7,13 +7,9 @@ export const COPY_WORKGROUP = 256;
 export const COPY_ROW = 32_768;
 
 /** Copies one buffer to another of the same size, a multiple of 16 bytes. */
-export const copyWords = {
+export const copyWords: StageDefinition = {
   stage: 'copy-words',
   source,
   entryPoint: 'copyWords',
   constants: { COPY_WORKGROUP, COPY_ROW },
-  bindings: {
-    wordsIn: [0, 'read'],
-    wordsOut: [1, 'read-write'],
-  },
-} as const satisfies StageDefinition;
+};

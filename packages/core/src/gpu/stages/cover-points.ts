@@ -2,7 +2,7 @@ import source from '../../../../../shaders/stages/cover-points.wgsl?raw';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import type { DepthConvention } from '../../data/camera/depth-convention.ts';
 import { COVER_CONSTANTS, COVER_STRUCTS } from '../../data/layout/cover-structs.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Threads of a workgroup. */
@@ -17,15 +17,6 @@ export function coverPoints(
   recordPrecision: RecordPrecision,
   compare: DepthConvention['compare'] | null,
 ): StageDefinition {
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    view: [0, 'uniform'],
-    parameters: [1, 'uniform'],
-    visibleCount: [2, 'read'],
-    records: [3, 'read'],
-    points: [4, 'read'],
-    covers: [5, 'read-write'],
-  };
-  if (compare) bindings.testedDepth = [6, 'depth-texture'];
   return {
     stage: 'cover-points',
     source,
@@ -37,6 +28,5 @@ export function coverPoints(
       DEPTH_TEST: compare !== null,
       REVERSED_DEPTH: compare === 'greater-equal',
     },
-    bindings,
   };
 }

@@ -1,12 +1,6 @@
 import type { Culling, Extent } from '../../data/accuracy/accuracy.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
-import {
-  type EffectSet,
-  effectBindings,
-  geometryEffects,
-  hasHook,
-  NO_EFFECTS,
-} from '../effects/effect-set.ts';
+import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { StageDefinition } from '../pipelines.ts';
 
 /** Variant of the cull-splats stage to link. */
@@ -43,17 +37,5 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },
     effects: acting,
-    bindings: {
-      view: [0, 'uniform'],
-      page: [1, 'uniform'],
-      pagePlans: [2, 'read'],
-      visibleChunks: [3, 'read'],
-      geometry: [4, 'read'],
-      visibilityMasks: [5, 'read-write'],
-      splatOffsets: [6, 'read-write'],
-      depthRange: [7, 'read-write'],
-      ...(isPacked && { chunks: [8, 'read'] }),
-      ...effectBindings(acting, ['splat']),
-    },
   };
 }

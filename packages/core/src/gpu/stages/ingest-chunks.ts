@@ -2,21 +2,11 @@ import source from '../../../../../shaders/stages/ingest-chunks.wgsl?raw';
 import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 /** Takes the bounds of each chunk of a page, and settles its splats. */
 export function ingestChunks(geometryPrecision: GeometryPrecision): StageDefinition {
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    parameters: [0, 'uniform'],
-    geometry: [1, 'read-write'],
-    chunks: [2, 'read-write'],
-  };
-  if (geometryPrecision === 'packed') {
-    bindings.fileRows = [3, 'read'];
-    bindings.arrivedChunks = [4, 'read'];
-    bindings.logScaleRests = [5, 'read'];
-  }
   return {
     stage: 'ingest-chunks',
     source,
@@ -25,6 +15,5 @@ export function ingestChunks(geometryPrecision: GeometryPrecision): StageDefinit
     entryPoint: 'ingestChunks',
     conditions: { GEOMETRY_F32: geometryPrecision === 'f32' },
     constants: { GEOMETRY_WORDS: GEOMETRY_WORDS[geometryPrecision] },
-    bindings,
   };
 }

@@ -3,15 +3,9 @@ import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 
 /** Takes one word of the splats of a page that a list names. */
-export const ingestGather = {
+export const ingestGather: StageDefinition = {
   stage: 'ingest-gather',
   source,
   structs: PACKING_STRUCTS,
   entryPoint: 'ingestGather',
-  bindings: {
-    parameters: [0, 'uniform'],
-    plane: [1, 'read'],
-    list: [2, 'read'],
-    words: [3, 'read-write'],
-  },
-} as const satisfies StageDefinition;
+};

@@ -6,7 +6,7 @@ import type { StageDefinition } from '../pipelines.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 /** Makes the sort keys that put splats into storage order. */
-export function ingestKeys(geometryPrecision: GeometryPrecision) {
+export function ingestKeys(geometryPrecision: GeometryPrecision): StageDefinition {
   return {
     stage: 'ingest-keys',
     source,
@@ -14,13 +14,5 @@ export function ingestKeys(geometryPrecision: GeometryPrecision) {
     libraries: PACKING_LIBRARIES,
     entryPoint: 'ingestKeys',
     constants: { GEOMETRY_WORDS: GEOMETRY_WORDS[geometryPrecision] },
-    bindings: {
-      parameters: [0, 'uniform'],
-      geometry: [1, 'read'],
-      dropMask: [2, 'read'],
-      order: [3, 'read'],
-      keys: [4, 'read-write'],
-      payloads: [5, 'read-write'],
-    },
-  } as const satisfies StageDefinition;
+  };
 }

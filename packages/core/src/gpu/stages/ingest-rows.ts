@@ -6,7 +6,7 @@ import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
 import { ROW_SLOT } from '../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 export interface IngestVariant extends RowPrecision {
@@ -24,17 +24,6 @@ export function ingestRows({
   entryValues = 0,
 }: IngestVariant): StageDefinition {
   const hasPalette = shDegree >= 1 && entryValues > 0;
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    parameters: [0, 'uniform'],
-    rows: [1, 'read'],
-    geometry: [2, 'read-write'],
-    dropMask: [5, 'read-write'],
-    facts: [6, 'read-write'],
-    chunks: [8, 'read-write'],
-  };
-  if (geometryPrecision === 'packed') bindings.logScaleRests = [3, 'read-write'];
-  if (shDegree >= 1) bindings.harmonics = [4, 'read-write'];
-  if (hasPalette) bindings.palette = [7, 'read'];
   return {
     stage: 'ingest-rows',
     source,
@@ -63,6 +52,5 @@ export function ingestRows({
       ROW_COLOR: ROW_SLOT.colorDc,
       ROW_HARMONICS: ROW_SLOT.harmonics,
     },
-    bindings,
   };
 }

@@ -3,14 +3,9 @@ import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 
 /** Writes one word of all splats of a page. */
-export const ingestScatter = {
+export const ingestScatter: StageDefinition = {
   stage: 'ingest-scatter',
   source,
   structs: PACKING_STRUCTS,
   entryPoint: 'ingestScatter',
-  bindings: {
-    parameters: [0, 'uniform'],
-    words: [1, 'read'],
-    plane: [2, 'read-write'],
-  },
-} as const satisfies StageDefinition;
+};

@@ -5,7 +5,7 @@ import type { StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Blends the splats over one pixel, per block of the drawing order. */
-export function pick(recordPrecision: RecordPrecision) {
+export function pick(recordPrecision: RecordPrecision): StageDefinition {
   return {
     stage: 'pick',
     source,
@@ -13,14 +13,5 @@ export function pick(recordPrecision: RecordPrecision) {
     constants: PICK_CONSTANTS,
     entryPoint: 'pick',
     conditions: recordConditions(recordPrecision),
-    bindings: {
-      view: [0, 'uniform'],
-      parameters: [1, 'uniform'],
-      visibleCount: [2, 'read'],
-      order: [3, 'read'],
-      visibleSplats: [4, 'read'],
-      records: [5, 'read'],
-      blocks: [6, 'read-write'],
-    },
-  } as const satisfies StageDefinition;
+  };
 }

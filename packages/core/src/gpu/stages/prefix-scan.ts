@@ -4,22 +4,9 @@ import type { GpuMemory } from '../gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../pipelines.ts';
 import { dispatchSize } from './dispatch.ts';
 
-const scanStage = {
-  stage: 'prefix-scan',
-  bindings: {
-    parameters: [0, 'uniform'],
-    inputCount: [1, 'read'],
-    values: [2, 'read-write'],
-    blockSums: [3, 'read-write'],
-  },
-} as const;
-
-const reduceBlocks = { ...scanStage, entryPoint: 'reduceBlocks' } as const satisfies StageDefinition;
-const scanBlocks = { ...scanStage, entryPoint: 'scanBlocks' } as const satisfies StageDefinition;
-const scanSingleBlock = {
-  ...scanStage,
-  entryPoint: 'scanSingleBlock',
-} as const satisfies StageDefinition;
+const [reduceBlocks, scanBlocks, scanSingleBlock] = ['reduceBlocks', 'scanBlocks', 'scanSingleBlock'].map(
+  (entryPoint): StageDefinition => ({ stage: 'prefix-scan', entryPoint }),
+);
 
 export const prefixScanStages: readonly StageDefinition[] = [reduceBlocks, scanBlocks, scanSingleBlock];
 

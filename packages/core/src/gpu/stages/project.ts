@@ -2,8 +2,8 @@ import type { RecordPrecision, SortKeyBits } from '../../data/accuracy/accuracy.
 import { ENTRY_PRECISION, shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
-import { type EffectSet, effectBindings, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import { type EffectSet, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Variant of the project stage to link. */
@@ -33,19 +33,6 @@ export function project(variant: ProjectVariant): StageDefinition {
   const { shDegree, shortKeyBits, effects = NO_EFFECTS } = variant;
   const isPalette = variant.shPrecision === 'palette';
   const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    view: [0, 'uniform'],
-    page: [1, 'uniform'],
-    pagePlans: [2, 'read'],
-    visibleSplats: [3, 'read'],
-    depthRange: [4, 'uniform'],
-    geometry: [5, 'read'],
-    records: [6, 'read-write'],
-    keys: [7, 'read-write'],
-    ...effectBindings(effects, ['splat', 'color']),
-  };
-  if (shDegree >= 1) bindings.shRest = [8, 'read'];
-  if (variant.geometryPrecision === 'packed') bindings.chunks = [9, 'read'];
   return {
     stage: 'project',
     entryPoint: 'project',
@@ -73,6 +60,5 @@ export function project(variant: ProjectVariant): StageDefinition {
       ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
       ...(shDegree >= 1 && { SH_WORDS: shWordsPerSplat(variant.storedShDegree, shPrecision) }),
     },
-    bindings,
   };
 }

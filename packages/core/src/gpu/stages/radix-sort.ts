@@ -98,10 +98,10 @@ export class RadixSort {
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
   readonly #buffers: GPUBuffer[] = [];
-  readonly #planStage: ReturnType<typeof planSort>;
-  readonly #histogramStage: ReturnType<typeof sortHistogram>;
-  readonly #scanStage: ReturnType<typeof sortScan>;
-  readonly #scatterStage: ReturnType<typeof sortScatter>;
+  readonly #planStage: StageDefinition;
+  readonly #histogramStage: StageDefinition;
+  readonly #scanStage: StageDefinition;
+  readonly #scatterStage: StageDefinition;
   readonly #maxBlocks: number;
   readonly #dispatchRow: number;
   readonly #scanLanes: number;

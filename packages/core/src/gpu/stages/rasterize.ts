@@ -1,6 +1,6 @@
 import type { ColorTarget, Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import type { DepthConvention } from '../../data/camera/depth-convention.ts';
-import type { BindingKind, RenderState, StageDefinition } from '../pipelines.ts';
+import type { RenderState, StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Properties of the host's depth that splats drawn into its image depend on. */
@@ -39,12 +39,6 @@ export const TESTED_DEPTH_FORMAT = 'depth32float';
 
 /** Draws the visible splats back to front. */
 export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant): StageDefinition {
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    view: [0, 'uniform'],
-    order: [1, 'read'],
-    records: [2, 'read'],
-  };
-  if (depth) bindings.hostDepth = [3, 'uniform'];
   return {
     stage: 'rasterize',
     conditions: {
@@ -55,7 +49,6 @@ export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant):
       ORTHOGRAPHIC: depth?.isOrthographic === true,
       DEPTH_LAYER: depth !== null && depth.layerFormat !== null,
     },
-    bindings,
   };
 }
 

@@ -31,7 +31,7 @@ async function repackOnGpu(
 ): Promise<Uint32Array> {
   const stage = repackSh(variant);
   const contents = RepackParameters.pack({ splatCount: COUNT, dispatchRow: DISPATCH_ROW });
-  const coarser = storageBuffer(device, [], 4 * COUNT * stage.constants.COARSER_WORDS);
+  const coarser = storageBuffer(device, [], 4 * COUNT * stage.constants!.COARSER_WORDS);
   const bindings = {
     parameters: uniformBuffer(device, contents),
     finer: storageBuffer(device, finer.words),

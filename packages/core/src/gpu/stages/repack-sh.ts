@@ -16,7 +16,7 @@ export interface RepackShVariant {
 }
 
 /** Packs a page of spherical harmonics more coarsely. */
-export function repackSh({ degree, from, to }: RepackShVariant) {
+export function repackSh({ degree, from, to }: RepackShVariant): StageDefinition {
   return {
     stage: 'repack-sh',
     source,
@@ -29,10 +29,5 @@ export function repackSh({ degree, from, to }: RepackShVariant) {
       FINER_WORDS: shWordsPerSplat(degree, from),
       COARSER_WORDS: shWordsPerSplat(degree, to),
     },
-    bindings: {
-      parameters: [0, 'uniform'],
-      finer: [1, 'read'],
-      coarser: [2, 'read-write'],
-    },
-  } as const satisfies StageDefinition;
+  };
 }

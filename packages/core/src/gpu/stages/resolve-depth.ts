@@ -13,7 +13,7 @@ export function resolveDepth(
   compare: DepthConvention['compare'],
   isMultisampled: boolean,
   isScaled: boolean,
-) {
+): StageDefinition {
   return {
     stage: 'resolve-depth',
     source: rareSource('resolve-depth'),
@@ -22,11 +22,7 @@ export function resolveDepth(
       SCALED: isScaled,
       REVERSED_DEPTH: isMultisampled && compare === 'greater-equal',
     },
-    bindings: {
-      viewport: [0, 'uniform'],
-      hostDepths: [1, isMultisampled ? 'multisampled-depth-texture' : 'depth-texture'],
-    },
-  } as const satisfies StageDefinition;
+  };
 }
 
 export const resolveDepthState: RenderState = {

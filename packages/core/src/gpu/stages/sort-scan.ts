@@ -5,18 +5,12 @@ import type { SortShape } from './sort-shape.ts';
 const { SCAN_WORKGROUP, SCAN_ITEMS } = SHADER_CONSTANTS;
 
 /** Replaces each digit's counts by their exclusive sums over all blocks; writes digits' totals. */
-export function sortScan({ digitBits }: Pick<SortShape, 'digitBits'>) {
+export function sortScan({ digitBits }: Pick<SortShape, 'digitBits'>): StageDefinition {
   return {
     stage: 'sort-scan',
     entryPoint: 'sortScan',
     constants: { DIGIT_BITS: digitBits },
-    bindings: {
-      parameters: [0, 'uniform'],
-      plan: [1, 'read'],
-      digitCounts: [2, 'read-write'],
-      digitTotals: [3, 'read-write'],
-    },
-  } as const satisfies StageDefinition;
+  };
 }
 
 /** Most counts that one thread scans alone. */

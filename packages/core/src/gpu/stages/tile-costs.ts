@@ -1,6 +1,6 @@
 import source from '../../../../../shaders/stages/tile-costs.wgsl?raw';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Units of contribution per pixel: as fine as float32 tells a weight from 1. */
@@ -14,23 +14,11 @@ export const COST_PLANES = 3;
 /** @param pass writes counts and sums of contributions, or a map made from these sums. */
 export function tileCosts(recordPrecision: RecordPrecision, pass: 'counts' | 'map'): StageDefinition {
   const isMap = pass === 'map';
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    view: [0, 'uniform'],
-    grid: [1, 'uniform'],
-    binStarts: [2, 'read'],
-    tileMasks: [3, 'read'],
-    sortedRecords: [4, 'read'],
-    records: [5, 'read'],
-    contributions: [6, isMap ? 'read' : 'read-write'],
-    pixels: [7, 'read-write'],
-  };
-  if (!isMap) bindings.tileEntries = [8, 'read-write'];
   return {
     stage: 'tile-costs',
     source,
     entryPoint: 'tileCosts',
     constants: { CONTRIBUTION_UNITS, UNSEEN_UNITS: UNSEEN_PX * CONTRIBUTION_UNITS },
     conditions: { ...recordConditions(recordPrecision), CONTRIBUTIONS: isMap },
-    bindings,
   };
 }

@@ -15,20 +15,11 @@ export function tileListConditions({ recordPrecision, extent }: TileListVariant)
 }
 
 /** Counts the pairs of each visible splat. */
-export function tileCount(variant: TileListVariant) {
+export function tileCount(variant: TileListVariant): StageDefinition {
   return {
     stage: 'tile-count',
     source: tileSource('tile-count'),
     entryPoint: 'tileCount',
     conditions: tileListConditions(variant),
-    bindings: {
-      view: [0, 'uniform'],
-      grid: [1, 'uniform'],
-      visibleCount: [2, 'read'],
-      order: [3, 'read'],
-      records: [4, 'read'],
-      pairOffsets: [5, 'read-write'],
-      blockPairs: [6, 'read-write'],
-    },
-  } as const satisfies StageDefinition;
+  };
 }

@@ -1,6 +1,6 @@
 import type { ColorTarget, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
-import type { BindingKind, StageDefinition } from '../pipelines.ts';
+import type { StageDefinition } from '../pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
 import { layerConditions, recordConditions } from './format-conditions.ts';
 import type { RasterizeDepth } from './rasterize.ts';
@@ -26,22 +26,7 @@ const NARROW_TILE_THREADS = 8;
 export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
   const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow } = variant;
   const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
-  const bindings: Record<string, readonly [number, BindingKind]> = {
-    view: [0, 'uniform'],
-    grid: [1, 'uniform'],
-    binStarts: [3, 'read'],
-    binOrder: [4, 'read'],
-    tileMasks: [5, 'read'],
-    sortedRecords: [6, 'read'],
-    records: [7, 'read'],
-    layer: [8, `${colorTarget} writes`],
-  };
-  if (depth) {
-    bindings.hostDepth = [9, 'uniform'];
-    bindings.testedDepth = [10, 'depth-texture'];
-  }
   const hasDepthLayer = depth !== null && depth.layerFormat !== null;
-  if (hasDepthLayer) bindings.depthLayer = [11, 'r32float writes'];
   return {
     stage: 'tile-rasterize',
     source: tileSource('tile-rasterize'),
@@ -58,6 +43,5 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
       DEPTH_LAYER: hasDepthLayer,
       SHORT_KEYS: depth !== null && !isExactOrder,
     },
-    bindings,
   };
 }

@@ -54,7 +54,7 @@ describe.each(['tiles', 'quads'] as const)('a profile of a frame drawn by %s', (
     expect(await draw(view, { clouds, accuracy })).toEqual(whole);
 
     const expected = new Set(
-      frameStages(view.shape!).map((each) => ('bindings' in each ? each : each[0]).stage),
+      frameStages(view.shape!).map((each) => ('stage' in each ? each : each[0]).stage),
     );
     expect(new Set(times.map(({ stage }) => stage))).toEqual(expected);
     for (const { stage, dispatches, elapsedMs } of times) {
