@@ -5,23 +5,18 @@ import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../data/packing/precision.ts';
 import { shPlaneBytes } from '../data/packing/sh-plane-bytes.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import type { StageDefinition } from '../gpu/pipelines.ts';
 import { repackGeometry } from '../gpu/stages/repack-geometry.ts';
 import { type RepackShVariant, repackSh } from '../gpu/stages/repack-sh.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import { type CloudPlanes, isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import { createGeometry, createHarmonics } from './create-plane.ts';
+import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
 import { describePrecision, type FreshPlanes, type OpenRowPlanes, readAgain } from './read-again.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-export interface PlaneMakerContext {
-  readonly device: GPUDevice;
-  readonly memory: GpuMemory;
-  readonly pipelines: Pipelines;
+export interface PlaneMakerContext extends DispatchContext {
   readonly counting: Pick<Counting, 'uploadedBytes'>;
-  readonly dispatchRow: number;
   /** Reason why no planes can be made any more, or null. */
   readonly destroyedBecause: () => string | null;
   /** Compiles pipelines that draw the cloud with this precision, in every view that shows it. */
@@ -176,30 +171,15 @@ export class PlaneMaker {
   }
 
   #repack({ planes }: SplatCloud, stage: StageDefinition, finer: Plane, coarser: Plane): void {
-    const { device, memory, pipelines, dispatchRow } = this.#context;
-    const made: GPUBuffer[] = [];
-    try {
-      const encoder = device.createCommandEncoder({ label: stage.stage });
-      const pass = encoder.beginComputePass({ label: stage.stage });
-      pass.setPipeline(pipelines.compute(stage)!);
-      for (const [page, { start, end }] of planes.ranges.entries()) {
-        const splatCount = end - start;
-        const contents = RepackParameters.pack({ splatCount, dispatchRow });
-        const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-        const parameters = memory.createBuffer('repack parameters', RepackParameters.bytes, usage);
-        made.push(parameters);
-        device.queue.writeBuffer(parameters, 0, contents);
-        const chunks = planes.chunksPlane[page];
-        const bindings = { parameters, finer: finer[page], coarser: coarser[page], chunks };
-        pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
-        const workgroups = Math.ceil(splatCount / CHUNK_SPLATS);
-        pass.dispatchWorkgroups(...dispatchSize(workgroups, dispatchRow));
-      }
-      pass.end();
-      device.queue.submit([encoder.finish()]);
-    } finally {
-      for (const buffer of made) memory.destroy(buffer);
+    const { dispatchRow } = this.#context;
+    const dispatches = new Dispatches(this.#context);
+    for (const [page, { start, end }] of planes.ranges.entries()) {
+      const splatCount = end - start;
+      const parameters = RepackParameters.pack({ splatCount, dispatchRow });
+      const bindings = { finer: finer[page], coarser: coarser[page], chunks: planes.chunksPlane[page] };
+      dispatches.add(stage, parameters, bindings, Math.ceil(splatCount / CHUNK_SPLATS));
     }
+    dispatches.submit(stage.stage);
   }
 
   /** Calls `make`. @throws GpuLimitError if its buffers do not fit into the GPU's memory. */

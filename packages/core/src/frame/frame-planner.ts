@@ -5,9 +5,10 @@ import {
   type SizePx,
 } from '../data/accuracy/accuracy.ts';
 import { type Camera, projectionOf } from '../data/camera/camera.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
 import { binGrid } from '../data/layout/bin-grid.ts';
 import { asksForDistance } from '../data/splats/sort-by.ts';
-import { isSameDepth, type RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
@@ -115,7 +116,7 @@ export class FramePlanner {
     const asked = shapeBy(accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer);
     const isSame =
       last !== null && !request.force && isSameOrder(last, { request, camera, clouds, shape: asked });
-    const stands = isSame && isSameDepth(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
+    const stands = isSame && hasSameFields(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
     const mayStay = last !== null && accuracy.rasterizer === 'auto' && !stands;
     const isOther = mayStay && last.shape.rasterizer !== asked.rasterizer;
     const shape = isOther && !this.#isReady(asked) ? shapeBy(last.shape.rasterizer) : asked;
@@ -144,7 +145,7 @@ export class FramePlanner {
     const last = this.#last;
     if (!last || last.clouds.length !== request.clouds.length) return null;
     const { accuracy, depth, rasterizer } = last.shape;
-    if (!depths.some((possible) => isSameDepth(possible, depth))) return null;
+    if (!depths.some((possible) => hasSameFields(possible, depth))) return null;
     // Nothing new can be drawn of a preview that has been replaced, but its image is there.
     if (!showsClouds(last, request.clouds))
       return last.shape.clouds.some(({ cloud }) => cloud.isPreview) ? last : null;

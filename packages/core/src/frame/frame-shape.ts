@@ -1,11 +1,12 @@
 import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { BallotDevice } from '../gpu/device.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { StorableCanvasFormat } from '../gpu/stages/composite.ts';
-import { isSameDepth, type RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 
 /** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {
@@ -70,56 +71,22 @@ export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
 
 /** Whether frames of both shapes can be pre-processed with the same buffers, if not shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
-  if (a === b) return true;
   return (
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
-    isSameList(a.clouds, b.clouds, isSameCloud)
+    a.clouds.length === b.clouds.length &&
+    a.clouds.every(({ cloud }, i) => cloud === b.clouds[i].cloud)
   );
 }
 
 /** Whether frames of both shapes can use the same buffers, bindings and shaders. */
 export function isSameShape(a: FrameShape, b: FrameShape): boolean {
-  if (a === b) return true;
+  const { clouds, depth } = b;
   return (
-    hasSameBuffers(a, b) &&
-    a.keyBits === b.keyBits &&
-    a.isOrthographic === b.isOrthographic &&
-    a.sortsByDistance === b.sortsByDistance &&
-    a.shortensKeys === b.shortensKeys &&
-    a.accuracy === b.accuracy &&
-    a.dispatchRow === b.dispatchRow &&
-    a.workgroupBytes === b.workgroupBytes &&
-    a.hasNarrowSubgroups === b.hasNarrowSubgroups &&
-    a.output === b.output &&
-    a.rasterizer === b.rasterizer &&
-    a.binCount === b.binCount &&
-    isSameDepth(a.depth, b.depth) &&
-    isSameList(a.clouds, b.clouds, isSameCloudShape)
-  );
-}
-
-function isSameList<Item>(
-  a: readonly Item[],
-  b: readonly Item[],
-  isSame: (a: Item, b: Item) => boolean,
-): boolean {
-  if (a.length !== b.length) return false;
-  for (let i = 0; i < a.length; i++) if (!isSame(a[i], b[i])) return false;
-  return true;
-}
-
-function isSameCloud(a: CloudShape, b: CloudShape): boolean {
-  return a.cloud === b.cloud;
-}
-
-function isSameCloudShape(a: CloudShape, b: CloudShape): boolean {
-  return (
-    a.cloud === b.cloud &&
-    a.planes === b.planes &&
-    a.effects === b.effects &&
-    a.shDegree === b.shDegree &&
-    a.isIsotropic === b.isIsotropic
+    hasSameFields({ ...a, clouds, depth }, b) &&
+    hasSameFields(a.depth, depth) &&
+    a.clouds.length === clouds.length &&
+    a.clouds.every((cloud, i) => hasSameFields(cloud, clouds[i]))
   );
 }
 

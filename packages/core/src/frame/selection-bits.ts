@@ -1,4 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { selectionsOf, takesSelection } from '../gpu/effects/effect-set.ts';
@@ -42,7 +43,10 @@ export class SelectionBits {
   /** Makes room for the bits of these clouds; empty if none of their effects takes a selection. */
   fit(clouds: readonly CloudShape[], pages: readonly FramePage[]): void {
     const slices = slicesOf(clouds, pages);
-    if (slices.length === this.#slices.length && slices.every((each, i) => isSame(each, this.#slices[i])))
+    if (
+      slices.length === this.#slices.length &&
+      slices.every((each, i) => hasSameFields(each, this.#slices[i]))
+    )
       return;
     if (this.#buffer) this.#memory.destroy(this.#buffer);
     this.#buffer = null;
@@ -106,15 +110,4 @@ function slicesOf(clouds: readonly CloudShape[], pages: readonly FramePage[]): (
 
 function sizeOf({ selections, bytes }: PageSlice): number {
   return selections * bytes;
-}
-
-function isSame(a: PageSlice | null, b: PageSlice | null): boolean {
-  if (!a || !b) return a === b;
-  return (
-    a.cloud === b.cloud &&
-    a.cloudIndex === b.cloudIndex &&
-    a.splatStart === b.splatStart &&
-    a.splatCount === b.splatCount &&
-    a.selections === b.selections
-  );
 }

@@ -9,7 +9,7 @@ import { PAIR_BYTES } from '../frame/pair-capacity.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
-import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
+import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../gpu/stages/tile-costs.ts';
 
@@ -165,9 +165,9 @@ async function readWalk(
   const tiles = Math.ceil(widthPx / TILE_PX) * Math.ceil(heightPx / TILE_PX);
   const pixelBytes = 4 * COST_PLANES * widthPx * heightPx;
   const { buffers } = shared;
-  const walk = (make: MakeScratch) => {
+  const walk = (scratch: GpuMemory) => {
     const create = (label: string, bytes: number) =>
-      make(label, bytes, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC);
+      scratch.createBuffer(label, bytes, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC);
     const pixels = create('costs per pixel', pixelBytes);
     const tileEntries = create('costs per tile', 4 * tiles);
     const contributions = create('contributions', 8 * Math.max(1, visibleCapacity));

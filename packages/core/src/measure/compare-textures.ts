@@ -3,6 +3,8 @@ import { COMPARE_CONSTANTS, CompareParameters, CompareTile } from '../data/layou
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
+import { readBack } from '../gpu/read-back.ts';
+import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { compareImages, countedError, ERROR_COUNTS } from '../gpu/stages/compare-images.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 
@@ -57,38 +59,31 @@ export async function compareTextures(
   const tilesDown = Math.ceil(height / COMPARE_CONSTANTS.COMPARE_TILE_PX);
   const tileBytes = CompareTile.bytes * tilesAcross * tilesDown;
   const countBytes = 4 * ERROR_COUNTS;
-  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
-  const made: GPUBuffer[] = [];
-  const create = (label: string, bytes: number, usage: GPUBufferUsageFlags) => {
-    const buffer = memory.createBuffer(label, bytes, usage);
-    made.push(buffer);
-    return buffer;
-  };
-  try {
-    const parameters = create('compare parameters', CompareParameters.bytes, UNIFORM | COPY_DST);
-    const tiles = create('compare tiles', tileBytes, STORAGE | COPY_SRC);
-    const errorCounts = create('compare error counts', countBytes, STORAGE | COPY_SRC);
-    const readback = create('compare read-back', tileBytes + countBytes, COPY_DST | MAP_READ);
-    const contents = CompareParameters.pack({ background });
-    device.queue.writeBuffer(parameters, 0, contents);
-
-    const encoder = device.createCommandEncoder({ label: 'compare' });
-    const pass = encoder.beginComputePass({ label: 'compare' });
-    pass.setPipeline(pipelines.compute(compareImages)!);
+  const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
+  const compare = (scratch: GpuMemory) => {
+    const parameters = scratch.createBuffer(
+      'compare parameters',
+      CompareParameters.bytes,
+      UNIFORM | COPY_DST,
+    );
+    const tiles = scratch.createBuffer('compare tiles', tileBytes, STORAGE | COPY_SRC);
+    const errorCounts = scratch.createBuffer('compare error counts', countBytes, STORAGE | COPY_SRC);
+    device.queue.writeBuffer(parameters, 0, CompareParameters.pack({ background }));
     const layers = { actual: actual.createView(), expected: expected.createView() };
-    pass.setBindGroup(0, pipelines.bindGroup(compareImages, { parameters, tiles, errorCounts, ...layers }));
-    pass.dispatchWorkgroups(tilesAcross, tilesDown);
-    pass.end();
-    encoder.copyBufferToBuffer(tiles, 0, readback, 0, tileBytes);
-    encoder.copyBufferToBuffer(errorCounts, 0, readback, tileBytes, countBytes);
-    device.queue.submit([encoder.finish()]);
-    await memory.map(readback, GPUMapMode.READ);
-    const read = readback.getMappedRange().slice(0);
-    const counts = new Uint32Array(read, tileBytes, ERROR_COUNTS);
-    return differenceOf(new DataView(read, 0, tileBytes), counts, width, height);
-  } finally {
-    for (const buffer of made) memory.destroy(buffer);
-  }
+    const group = pipelines.bindGroup(compareImages, { parameters, tiles, errorCounts, ...layers });
+    return readBack(device, tileBytes + countBytes, (encoder, target) => {
+      const pass = encoder.beginComputePass({ label: 'compare' });
+      pass.setPipeline(pipelines.compute(compareImages)!);
+      pass.setBindGroup(0, group);
+      pass.dispatchWorkgroups(tilesAcross, tilesDown);
+      pass.end();
+      encoder.copyBufferToBuffer(tiles, 0, target, 0, tileBytes);
+      encoder.copyBufferToBuffer(errorCounts, 0, target, tileBytes, countBytes);
+    });
+  };
+  const read = await readFromScratch(memory, 'Comparing', 'Compare smaller images.', compare);
+  const counts = new Uint32Array(read, tileBytes, ERROR_COUNTS);
+  return differenceOf(new DataView(read, 0, tileBytes), counts, width, height);
 }
 
 /** @param tiles a `CompareTile` per tile; @param counts number of errors by size, without zeros. */

@@ -1,13 +1,19 @@
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 
-/** Memory that runs out after a number of buffers. */
+/** Memory that runs out after a number of buffers, those of its parts included. */
 export class ScarceMemory extends GpuMemory {
   buffersMade = 0;
   readonly #maxBuffers: number;
+  readonly #whole: ScarceMemory | null;
 
-  constructor(device: GPUDevice, maxBuffers: number) {
-    super(device);
+  constructor(device: GPUDevice, maxBuffers: number, whole: ScarceMemory | null = null) {
+    super(device, Number.POSITIVE_INFINITY, whole);
     this.#maxBuffers = maxBuffers;
+    this.#whole = whole;
+  }
+
+  override part(): GpuMemory {
+    return new ScarceMemory(this.device, this.#maxBuffers, this);
   }
 
   override createBuffer(...options: Parameters<GpuMemory['createBuffer']>): GPUBuffer {
@@ -21,6 +27,10 @@ export class ScarceMemory extends GpuMemory {
   }
 
   #count(): void {
+    if (this.#whole) {
+      this.#whole.#count();
+      return;
+    }
     if (this.buffersMade === this.#maxBuffers) throw new Error('no more buffers');
     this.buffersMade++;
   }

@@ -11,7 +11,7 @@ import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
-import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
+import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { COVER_WORKGROUP, coverPoints } from '../gpu/stages/cover-points.ts';
 import { dispatchSize } from '../gpu/stages/dispatch.ts';
 
@@ -105,9 +105,9 @@ export async function findCoverage(
   const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
   const bytes = 8 * inImage.length;
   const threads = Math.max(visibleCapacity, inImage.length);
-  const find = (make: MakeScratch) => {
+  const find = (scratch: GpuMemory) => {
     const create = (label: string, contents: ArrayBuffer, usage: GPUBufferUsageFlags) => {
-      const buffer = make(label, contents.byteLength, usage | COPY_DST);
+      const buffer = scratch.createBuffer(label, contents.byteLength, usage | COPY_DST);
       device.queue.writeBuffer(buffer, 0, contents);
       return buffer;
     };

@@ -10,7 +10,7 @@ import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
-import { type MakeScratch, readFromScratch } from '../gpu/read-from-scratch.ts';
+import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { pick } from '../gpu/stages/pick.ts';
 
@@ -129,9 +129,9 @@ async function readBlocks(
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
   const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
-  const find = (create: MakeScratch) => {
-    const parameters = create('pick parameters', PickParameters.bytes, UNIFORM | COPY_DST);
-    const blocks = create('pick blocks', bytes, STORAGE | COPY_SRC);
+  const find = (scratch: GpuMemory) => {
+    const parameters = scratch.createBuffer('pick parameters', PickParameters.bytes, UNIFORM | COPY_DST);
+    const blocks = scratch.createBuffer('pick blocks', bytes, STORAGE | COPY_SRC);
     const contents = PickParameters.pack({ pixelPx, blockCount });
     device.queue.writeBuffer(parameters, 0, contents);
     const stage = pick(accuracy.recordPrecision);

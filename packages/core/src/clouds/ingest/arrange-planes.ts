@@ -8,8 +8,7 @@ import { shBytesPerSplat, shWordsPerSplat } from '../../data/packing/harmonics.t
 import type { MortonFrame } from '../../data/packing/morton-order.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
-import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import type { Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
+import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { ingestChunks } from '../../gpu/stages/ingest-chunks.ts';
 import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
 import { ingestKeys } from '../../gpu/stages/ingest-keys.ts';
@@ -17,14 +16,7 @@ import { ingestScatter } from '../../gpu/stages/ingest-scatter.ts';
 import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
 import { pairSortShapeFor, type SortShape } from '../../gpu/stages/sort-shape.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
-import { Dispatches } from './dispatches.ts';
-
-export interface ArrangeContext {
-  readonly device: GPUDevice;
-  readonly pipelines: Pipelines;
-  readonly memory: GpuMemory;
-  readonly dispatchRow: number;
-}
+import { type DispatchContext, Dispatches } from './dispatches.ts';
 
 /** Planes in the order of a file, with a slot for each of its rows. */
 export interface ArrivedPlanes extends RowPrecision {
@@ -105,7 +97,7 @@ export function arrangeStages(
  *
  * @throws GpuLimitError; the given planes are the caller's then, in any order.
  */
-export function arrangePlanes(context: ArrangeContext, arrived: ArrivedPlanes): ArrangedPlanes {
+export function arrangePlanes(context: DispatchContext, arrived: ArrivedPlanes): ArrangedPlanes {
   const { memory } = context;
   const made: GPUBuffer[] = [];
   const create = (label: string, bytes: number) => {
@@ -136,28 +128,24 @@ function slotsOf(ranges: readonly PageRange[]): number {
 
 /** Writes slots, which are rows of the file, to `fileRows`: kept ones first, in storage order. */
 function sortSplats(
-  { device, pipelines, memory, dispatchRow }: ArrangeContext,
+  context: DispatchContext,
   { ranges, geometry, geometryPrecision, dropMask, kept, origin, frame }: ArrivedPlanes,
   fileRows: GPUBuffer,
 ): void {
+  const { device, pipelines, dispatchRow } = context;
+  const memory = context.memory.part();
   const slots = slotsOf(ranges);
-  const shape = sortShapeOf(kept < slots ? 'some' : 'none');
-  const keyCount = memory.createFilledBuffer('ingest key count', Uint32Array.of(slots));
-  const temporary = [keyCount];
-  let sort: RadixSort | null = null;
   try {
-    const options = {
-      shape,
+    const sort = new RadixSort(device, pipelines, memory, {
+      shape: sortShapeOf(kept < slots ? 'some' : 'none'),
       capacity: slots,
-      keyCount,
+      keyCount: memory.createFilledBuffer('ingest key count', Uint32Array.of(slots)),
       dispatchRow,
       payloads: 'given',
       order: fileRows,
       label: 'ingest',
-    } as const;
-    sort = new RadixSort(device, pipelines, memory, options);
-    const { input } = sort;
-    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+    });
+    const dispatches = new Dispatches(context);
     const stage = ingestKeys(geometryPrecision);
     for (let round = 0; round < ROUNDS; round++) {
       for (const [page, { start, end }] of ranges.entries()) {
@@ -170,17 +158,14 @@ function sortSplats(
           slotCount: slots,
           dispatchRow,
         });
-        const bindings = { geometry: geometry[page], dropMask, order: fileRows, ...input };
+        const bindings = { geometry: geometry[page], dropMask, order: fileRows, ...sort.input };
         dispatches.add(stage, parameters, bindings, workgroupsFor(slots));
       }
-      dispatches.call((pass) => sort!.record(pass));
+      dispatches.call((pass) => sort.record(pass));
     }
-    const encoder = device.createCommandEncoder({ label: 'ingest sort' });
-    temporary.push(dispatches.record(encoder, 'ingest sort'));
-    device.queue.submit([encoder.finish()]);
+    dispatches.submit('ingest sort');
   } finally {
-    sort?.destroy();
-    for (const buffer of temporary) memory.destroy(buffer);
+    memory.destroyAll();
   }
 }
 
@@ -195,11 +180,12 @@ interface Move {
 }
 
 function permute(
-  { device, pipelines, memory, dispatchRow }: ArrangeContext,
+  context: DispatchContext,
   arrived: ArrivedPlanes,
   fileRows: GPUBuffer,
   create: (label: string, bytes: number) => GPUBuffer,
 ): ArrangedPlanes {
+  const { device, memory, dispatchRow } = context;
   const { name, kept, geometryPrecision, shPrecision, shDegree, keptShDegree } = arrived;
   const filled = arrived.ranges
     .filter(({ start }) => start < kept)
@@ -233,12 +219,10 @@ function permute(
   const chunks = ranges.map(({ start, end }, page) =>
     create(`${name} chunks ${page}`, Chunk.bytes * chunkCountOf(end - start)),
   );
-  const temporary: GPUBuffer[] = [];
+  const wordsAtOnce = 8 * kept <= device.limits.maxStorageBufferBindingSize ? 2 : 1;
+  const words = memory.createBuffer('ingest words', 4 * wordsAtOnce * kept, storageUsage());
   try {
-    const wordsAtOnce = 8 * kept <= device.limits.maxStorageBufferBindingSize ? 2 : 1;
-    const words = memory.createBuffer('ingest words', 4 * wordsAtOnce * kept, storageUsage());
-    temporary.push(words);
-    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+    const dispatches = new Dispatches(context);
     for (const move of [geometry, harmonics]) {
       addMove(dispatches, move, {
         before: arrived.ranges,
@@ -265,11 +249,9 @@ function permute(
       };
       dispatches.add(ingestChunks(geometryPrecision), parameters, bindings, chunkCountOf(end - start));
     }
-    const encoder = device.createCommandEncoder({ label: 'ingest arrange' });
-    temporary.push(dispatches.record(encoder, 'ingest arrange'));
-    device.queue.submit([encoder.finish()]);
+    dispatches.submit('ingest arrange');
   } finally {
-    for (const buffer of temporary) memory.destroy(buffer);
+    memory.destroy(words);
   }
   for (const { from, to, words } of [geometry, harmonics]) {
     for (const buffer of from) if (words === 0 || !to.includes(buffer)) memory.destroy(buffer);

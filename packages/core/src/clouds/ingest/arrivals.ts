@@ -8,7 +8,7 @@ import { nextTask } from '../../data/turns.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
 import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
 import { CloudPlanes, type MadePlanes, type Plane } from '../cloud-planes.ts';
-import type { ArrangeContext } from './arrange-planes.ts';
+import type { DispatchContext } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
@@ -40,7 +40,7 @@ const MOST_VISIBLE = 3 << 18;
 
 /** Shows the rows of a file that have arrived, again and again. */
 export class Arrivals {
-  readonly #context: ArrangeContext;
+  readonly #context: DispatchContext;
   readonly #planes: ArrivingPlanes;
   readonly #previews: LoadPreviews;
   /** Rows that have been submitted. */
@@ -52,7 +52,7 @@ export class Arrivals {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #failure: { readonly error: unknown } | null = null;
 
-  constructor(context: ArrangeContext, planes: ArrivingPlanes, previews: LoadPreviews) {
+  constructor(context: DispatchContext, planes: ArrivingPlanes, previews: LoadPreviews) {
     this.#context = context;
     this.#planes = planes;
     this.#previews = previews;

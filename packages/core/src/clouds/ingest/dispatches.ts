@@ -1,40 +1,37 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import type { Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
+import type { Bindings, Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../../gpu/stages/dispatch.ts';
 
 /** Stride of parameters: room for all, and a multiple of any `minUniformBufferOffsetAlignment`. */
 const SLICE_BYTES = 512;
 
+/** The parts of an engine that dispatches need. */
+export interface DispatchContext {
+  readonly device: GPUDevice;
+  readonly pipelines: Pipelines;
+  readonly memory: GpuMemory;
+  readonly dispatchRow: number;
+}
+
 interface Dispatch {
   readonly stage: StageDefinition;
   readonly parameters: ArrayBuffer;
-  readonly bindings: Readonly<Record<string, GPUBuffer | GPUBufferBinding>>;
+  readonly bindings: Bindings;
   readonly workgroups: number;
 }
 
 /** Successive dispatches of compute stages, whose parameters lie in one buffer. */
 export class Dispatches {
-  readonly #device: GPUDevice;
-  readonly #pipelines: Pipelines;
-  readonly #memory: GpuMemory;
-  readonly #dispatchRow: number;
+  readonly #context: DispatchContext;
   readonly #list: (Dispatch | ((pass: GPUComputePassEncoder) => void))[] = [];
 
-  constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, dispatchRow: number) {
-    this.#device = device;
-    this.#pipelines = pipelines;
-    this.#memory = memory;
-    this.#dispatchRow = dispatchRow;
+  constructor(context: DispatchContext) {
+    this.#context = context;
   }
 
   /** Adds a dispatch of a compiled stage whose binding `parameters` holds `parameters`. */
-  add(
-    stage: StageDefinition,
-    parameters: ArrayBuffer,
-    bindings: Dispatch['bindings'],
-    workgroups: number,
-  ): void {
+  add(stage: StageDefinition, parameters: ArrayBuffer, bindings: Bindings, workgroups: number): void {
     if (workgroups > 0) this.#list.push({ stage, parameters, bindings, workgroups });
   }
 
@@ -43,12 +40,15 @@ export class Dispatches {
     this.#list.push(record);
   }
 
-  /** Records all in one pass. @returns the buffer of parameters, to be freed after the submit. */
-  record(encoder: GPUCommandEncoder, label: string): GPUBuffer {
+  /** Submits all in one pass, behind what `begin` records. */
+  submit(label: string, begin?: (encoder: GPUCommandEncoder) => void): void {
+    const { device, pipelines, memory, dispatchRow } = this.#context;
     const bytes = SLICE_BYTES * this.#list.length;
     const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-    const buffer = this.#memory.createBuffer(`${label} parameters`, bytes, usage);
+    const buffer = memory.createBuffer(`${label} parameters`, bytes, usage);
     const contents = new Uint8Array(bytes);
+    const encoder = device.createCommandEncoder({ label });
+    begin?.(encoder);
     const pass = encoder.beginComputePass({ label });
     for (const [i, each] of this.#list.entries()) {
       if (typeof each === 'function') {
@@ -59,12 +59,13 @@ export class Dispatches {
       const offset = i * SLICE_BYTES;
       contents.set(new Uint8Array(parameters), offset);
       const slice = { buffer, offset, size: roundUp(parameters.byteLength, 16) };
-      pass.setPipeline(this.#pipelines.compute(stage)!);
-      pass.setBindGroup(0, this.#pipelines.bindGroup(stage, { ...bindings, parameters: slice }));
-      pass.dispatchWorkgroups(...dispatchSize(workgroups, this.#dispatchRow));
+      pass.setPipeline(pipelines.compute(stage)!);
+      pass.setBindGroup(0, pipelines.bindGroup(stage, { ...bindings, parameters: slice }));
+      pass.dispatchWorkgroups(...dispatchSize(workgroups, dispatchRow));
     }
     pass.end();
-    this.#device.queue.writeBuffer(buffer, 0, contents);
-    return buffer;
+    device.queue.writeBuffer(buffer, 0, contents);
+    device.queue.submit([encoder.finish()]);
+    memory.destroy(buffer);
   }
 }

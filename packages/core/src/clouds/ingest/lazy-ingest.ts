@@ -1,7 +1,7 @@
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { RowSink } from '../../io/formats/row-sink.ts';
-import type { ArrangeContext } from './arrange-planes.ts';
+import type { DispatchContext } from './dispatches.ts';
 import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
 
 /**
@@ -10,13 +10,13 @@ import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts
  */
 export class LazyIngest implements RowSink {
   readonly mayDetach = false;
-  readonly #context: ArrangeContext;
+  readonly #context: DispatchContext;
   readonly #options: RowIngestOptions;
   #ingest: RowIngest | null = null;
   readonly #stop = () => this.destroy();
   #isDestroyed = false;
 
-  constructor(context: ArrangeContext, options: RowIngestOptions) {
+  constructor(context: DispatchContext, options: RowIngestOptions) {
     this.#context = context;
     this.#options = options;
     options.signal.addEventListener('abort', this.#stop);

@@ -30,9 +30,9 @@ import {
 import { createGeometry, createHarmonics } from '../create-plane.ts';
 import { type CloudFit, cloudBytes, type FitMode, type FitSettings, fitSettings } from '../fit-settings.ts';
 import { type CloudContents, MEMORY_ADVICE, type SplatCloud } from '../splat-cloud.ts';
-import { type ArrangeContext, arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
+import { arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
 import { Arrivals } from './arrivals.ts';
-import { Dispatches } from './dispatches.ts';
+import { type DispatchContext, Dispatches } from './dispatches.ts';
 import { LoadPreviews } from './load-previews.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
@@ -108,7 +108,7 @@ interface Piece {
 export class RowIngest implements RowSink {
   /** Mapped memory cannot. */
   readonly mayDetach = false;
-  readonly #context: ArrangeContext;
+  readonly #context: DispatchContext;
   #options: RowIngestOptions & RowPrecision;
   #fit: CloudFit | null = null;
   /** Null without `onPreview`. */
@@ -129,7 +129,7 @@ export class RowIngest implements RowSink {
   #waiting: Piece[] | null = [];
   #isDestroyed = false;
 
-  constructor(context: ArrangeContext, options: RowIngestOptions) {
+  constructor(context: DispatchContext, options: RowIngestOptions) {
     this.#context = context;
     this.#options = asRows(options);
     const { name, onPreview } = options;
@@ -395,12 +395,11 @@ export class RowIngest implements RowSink {
   }
 
   #submit({ staging, firstRow, rowCount }: Piece): void {
-    const { device, memory, pipelines, dispatchRow } = this.#context;
     const { stage, ranges, layout, geometry, harmonics, offsets, arrivals, ...shared } = this.#held!;
     const endRow = firstRow + rowCount;
     staging.unmap();
     const { checked } = this.#allocate(() => {
-      const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
+      const dispatches = new Dispatches(this.#context);
       for (const [page, range] of ranges.entries()) {
         const start = Math.max(firstRow, range.start);
         const rowsOfPage = Math.min(endRow, range.end) - start;
@@ -413,7 +412,7 @@ export class RowIngest implements RowSink {
           rowCount: rowsOfPage,
           pageSlot: start - range.start,
           maskRow: start,
-          dispatchRow,
+          dispatchRow: this.#context.dispatchRow,
         });
         const { rows, palette, dropMask, facts, chunks, logScaleRests } = shared;
         const bindings = {
@@ -428,11 +427,10 @@ export class RowIngest implements RowSink {
         };
         dispatches.add(stage, parameters, bindings, Math.ceil(rowsOfPage / CHUNK_SPLATS));
       }
-      const encoder = device.createCommandEncoder({ label: 'ingest rows' });
-      encoder.copyBufferToBuffer(staging, 0, shared.rows, 0, roundUp(rowCount * layout.strideBytes, 4));
-      const parameters = dispatches.record(encoder, 'ingest rows');
-      device.queue.submit([encoder.finish()]);
-      memory.destroy(parameters);
+      const bytes = roundUp(rowCount * layout.strideBytes, 4);
+      dispatches.submit('ingest rows', (encoder) =>
+        encoder.copyBufferToBuffer(staging, 0, shared.rows, 0, bytes),
+      );
     });
     this.#checks.push(checked);
     this.#reuse(staging);

@@ -6,8 +6,7 @@ import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
 import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
-import type { ArrangeContext } from './arrange-planes.ts';
-import { Dispatches } from './dispatches.ts';
+import { type DispatchContext, Dispatches } from './dispatches.ts';
 
 /** Geometry of `count` splats or slots. */
 export interface SampledGeometry {
@@ -24,18 +23,18 @@ export interface SampledGeometry {
  * @returns their stored x, y and z.
  */
 export function sampleCentres(
-  { device, memory, pipelines, dispatchRow }: ArrangeContext,
+  context: DispatchContext,
   { count, ranges, geometry, geometryPrecision }: SampledGeometry,
 ): Promise<Float32Array[]> {
+  const { device, dispatchRow } = context;
+  const memory = context.memory.part();
   const indices = boundsSamples(count);
-  const list = memory.createFilledBuffer('ingest samples', indices);
-  const axes: GPUBuffer[] = [];
   try {
-    const dispatches = new Dispatches(device, pipelines, memory, dispatchRow);
-    for (let word = 0; word < 3; word++) {
+    const list = memory.createFilledBuffer('ingest samples', indices);
+    const dispatches = new Dispatches(context);
+    const axes = [0, 1, 2].map((word) => {
       const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
       const words = memory.createBuffer('ingest sampled words', 4 * indices.length, usage);
-      axes.push(words);
       for (const [page, { start, end }] of ranges.entries()) {
         const parameters = PermuteParameters.pack({
           word,
@@ -50,14 +49,13 @@ export function sampleCentres(
         const workgroups = Math.ceil(indices.length / CHUNK_SPLATS);
         dispatches.add(ingestGather, parameters, { plane: geometry[page], list, words }, workgroups);
       }
-    }
-    const encoder = device.createCommandEncoder({ label: 'ingest samples' });
-    axes.push(dispatches.record(encoder, 'ingest samples'));
-    device.queue.submit([encoder.finish()]);
+      return words;
+    });
+    dispatches.submit('ingest samples');
     // Asked for at once, so that nothing is held while the answer is awaited.
-    const reading = Promise.all(axes.slice(0, 3).map((axis) => readWords(device, axis)));
+    const reading = Promise.all(axes.map((axis) => readWords(device, axis)));
     return reading.then((words) => words.map(({ buffer }) => new Float32Array(buffer)));
   } finally {
-    for (const buffer of [list, ...axes]) memory.destroy(buffer);
+    memory.destroyAll();
   }
 }

@@ -40,10 +40,6 @@ const stageOf = perShape(({ depth, output }) => {
   return { single: variant(false), many: depth ? variant(true) : null };
 });
 
-const stagesOf = perShape((shape): readonly CompiledStage[] =>
-  Object.values(stageOf(shape) ?? {}).filter((stage) => stage !== null),
-);
-
 /** Blends the splats over the host's image, in the splats' blending space, for the host to show. */
 export class Compose implements FramePart<DrawRecording> {
   readonly #context: PartContext;
@@ -57,7 +53,9 @@ export class Compose implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return Object.values(stageOf(shape) ?? {}).filter((stage) => stage !== null);
+  }
 
   /** The last image; null before the first. */
   get image(): EmbeddedImage | null {

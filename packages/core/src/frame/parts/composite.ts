@@ -19,11 +19,6 @@ const stageOf = perShape(({ output, rasterizer }) => {
   return { render: [composite, compositeState(output.format)] as const };
 });
 
-const stagesOf = perShape((shape): readonly CompiledStage[] => {
-  const stage = stageOf(shape);
-  return stage ? [stage.compute ?? stage.render] : [];
-});
-
 /** Draws the splats over the background, on a canvas. */
 export class Composite implements FramePart<DrawRecording> {
   readonly #context: PartContext;
@@ -34,7 +29,10 @@ export class Composite implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    const stage = stageOf(shape);
+    return stage ? [stage.compute ?? stage.render] : [];
+  }
 
   fit({ shape }: FramePlan): PartChange | null {
     if (shape.output.kind !== 'canvas' || this.#parameters) return null;

@@ -75,11 +75,11 @@ interface Held {
   readonly shape: FrameShape;
 }
 
+/** Stages that run once in a frame. */
+const FRAME_STAGES = [compactChunks, planCull, planProject, compactSplats] as const;
+
 interface Groups {
-  readonly planCull: GPUBindGroup;
-  readonly compactChunks: GPUBindGroup;
-  readonly planProject: GPUBindGroup;
-  readonly compactSplats: GPUBindGroup;
+  readonly frame: ReadonlyMap<StageDefinition, GPUBindGroup>;
   readonly pages: readonly {
     readonly cullChunks: GPUBindGroup;
     readonly cullSplats: GPUBindGroup;
@@ -105,17 +105,6 @@ const cloudStages = perShape((shape) =>
   }),
 );
 
-const stagesOf = perShape((shape): readonly CompiledStage[] => [
-  cullChunks,
-  ...prefixScanStages,
-  compactChunks,
-  planCull,
-  ...cloudStages(shape).map((stages) => stages.cullSplats),
-  planProject,
-  compactSplats,
-  ...cloudStages(shape).map((stages) => stages.project),
-]);
-
 /** Finds the visible splats, lists them in storage order, and writes their records and keys. */
 export class Preprocess implements FramePart<OrderRecording> {
   readonly #context: PartContext;
@@ -132,7 +121,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#effects = new EffectBuffers(context.memory, context.device.queue);
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    const clouds = cloudStages(shape).flatMap(({ cullSplats, project }) => [cullSplats, project]);
+    return [...FRAME_STAGES, cullChunks, ...prefixScanStages, ...clouds];
+  }
 
   /** Bytes of one cloud's selection bits. */
   selectionBytes(cloudIndex: number): number {
@@ -162,10 +154,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#effects.fit(shape);
     const stages = cloudStages(shape);
     this.#groups = {
-      planCull: pipelines.bindGroup(planCull, buffers),
-      compactChunks: pipelines.bindGroup(compactChunks, buffers),
-      planProject: pipelines.bindGroup(planProject, buffers),
-      compactSplats: pipelines.bindGroup(compactSplats, buffers),
+      frame: new Map(FRAME_STAGES.map((stage) => [stage, pipelines.bindGroup(stage, buffers)])),
       pages: pagesOf(shape).map(({ chunks, geometry, shRest, cloudIndex }, index) => {
         const own = {
           ...buffers,
@@ -204,7 +193,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     const pages = pagesOf(shape);
     if (!isColorsOnly) {
       this.#recordCulling(pass, shape, pages);
-      useCompute(pass, this.#context.pipelines, planProject, this.#groups!.planProject);
+      this.#useOnce(pass, planProject);
       pass.dispatchWorkgroups(1);
     }
     const stages = cloudStages(shape);
@@ -220,7 +209,6 @@ export class Preprocess implements FramePart<OrderRecording> {
 
   /** Lists the visible splats in storage order. */
   #recordCulling(pass: GPUComputePassEncoder, shape: FrameShape, pages: readonly FramePage[]): void {
-    const { pipelines } = this.#context;
     const { buffers, scans } = this.#held!;
     const groups = this.#groups!;
     const stages = cloudStages(shape);
@@ -234,9 +222,9 @@ export class Preprocess implements FramePart<OrderRecording> {
       pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
     }
     scans.chunks.record(pass);
-    useCompute(pass, pipelines, compactChunks, groups.compactChunks);
+    this.#useOnce(pass, compactChunks);
     pass.dispatchWorkgroups(...chunkWorkgroups(totalChunks(pages)));
-    useCompute(pass, pipelines, planCull, groups.planCull);
+    this.#useOnce(pass, planCull);
     pass.dispatchWorkgroups(1);
     stage = null;
     for (const [index, { cloudIndex, chunkCount }] of pages.entries()) {
@@ -246,9 +234,13 @@ export class Preprocess implements FramePart<OrderRecording> {
       dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
     }
     scans.splats.record(pass);
-    useCompute(pass, pipelines, compactSplats, groups.compactSplats);
+    this.#useOnce(pass, compactSplats);
     const indirect = { buffer: buffers.cullDispatches, offset: 12 * pages.length };
     dispatchAtMost(pass, totalChunks(pages), shape.dispatchRow, indirect);
+  }
+
+  #useOnce(pass: GPUComputePassEncoder, stage: StageDefinition): void {
+    useCompute(pass, this.#context.pipelines, stage, this.#groups!.frame.get(stage)!);
   }
 
   /** Sets the pipeline of `stage` unless it is `current`: most pages use the same. */

@@ -13,8 +13,6 @@ const stageOf = perShape(({ accuracy, depth }) => {
   return [rasterize({ recordPrecision, extent, depth }), rasterizeState(colorTarget, depth)] as const;
 });
 
-const stagesOf = perShape((shape): readonly CompiledStage[] => [stageOf(shape)]);
-
 /** Places of the order that a sample takes splats from: near ones are larger than far ones. */
 const SAMPLED_PLACES = 16;
 
@@ -30,7 +28,9 @@ export class Quads implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return [stageOf(shape)];
+  }
 
   fit({ layer, shape }: FramePlan): PartChange | null {
     const { memory } = this.#context;

@@ -2,7 +2,7 @@ import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { TESTED_DEPTH_FORMAT } from '../../gpu/stages/rasterize.ts';
 import { resolveDepth, resolveDepthState } from '../../gpu/stages/resolve-depth.ts';
 import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
-import { isScaled, perShape } from '../frame-shape.ts';
+import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';
 import { depthView, isMultisampled } from '../host-views.ts';
 
@@ -18,8 +18,6 @@ const stageOf = perShape((shape) => {
   return { single: variant(false), many: variant(true) };
 });
 
-const stagesOf = perShape((shape): readonly CompiledStage[] => Object.values(stageOf(shape) ?? {}));
-
 /**
  * Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in
  * another format.
@@ -33,7 +31,9 @@ export class ResolveDepth implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return Object.values(stageOf(shape) ?? {});
+  }
 
   /** Bytes of the copy. */
   get bytes(): number {

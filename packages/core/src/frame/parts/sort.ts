@@ -1,11 +1,10 @@
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, perShape } from '../frame-shape.ts';
+import type { FrameShape } from '../frame-shape.ts';
 import { depthSortShape } from '../sort-shapes.ts';
-
-const stagesOf = perShape((shape) => radixSortStages(depthSortShape(shape)));
 
 /** The part's memory for frames of one key width, ranking and capacity. */
 interface Held {
@@ -26,7 +25,9 @@ export class Sort implements FramePart<OrderRecording> {
     this.#memory = context.memory.part();
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return radixSortStages(depthSortShape(shape));
+  }
 
   get sort(): RadixSort {
     return this.#held!.sort;

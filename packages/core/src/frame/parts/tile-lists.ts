@@ -35,15 +35,9 @@ const stages = perShape((shape) => {
     tileCount: tileCount(variant),
     tilePlan: tilePlan(sortShape),
     tileEmit: tileEmit(variant, sortShape),
+    tileRanges,
     tileMasks: tileMasks(variant),
-    sortShape,
   };
-});
-
-const stagesOf = perShape((shape): readonly CompiledStage[] => {
-  if (shape.rasterizer !== 'tiles') return [];
-  const { sortShape, ...own } = stages(shape);
-  return [...Object.values(own), ...radixSortStages(sortShape, SORT_OPTIONS), tileRanges];
 });
 
 /** Frames that quads draw in a row only to be compared before the room for tiles is given back. */
@@ -76,13 +70,7 @@ interface Held {
   readonly binCount: number;
 }
 
-interface Groups {
-  readonly tileCount: GPUBindGroup;
-  readonly tilePlan: GPUBindGroup;
-  readonly tileEmit: GPUBindGroup;
-  readonly tileRanges: GPUBindGroup;
-  readonly tileMasks: GPUBindGroup;
-}
+type StageName = keyof ReturnType<typeof stages>;
 
 /**
  * Lists, for each bin of the layer, the visible splats that it may show, front to back, with the
@@ -93,7 +81,7 @@ export class TileLists implements FramePart<OrderRecording> {
   /** Memory of `#held`. */
   readonly #memory: GpuMemory;
   #held: Held | null = null;
-  #groups: Groups | null = null;
+  #groups: Readonly<Record<StageName, GPUBindGroup>> | null = null;
   #room = new PairRoom();
   /** Frames in a row that quads drew. */
   #framesUnused = 0;
@@ -103,7 +91,10 @@ export class TileLists implements FramePart<OrderRecording> {
     this.#memory = context.memory.part();
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    if (shape.rasterizer !== 'tiles') return [];
+    return [...Object.values(stages(shape)), ...radixSortStages(pairSortShape(shape), SORT_OPTIONS)];
+  }
 
   /** Bytes of the part's buffers. */
   get bytes(): number {
@@ -165,14 +156,11 @@ export class TileLists implements FramePart<OrderRecording> {
       sortedBins: sort.sortedKeys!,
       sortedRecords: sort.order,
     };
-    const own = stages(shape);
-    this.#groups = {
-      tileCount: pipelines.bindGroup(own.tileCount, all),
-      tilePlan: pipelines.bindGroup(own.tilePlan, all),
-      tileEmit: pipelines.bindGroup(own.tileEmit, all),
-      tileRanges: pipelines.bindGroup(tileRanges, all),
-      tileMasks: pipelines.bindGroup(own.tileMasks, all),
-    };
+    const groups = Object.entries(stages(shape)).map(([name, stage]) => [
+      name,
+      pipelines.bindGroup(stage, all),
+    ]);
+    this.#groups = Object.fromEntries(groups);
   }
 
   write({ layer, shape }: FramePlan): void {
@@ -188,26 +176,22 @@ export class TileLists implements FramePart<OrderRecording> {
 
   record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
     if (!this.#groups || !this.#held || isColorsOnly) return;
-    const { pipelines } = this.#context;
+    const groups = this.#groups;
     const { sort, visibleCapacity, pairCapacity } = this.#held;
-    const own = stages(shape);
-    const workgroups = (count: number, each: number) =>
-      dispatchSize(Math.max(1, Math.ceil(count / each)), shape.dispatchRow);
     const pass = encoder.beginComputePass({
       label: 'tile lists',
       timestampWrites: timer.writes('tile-lists'),
     });
-    useCompute(pass, pipelines, own.tileCount, this.#groups.tileCount);
-    pass.dispatchWorkgroups(...workgroups(visibleCapacity, TILE_COUNT_BLOCK));
-    useCompute(pass, pipelines, own.tilePlan, this.#groups.tilePlan);
-    pass.dispatchWorkgroups(1);
-    useCompute(pass, pipelines, own.tileEmit, this.#groups.tileEmit);
-    pass.dispatchWorkgroups(...workgroups(pairCapacity, blockKeysOf(own.sortShape)));
+    const run = (name: StageName, workgroups: number) => {
+      useCompute(pass, this.#context.pipelines, stages(shape)[name], groups[name]);
+      pass.dispatchWorkgroups(...dispatchSize(Math.max(1, Math.ceil(workgroups)), shape.dispatchRow));
+    };
+    run('tileCount', visibleCapacity / TILE_COUNT_BLOCK);
+    run('tilePlan', 1);
+    run('tileEmit', pairCapacity / blockKeysOf(pairSortShape(shape)));
     sort.record(pass);
-    useCompute(pass, pipelines, tileRanges, this.#groups.tileRanges);
-    pass.dispatchWorkgroups(1);
-    useCompute(pass, pipelines, own.tileMasks, this.#groups.tileMasks);
-    pass.dispatchWorkgroups(...workgroups(pairCapacity, MASK_GROUP));
+    run('tileRanges', 1);
+    run('tileMasks', pairCapacity / MASK_GROUP);
     pass.end();
   }
 

@@ -20,11 +20,6 @@ const stageOf = perShape((shape) => {
   });
 });
 
-const stagesOf = perShape((shape): readonly CompiledStage[] => {
-  const stage = stageOf(shape);
-  return stage ? [stage] : [];
-});
-
 /** Blends the visible splats front to back, a workgroup per tile. */
 export class Tiles implements FramePart<DrawRecording> {
   readonly #context: PartContext;
@@ -35,7 +30,9 @@ export class Tiles implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return [stageOf(shape) ?? []].flat();
+  }
 
   bind(): void {
     this.#group.clear();

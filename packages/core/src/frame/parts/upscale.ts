@@ -16,8 +16,6 @@ import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
 /** The stage that enlarges the layer to the image's size. */
 const stageOf = perShape((shape) => upscale(shape.accuracy.colorTarget, hasDepthLayer(shape)));
 
-const stagesOf = perShape((shape): readonly CompiledStage[] => (isScaled(shape) ? [stageOf(shape)] : []));
-
 function hasDepthLayer({ depth }: FrameShape): boolean {
   return depth?.layerFormat != null;
 }
@@ -33,7 +31,9 @@ export class Upscale implements FramePart<DrawRecording> {
     this.#context = context;
   }
 
-  static readonly stages = stagesOf;
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return isScaled(shape) ? [stageOf(shape)] : [];
+  }
 
   fit({ request, shape }: FramePlan): PartChange | null {
     const { memory, shared } = this.#context;

@@ -18,15 +18,14 @@ interface ScanLevel {
 /** An exclusive prefix scan in place: n counts become n + 1 sums, the total last. */
 export class PrefixScan {
   readonly #pipelines: Pipelines;
-  readonly #memory: GpuMemory;
-  readonly #buffers: GPUBuffer[] = [];
   readonly #levels: ScanLevel[] = [];
   readonly #dispatchRow: number;
 
   /**
+   * @param memory a part of its own, whose owner frees it.
    * @param values a buffer with room for maxCount + 1 words.
    * @param inputCount one word on the GPU: the number of counts, at most `maxCount`.
-   * @throws GpuLimitError; nothing is left allocated then.
+   * @throws GpuLimitError
    */
   constructor(
     device: GPUDevice,
@@ -41,23 +40,23 @@ export class PrefixScan {
     },
   ) {
     this.#pipelines = pipelines;
-    this.#memory = memory;
     this.#dispatchRow = options.dispatchRow;
     let { values, inputCount, maxCount } = options;
+    const { STORAGE, UNIFORM, COPY_DST } = GPUBufferUsage;
     for (let level = 0; ; level++) {
       const blockCount = Math.ceil((maxCount + 1) / SCAN_BLOCK);
       const label = `${options.label} scan level ${level}`;
-      const parameters = this.#buffer(`${label} parameters`, ScanParameters.bytes, GPUBufferUsage.UNIFORM);
+      const parameters = memory.createBuffer(`${label} parameters`, ScanParameters.bytes, UNIFORM | COPY_DST);
       const contents = ScanParameters.pack({ blockCount, dispatchRow: options.dispatchRow });
       device.queue.writeBuffer(parameters, 0, contents);
-      const blockSums = this.#buffer(`${label} block sums`, 4 * (blockCount + 1), GPUBufferUsage.STORAGE);
+      const blockSums = memory.createBuffer(`${label} block sums`, 4 * (blockCount + 1), STORAGE | COPY_DST);
       const bindGroup = pipelines.bindGroup(reduceBlocks, { parameters, inputCount, values, blockSums });
       this.#levels.push({ blockCount, bindGroup });
       if (blockCount === 1) break;
       // The next level scans this level's block sums; their number never changes.
       values = blockSums;
       maxCount = blockCount;
-      inputCount = this.#buffer(`${label} block count`, 4, GPUBufferUsage.STORAGE);
+      inputCount = memory.createBuffer(`${label} block count`, 4, STORAGE | COPY_DST);
       device.queue.writeBuffer(inputCount, 0, Uint32Array.of(blockCount));
     }
   }
@@ -74,17 +73,5 @@ export class PrefixScan {
     pass.setPipeline(this.#pipelines.compute(stage)!);
     pass.setBindGroup(0, bindGroup);
     pass.dispatchWorkgroups(...dispatchSize(blockCount, this.#dispatchRow));
-  }
-
-  /** Creates a buffer, or frees those made before it if it cannot be had. */
-  #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags): GPUBuffer {
-    try {
-      const buffer = this.#memory.createBuffer(label, bytes, usage | GPUBufferUsage.COPY_DST);
-      this.#buffers.push(buffer);
-      return buffer;
-    } catch (error) {
-      for (const buffer of this.#buffers) this.#memory.destroy(buffer);
-      throw error;
-    }
   }
 }

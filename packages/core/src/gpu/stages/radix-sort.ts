@@ -97,7 +97,6 @@ export class RadixSort {
   readonly digitCounts: GPUBuffer;
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
-  readonly #buffers: GPUBuffer[] = [];
   readonly #planStage: StageDefinition;
   readonly #histogramStage: StageDefinition;
   readonly #scanStage: StageDefinition;
@@ -111,7 +110,10 @@ export class RadixSort {
   readonly #blockDispatch: IndirectArguments | null;
   readonly #passes: SortPass[];
 
-  /** @throws GpuLimitError if a buffer would exceed the limits; nothing is left allocated then. */
+  /**
+   * @param memory a part of its own, whose owner frees it.
+   * @throws GpuLimitError if a buffer would exceed the limits.
+   */
   constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, options: RadixSortOptions) {
     const { shape, capacity, dispatchRow, writesKeys = false, label = 'sort' } = options;
     const { payloads: payloadKind = 'index', firstCounts = 'counted' } = options;
@@ -218,10 +220,6 @@ export class RadixSort {
     }
   }
 
-  destroy(): void {
-    for (const buffer of this.#buffers) this.#memory.destroy(buffer);
-  }
-
   #set(pass: GPUComputePassEncoder, stage: StageDefinition, group: GPUBindGroup): void {
     pass.setPipeline(this.#pipelines.compute(stage)!);
     pass.setBindGroup(0, group);
@@ -233,19 +231,8 @@ export class RadixSort {
     else pass.dispatchWorkgroups(...dispatchSize(Math.max(1, bound), row));
   }
 
-  /** Creates a buffer, or frees those made before it if it cannot be had. */
   #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags = 0): GPUBuffer {
-    try {
-      const buffer = this.#memory.createBuffer(
-        label,
-        bytes,
-        usage | GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC,
-      );
-      this.#buffers.push(buffer);
-      return buffer;
-    } catch (error) {
-      this.destroy();
-      throw error;
-    }
+    const { STORAGE, COPY_DST, COPY_SRC } = GPUBufferUsage;
+    return this.#memory.createBuffer(label, bytes, usage | STORAGE | COPY_DST | COPY_SRC);
   }
 }

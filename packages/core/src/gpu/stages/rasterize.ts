@@ -12,17 +12,6 @@ export interface RasterizeDepth {
   readonly layerFormat: DepthLayerFormat | null;
 }
 
-/** Whether the same shaders and targets work for `a` and `b`. */
-export function isSameDepth(a: RasterizeDepth | null, b: RasterizeDepth | null): boolean {
-  if (!a || !b) return a === b;
-  return (
-    a.mapping === b.mapping &&
-    a.compare === b.compare &&
-    a.isOrthographic === b.isOrthographic &&
-    a.layerFormat === b.layerFormat
-  );
-}
-
 /** Formats of the splats' depth: r32float if the device has `float32-blendable`, else r16float. */
 export type DepthLayerFormat = 'r32float' | 'r16float';
 
