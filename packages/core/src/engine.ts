@@ -28,17 +28,12 @@ import { frameStages } from './frame/frame.ts';
 import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
 import type { EffectEntry } from './frame/ledger/ledger.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';
-import {
-  adapterLabel,
-  type DeviceOptions,
-  fasterBallots,
-  hasNarrowSubgroups,
-  isSoftwareAdapter,
-} from './gpu/device.ts';
+import { adapterLabel, type DeviceOptions, fasterBallots, isSoftwareAdapter } from './gpu/device.ts';
 import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
+import { sortDeviceOf } from './gpu/stages/sort-shape.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
 import { sourceName } from './io/sources/source-kind.ts';
@@ -586,9 +581,7 @@ export class SplatEngine {
       accuracyFor: (requested) => this.resolveAccuracy(requested).settings,
       targets: this.#targets,
       dispatchRow: this.#dispatchRow,
-      workgroupBytes: this.device.limits.maxComputeWorkgroupStorageSize,
-      hasNarrowSubgroups: hasNarrowSubgroups(this.device),
-      ballots: fasterBallots(this.device),
+      sortDevice: sortDeviceOf(this.device, fasterBallots(this.device)),
       tileBudgetBytes: this.#tileBudgetBytes,
       submissionBudgetMs: this.#submissionBudgetMs,
       fasterRasterizer: rememberedRasterizer(this.adapterLabel),

@@ -48,8 +48,7 @@ function requestOf(
 function plannerWith(isReady = vi.fn(() => true)) {
   const facts = {
     dispatchRow: 65_535,
-    workgroupBytes: 16_384,
-    hasNarrowSubgroups: false,
+    sortDevice: { workgroupBytes: 16_384, isNarrow: false, ballots: null },
     ballots: null,
   };
   const planner = new FramePlanner(facts, { kind: 'image' }, isReady);

@@ -19,10 +19,7 @@ import { RecentNeeds } from './recent-needs.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /** Constants of a view that its plans depend on. */
-export type PlannerContext = Pick<
-  FrameShape,
-  'dispatchRow' | 'workgroupBytes' | 'hasNarrowSubgroups' | 'ballots'
->;
+export type PlannerContext = Pick<FrameShape, 'dispatchRow' | 'sortDevice'>;
 
 /** Decisions about a frame besides its request. */
 export interface FrameSettings {
@@ -68,7 +65,7 @@ export class FramePlanner {
    *   callers' own effects.
    */
   plan(request: FrameRequest, { accuracy, depth, faster, sizes }: FrameSettings): FramePlan {
-    const { dispatchRow, workgroupBytes, hasNarrowSubgroups, ballots } = this.#context;
+    const { dispatchRow, sortDevice } = this.#context;
     const last = this.#last;
     const camera = copied(request.camera);
     const layer = layerSize(request, accuracy);
@@ -100,9 +97,7 @@ export class FramePlanner {
         sortsByDistance,
         accuracy,
         dispatchRow,
-        workgroupBytes,
-        hasNarrowSubgroups,
-        ballots,
+        sortDevice,
         visibleCapacity: sizes?.visibleCapacity ?? capacity,
         keyBits: sizes?.keyBits ?? keyBits,
         shortensKeys: sizes?.shortensKeys ?? accuracy.sortKeyBits < needs.depthBits,

@@ -3,10 +3,10 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
-import type { BallotDevice } from '../gpu/device.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { StorableCanvasFormat } from '../gpu/stages/composite.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { SortDevice } from '../gpu/stages/sort-shape.ts';
 
 /** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {
@@ -43,12 +43,7 @@ export interface FrameShape {
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;
-  /** Memory that the threads of one workgroup can share. */
-  readonly workgroupBytes: number;
-  /** Whether few threads of the device run in lockstep. */
-  readonly hasNarrowSubgroups: boolean;
-  /** The device, if its sorts rank keys by ballots; otherwise null. */
-  readonly ballots: BallotDevice | null;
+  readonly sortDevice: SortDevice;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
   /** Number of bits in which sort keys of this frame can differ, at most 32. */

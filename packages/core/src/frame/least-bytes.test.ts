@@ -18,9 +18,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): F
     sortsByDistance: false,
     accuracy: internAccuracy({ preset: 'balanced', rasterizer, resolutionScale: 0.5 }),
     dispatchRow: 65_535,
-    workgroupBytes: WORKGROUP_BYTES,
-    hasNarrowSubgroups: false,
-    ballots: null,
+    sortDevice: { workgroupBytes: WORKGROUP_BYTES, isNarrow: false, ballots: null },
     visibleCapacity: VISIBLE,
     keyBits: 24,
     shortensKeys: false,
@@ -69,7 +67,7 @@ describe('leastBytes', () => {
 
   test('counts each pass of a sort', () => {
     const bytesOf = leastBytes(frameOf(shapeOf('tiles', image)));
-    const shape = sortShapeFor(24, WORKGROUP_BYTES);
+    const shape = sortShapeFor(24, { workgroupBytes: WORKGROUP_BYTES });
     expect([shape.passes, shape.digitBits]).toEqual([3, 8]);
     const digitCounts = 4 * 256 * Math.ceil(VISIBLE / blockKeysOf(shape));
     expect(bytesOf('sort', 'sort-histogram')).toEqual({ read: 3 * 4 * VISIBLE, written: 3 * digitCounts });

@@ -2,21 +2,11 @@ import { pairSortShapeFor, type SortShape, sortShapeFor } from '../gpu/stages/so
 import type { FrameShape } from './frame-shape.ts';
 
 /** Sort of the visible splats by depth. */
-export function depthSortShape({
-  keyBits,
-  workgroupBytes,
-  hasNarrowSubgroups,
-  ballots,
-}: FrameShape): SortShape {
-  return sortShapeFor(keyBits, workgroupBytes, hasNarrowSubgroups, ballots);
+export function depthSortShape({ keyBits, sortDevice }: FrameShape): SortShape {
+  return sortShapeFor(keyBits, sortDevice);
 }
 
 /** Sort of the pairs by bin; one more key than bins, for pairs too many. */
-export function pairSortShape({
-  binCount,
-  workgroupBytes,
-  hasNarrowSubgroups,
-  ballots,
-}: FrameShape): SortShape {
-  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), workgroupBytes, hasNarrowSubgroups, ballots);
+export function pairSortShape({ binCount, sortDevice }: FrameShape): SortShape {
+  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), sortDevice);
 }

@@ -18,13 +18,13 @@ import type { SharedBuffers } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { FramePlanner } from '../frame/frame-planner.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
-import { hasNarrowSubgroups } from '../gpu/device.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { usesOf } from '../gpu/effects/effect-uses.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
+import { sortDeviceOf } from '../gpu/stages/sort-shape.ts';
 import type { EffectReference } from '../reference/effects/effect-reference.ts';
 import { referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
@@ -115,9 +115,7 @@ export class InspectedFrame {
     }));
     const facts = {
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
-      workgroupBytes: device.limits.maxComputeWorkgroupStorageSize,
-      hasNarrowSubgroups: hasNarrowSubgroups(device),
-      ballots: null,
+      sortDevice: sortDeviceOf(device),
     };
     const sizes = {
       visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),

@@ -1,9 +1,8 @@
-import { hasNarrowSubgroups } from '../gpu/device.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { RadixSort, radixSortStages } from '../gpu/stages/radix-sort.ts';
-import { type SortShape, sortShapeFor } from '../gpu/stages/sort-shape.ts';
+import { type SortShape, sortDeviceOf, sortShapeFor } from '../gpu/stages/sort-shape.ts';
 
 /**
  * Runs the GPU's sort alone.
@@ -19,11 +18,7 @@ export async function sortKeys(
   keys: Uint32Array,
   keyBits: number,
   dispatchRow = device.limits.maxComputeWorkgroupsPerDimension,
-  shape: SortShape = sortShapeFor(
-    keyBits,
-    device.limits.maxComputeWorkgroupStorageSize,
-    hasNarrowSubgroups(device),
-  ),
+  shape: SortShape = sortShapeFor(keyBits, sortDeviceOf(device)),
 ): Promise<Uint32Array> {
   await pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(device);

@@ -2,7 +2,7 @@ import type { Culling, Extent } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
-import { opacityOf } from '../data/packing/geometry.ts';
+import { opacityOf } from '../data/splats/color-values.ts';
 import type { SplatColumns } from '../data/splats/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
 import type { EffectReference, SplatValues } from './effects/effect-reference.ts';

@@ -48,8 +48,10 @@ const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
 /** One for each length of digits. */
 const PAIR_KEY_BITS = [8, 9] as const;
 /** Sorts of pairs by bin, of layers with few bins, and with so many that two passes are needed. */
-const PAIR_SORTS = WORKGROUP_BYTES.flatMap((bytes) =>
-  PAIR_KEY_BITS.flatMap((bits) => BOTH.map((isNarrow) => pairSortShapeFor(bits, bytes, isNarrow))),
+const PAIR_SORTS = WORKGROUP_BYTES.flatMap((workgroupBytes) =>
+  PAIR_KEY_BITS.flatMap((bits) =>
+    BOTH.map((isNarrow) => pairSortShapeFor(bits, { workgroupBytes, isNarrow })),
+  ),
 );
 
 /** Of one word per ballot, and of several. */
@@ -145,11 +147,13 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
     ...BALLOT_DEVICES.flatMap((ballots) =>
-      [24, 27].flatMap((keyBits) => radixSortStages(sortShapeFor(keyBits, 49_152, false, ballots))),
+      [24, 27].flatMap((keyBits) =>
+        radixSortStages(sortShapeFor(keyBits, { workgroupBytes: 49_152, ballots })),
+      ),
     ),
-    ...WORKGROUP_BYTES.flatMap((bytes) =>
+    ...WORKGROUP_BYTES.flatMap((workgroupBytes) =>
       [8, 16, 20, 24, 27, 32].flatMap((keyBits) =>
-        BOTH.flatMap((isNarrow) => radixSortStages(sortShapeFor(keyBits, bytes, isNarrow))),
+        BOTH.flatMap((isNarrow) => radixSortStages(sortShapeFor(keyBits, { workgroupBytes, isNarrow }))),
       ),
     ),
   ];

@@ -3,9 +3,9 @@ import { checkKind } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
 import {
+  addDrops,
   agreedAntialiasing,
   type DropCounts,
-  type DropReason,
   type ShDegree,
   type SplatColumns,
   type SplatSet,
@@ -36,6 +36,8 @@ export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harm
   const column = (name: 'logScales' | 'rotations' | 'opacityLogits' | 'colorDc') =>
     joined(sets.map((set) => set[name]));
   const isAntialiased = agreedAntialiasing(sets);
+  const dropped: DropCounts = {};
+  for (const set of sets) addDrops(dropped, set.dropped);
   return {
     count,
     ...placed(sets),
@@ -45,7 +47,7 @@ export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harm
     colorDc: column('colorDc'),
     harmonics: { degree, coefficients: joined(sets.map((set) => trainedCoefficients(set, degree))) },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
-    dropped: totalOf(sets.map(({ dropped }) => dropped)),
+    dropped,
     ...(isAntialiased !== undefined && { isAntialiased }),
   };
 }
@@ -69,12 +71,4 @@ function joined(columns: readonly Float32Array[]): Float32Array {
     at += column.length;
   }
   return result;
-}
-
-function totalOf(counts: readonly DropCounts[]): DropCounts {
-  const total: DropCounts = {};
-  for (const each of counts)
-    for (const [reason, count] of Object.entries(each) as [DropReason, number][])
-      total[reason] = (total[reason] ?? 0) + count;
-  return total;
 }

@@ -5,8 +5,9 @@ import { unpackSplat } from '../../reference/packing.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { uniform } from '../../testing/uniform.ts';
 import { HALF_MAX } from '../layout/half.ts';
+import { opacityOf } from '../splats/color-values.ts';
 import { logScalesOf, setLogScales } from './chunks.ts';
-import { opacityOf, packGeometry } from './geometry.ts';
+import { packGeometry } from './geometry.ts';
 import { LOG_SCALE_LIMIT, logScaleRange } from './log-scale.ts';
 
 const finite = (limit: number) => uniform(-limit, limit).map(Math.fround);

@@ -1,5 +1,6 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { clampCoefficient, toHalfBits } from '../layout/half.ts';
+import { opacityOf } from '../splats/color-values.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 import { chunksOf, logScalesOf } from './chunks.ts';
 import { clampLogScale, logScaleSteps } from './log-scale.ts';
@@ -37,11 +38,6 @@ export function packGeometry(
   if (precision === 'f32') packF32(set, new Float32Array(words.buffer));
   else packSmall(set, words, chunks);
   return { precision, words, chunks };
-}
-
-/** Peak opacity, 0…1, of a logit; ±Infinity allowed. */
-export function opacityOf(logit: number): number {
-  return 1 / (1 + Math.exp(-logit));
 }
 
 function packF32(set: SplatColumns, target: Float32Array): void {

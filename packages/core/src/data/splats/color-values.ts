@@ -16,7 +16,7 @@ export function logitOf(opacity: number): number {
   return Math.log(opacity / (1 - opacity));
 }
 
-/** The opacity, 0…1, of a logit. */
+/** Peak opacity, 0…1, of a logit; ±Infinity allowed. */
 export function opacityOf(logit: number): number {
   return 1 / (1 + Math.exp(-logit));
 }

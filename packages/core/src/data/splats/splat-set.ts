@@ -31,6 +31,12 @@ export type DropReason = (typeof DROP_REASONS)[number];
 /** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
 
+/** Adds `counts` to `total`. */
+export function addDrops(total: DropCounts, counts: DropCounts): void {
+  for (const [reason, count] of Object.entries(counts) as [DropReason, number][])
+    total[reason] = (total[reason] ?? 0) + count;
+}
+
 /** Facts that a file states about itself. */
 export interface FileFacts {
   /** Name of the format, e.g. `spz`. */

@@ -8,7 +8,7 @@ import { HostGroup } from '../host-group.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
 const stageOf = perShape((shape) => {
-  const { rasterizer, accuracy, depth, hasNarrowSubgroups } = shape;
+  const { rasterizer, accuracy, depth, sortDevice } = shape;
   if (rasterizer !== 'tiles') return null;
   const { recordPrecision, colorTarget } = accuracy;
   return tileRasterize({
@@ -16,7 +16,7 @@ const stageOf = perShape((shape) => {
     colorTarget,
     depth,
     isExactOrder: !shape.shortensKeys && !shape.sortsByDistance,
-    isNarrow: hasNarrowSubgroups,
+    isNarrow: sortDevice.isNarrow,
   });
 });
 

@@ -122,7 +122,9 @@ async function sortPairs(
 
 /** Shapes for little and much workgroup memory, as far as `device` has it, and by ballots. */
 function shapesFor(bits: number, isNarrow = false): SortShape[] {
-  const shapes = sortLimitsOf(device).map((bytes) => sortShapeFor(bits, bytes, isNarrow));
+  const shapes = sortLimitsOf(device).map((workgroupBytes) =>
+    sortShapeFor(bits, { workgroupBytes, isNarrow }),
+  );
   const distinct = shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
   return [...distinct, byBallots(shapes[0], device)].filter((shape) => shape !== null);
 }
@@ -206,26 +208,25 @@ describe('radix sort', () => {
   }
 
   gpuTest('every shape compiles on a device with as little workgroup memory as it was made for', async () => {
-    for (const maxComputeWorkgroupStorageSize of sortLimitsOf(device)) {
-      const small = await shareTestDevice({ requiredLimits: { maxComputeWorkgroupStorageSize } });
+    for (const workgroupBytes of sortLimitsOf(device)) {
+      const requiredLimits = { maxComputeWorkgroupStorageSize: workgroupBytes };
+      const small = await shareTestDevice({ requiredLimits });
       for (const shape of [
-        ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize)),
-        ...PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, maxComputeWorkgroupStorageSize)),
-        ...KEY_BITS.map((bits) => sortShapeFor(bits, maxComputeWorkgroupStorageSize, true)),
+        ...KEY_BITS.map((bits) => sortShapeFor(bits, { workgroupBytes })),
+        ...PAIR_KEY_BITS.map((bits) => pairSortShapeFor(bits, { workgroupBytes })),
+        ...KEY_BITS.map((bits) => sortShapeFor(bits, { workgroupBytes, isNarrow: true })),
       ])
         await new Pipelines(small).prepare(radixSortStages(shape));
       small.destroy();
     }
-    expect(() => sortShapeFor(24, 8000)).toThrow('8 bits need 14128 bytes');
+    expect(() => sortShapeFor(24, { workgroupBytes: 8000 })).toThrow('8 bits need 14128 bytes');
   });
 
   gpuTest('ballots take the largest block that the device allows, and masks where it allows none', () => {
     const ballots = { min: 32, max: 64, workgroupThreads: 1024 };
-    const blockOf = (bits: number, bytes: number, threads = 1024) => {
-      const { workgroup, subgroups } = sortShapeFor(bits, bytes, false, {
-        ...ballots,
-        workgroupThreads: threads,
-      });
+    const blockOf = (bits: number, workgroupBytes: number, workgroupThreads = 1024) => {
+      const options = { workgroupBytes, ballots: { ...ballots, workgroupThreads } };
+      const { workgroup, subgroups } = sortShapeFor(bits, options);
       return subgroups && workgroup;
     };
     expect(blockOf(32, 49_152)).toBe(512);
@@ -233,12 +234,13 @@ describe('radix sort', () => {
     expect(blockOf(27, 32_768)).toBe(256);
     expect(blockOf(32, 32_768, 256)).toBe(256);
     expect(blockOf(32, 16_384, 128)).toBeNull();
-    expect(sortShapeFor(32, 32_768, false, { ...ballots, min: 4 }).subgroups).toBeNull();
+    const few = { workgroupBytes: 32_768, ballots: { ...ballots, min: 4 } };
+    expect(sortShapeFor(32, few).subgroups).toBeNull();
   });
 
   for (const bits of PAIR_KEY_BITS) {
     gpuTest(`pairs with keys of ${bits} bits: keys and given payloads in order`, async () => {
-      const shapes = sortLimitsOf(device).map((bytes) => pairSortShapeFor(bits, bytes));
+      const shapes = sortLimitsOf(device).map((workgroupBytes) => pairSortShapeFor(bits, { workgroupBytes }));
       for (const shape of [...shapes, byBallots(shapes[0], device)].filter((each) => each !== null)) {
         expect(shape.passes).toBe(bits <= 9 ? 1 : 2);
         const blockKeys = blockKeysOf(shape);

@@ -17,7 +17,7 @@ describe('sort-histogram', () => {
     const pipelines = new Pipelines(device);
     const random = seededRandom(3);
     const shapes = sortLimitsOf(device).flatMap((bytes) =>
-      [24, 27, 32].map((bits) => sortShapeFor(bits, bytes)),
+      [24, 27, 32].map((bits) => sortShapeFor(bits, { workgroupBytes: bytes })),
     );
     for (const shape of shapes) {
       const bits = shape.digitBits * shape.passes;

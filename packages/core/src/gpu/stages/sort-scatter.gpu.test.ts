@@ -32,7 +32,7 @@ async function scatter(options: {
 }) {
   const { bits, makesPayloads, writesKeys, isNarrow = false } = options;
   const random = seededRandom(4);
-  const shape = sortShapeFor(bits, options.workgroupBytes, isNarrow);
+  const shape = sortShapeFor(bits, { workgroupBytes: options.workgroupBytes, isNarrow });
   const { digitBits } = shape;
   const blockKeys = blockKeysOf(shape);
   const dispatchRow = 2;

@@ -1,4 +1,4 @@
-import type { BallotDevice, SubgroupSizes } from '../device.ts';
+import { type BallotDevice, hasNarrowSubgroups, type SubgroupSizes } from '../device.ts';
 
 /** Division of keys into digits and blocks. */
 export interface SortShape {
@@ -67,25 +67,35 @@ export function workgroupBytesOf(shape: Omit<SortShape, 'passes' | 'isNarrow'>):
   return 4 * words + 4 * radix + 8 * shape.workgroup + 8 * (shape.workgroup / MASK_GROUP) + own;
 }
 
+/** The properties of a device that the shapes of its sorts follow from. */
+export interface SortDevice {
+  /** Its `maxComputeWorkgroupStorageSize`: larger blocks give longer runs of keys to write. */
+  readonly workgroupBytes: number;
+  /** Its `hasNarrowSubgroups`. */
+  readonly isNarrow: boolean;
+  /** Itself, if keys are to be ranked by ballots as far as its memory allows. */
+  readonly ballots: BallotDevice | null;
+}
+
+/** @param ballots see `SortDevice`; default null. */
+export function sortDeviceOf(device: GPUDevice, ballots: BallotDevice | null = null): SortDevice {
+  const { maxComputeWorkgroupStorageSize: workgroupBytes } = device.limits;
+  return { workgroupBytes, isNarrow: hasNarrowSubgroups(device), ballots };
+}
+
+const ANY_DEVICE: SortDevice = { workgroupBytes: DEFAULT_WORKGROUP_BYTES, isNarrow: false, ballots: null };
+
 /**
  * Chooses the shape with the fewest passes for keys below 2^keyBits.
  *
- * @param workgroupBytes the device's `maxComputeWorkgroupStorageSize`: larger blocks give longer
- *   runs of keys to write.
- * @param isNarrow the device's `hasNarrowSubgroups`.
- * @param ballots the device, if keys are to be ranked by ballots as far as its memory allows.
+ * @param device default: any.
  */
-export function sortShapeFor(
-  keyBits: number,
-  workgroupBytes = DEFAULT_WORKGROUP_BYTES,
-  isNarrow = false,
-  ballots: BallotDevice | null = null,
-): SortShape {
+export function sortShapeFor(keyBits: number, device: Partial<SortDevice> = {}): SortShape {
   // Digits of 9 bits take twice the workgroup memory per thread, but save a pass here. Drivers on a
   // CPU take longer to compile the shaders for them, which no sort of pairs shares, than for many
   // such passes.
-  if (keyBits > 24 && keyBits <= 27 && !isNarrow) return shapeOf(9, 3, workgroupBytes, isNarrow, ballots);
-  return shapeOf(8, Math.max(1, Math.ceil(keyBits / 8)), workgroupBytes, isNarrow, ballots);
+  if (keyBits > 24 && keyBits <= 27 && !device.isNarrow) return shapeOf(9, 3, device);
+  return shapeOf(8, Math.max(1, Math.ceil(keyBits / 8)), device);
 }
 
 /**
@@ -93,28 +103,16 @@ export function sortShapeFor(
  * bits. Digits have 8 bits where that suffices, as in most sorts of depths: the shaders of both
  * sorts are then the same, and compile once.
  *
- * @param workgroupBytes as for `sortShapeFor`.
- * @param isNarrow as for `sortShapeFor`.
- * @param ballots as for `sortShapeFor`.
+ * @param device default: any.
  */
-export function pairSortShapeFor(
-  keyBits: number,
-  workgroupBytes = DEFAULT_WORKGROUP_BYTES,
-  isNarrow = false,
-  ballots: BallotDevice | null = null,
-): SortShape {
+export function pairSortShapeFor(keyBits: number, device: Partial<SortDevice> = {}): SortShape {
   if (keyBits > 18) throw new RangeError(`Keys of ${keyBits} bits take more than two passes; 18 do not.`);
   const passes = keyBits <= 9 ? 1 : 2;
-  return shapeOf(keyBits <= 8 * passes ? 8 : 9, passes, workgroupBytes, isNarrow, ballots);
+  return shapeOf(keyBits <= 8 * passes ? 8 : 9, passes, device);
 }
 
-function shapeOf(
-  digitBits: number,
-  passes: number,
-  workgroupBytes: number,
-  isNarrow: boolean,
-  ballots: BallotDevice | null,
-): SortShape {
+function shapeOf(digitBits: number, passes: number, device: Partial<SortDevice>): SortShape {
+  const { workgroupBytes, isNarrow, ballots } = { ...ANY_DEVICE, ...device };
   const shapesOf = (blocks: readonly (readonly [number, number])[], subgroups: SubgroupSizes | null) =>
     blocks.map(([workgroup, itemsPerThread]) => ({
       digitBits,

@@ -2,7 +2,13 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
-import type { DropCounts, DropReason, FileFacts, ShDegree, SplatSet } from '../../data/splats/splat-set.ts';
+import {
+  addDrops,
+  type DropCounts,
+  type FileFacts,
+  type ShDegree,
+  type SplatSet,
+} from '../../data/splats/splat-set.ts';
 
 /** Facts about the splats of a file, of which some pieces have come. */
 export class PieceFacts {
@@ -20,8 +26,7 @@ export class PieceFacts {
     this.shDegree = harmonics.degree;
     this.isAntialiased = isAntialiased;
     this.fileFacts = fileFacts;
-    for (const [reason, drops] of Object.entries(dropped) as [DropReason, number][])
-      this.dropped[reason] = (this.dropped[reason] ?? 0) + drops;
+    addDrops(this.dropped, dropped);
     const { min, max } = centerBounds(positions, count);
     for (let axis = 0; axis < 3; axis++) {
       this.bounds.min[axis] = Math.min(this.bounds.min[axis], origin[axis] + min[axis]);
