@@ -1,6 +1,6 @@
 import { SortParameters, SortPlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
-import type { Pipelines, StageDefinition } from '../pipelines.ts';
+import type { Bindings, Pipelines, StageDefinition } from '../pipelines.ts';
 import { dispatchAtMost, dispatchSize, type IndirectArguments } from './dispatch.ts';
 import { planSort } from './plan-sort.ts';
 import { sortHistogram } from './sort-histogram.ts';
@@ -67,11 +67,11 @@ export function radixSortStages(
   ];
 }
 
-interface SortPass {
-  /** Null where the counts are given. */
-  readonly histogramGroup: GPUBindGroup | null;
-  readonly scanGroup: GPUBindGroup;
-  readonly scatterGroup: GPUBindGroup;
+/** A stage of one pass, and its dispatch. */
+interface SortStep {
+  readonly stage: StageDefinition;
+  readonly group: GPUBindGroup;
+  readonly dispatch: (pass: GPUComputePassEncoder) => void;
 }
 
 /**
@@ -97,18 +97,7 @@ export class RadixSort {
   readonly digitCounts: GPUBuffer;
   readonly #pipelines: Pipelines;
   readonly #memory: GpuMemory;
-  readonly #planStage: StageDefinition;
-  readonly #histogramStage: StageDefinition;
-  readonly #scanStage: StageDefinition;
-  readonly #scatterStage: StageDefinition;
-  readonly #maxBlocks: number;
-  readonly #dispatchRow: number;
-  readonly #scanLanes: number;
-  /** Null where the plan is given. */
-  readonly #planGroup: GPUBindGroup | null;
-  /** Null where every block there is room for is dispatched. */
-  readonly #blockDispatch: IndirectArguments | null;
-  readonly #passes: SortPass[];
+  readonly #steps: SortStep[] = [];
 
   /**
    * @param memory a part of its own, whose owner frees it.
@@ -118,16 +107,11 @@ export class RadixSort {
     const { shape, capacity, dispatchRow, writesKeys = false, label = 'sort' } = options;
     const { payloads: payloadKind = 'index', firstCounts = 'counted' } = options;
     this.shape = shape;
-    this.#planStage = planSort(blockKeysOf(shape));
-    this.#histogramStage = sortHistogram(shape);
-    this.#scanStage = sortScan(shape);
-    this.#scatterStage = sortScatter(shape);
     this.#pipelines = pipelines;
     this.#memory = memory;
     const radix = 2 ** shape.digitBits;
-    this.#maxBlocks = Math.ceil(capacity / blockKeysOf(shape));
-    this.#dispatchRow = dispatchRow;
-    this.#scanLanes = scanLanesFor(this.#maxBlocks);
+    const maxBlocks = Math.ceil(capacity / blockKeysOf(shape));
+    const scanLanes = scanLanesFor(maxBlocks);
 
     // A single pass needs no second buffer of keys, nor a first of payloads: neither is used.
     const hasMany = shape.passes > 1;
@@ -144,7 +128,7 @@ export class RadixSort {
     const payloads = usesPayloads.map((isUsed, i) =>
       options.order && i === last ? { buffer: options.order } : place('payloads', isUsed, i, 4 * capacity),
     );
-    const digitCounts = this.#buffer(`${label} digit counts`, 4 * radix * this.#maxBlocks);
+    const digitCounts = this.#buffer(`${label} digit counts`, 4 * radix * maxBlocks);
     const digitTotals = this.#buffer(`${label} digit totals`, 4 * radix);
     this.keys = keys[0].buffer;
     this.payloads = payloads[0].buffer;
@@ -165,70 +149,47 @@ export class RadixSort {
         dispatchRow,
         makesPayloads: Number(pass === 0 && payloadKind === 'index'),
         writesKeys: Number(writesKeys || pass < shape.passes - 1),
-        scanLanes: this.#scanLanes,
+        scanLanes,
       });
       device.queue.writeBuffer(buffer, 0, contents);
       return buffer;
     });
+    const add = (stage: StageDefinition, bindings: Bindings, dispatch: SortStep['dispatch']) =>
+      this.#steps.push({ stage, group: pipelines.bindGroup(stage, bindings), dispatch });
     let plan: GPUBuffer;
-    if (options.plan) {
-      plan = options.plan;
-      this.#planGroup = null;
-      this.#blockDispatch = options.blockDispatch ?? null;
-    } else {
+    // Undefined where every block that there is room for is dispatched.
+    let blockDispatch: IndirectArguments | undefined;
+    if (options.plan) ({ plan, blockDispatch } = options);
+    else {
       plan = this.#buffer(`${label} plan`, SortPlan.bytes);
-      const blockDispatch = this.#buffer(`${label} block dispatch`, 12, GPUBufferUsage.INDIRECT);
-      const bindings = { parameters: parameters[0], keyCount: options.keyCount, plan, blockDispatch };
-      this.#planGroup = pipelines.bindGroup(this.#planStage, bindings);
-      this.#blockDispatch = { buffer: blockDispatch, offset: 0 };
+      const buffer = this.#buffer(`${label} block dispatch`, 12, GPUBufferUsage.INDIRECT);
+      blockDispatch = { buffer, offset: 0 };
+      const bindings = { parameters: parameters[0], keyCount: options.keyCount, plan, blockDispatch: buffer };
+      add(planSort(blockKeysOf(shape)), bindings, (pass) => pass.dispatchWorkgroups(1));
     }
-    this.#passes = parameters.map((passParameters, pass) => {
+    const dispatchBlocks = (pass: GPUComputePassEncoder) => {
+      if (blockDispatch) dispatchAtMost(pass, maxBlocks, dispatchRow, blockDispatch);
+      else pass.dispatchWorkgroups(...dispatchSize(Math.max(1, maxBlocks), dispatchRow));
+    };
+    const scanSize = dispatchSize(scanWorkgroups(shape, scanLanes), dispatchRow);
+    const [histogram, scan, scatter] = [sortHistogram(shape), sortScan(shape), sortScatter(shape)];
+    for (const [pass, passParameters] of parameters.entries()) {
       const [from, to] = [pass % 2, (pass + 1) % 2];
-      const shared = { parameters: passParameters, plan, digitTotals };
-      const isCounted = pass > 0 || firstCounts === 'counted';
-      const histogramBindings = { ...shared, keys: keys[from], digitCounts };
-      return {
-        histogramGroup: isCounted ? pipelines.bindGroup(this.#histogramStage, histogramBindings) : null,
-        scanGroup: pipelines.bindGroup(this.#scanStage, { ...shared, digitCounts }),
-        scatterGroup: pipelines.bindGroup(this.#scatterStage, {
-          ...shared,
-          digitOffsets: digitCounts,
-          keysIn: keys[from],
-          payloadsOut: payloads[to],
-          payloadsIn: payloads[from],
-          keysOut: keys[to],
-        }),
-      };
-    });
+      const shared = { parameters: passParameters, plan, digitTotals, digitCounts };
+      if (pass > 0 || firstCounts === 'counted')
+        add(histogram, { ...shared, keys: keys[from] }, dispatchBlocks);
+      add(scan, shared, (encoder) => encoder.dispatchWorkgroups(...scanSize));
+      const moved = { payloadsIn: payloads[from], payloadsOut: payloads[to], keysOut: keys[to] };
+      add(scatter, { ...shared, ...moved, digitOffsets: digitCounts, keysIn: keys[from] }, dispatchBlocks);
+    }
   }
 
   record(pass: GPUComputePassEncoder): void {
-    if (this.#planGroup) {
-      this.#set(pass, this.#planStage, this.#planGroup);
-      pass.dispatchWorkgroups(1);
+    for (const { stage, group, dispatch } of this.#steps) {
+      pass.setPipeline(this.#pipelines.compute(stage)!);
+      pass.setBindGroup(0, group);
+      dispatch(pass);
     }
-    for (const { histogramGroup, scanGroup, scatterGroup } of this.#passes) {
-      if (histogramGroup) {
-        this.#set(pass, this.#histogramStage, histogramGroup);
-        this.#dispatchBlocks(pass);
-      }
-      this.#set(pass, this.#scanStage, scanGroup);
-      const scanning = scanWorkgroups(this.shape, this.#scanLanes);
-      pass.dispatchWorkgroups(...dispatchSize(scanning, this.#dispatchRow));
-      this.#set(pass, this.#scatterStage, scatterGroup);
-      this.#dispatchBlocks(pass);
-    }
-  }
-
-  #set(pass: GPUComputePassEncoder, stage: StageDefinition, group: GPUBindGroup): void {
-    pass.setPipeline(this.#pipelines.compute(stage)!);
-    pass.setBindGroup(0, group);
-  }
-
-  #dispatchBlocks(pass: GPUComputePassEncoder): void {
-    const [bound, row] = [this.#maxBlocks, this.#dispatchRow];
-    if (this.#blockDispatch) dispatchAtMost(pass, bound, row, this.#blockDispatch);
-    else pass.dispatchWorkgroups(...dispatchSize(Math.max(1, bound), row));
   }
 
   #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags = 0): GPUBuffer {
