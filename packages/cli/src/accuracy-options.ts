@@ -5,7 +5,7 @@ import {
   DEFAULT_ACCURACY,
   type SortBy,
 } from '@websplatter/core';
-import { UsageError } from './input-error.ts';
+import { UsageError, wrongValue } from './input-error.ts';
 import { parseFrames, parseSize, parseSortBy, parseStrictly } from './render-options.ts';
 
 /** Arguments of `websplatter accuracy`. */
@@ -57,8 +57,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
 
 function parseBase(text: string): AccuracyPreset {
   if (Object.hasOwn(ACCURACY_PRESETS, text)) return text as AccuracyPreset;
-  const names = Object.keys(ACCURACY_PRESETS).join(', ');
-  throw new UsageError('--base', `--base is ${text}; it must be one of ${names}`);
+  throw wrongValue('--base', text, `one of ${Object.keys(ACCURACY_PRESETS).join(', ')}`);
 }
 
 function parseNames(text: string | undefined): string[] | undefined {

@@ -1,7 +1,14 @@
-import type { AccuracySettings, ShDegree } from '@websplatter/core';
+import type { AccuracySettings } from '@websplatter/core';
 import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
-import { UsageError } from './input-error.ts';
-import { parseAccuracy, parseFrames, parseSeed, parseSize, parseStrictly } from './render-options.ts';
+import { UsageError, wrongValue } from './input-error.ts';
+import {
+  parseAccuracy,
+  parseDegree,
+  parseFrames,
+  parseSeed,
+  parseSize,
+  parseStrictly,
+} from './render-options.ts';
 
 /** Arguments of `websplatter bench`. */
 export interface BenchOptions {
@@ -55,7 +62,7 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
         : {
             kind: 'synthetic',
             splats: parseCount(synthetic),
-            shDegree: parseDegree(values.degree ?? '3'),
+            shDegree: parseDegree('--degree', values.degree ?? '3'),
             seed: parseSeed(values.seed ?? '1'),
           },
     camera: values.camera,
@@ -76,17 +83,11 @@ function parseCount(text: string): number {
   const count = digits === undefined ? Number.NaN : Math.round(Number(digits) * FACTORS[unit.toLowerCase()]);
   if (count >= SYNTHETIC_MIN_SPLATS && count <= SYNTHETIC_MAX_SPLATS) return count;
   const range = `${SYNTHETIC_MIN_SPLATS / 1e3}k to ${SYNTHETIC_MAX_SPLATS / 1e6}M`;
-  throw new UsageError('--synthetic', `--synthetic is ${text}; it must be a number of splats, ${range}`);
-}
-
-function parseDegree(text: string): ShDegree {
-  if (!/^[0-3]$/.test(text)) throw new UsageError('--degree', `--degree is ${text}; it must be 0, 1, 2 or 3`);
-  return Number(text) as ShDegree;
+  throw wrongValue('--synthetic', text, `a number of splats, ${range}`);
 }
 
 function parseOrbit(text: string): number {
   const degrees = text.trim() === '' ? Number.NaN : Number(text);
-  if (!(degrees > 0 && degrees <= 360))
-    throw new UsageError('--orbit', `--orbit is ${text}; it must be degrees above 0 and up to 360`);
+  if (!(degrees > 0 && degrees <= 360)) throw wrongValue('--orbit', text, 'degrees above 0 and up to 360');
   return degrees;
 }

@@ -11,8 +11,8 @@ import {
   type WritableFormat,
   writableByName,
 } from '@websplatter/core/write';
-import { UsageError } from './input-error.ts';
-import { parseStrictly } from './render-options.ts';
+import { UsageError, wrongValue } from './input-error.ts';
+import { numbersOf, parseDegree, parseStrictly } from './render-options.ts';
 
 /** Arguments of `websplatter convert`. */
 export interface ConvertOptions {
@@ -55,13 +55,13 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
     throw new UsageError('--merge', `${scenes.length} scenes become one OUT only with --merge`);
   }
   if (values.up !== undefined && !AXIS_NAMES.includes(values.up)) {
-    throw new UsageError('--up', `--up is ${values.up}; it must be one of ${AXIS_NAMES.join(', ')}`);
+    throw wrongValue('--up', values.up, `one of ${AXIS_NAMES.join(', ')}`);
   }
   return {
     scenes,
     out,
     format: formatOf(values.format, out),
-    shDegree: parseDegree(values.sh),
+    shDegree: values.sh === undefined ? undefined : parseDegree('--sh', values.sh),
     transform: {
       rotation: multiplyQuaternions(
         rotationByDegrees(parseVector('--rotate', values.rotate) ?? NO_ROTATION),
@@ -98,40 +98,27 @@ function formatOf(name: string | undefined, out: string): WritableFormat {
   const format = WRITABLE_FORMATS.find((each) => each.name === name);
   if (format) return format;
   const names = WRITABLE_FORMATS.map((each) => each.name).join(', ');
-  throw new UsageError('--format', `--format is ${name}; it must be one of ${names}`);
-}
-
-function parseDegree(text: string | undefined): ShDegree | undefined {
-  if (text === undefined) return undefined;
-  if (!/^[0-3]$/.test(text)) throw new UsageError('--sh', `--sh is ${text}; it must be 0, 1, 2 or 3`);
-  return Number(text) as ShDegree;
+  throw wrongValue('--format', name, `one of ${names}`);
 }
 
 function parseScale(text: string | undefined): number | undefined {
   if (text === undefined) return undefined;
   const [scale] = numbersOf(text);
   if (scale > 0 && numbersOf(text).length === 1) return scale;
-  throw new UsageError('--scale', `--scale is ${text}; it must be a number above 0`);
+  throw wrongValue('--scale', text, 'a number above 0');
 }
 
 function parseVector(option: string, text: string | undefined): Vec3 | undefined {
   if (text === undefined) return undefined;
   const numbers = numbersOf(text);
   if (numbers.length === 3) return numbers as [number, number, number];
-  throw new UsageError(option, `${option} is ${text}; it must be x,y,z`);
+  throw wrongValue(option, text, 'x,y,z');
 }
 
 function parseBox(text: string | undefined): CropBox | undefined {
   if (text === undefined) return undefined;
   const numbers = numbersOf(text);
-  if (numbers.length !== 6)
-    throw new UsageError('--crop', `--crop is ${text}; it must be minX,minY,minZ,maxX,maxY,maxZ`);
+  if (numbers.length !== 6) throw wrongValue('--crop', text, 'minX,minY,minZ,maxX,maxY,maxZ');
   const [minX, minY, minZ, maxX, maxY, maxZ] = numbers;
   return { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] };
-}
-
-/** Numbers between commas; none at all if one is not finite. */
-function numbersOf(text: string): number[] {
-  const numbers = text.split(',').map((part) => (part.trim() === '' ? Number.NaN : Number(part)));
-  return numbers.every(Number.isFinite) ? numbers : [];
 }

@@ -14,6 +14,11 @@ export class UsageError extends InvalidArgumentError {
   }
 }
 
+/** The error for an option with a value that it cannot have. */
+export function wrongValue(option: string, value: string, expected: string): UsageError {
+  return new UsageError(option, `${option} is ${value}; it must be ${expected}`);
+}
+
 /** Describes a failed system call in words: `there is no such file or folder`. */
 export function describeSystemError(error: unknown): string {
   const code = (error as NodeJS.ErrnoException | null)?.code;

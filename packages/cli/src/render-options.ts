@@ -5,11 +5,12 @@ import {
   type AccuracySettings,
   DEFAULT_ACCURACY,
   resolveAccuracy,
+  type ShDegree,
   SORTED_BY,
   type SortBy,
   type Vec3,
 } from '@websplatter/core';
-import { UsageError } from './input-error.ts';
+import { UsageError, wrongValue } from './input-error.ts';
 
 /** Arguments of `websplatter render`. */
 export interface RenderOptions {
@@ -64,7 +65,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   }
   const { renderer } = values;
   if (renderer !== 'gpu' && renderer !== 'reference') {
-    throw new UsageError('--renderer', `--renderer is ${renderer}; it must be gpu or reference`);
+    throw wrongValue('--renderer', renderer, 'gpu or reference');
   }
   const [widthPx, heightPx] = parseSize(values.size);
   return {
@@ -117,12 +118,8 @@ function parse<Options extends NonNullable<ParseArgsConfig['options']>>(
 export function parseSize(text: string): [number, number] {
   const match = /^(\d+)[x×](\d+)$/i.exec(text);
   const size = match && [Number(match[1]), Number(match[2])];
-  if (!size?.every((px) => px >= 1 && px <= MAX_SIZE_PX)) {
-    throw new UsageError(
-      '--size',
-      `--size is ${text}; it must be WIDTHxHEIGHT in pixels, each 1 to ${MAX_SIZE_PX}`,
-    );
-  }
+  if (!size?.every((px) => px >= 1 && px <= MAX_SIZE_PX))
+    throw wrongValue('--size', text, `WIDTHxHEIGHT in pixels, each 1 to ${MAX_SIZE_PX}`);
   return size as [number, number];
 }
 
@@ -130,28 +127,35 @@ export function parseSize(text: string): [number, number] {
 export function parseSortBy(text: string): SortBy {
   const sortBy = SORTED_BY.find((each) => each === text);
   if (sortBy) return sortBy;
-  throw new UsageError('--sort-by', `--sort-by is ${text}; it must be ${SORTED_BY.join(' or ')}`);
+  throw wrongValue('--sort-by', text, SORTED_BY.join(' or '));
 }
 
 function parseBackground(text: string): Vec3 {
-  const parts = text.split(',');
-  const numbers = parts.map((part) => (part.trim() === '' ? Number.NaN : Number(part)));
-  if (numbers.length !== 3 || !numbers.every((value) => value >= 0 && value <= 1)) {
-    throw new UsageError('--background', `--background is ${text}; it must be r,g,b, each 0 to 1`);
-  }
+  const numbers = numbersOf(text);
+  if (numbers.length !== 3 || !numbers.every((value) => value >= 0 && value <= 1))
+    throw wrongValue('--background', text, 'r,g,b, each 0 to 1');
   return numbers as [number, number, number];
+}
+
+/** Numbers between commas; none at all if one is not finite. */
+export function numbersOf(text: string): number[] {
+  const numbers = text.split(',').map((part) => (part.trim() === '' ? Number.NaN : Number(part)));
+  return numbers.every(Number.isFinite) ? numbers : [];
+}
+
+export function parseDegree(option: string, text: string): ShDegree {
+  if (!/^[0-3]$/.test(text)) throw wrongValue(option, text, '0, 1, 2 or 3');
+  return Number(text) as ShDegree;
 }
 
 /** Parses a seed: a whole number. */
 export function parseSeed(text: string): number {
-  if (!/^\d{1,9}$/.test(text))
-    throw new UsageError('--seed', `--seed is ${text}; it must be a whole number from 0 to 999999999`);
+  if (!/^\d{1,9}$/.test(text)) throw wrongValue('--seed', text, 'a whole number from 0 to 999999999');
   return Number(text);
 }
 
 export function parseFrames(text: string): number {
-  if (!/^[1-9]\d{0,5}$/.test(text))
-    throw new UsageError('--frames', `--frames is ${text}; it must be a whole number from 1 on`);
+  if (!/^[1-9]\d{0,5}$/.test(text)) throw wrongValue('--frames', text, 'a whole number from 1 on');
   return Number(text);
 }
 
@@ -171,7 +175,7 @@ function parseSettings(assignments: readonly string[]): Record<string, unknown> 
   const settings: Record<string, unknown> = {};
   for (const assignment of assignments) {
     const [name, value] = splitOnce(assignment, '=');
-    if (value === undefined) throw new UsageError('--set', `--set is ${assignment}; it must be name=value`);
+    if (value === undefined) throw wrongValue('--set', assignment, 'name=value');
     settings[name] = isNumeric(name) ? parseNumber(value) : value;
   }
   return settings;
