@@ -1,6 +1,7 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import { useStore } from 'zustand';
 import { nearestPreset, PRESET_NAMES } from '../formatting/accuracy-words.ts';
+import { Choices } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /** The presets as buttons. */
@@ -11,19 +12,15 @@ export function AccuracyPresets({ store, viewer }: PanelProps) {
   // Under a target no preset was chosen, even if the chosen settings equal one.
   const chosen = target === null && changed.length === 0 ? preset : null;
   return (
-    <fieldset className="chips accuracy-presets" aria-label="Presets">
-      {PRESET_NAMES.map((name) => (
-        <button
-          key={name}
-          type="button"
-          className="chip"
-          aria-pressed={name === chosen}
-          data-testid={`preset-${name}`}
-          onClick={() => viewer.setAccuracy(ACCURACY_PRESETS[name])}
-        >
-          {name}
-        </button>
-      ))}
-    </fieldset>
+    <div className="accuracy-presets">
+      <Choices
+        label="Presets"
+        isChips
+        choices={PRESET_NAMES.map((name) => [name, name])}
+        chosen={chosen}
+        testId="preset-"
+        onChoose={(name) => viewer.setAccuracy(ACCURACY_PRESETS[name])}
+      />
+    </div>
   );
 }

@@ -1,6 +1,7 @@
 import type { AccuracyTarget } from '@websplatter/core';
 import { useStore } from 'zustand';
 import { describeAccuracy, describeTarget } from '../formatting/accuracy-words.ts';
+import { TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /**
@@ -32,19 +33,18 @@ export function AccuracyStatus({ store, viewer }: PanelProps) {
 /** The target that is kept in every scene, and the button that ends it. */
 function KeptTarget({ store, viewer, target }: PanelProps & { readonly target: AccuracyTarget }) {
   return (
-    <p className="kept-target" data-testid="kept-target">
+    <p className="spread kept-target" data-testid="kept-target">
       <span role="status">
         Keeps: <b>{describeTarget(target)}</b>
       </span>
-      <button
-        type="button"
-        className="text-button"
+      <TextButton
+        look="plain"
         title="Keeps the settings that are drawn now"
-        data-testid="end-target"
+        testId="end-target"
         onClick={() => viewer.setAccuracy(store.getState().accuracy)}
       >
         End
-      </button>
+      </TextButton>
     </p>
   );
 }

@@ -6,6 +6,9 @@ export const UP_AXES = ['y', '-y', 'z', '-z'] as const;
 /** The axis of a scene's own that is shown upwards. */
 export type UpAxis = (typeof UP_AXES)[number];
 
+/** The axes with their names. */
+export const UP_CHOICES = UP_AXES.map((axis) => [axis, axis.replace('-', '−')] as const);
+
 /** How an axis of the scene comes to point up: by half a turn around x or not, with y or z up. */
 export interface Uprightness {
   readonly isFlipped: boolean;

@@ -2,23 +2,20 @@ import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
 import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../formatting/accuracy-words.ts';
 import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
+import { type Choice, Choices } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 type Kind = Comparison['kind'] | 'none';
 
-const KINDS: readonly { readonly kind: Kind; readonly label: string; readonly about: string }[] = [
-  { kind: 'none', label: 'Off', about: '' },
-  {
-    kind: 'split',
-    label: 'Split image',
-    about: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
-  },
-  {
-    kind: 'error',
-    label: 'Error map',
-    about: 'The error of each pixel against reference, drawn when the view comes to rest.',
-  },
+const KINDS: readonly Choice<Kind>[] = [
+  ['none', 'Off'],
+  ['split', 'Split image'],
+  ['error', 'Error map'],
 ];
+const ABOUT: Readonly<Partial<Record<Kind, string>>> = {
+  split: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
+  error: 'The error of each pixel against reference, drawn when the view comes to rest.',
+};
 
 const FIRST_SPLIT: Comparison = { kind: 'split', left: 'current', right: ACCURACY_PRESETS.reference };
 
@@ -28,23 +25,10 @@ export function ComparisonForm({ store, viewer }: PanelProps) {
   const current: Kind = comparison?.kind ?? 'none';
   const choose = (kind: Kind) =>
     viewer.compare(kind === 'none' ? null : kind === 'split' ? FIRST_SPLIT : { kind });
-  const { about } = KINDS.find(({ kind }) => kind === current) ?? KINDS[0];
   return (
     <div className="comparison-form">
-      <fieldset className="segments" aria-label="What is shown">
-        {KINDS.map(({ kind, label }) => (
-          <button
-            key={kind}
-            type="button"
-            aria-pressed={kind === current}
-            data-testid={`compare-${kind}`}
-            onClick={() => choose(kind)}
-          >
-            {label}
-          </button>
-        ))}
-      </fieldset>
-      {about && <p>{about}</p>}
+      <Choices label="What is shown" choices={KINDS} chosen={current} testId="compare-" onChoose={choose} />
+      {ABOUT[current] && <p>{ABOUT[current]}</p>}
       {comparison?.kind === 'split' && (
         <>
           <SideSelect

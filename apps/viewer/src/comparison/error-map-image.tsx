@@ -9,5 +9,5 @@ export function ErrorMapImage({ store, viewer }: PanelProps) {
     () => (canvas.current ? showErrorMap(canvas.current, viewer, store) : undefined),
     [store, viewer],
   );
-  return <canvas ref={canvas} className="error-map" data-testid="error-map" />;
+  return <canvas ref={canvas} className="over-picture" data-testid="error-map" />;
 }

@@ -1,6 +1,6 @@
 import { useStore } from 'zustand';
 import { describeAccuracy } from '../formatting/accuracy-words.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { ERROR_CLASSES } from './error-map.ts';
 
@@ -10,18 +10,11 @@ export function ErrorMapLegend({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
   return (
     <section className="panel error-legend" aria-label="Error map" data-testid="error-legend">
-      <div className="error-legend-row">
+      <div className="spread">
         <p>
           <b>{describeAccuracy(accuracy)}</b> against reference, in steps of 1/255
         </p>
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="End the comparison"
-          onClick={() => viewer.compare(null)}
-        >
-          <Icon name="close" />
-        </button>
+        <IconButton icon="close" label="End the comparison" onClick={() => viewer.compare(null)} />
       </div>
       <ol>
         {ERROR_CLASSES.map(({ label, color }, index) => (

@@ -50,7 +50,7 @@ export function SplitImage({
   };
   return (
     <div ref={root} className="split" data-testid="split">
-      <canvas ref={canvas} className="split-right" data-testid="split-right" />
+      <canvas ref={canvas} className="over-picture split-right" data-testid="split-right" />
       <div ref={area} className="split-area">
         <div
           ref={line}

@@ -74,8 +74,8 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
     moveFrom(null, ...stepPx);
   };
   return (
-    <div ref={root} className="clip-gizmo" data-testid="clip-gizmo">
-      <svg aria-hidden="true">
+    <div ref={root} className="over-picture clip-gizmo" data-testid="clip-gizmo">
+      <svg className="over-picture" aria-hidden="true">
         <path />
         <path />
       </svg>

@@ -91,7 +91,7 @@ function EffectList({
   const id = useId();
   return (
     <>
-      <h3 id={id}>
+      <h3 id={id} className="spread">
         {title} <small>{formatCount(entries.length)}</small>
       </h3>
       <ul aria-labelledby={id}>

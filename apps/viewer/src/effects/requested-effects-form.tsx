@@ -9,6 +9,7 @@ import type { EffectCost } from '@websplatter/core/measure';
 import { type ComponentType, useId, useMemo } from 'react';
 import { useStore } from 'zustand';
 import { NO_CHOICES } from '../state/requested-effects.ts';
+import { Choices, TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
 import { formatCost } from './effect-costs.ts';
@@ -32,17 +33,16 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
   const highlight = useStore(store, ({ effects }) => effects.find(({ name }) => name === 'highlight'));
   return (
     <>
-      <div className="requests-title">
+      <div className="spread requests-title">
         <h3>Change the picture</h3>
-        <button
-          type="button"
-          className="text-button"
+        <TextButton
+          look="plain"
           disabled={!isTouched}
-          data-testid="reset-effects"
+          testId="reset-effects"
           onClick={() => resetEffects({ store, viewer })}
         >
           Reset all
-        </button>
+        </TextButton>
       </div>
       <fieldset className="requests" disabled={!hasScene} aria-label="Effects to ask for">
         {Object.keys(EFFECT_OPTIONS).map((name) => (
@@ -62,7 +62,7 @@ function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { 
   const panel = { store, viewer };
   return (
     <div className="request" data-testid={`request-${name}`}>
-      <div className="request-head">
+      <div className="spread request-head">
         <Switch
           effect={EFFECT_OPTIONS[name].effect}
           isOn={isOn}
@@ -210,21 +210,15 @@ function OptionRow({ testId, option, values, value, onChoose, viewer }: OptionRo
   const chosen = typeof value === 'string' ? value : 'middle';
   return (
     <>
-      <fieldset className="segments" aria-label={label}>
-        {Object.entries(choices).map(([word, text]) => (
-          <button
-            key={word}
-            type="button"
-            aria-pressed={word === chosen}
-            data-testid={`${testId}-${word}`}
-            onClick={() =>
-              onChoose(kind === 'origin' && word === 'middle' ? scenePlaceOf(viewer).center : word)
-            }
-          >
-            {text}
-          </button>
-        ))}
-      </fieldset>
+      <Choices
+        label={label}
+        choices={Object.entries(choices)}
+        chosen={chosen}
+        testId={`${testId}-`}
+        onChoose={(word) =>
+          onChoose(kind === 'origin' && word === 'middle' ? scenePlaceOf(viewer).center : word)
+        }
+      />
       {note && <p>{note}</p>}
     </>
   );
@@ -244,15 +238,13 @@ function RevealPlayer(panel: PanelProps) {
   const isMotionReduced = useReducedMotion();
   return (
     <>
-      <button
-        type="button"
-        className="text-button outlined"
+      <TextButton
         disabled={isMotionReduced && !isPlaying}
-        data-testid="play-reveal"
+        testId="play-reveal"
         onClick={() => (isPlaying ? store.setState({ isRevealPlaying: false }) : playReveal(panel))}
       >
         {isPlaying ? 'Stop' : 'Play'}
-      </button>
+      </TextButton>
       {isMotionReduced && <p>This system asks for less motion: the slider shows each step.</p>}
     </>
   );
@@ -264,7 +256,7 @@ function HighlightRow({ entry }: { entry: EffectEntry | undefined }) {
   if (!entry) return null;
   return (
     <div className="request" data-testid="request-highlight">
-      <div className="request-head">
+      <div className="spread request-head">
         <Switch effect={entry} isOn={entry.isOn} aboutId={id} />
       </div>
       <p id={id} className="request-about">

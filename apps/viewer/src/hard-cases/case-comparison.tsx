@@ -1,8 +1,9 @@
 import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX } from '@websplatter/hardcases';
-import { useEffect, useMemo, useRef, useState } from 'react';
+import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
 import { formatDb } from '../formatting/format.ts';
+import { Choices } from '../ui/controls.tsx';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
 import { DIFFERENCE_COLORS, type Difference, differenceOf, pixelsOnBlack } from './difference.ts';
 import type { ExpectedImage } from './expected.worker.ts';
@@ -71,32 +72,35 @@ export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; imag
       )}
       <div className="case-choices">
         {cameraNames.length > 1 && (
-          <Segments
+          <LabelledChoices
             label="Camera"
-            values={cameraNames}
+            testId="case-choose-"
+            choices={cameraNames.map((name) => [name, name])}
             chosen={choice.cameraName}
             onChoose={(cameraName) => change({ cameraName })}
           />
         )}
-        <Segments
+        <LabelledChoices
           label="Accuracy"
-          values={PRESETS}
+          testId="case-choose-"
+          choices={PRESETS.map((name) => [name, name])}
           chosen={choice.preset}
           onChoose={(preset) => change({ preset })}
         />
-        <Segments
+        <LabelledChoices
           label="Drawn by"
-          values={CASE_RASTERIZERS}
+          testId="case-choose-"
+          choices={CASE_RASTERIZERS.map((name) => [name, name])}
           chosen={choice.rasterizer}
           onChoose={(rasterizer) => change({ rasterizer })}
         />
         {canBeLarger && (
-          <Segments
+          <LabelledChoices
             label="Pixels"
-            values={[1, LARGER]}
+            testId="case-choose-"
+            choices={[1, LARGER].map((scale) => [scale, `${scale * own.widthPx}×${scale * own.heightPx}`])}
             chosen={choice.scale}
             onChoose={(scale) => change({ scale })}
-            nameOf={(scale) => `${scale * own.widthPx}×${scale * own.heightPx}`}
           />
         )}
       </div>
@@ -213,36 +217,11 @@ function Legend({ difference: { fullSteps, maxSteps } }: { difference: Differenc
   );
 }
 
-function Segments<Value extends string | number>({
-  label,
-  values,
-  chosen,
-  onChoose,
-  nameOf = String,
-}: {
-  label: string;
-  values: readonly Value[];
-  chosen: Value;
-  onChoose: (value: Value) => void;
-  nameOf?: (value: Value) => string;
-}) {
+function LabelledChoices<Value>({ label, ...choices }: ComponentProps<typeof Choices<Value>>) {
   return (
     <div className="case-choice">
-      <span id={`case-${label}`}>{label}</span>
-      {/* biome-ignore lint/a11y/useSemanticElements: some browsers lay out no fieldset as row. */}
-      <div className="segments" role="group" aria-labelledby={`case-${label}`}>
-        {values.map((value) => (
-          <button
-            key={value}
-            type="button"
-            aria-pressed={value === chosen}
-            onClick={() => onChoose(value)}
-            data-testid={`case-choose-${value}`}
-          >
-            {nameOf(value)}
-          </button>
-        ))}
-      </div>
+      <span aria-hidden="true">{label}</span>
+      <Choices label={label} {...choices} />
     </div>
   );
 }

@@ -1,6 +1,7 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type MouseEvent, useEffect, useRef } from 'react';
 import { conformanceAddress } from '../links/lab-address.ts';
+import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
@@ -45,7 +46,7 @@ export function CasePage({
   return (
     <main className="page case" data-testid="case">
       <header className="page-head">
-        <div className="case-trail">
+        <div className="spread">
           <p className="page-trail">
             <a href={GALLERY_ADDRESS} onClick={inPlace(() => onGo(null))} data-testid="case-all">
               All hard cases
@@ -97,11 +98,7 @@ function Step(props: {
 }) {
   const { icon, label, keyName, name, onGo } = props;
   if (name === null) {
-    return (
-      <button type="button" className="icon-button" aria-label={label} disabled data-testid={`case-${icon}`}>
-        <Icon name={icon} />
-      </button>
-    );
+    return <IconButton icon={icon} label={label} disabled testId={`case-${icon}`} />;
   }
   return (
     <a

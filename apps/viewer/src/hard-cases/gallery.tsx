@@ -55,8 +55,8 @@ export function Gallery({
   };
 
   return (
-    <main className="gallery" ref={page} hidden={isHidden} onKeyDown={onKeyDown} data-testid="gallery">
-      <header className="gallery-head">
+    <main className="page gallery" ref={page} hidden={isHidden} onKeyDown={onKeyDown} data-testid="gallery">
+      <header className="page-head gallery-head">
         <a href="?" className="gallery-home">
           WebSplatter
         </a>

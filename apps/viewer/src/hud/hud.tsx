@@ -1,7 +1,7 @@
 import { memo, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { HUD_SIZES, type HudSize } from '../state/viewer-state.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { FrameRecorder } from './frame-recorder.ts';
 import { bindHud } from './hud-binding.ts';
@@ -37,7 +37,7 @@ export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & {
       data-size={size}
       data-split={isSplit || undefined}
     >
-      <div className="hud-pace">
+      <div className="spread hud-pace">
         <span>
           <b data-figure="frameMs" /> ms
         </span>
@@ -73,18 +73,15 @@ function SizeButtons({ size, onChange }: { size: HudSize; onChange: (size: HudSi
   return (
     <span className="hud-sizes">
       {steps.map(([icon, label, goal]) => (
-        <button
+        <IconButton
+          icon={icon}
           key={icon}
-          type="button"
-          className="icon-button"
-          aria-label={label}
+          label={label}
           title={label}
           disabled={HUD_SIZES[goal] === undefined}
-          data-testid={`hud-${icon === 'fewer' ? 'fewer' : 'more'}`}
+          testId={`hud-${icon === 'fewer' ? 'fewer' : 'more'}`}
           onClick={() => onChange(HUD_SIZES[goal])}
-        >
-          <Icon name={icon} />
-        </button>
+        />
       ))}
     </span>
   );

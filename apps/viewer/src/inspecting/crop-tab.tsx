@@ -3,12 +3,18 @@ import { useStore } from 'zustand';
 import { clamp } from '../camera/vec3.ts';
 import { formatCount } from '../formatting/format.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { Choices, TextButton } from '../ui/controls.tsx';
 import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import type { InspectProps } from './inspect-props.ts';
 import './crop-tab.css';
 
 /** How far sliders go beyond the scene's box, as a part of its size. */
 const MARGIN = 0.25;
+
+const KEPT = [
+  ['inside', 'Keep the inside'],
+  ['outside', 'Keep the outside'],
+] as const;
 
 /** Crops the scene to a box. */
 export function CropTab({ store, inspection }: InspectProps) {
@@ -20,14 +26,9 @@ export function CropTab({ store, inspection }: InspectProps) {
       <div className="inspect-sections">
         <p>Shows and saves only what is within a box, or only what is outside of it.</p>
         <div className="inspect-actions">
-          <button
-            type="button"
-            className="text-button primary"
-            data-testid="crop-begin"
-            onClick={() => cropping.begin()}
-          >
+          <TextButton look="primary" testId="crop-begin" onClick={() => cropping.begin()}>
             Crop to a box
-          </button>
+          </TextButton>
           <CropToView inspection={inspection} />
         </div>
       </div>
@@ -35,19 +36,13 @@ export function CropTab({ store, inspection }: InspectProps) {
   }
   return (
     <div className="inspect-sections">
-      <fieldset className="segments" aria-label="What stays">
-        {(['inside', 'outside'] as const).map((keep) => (
-          <button
-            key={keep}
-            type="button"
-            aria-pressed={crop.keep === keep}
-            data-testid={`crop-${keep}`}
-            onClick={() => cropping.set({ ...crop, keep })}
-          >
-            {keep === 'inside' ? 'Keep the inside' : 'Keep the outside'}
-          </button>
-        ))}
-      </fieldset>
+      <Choices
+        label="What stays"
+        choices={KEPT}
+        chosen={crop.keep}
+        testId="crop-"
+        onChoose={(keep) => cropping.set({ ...crop, keep })}
+      />
       {[0, 1, 2].map((axis) => (
         <Sides key={axis} inspection={inspection} crop={crop} axis={axis} />
       ))}
@@ -56,26 +51,14 @@ export function CropTab({ store, inspection }: InspectProps) {
       </p>
       <div className="inspect-actions">
         <CropToView inspection={inspection} />
-        <button type="button" className="text-button outlined" onClick={() => cropping.begin()}>
-          Box around the scene
-        </button>
-        <button
-          type="button"
-          className="text-button outlined"
-          data-testid="crop-end"
-          onClick={() => cropping.set(null)}
-        >
+        <TextButton onClick={() => cropping.begin()}>Box around the scene</TextButton>
+        <TextButton testId="crop-end" onClick={() => cropping.set(null)}>
           Show everything
-        </button>
+        </TextButton>
         {canSave && (
-          <button
-            type="button"
-            className="text-button primary"
-            data-testid="crop-save"
-            onClick={() => store.setState({ dock: 'save' })}
-          >
+          <TextButton look="primary" testId="crop-save" onClick={() => store.setState({ dock: 'save' })}>
             Save what is left
-          </button>
+          </TextButton>
         )}
       </div>
     </div>
@@ -84,15 +67,13 @@ export function CropTab({ store, inspection }: InspectProps) {
 
 function CropToView({ inspection }: Pick<InspectProps, 'inspection'>) {
   return (
-    <button
-      type="button"
-      className="text-button outlined"
+    <TextButton
       title="The smallest box around all splats that are within the image, however deep"
-      data-testid="crop-to-view"
+      testId="crop-to-view"
       onClick={() => void inspection.cropping.cropToView()}
     >
       Crop to what is seen
-    </button>
+    </TextButton>
   );
 }
 

@@ -1,7 +1,7 @@
 import { type FormEvent, useState } from 'react';
 import { useStore } from 'zustand';
 import { LENGTH_UNITS, type LengthUnit, type Ruler } from '../state/inspecting.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton, TextButton } from '../ui/controls.tsx';
 import type { InspectProps } from './inspect-props.ts';
 import { formatFigure, formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
@@ -16,23 +16,10 @@ export function DistanceTab({ store, inspection }: InspectProps) {
         {rulerStart ? 'Click the other end.' : 'Click two places in the image to measure between them.'}
       </p>
       <div className="inspect-actions">
-        <button
-          type="button"
-          className="text-button outlined"
-          data-testid="ruler-middle"
-          onClick={() => inspection.pickMiddle()}
-        >
+        <TextButton testId="ruler-middle" onClick={() => inspection.pickMiddle()}>
           Mark the middle of the image
-        </button>
-        {rulerStart && (
-          <button
-            type="button"
-            className="text-button outlined"
-            onClick={() => inspection.rulers.forgetStart()}
-          >
-            Give up
-          </button>
-        )}
+        </TextButton>
+        {rulerStart && <TextButton onClick={() => inspection.rulers.forgetStart()}>Give up</TextButton>}
       </div>
       {rulers.length > 0 && (
         <ol className="inspect-rulers" aria-label="Rulers">
@@ -40,14 +27,11 @@ export function DistanceTab({ store, inspection }: InspectProps) {
             <li key={ruler.id}>
               <span>Ruler {i + 1}</span>
               <output data-testid="ruler-length">{formatLength(rulerLength(ruler), scale)}</output>
-              <button
-                type="button"
-                className="icon-button"
-                aria-label={`Remove ruler ${i + 1}`}
+              <IconButton
+                icon="close"
+                label={`Remove ruler ${i + 1}`}
                 onClick={() => inspection.rulers.remove(ruler)}
-              >
-                <Icon name="close" />
-              </button>
+              />
             </li>
           ))}
         </ol>
@@ -59,13 +43,7 @@ export function DistanceTab({ store, inspection }: InspectProps) {
             One scene unit is {formatFigure(scale.perSceneUnit, 4)} {scale.unit}. This browser keeps it for
             this scene.
           </p>
-          <button
-            type="button"
-            className="text-button outlined"
-            onClick={() => inspection.rulers.forgetScale()}
-          >
-            Measure in scene units
-          </button>
+          <TextButton onClick={() => inspection.rulers.forgetScale()}>Measure in scene units</TextButton>
         </div>
       )}
     </div>

@@ -15,7 +15,7 @@ export function Inspect({ store, viewer }: PanelProps) {
   useEffect(() => (svg.current ? drawInspectMarks(svg.current, viewer, store) : undefined), [viewer, store]);
   return (
     <>
-      <svg ref={svg} className="inspect-marks" aria-hidden="true" data-testid="inspect-marks" />
+      <svg ref={svg} className="over-picture inspect-marks" aria-hidden="true" data-testid="inspect-marks" />
       {isOpen && <InspectPanel store={store} inspection={inspection} />}
     </>
   );

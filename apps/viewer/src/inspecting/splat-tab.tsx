@@ -5,6 +5,7 @@ import { useStore } from 'zustand';
 import type { Vec3 } from '../camera/vec3.ts';
 import { formatCount } from '../formatting/format.ts';
 import type { InspectedSplat, PixelShare } from '../state/inspecting.ts';
+import { TextButton } from '../ui/controls.tsx';
 import type { InspectProps } from './inspect-props.ts';
 import { formatFigure } from './length-scale.ts';
 import './splat-tab.css';
@@ -33,14 +34,9 @@ function Finder({ inspection }: InspectProps) {
   };
   return (
     <div className="inspect-actions">
-      <button
-        type="button"
-        className="text-button outlined"
-        data-testid="inspect-middle"
-        onClick={() => inspection.pickMiddle()}
-      >
+      <TextButton testId="inspect-middle" onClick={() => inspection.pickMiddle()}>
         Inspect the middle of the image
-      </button>
+      </TextButton>
       <form onSubmit={onSubmit}>
         <label htmlFor={id}>Row</label>
         <input id={id} name="row" type="number" min={0} step={1} data-testid="inspect-row-input" />

@@ -1,6 +1,7 @@
 import { useStore } from 'zustand';
 import { formatSplats } from '../formatting/format.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
+import { IconButton, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
@@ -19,17 +20,10 @@ export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () =
           ))}
         </ul>
         <Coming store={store} viewer={viewer} />
-        <button
-          type="button"
-          className="text-button outlined"
-          aria-keyshortcuts="J"
-          title="Add files (J)"
-          data-testid="add-files"
-          onClick={onAdd}
-        >
+        <TextButton aria-keyshortcuts="J" title="Add files (J)" testId="add-files" onClick={onAdd}>
           <Icon name="add" />
           Add files
-        </button>
+        </TextButton>
         <p>The handles in the picture move the chosen file along the scene’s axes.</p>
         <p className="drop-hint">Dropped with Shift, files are added too.</p>
       </div>
@@ -49,16 +43,13 @@ function Part({
   return (
     <li className="part" data-hidden={look.isHidden || undefined} data-testid="part">
       <div className="part-row">
-        <button
-          type="button"
-          className="icon-button"
-          aria-label={`${verb} ${title}`}
+        <IconButton
+          icon={look.isHidden ? 'hidden' : 'view'}
+          label={`${verb} ${title}`}
           title={verb}
-          data-testid="part-visible"
+          testId="part-visible"
           onClick={() => viewer.scenes.setLook(key, { isHidden: !look.isHidden })}
-        >
-          <Icon name={look.isHidden ? 'hidden' : 'view'} />
-        </button>
+        />
         <button
           type="button"
           className="part-name"
@@ -72,16 +63,13 @@ function Part({
           {!isOnly && <Icon name="more" />}
         </button>
         {!isOnly && (
-          <button
-            type="button"
-            className="icon-button"
-            aria-label={`Remove ${title}`}
+          <IconButton
+            icon="close"
+            label={`Remove ${title}`}
             title="Remove"
-            data-testid="part-remove"
+            testId="part-remove"
             onClick={() => viewer.scenes.remove(key)}
-          >
-            <Icon name="close" />
-          </button>
+          />
         )}
       </div>
       {isSelected && <PartForm viewer={viewer} part={part} />}
@@ -101,9 +89,9 @@ function Coming({ store, viewer }: PanelProps) {
           <span>{title}</span>
           <small>Being opened</small>
         </p>
-        <button type="button" className="text-button" onClick={() => viewer.scenes.cancelLoad()}>
+        <TextButton look="plain" onClick={() => viewer.scenes.cancelLoad()}>
           Cancel
-        </button>
+        </TextButton>
       </li>
       {waiting.map((part) => (
         <li key={part.key} className="part-row" data-testid="waiting">
@@ -111,14 +99,11 @@ function Coming({ store, viewer }: PanelProps) {
             <span>{part.title}</span>
             <small>Waits</small>
           </p>
-          <button
-            type="button"
-            className="icon-button"
-            aria-label={`Do not open ${part.title}`}
+          <IconButton
+            icon="close"
+            label={`Do not open ${part.title}`}
             onClick={() => viewer.scenes.remove(part.key)}
-          >
-            <Icon name="close" />
-          </button>
+          />
         </li>
       ))}
     </ul>

@@ -1,7 +1,8 @@
 import { useId } from 'react';
-import { UP_AXES } from '../camera/up-axis.ts';
+import { UP_CHOICES } from '../camera/up-axis.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
+import { Choices, TextButton } from '../ui/controls.tsx';
 import type { Viewer } from '../viewer/viewer.ts';
 import { movePart, moveStep, placePart } from './move-part.ts';
 import { NumberField } from './number-field.tsx';
@@ -60,25 +61,16 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
           </fieldset>
           <fieldset className="part-up">
             <legend>Up is its axis</legend>
-            <div className="segments">
-              {UP_AXES.map((axis) => (
-                <button
-                  key={axis}
-                  type="button"
-                  aria-pressed={axis === up}
-                  data-testid={`part-up-${axis}`}
-                  onClick={() => placePart(viewer, part, { up: axis })}
-                >
-                  {axis.replace('-', '−')}
-                </button>
-              ))}
-            </div>
+            <Choices
+              choices={UP_CHOICES}
+              chosen={up}
+              testId="part-up-"
+              onChoose={(axis) => placePart(viewer, part, { up: axis })}
+            />
           </fieldset>
-          <button
-            type="button"
-            className="text-button outlined"
+          <TextButton
             disabled={look.placement === null && look.opacity === 1}
-            data-testid="part-reset"
+            testId="part-reset"
             onClick={() =>
               viewer.scenes.setLook(part.key, {
                 ...placedLook(PLAIN_LOOK, uprightPlacement(part, sceneUp), part),
@@ -87,7 +79,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
             }
           >
             As it came
-          </button>
+          </TextButton>
         </>
       ) : (
         <p>A hard case stands as it is.</p>

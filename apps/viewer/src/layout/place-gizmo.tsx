@@ -101,8 +101,8 @@ export function PlaceGizmo({ store, viewer }: PanelProps) {
     movePart(viewer, part, axis, roundedMove(placementOf(part).move[axis] + by, step));
   };
   return (
-    <div ref={root} className="place-gizmo" data-testid="gizmo">
-      <svg aria-hidden="true">
+    <div ref={root} className="over-picture place-gizmo" data-testid="gizmo">
+      <svg className="over-picture" aria-hidden="true">
         {AXES.map((name) => (
           <g key={name} className={`axis-${name}`}>
             <line className="gizmo-edge" />

@@ -1,4 +1,5 @@
 import { useStore } from 'zustand';
+import { TextButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { copyLink, linkOf, noLink } from './copy-link.ts';
@@ -25,15 +26,10 @@ export function LinkSection({ store, viewer }: PanelProps) {
             data-testid="link"
             onFocus={(event) => event.target.select()}
           />
-          <button
-            type="button"
-            className="text-button primary"
-            data-testid="copy-link"
-            onClick={() => void copyLink(viewer, store)}
-          >
+          <TextButton look="primary" testId="copy-link" onClick={() => void copyLink(viewer, store)}>
             <Icon name="link" />
             Copy
-          </button>
+          </TextButton>
         </div>
       )}
     </section>

@@ -1,6 +1,7 @@
 import { useStore } from 'zustand';
 import type { MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { TextButton } from '../ui/controls.tsx';
 
 /**
  * The button that starts a measurement, or its progress with a button that ends it; and its last
@@ -29,11 +30,11 @@ export function MeasurementRunner({
   if (measuring?.of === of) {
     return (
       <div className="runner" data-testid="sweep">
-        <div className="runner-row">
+        <div className="spread runner-row">
           <p data-testid="sweep-label">{measuring.label}…</p>
-          <button type="button" className="text-button" data-testid="cancel-sweep" onClick={onCancel}>
+          <TextButton look="plain" testId="cancel-sweep" onClick={onCancel}>
             Cancel
-          </button>
+          </TextButton>
         </div>
         <progress
           value={measuring.done}
@@ -47,15 +48,14 @@ export function MeasurementRunner({
   return (
     <div className="runner">
       {about && <p>{about}</p>}
-      <button
-        type="button"
-        className="text-button primary"
+      <TextButton
+        look="primary"
         disabled={!canMeasure || measuring !== null}
-        data-testid="measure"
+        testId="measure"
         onClick={onStart}
       >
         {label}
-      </button>
+      </TextButton>
       {failed?.of === of && (
         <p className="sweep-problem" role="alert">
           {failed.text}

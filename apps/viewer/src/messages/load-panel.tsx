@@ -2,6 +2,7 @@ import { useStore } from 'zustand';
 import { formatBytes, formatSplats } from '../formatting/format.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { TextButton } from '../ui/controls.tsx';
 
 const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',
@@ -45,15 +46,15 @@ function ProgressPanel({
   const { title, phase } = state;
   return (
     <section className={`panel load ${name}`} data-testid={name} aria-label={label}>
-      <div className="load-row">
+      <div className="spread">
         <strong className="load-title">{title}</strong>
-        <button type="button" className="text-button" data-testid={`cancel-${name}`} onClick={onCancel}>
+        <TextButton look="plain" testId={`cancel-${name}`} onClick={onCancel}>
           Cancel
-        </button>
+        </TextButton>
       </div>
       {/* Without a value the bar is indeterminate: the phase's length is not known. */}
       <progress aria-label={`${PHASES[phase]} ${title}`} value={partOf(state)} max={1} />
-      <div className="load-row figures">
+      <div className="spread figures">
         <span data-testid={`${name}-phase`}>{PHASES[phase]}</span>
         <span data-testid={`${name}-figures`}>{figuresOf(state)}</span>
       </div>

@@ -1,4 +1,5 @@
 import type { ReactNode } from 'react';
+import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 
 /** A message that stays until it is dismissed. */
@@ -16,15 +17,7 @@ export function MessagePanel(props: {
         <h2>{title}</h2>
         {children}
       </div>
-      <button
-        type="button"
-        className="icon-button"
-        aria-label={`Dismiss the ${kind}`}
-        data-testid={`dismiss-${kind}`}
-        onClick={onDismiss}
-      >
-        <Icon name="close" />
-      </button>
+      <IconButton icon="close" label={`Dismiss the ${kind}`} testId={`dismiss-${kind}`} onClick={onDismiss} />
     </section>
   );
 }

@@ -1,3 +1,4 @@
+import { TextButton } from '../ui/controls.tsx';
 /** In place of a page whose code could not be loaded. */
 export function PageFailedPage() {
   return (
@@ -5,9 +6,9 @@ export function PageFailedPage() {
       <h1>This page could not be loaded</h1>
       <p role="alert">Check the connection; the browser’s console has the particulars.</p>
       <p className="actions">
-        <button type="button" className="text-button primary" onClick={() => location.reload()}>
+        <TextButton look="primary" onClick={() => location.reload()}>
           Try again
-        </button>
+        </TextButton>
       </p>
     </main>
   );

@@ -1,6 +1,6 @@
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton, TextButton } from '../ui/controls.tsx';
 
 /** Offers the file that was open before the page was loaded anew. */
 export function ReopenPanel(props: { store: ViewerStore; onReopen: () => void; onForget: () => void }) {
@@ -13,18 +13,10 @@ export function ReopenPanel(props: { store: ViewerStore; onReopen: () => void; o
       <p>
         <b>{name}</b> was open before
       </p>
-      <button type="button" className="text-button" data-testid="reopen-file" onClick={onReopen}>
+      <TextButton look="plain" testId="reopen-file" onClick={onReopen}>
         {isReachable ? 'Open again' : 'Choose it again'}
-      </button>
-      <button
-        type="button"
-        className="icon-button"
-        aria-label={`Forget ${name}`}
-        data-testid="forget-file"
-        onClick={onForget}
-      >
-        <Icon name="close" />
-      </button>
+      </TextButton>
+      <IconButton icon="close" label={`Forget ${name}`} testId="forget-file" onClick={onForget} />
     </section>
   );
 }

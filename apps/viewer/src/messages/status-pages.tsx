@@ -2,6 +2,7 @@ import { useEffect, useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
+import { TextButton } from '../ui/controls.tsx';
 import { PageFailedPage } from './page-failed-page.tsx';
 
 /** Replaces the viewer if the browser has no WebGPU, or the engine's code could not be fetched. */
@@ -83,12 +84,12 @@ export function LostPage(props: { store: ViewerStore; onRecover: () => void; onS
         <PrimaryButton testId="recover" onClick={onRecover}>
           Recover now
         </PrimaryButton>
-        <button type="button" className="text-button" data-testid="open-small-scene" onClick={onSmallScene}>
+        <TextButton look="plain" testId="open-small-scene" onClick={onSmallScene}>
           Open a small scene
-        </button>
-        <button type="button" className="text-button" data-testid="reload" onClick={() => location.reload()}>
+        </TextButton>
+        <TextButton look="plain" testId="reload" onClick={() => location.reload()}>
           Reload the page
-        </button>
+        </TextButton>
       </p>
     </dialog>
   );

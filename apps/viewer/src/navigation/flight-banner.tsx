@@ -1,4 +1,5 @@
 import { useStore } from 'zustand';
+import { TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /** Keys and speed of a flight, while there is one. */
@@ -6,7 +7,7 @@ export function FlightBanner({ store, viewer }: PanelProps) {
   const speed = useStore(store, (state) => state.flightSpeed);
   if (speed === null) return null;
   return (
-    <div className="panel flight-banner" data-testid="flight">
+    <div className="panel spread flight-banner" data-testid="flight">
       <p>
         <b>Flying at {speed.toFixed(speed < 1 ? 2 : 1)}×</b>
         <span className="flight-keys">
@@ -14,14 +15,9 @@ export function FlightBanner({ store, viewer }: PanelProps) {
           <kbd>Shift</kbd> faster, wheel: speed
         </span>
       </p>
-      <button
-        type="button"
-        className="text-button"
-        data-testid="end-flight"
-        onClick={() => void viewer.toggleFlight()}
-      >
+      <TextButton look="plain" testId="end-flight" onClick={() => void viewer.toggleFlight()}>
         End <kbd>Esc</kbd>
-      </button>
+      </TextButton>
     </div>
   );
 }

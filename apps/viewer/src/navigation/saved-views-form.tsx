@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { SavedView } from '../state/saved-view.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton, TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { SavedViews } from './saved-views.ts';
 import { drawThumbnail, showThumbnail } from './thumbnail.ts';
@@ -39,37 +39,24 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
               >
                 <Thumbnail view={view} />
               </button>
-              <button
-                type="button"
+              <IconButton
+                icon="close"
                 className="icon-button saved-view-remove"
-                aria-label={`Remove view ${i + 1}`}
+                label={`Remove view ${i + 1}`}
                 onClick={() => views.remove(view)}
-              >
-                <Icon name="close" />
-              </button>
+              />
             </li>
           ))}
         </ol>
       )}
       <div className="view-actions">
-        <button
-          type="button"
-          className="text-button outlined"
-          disabled={!hasScene}
-          data-testid="save-view"
-          onClick={() => void views.save()}
-        >
+        <TextButton disabled={!hasScene} testId="save-view" onClick={() => void views.save()}>
           Save this view
-        </button>
+        </TextButton>
         {list.length > 1 && (
-          <button
-            type="button"
-            className="text-button outlined"
-            data-testid="play-path"
-            onClick={() => (isPlaying ? views.pause() : views.play())}
-          >
+          <TextButton testId="play-path" onClick={() => (isPlaying ? views.pause() : views.play())}>
             {isPlaying ? 'Pause' : 'Play as a path'}
-          </button>
+          </TextButton>
         )}
       </div>
       <p>Kept in this browser by the name of the scene.</p>

@@ -1,17 +1,22 @@
 import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
-import { UP_AXES, upAxisOf } from '../camera/up-axis.ts';
+import { UP_CHOICES, upAxisOf } from '../camera/up-axis.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
+import { type Choice, Choices, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
 import { ModeForm } from '../view-modes/mode-form.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { SavedViewsForm } from './saved-views-form.tsx';
 
-const BACKGROUNDS: readonly (readonly [string, Background])[] = [
-  ['Theme', 'theme'],
-  ['Black', '#000000'],
-  ['White', '#ffffff'],
+const PROJECTIONS: readonly Choice<boolean>[] = [
+  [false, 'Perspective', 'perspective'],
+  [true, 'Orthographic', 'orthographic'],
+];
+const BACKGROUNDS: readonly Choice<Background>[] = [
+  ['theme', 'Theme'],
+  ['#000000', 'Black', 'black'],
+  ['#ffffff', 'White', 'white'],
 ];
 /** First value of a chosen colour. */
 const OWN_COLOR = '#808080';
@@ -36,38 +41,28 @@ function Actions({ viewer }: PanelProps) {
   const isFullscreen = useFullscreen();
   return (
     <div className="view-actions">
-      <button
-        type="button"
-        className="text-button outlined"
+      <TextButton
         aria-keyshortcuts="G"
         title="By W, A, S, D, Q, E and the mouse (G)"
-        data-testid="fly"
+        testId="fly"
         onClick={() => void viewer.toggleFlight()}
       >
         <Icon name="fly" />
         Fly
-      </button>
-      <button
-        type="button"
-        className="text-button outlined"
+      </TextButton>
+      <TextButton
         title="Turn around what is in the middle of the image"
-        data-testid="focus-middle"
+        testId="focus-middle"
         onClick={() => void viewer.focusMiddle()}
       >
         <Icon name="focus" />
         Turn around the middle
-      </button>
+      </TextButton>
       {document.fullscreenEnabled && (
-        <button
-          type="button"
-          className="text-button outlined"
-          aria-pressed={isFullscreen}
-          data-testid="fullscreen"
-          onClick={() => void toggleFullscreen()}
-        >
+        <TextButton aria-pressed={isFullscreen} testId="fullscreen" onClick={() => void toggleFullscreen()}>
           <Icon name="fullscreen" />
           {isFullscreen ? 'Leave full screen' : 'Full screen'}
-        </button>
+        </TextButton>
       )}
     </div>
   );
@@ -82,19 +77,12 @@ function CameraForm({ store, viewer }: PanelProps) {
     <>
       <fieldset className="view-field" disabled={isOwnCamera}>
         <legend>Projection</legend>
-        <div className="segments">
-          {([false, true] as const).map((value) => (
-            <button
-              key={String(value)}
-              type="button"
-              aria-pressed={isOrthographic === value}
-              data-testid={value ? 'orthographic' : 'perspective'}
-              onClick={() => viewer.camera.setLook({ isOrthographic: value })}
-            >
-              {value ? 'Orthographic' : 'Perspective'}
-            </button>
-          ))}
-        </div>
+        <Choices
+          choices={PROJECTIONS}
+          chosen={isOrthographic}
+          testId=""
+          onChoose={(value) => viewer.camera.setLook({ isOrthographic: value })}
+        />
       </fieldset>
       <div className="view-field">
         <label htmlFor={fovId}>Field of view</label>
@@ -124,19 +112,12 @@ function UpForm({ store, viewer }: PanelProps) {
   return (
     <fieldset className="view-field" disabled={!canFlip}>
       <legend>Up is the axis</legend>
-      <div className="segments">
-        {UP_AXES.map((each) => (
-          <button
-            key={each}
-            type="button"
-            aria-pressed={each === axis}
-            data-testid={`up-${each}`}
-            onClick={() => viewer.camera.setUpAxis(each)}
-          >
-            {each.replace('-', '−')}
-          </button>
-        ))}
-      </div>
+      <Choices
+        choices={UP_CHOICES}
+        chosen={axis}
+        testId="up-"
+        onChoose={(each) => viewer.camera.setUpAxis(each)}
+      />
       <p>of the scene’s own axes. Captures often have −y, maps z.</p>
     </fieldset>
   );
@@ -144,25 +125,13 @@ function UpForm({ store, viewer }: PanelProps) {
 
 function BackgroundForm({ store, viewer }: PanelProps) {
   const background = useStore(store, (state) => state.look.background);
-  const isOwn = BACKGROUNDS.every(([, value]) => value !== background);
+  const isOwn = BACKGROUNDS.every(([value]) => value !== background);
   const choose = (value: Background) => viewer.camera.setLook({ background: value });
   return (
     <fieldset className="view-field">
       <legend>Background</legend>
       <div className="view-background">
-        <div className="segments">
-          {BACKGROUNDS.map(([label, value]) => (
-            <button
-              key={value}
-              type="button"
-              aria-pressed={background === value}
-              data-testid={`background-${label.toLowerCase()}`}
-              onClick={() => choose(value)}
-            >
-              {label}
-            </button>
-          ))}
-        </div>
+        <Choices choices={BACKGROUNDS} chosen={background} testId="background-" onChoose={choose} />
         <label className="view-color" data-chosen={isOwn || undefined}>
           Own
           <input

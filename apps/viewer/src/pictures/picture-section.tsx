@@ -1,10 +1,15 @@
 import { useState } from 'react';
 import { useStore } from 'zustand';
+import { type Choice, Choices, TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { MOST_SIDE_PX, picturesOf } from './pictures.ts';
 
 /** Sizes that are offered, times the window's. */
-const FACTORS = [1, 2, 4] as const;
+const FACTORS: readonly Choice<number>[] = [
+  [1, 'As shown', '1x'],
+  [2, '2×', '2x'],
+  [4, '4×', '4x'],
+];
 
 /** Saves the frame on the screen as a PNG. */
 export function PictureSection({ store, viewer }: PanelProps) {
@@ -21,21 +26,15 @@ export function PictureSection({ store, viewer }: PanelProps) {
   return (
     <section>
       <h3>Picture</h3>
-      <fieldset className="chips" aria-label="Size of the picture">
-        {FACTORS.map((factor) => (
-          <button
-            key={factor}
-            type="button"
-            className="chip"
-            aria-pressed={widthPx === factor * windowWidthPx}
-            data-testid={`picture-${factor}x`}
-            onClick={() => setChosenPx(factor === 1 ? null : factor * windowWidthPx)}
-          >
-            {factor === 1 ? 'As shown' : `${factor}×`}
-          </button>
-        ))}
-      </fieldset>
-      <div className="picture-row">
+      <Choices
+        label="Size of the picture"
+        isChips
+        choices={FACTORS}
+        chosen={widthPx / windowWidthPx}
+        testId="picture-"
+        onChoose={(factor) => setChosenPx(factor === 1 ? null : factor * windowWidthPx)}
+      />
+      <div className="spread picture-row">
         <label>
           Width{' '}
           <input
@@ -49,7 +48,7 @@ export function PictureSection({ store, viewer }: PanelProps) {
         </label>
         <span>{isPossible ? `${widthPx} × ${heightPx} px` : `1 to ${MOST_SIDE_PX} px`}</span>
       </div>
-      <label className="picture-row">
+      <label className="spread picture-row">
         <span>
           <input
             type="checkbox"
@@ -62,24 +61,23 @@ export function PictureSection({ store, viewer }: PanelProps) {
       </label>
       {picturing ? (
         <div className="runner" data-testid="picturing">
-          <div className="runner-row">
+          <div className="spread runner-row">
             <p>Drawing: {picturing.fileName}</p>
-            <button type="button" className="text-button" onClick={() => pictures.cancel()}>
+            <TextButton look="plain" onClick={() => pictures.cancel()}>
               Cancel
-            </button>
+            </TextButton>
           </div>
           <progress aria-label={`Drawing ${picturing.fileName}`} value={picturing.part} max={1} />
         </div>
       ) : (
-        <button
-          type="button"
-          className="text-button primary"
+        <TextButton
+          look="primary"
           disabled={!hasPicture || !isPossible}
-          data-testid="save-picture"
+          testId="save-picture"
           onClick={() => void pictures.start({ widthPx, heightPx, isTransparent })}
         >
           Save .png
-        </button>
+        </TextButton>
       )}
     </section>
   );

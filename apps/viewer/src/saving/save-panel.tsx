@@ -3,10 +3,15 @@ import { useState } from 'react';
 import { useStore } from 'zustand';
 import { LinkSection } from '../links/link-section.tsx';
 import { PictureSection } from '../pictures/picture-section.tsx';
+import { type Choice, Choices, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { type Saving, savesSelection } from './saving.ts';
 
+const SAVED: readonly Choice<boolean>[] = [
+  [false, 'All that is left', 'all'],
+  [true, 'The selection', 'selection'],
+];
 const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
 
 /** A link to the present view, a picture of it, and the scene in another format. */
@@ -16,8 +21,7 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const selecting = useStore(store, (state) => state.inspecting.selecting);
   const isSelection = savesSelection(selecting);
-  const [name, setName] = useState(WRITABLE_FORMATS[0].name);
-  const chosen = WRITABLE_FORMATS.find((format) => format.name === name) ?? WRITABLE_FORMATS[0];
+  const [chosen, setChosen] = useState(WRITABLE_FORMATS[0]);
   return (
     <Dock store={store} name="save" title="Save and share">
       <div className="dock-body">
@@ -25,54 +29,37 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
         <PictureSection store={store} viewer={viewer} />
         <section>
           <h3>Scene</h3>
-          <fieldset className="chips" aria-label="Format">
-            {WRITABLE_FORMATS.map((format) => (
-              <button
-                key={format.name}
-                type="button"
-                className="chip"
-                aria-pressed={format === chosen}
-                title={format.extension}
-                data-testid={`save-${format.name}`}
-                onClick={() => setName(format.name)}
-              >
-                {format.title}
-              </button>
-            ))}
-          </fieldset>
+          <Choices
+            label="Format"
+            isChips
+            choices={WRITABLE_FORMATS.map((format) => [format, format.title, format.name])}
+            chosen={chosen}
+            testId="save-"
+            titleOf={({ extension }) => extension}
+            onChoose={setChosen}
+          />
           {selecting.selected.size > 0 && (
-            <fieldset className="segments" aria-label="Which splats are saved">
-              {[false, true].map((each) => (
-                <button
-                  key={String(each)}
-                  type="button"
-                  aria-pressed={isSelection === each}
-                  data-testid={each ? 'save-selection' : 'save-all'}
-                  onClick={() =>
-                    store.setState(({ inspecting }) => ({
-                      inspecting: { ...inspecting, selecting: { ...selecting, savesSelection: each } },
-                    }))
-                  }
-                >
-                  {each ? 'The selection' : 'All that is left'}
-                </button>
-              ))}
-            </fieldset>
+            <Choices
+              label="Which splats are saved"
+              choices={SAVED}
+              chosen={isSelection}
+              testId="save-"
+              onChoose={(each) =>
+                store.setState(({ inspecting }) => ({
+                  inspecting: { ...inspecting, selecting: { ...selecting, savesSelection: each } },
+                }))
+              }
+            />
           )}
           {running ? (
             <div className="runner" data-testid="saving">
-              <div className="runner-row">
+              <div className="spread runner-row">
                 <p>
                   {PHASES[running.phase]}: {running.fileName}
                 </p>
-                <button
-                  type="button"
-                  className="text-button"
-                  data-testid="cancel-save"
-                  onClick={() => saving.cancel()}
-                >
+                <TextButton look="plain" testId="cancel-save" onClick={() => saving.cancel()}>
                   Cancel
-                </button>
+                </TextButton>
               </div>
               <progress aria-label={`Saving ${running.fileName}`} value={running.part} max={1} />
             </div>
@@ -91,15 +78,14 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
                   ? 'Reads all splats again that are not hidden, without effects, and turns them so that other viewers show them this way up.'
                   : 'There is no file behind this scene.'}
               </p>
-              <button
-                type="button"
-                className="text-button primary"
+              <TextButton
+                look="primary"
                 disabled={!canSave}
-                data-testid="save-file"
+                testId="save-file"
                 onClick={() => saving.start(chosen)}
               >
                 Save {chosen.extension}
-              </button>
+              </TextButton>
             </div>
           )}
         </section>

@@ -4,6 +4,7 @@ import { formatCount, formatSplats } from '../formatting/format.ts';
 import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 import { droppedReasons, droppedTotal } from './dropped-splats.ts';
 
@@ -102,17 +103,14 @@ function CameraStepper({
   return (
     <fieldset className="stepper" aria-label="Camera">
       {!isSingle && (
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Camera before"
+        <IconButton
+          icon="previous"
+          label="Camera before"
           aria-keyshortcuts="["
           title="Camera before ([)"
-          data-testid="previous-camera"
+          testId="previous-camera"
           onClick={() => onStep(-1)}
-        >
-          <Icon name="previous" />
-        </button>
+        />
       )}
       <p role="status" data-testid="camera">
         <b>{cameras[cameraIndex]}</b>
@@ -120,17 +118,14 @@ function CameraStepper({
         {!isOwnCamera && ' · moved'}
       </p>
       {!isSingle && (
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Next camera"
+        <IconButton
+          icon="next"
+          label="Next camera"
           aria-keyshortcuts="]"
           title="Next camera (])"
-          data-testid="next-camera"
+          testId="next-camera"
           onClick={() => onStep(1)}
-        >
-          <Icon name="next" />
-        </button>
+        />
       )}
     </fieldset>
   );

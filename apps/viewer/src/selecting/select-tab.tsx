@@ -1,17 +1,22 @@
-import { useId } from 'react';
+import { type ComponentProps, useId } from 'react';
 import { useStore } from 'zustand';
 import { formatCount, formatSplats } from '../formatting/format.ts';
 import type { InspectProps } from '../inspecting/inspect-props.ts';
-import { SELECT_MODES, type SelectMode, type SelectTool } from '../state/selecting.ts';
+import type { SelectMode, SelectTool } from '../state/selecting.ts';
+import { type Choice, Choices, TextButton } from '../ui/controls.tsx';
 import { countOf } from './row-masks.ts';
 import './select-tab.css';
 
-const TOOLS: readonly (readonly [SelectTool, string])[] = [
+const TOOLS: readonly Choice<SelectTool>[] = [
   ['rectangle', 'Rectangle'],
   ['brush', 'Brush'],
-  [null, 'Turn the view'],
+  [null, 'Turn the view', 'turn'],
 ];
-const MODES: Readonly<Record<SelectMode, string>> = { replace: 'New', add: 'Add', subtract: 'Subtract' };
+const MODES: readonly Choice<SelectMode>[] = [
+  ['replace', 'New'],
+  ['add', 'Add'],
+  ['subtract', 'Subtract'],
+];
 const BRUSH_PX = { least: 4, most: 120 } as const;
 
 /** Selects splats in the picture, removes them, and saves them or the others. */
@@ -28,38 +33,26 @@ export function SelectTab({ store, inspection }: InspectProps) {
   const [selectedCount, removedCount] = [countOf(selected), countOf(removed)];
   return (
     <div className="inspect-sections">
-      <fieldset className="segments" aria-label="What a drag over the picture does">
-        {TOOLS.map(([each, title]) => (
-          <button
-            key={title}
-            type="button"
-            aria-pressed={tool === each}
-            data-testid={`select-${each ?? 'turn'}`}
-            onClick={() => selecting.choose({ tool: each })}
-          >
-            {title}
-          </button>
-        ))}
-      </fieldset>
+      <Choices
+        label="What a drag over the picture does"
+        choices={TOOLS}
+        chosen={tool}
+        testId="select-"
+        onChoose={(each) => selecting.choose({ tool: each })}
+      />
       <p>
         {tool
           ? 'A drag over the picture selects splats by their centres, however deep: Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.'
           : 'A drag turns the scene.'}
       </p>
       {tool === 'brush' && <BrushSize store={store} inspection={inspection} />}
-      <fieldset className="segments" aria-label="What becomes of the selection before">
-        {SELECT_MODES.map((each) => (
-          <button
-            key={each}
-            type="button"
-            aria-pressed={mode === each}
-            data-testid={`select-mode-${each}`}
-            onClick={() => selecting.choose({ mode: each })}
-          >
-            {MODES[each]}
-          </button>
-        ))}
-      </fieldset>
+      <Choices
+        label="What becomes of the selection before"
+        choices={MODES}
+        chosen={mode}
+        testId="select-mode-"
+        onChoose={(each) => selecting.choose({ mode: each })}
+      />
       <div className="inspect-actions">
         <Action
           testId="select-seen"
@@ -135,26 +128,11 @@ function BrushSize({ store, inspection }: InspectProps) {
   );
 }
 
-interface ActionProps {
-  readonly testId: string;
-  readonly title?: string;
-  /** It stays where the keyboard is. */
-  readonly isOff?: boolean;
-  readonly onClick: () => void;
-  readonly children: string;
-}
-
-function Action({ testId, title, isOff = false, onClick, children }: ActionProps) {
-  return (
-    <button
-      type="button"
-      className="text-button outlined"
-      title={title}
-      aria-disabled={isOff || undefined}
-      data-testid={testId}
-      onClick={isOff ? undefined : onClick}
-    >
-      {children}
-    </button>
-  );
+/** It stays where the keyboard is when it is off. */
+function Action({
+  isOff = false,
+  onClick,
+  ...rest
+}: ComponentProps<typeof TextButton> & { readonly isOff?: boolean }) {
+  return <TextButton {...rest} aria-disabled={isOff || undefined} onClick={isOff ? undefined : onClick} />;
 }

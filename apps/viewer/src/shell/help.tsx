@@ -4,7 +4,7 @@ import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
 import { GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import { benchmarkAddress } from '../links/lab-address.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton } from '../ui/controls.tsx';
 import { COMMANDS } from './commands.ts';
 
 const GESTURES: readonly (readonly [string, string])[] = [
@@ -46,11 +46,9 @@ export function Help({ store }: { store: ViewerStore }) {
       onPointerDown={(event) => event.target === event.currentTarget && hide()}
     >
       <div className="help-body">
-        <header>
+        <header className="spread">
           <h2 id="help-title">Keys and gestures</h2>
-          <button type="button" className="icon-button" aria-label="Close" onClick={hide}>
-            <Icon name="close" />
-          </button>
+          <IconButton icon="close" label="Close" onClick={hide} />
         </header>
         <dl>
           {GESTURES.map(([what, how]) => (

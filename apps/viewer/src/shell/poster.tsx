@@ -9,6 +9,12 @@ export function Poster({ store, address }: { store: ViewerStore; address: string
   if (isSceneShown || isMissing) return null;
   // The canvas has the words for both.
   return (
-    <img className="poster" src={address} alt="" data-testid="poster" onError={() => setIsMissing(true)} />
+    <img
+      className="over-picture poster"
+      src={address}
+      alt=""
+      data-testid="poster"
+      onError={() => setIsMissing(true)}
+    />
   );
 }

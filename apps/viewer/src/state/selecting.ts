@@ -8,8 +8,7 @@ export type RowMasks = ReadonlyMap<string, Uint32Array<ArrayBuffer>>;
 export type SelectTool = 'rectangle' | 'brush' | null;
 
 /** How a new selection joins the one before. */
-export const SELECT_MODES = ['replace', 'add', 'subtract'] as const;
-export type SelectMode = (typeof SELECT_MODES)[number];
+export type SelectMode = 'replace' | 'add' | 'subtract';
 
 /** A part of the image, CSS px from its top left. */
 export type DragRegion =

@@ -1,7 +1,7 @@
 import { type ReactNode, useId } from 'react';
 import type { ViewerStore } from '../state/store.ts';
 import type { DockName } from '../state/viewer-state.ts';
-import { Icon } from './icon.tsx';
+import { IconButton } from './controls.tsx';
 import { SheetGrip } from './sheet-grip.tsx';
 
 /** A panel beside the image, on small screens a sheet below it. One is shown at a time. */
@@ -20,16 +20,9 @@ export function Dock({
   return (
     <section className={`panel dock ${name}`} aria-labelledby={id} data-testid={name}>
       <SheetGrip store={store} label={`Height of the panel ${title}`} />
-      <header>
+      <header className="spread">
         <h2 id={id}>{title}</h2>
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Close"
-          onClick={() => store.setState({ dock: null })}
-        >
-          <Icon name="close" />
-        </button>
+        <IconButton icon="close" label="Close" onClick={() => store.setState({ dock: null })} />
       </header>
       {children}
     </section>

@@ -1,6 +1,7 @@
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { VIEW_MODES } from './view-modes.ts';
+import { Choices } from '../ui/controls.tsx';
+import { VIEW_MODES, viewModeOf } from './view-modes.ts';
 
 /** Choice of the picture's content. */
 export function ModeForm({ store }: { store: ViewerStore }) {
@@ -10,21 +11,14 @@ export function ModeForm({ store }: { store: ViewerStore }) {
       <legend>
         View mode <kbd>M</kbd>
       </legend>
-      <div className="mode-choices">
-        {VIEW_MODES.map(({ name, label, about }) => (
-          <button
-            key={name}
-            type="button"
-            className="chip"
-            aria-pressed={name === viewMode}
-            title={about}
-            data-testid={`mode-${name}`}
-            onClick={() => store.setState({ viewMode: name })}
-          >
-            {label}
-          </button>
-        ))}
-      </div>
+      <Choices
+        isChips
+        choices={VIEW_MODES.map(({ name, label }) => [name, label])}
+        chosen={viewMode}
+        testId="mode-"
+        titleOf={(name) => viewModeOf(name).about}
+        onChoose={(name) => store.setState({ viewMode: name })}
+      />
     </fieldset>
   );
 }

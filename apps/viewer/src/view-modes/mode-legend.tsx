@@ -2,7 +2,7 @@ import { useStore } from 'zustand';
 import { type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { Icon } from '../ui/icon.tsx';
+import { IconButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { RampEnd } from './ramp.ts';
@@ -21,36 +21,23 @@ export function ModeLegend({ store, viewer }: PanelProps) {
   return (
     <section className="panel mode-legend" aria-label="View mode" data-testid="mode-legend">
       <div className="mode-legend-row">
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Previous view mode"
-          onClick={() => step(-1)}
-        >
-          <Icon name="previous" />
-        </button>
+        <IconButton icon="previous" label="Previous view mode" onClick={() => step(-1)} />
         <div role="status">
           <h2>{mode.label}</h2>
         </div>
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Next view mode"
+        <IconButton
+          icon="next"
+          label="Next view mode"
           aria-keyshortcuts="M"
           title="Next view mode (M)"
           onClick={() => step(1)}
-        >
-          <Icon name="next" />
-        </button>
-        <button
-          type="button"
-          className="icon-button"
-          aria-label="Back to colours"
+        />
+        <IconButton
+          icon="close"
+          label="Back to colours"
           title="Back to colours"
           onClick={() => store.setState({ viewMode: 'colours' })}
-        >
-          <Icon name="close" />
-        </button>
+        />
       </div>
       <p>{mode.about}</p>
       {mode.map && <MapLegend store={store} mode={mode} map={mode.map} />}

@@ -6,5 +6,5 @@ import { showMap } from './show-map.ts';
 export function ModeMap({ store, viewer }: PanelProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => (canvas.current ? showMap(canvas.current, viewer, store) : undefined), [store, viewer]);
-  return <canvas ref={canvas} className="mode-map" data-testid="mode-map" />;
+  return <canvas ref={canvas} className="over-picture mode-map" data-testid="mode-map" />;
 }
