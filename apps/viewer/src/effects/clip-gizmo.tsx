@@ -1,6 +1,7 @@
 import type { ClipValues, OptionValues } from '@websplatter/core/effect-options';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
+import { type PictureSpace, pathInPicture, pictureOf } from '../camera/picture-space.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { RequestedEffects } from '../state/requested-effects.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
@@ -9,7 +10,6 @@ import type { Viewer } from '../viewer/viewer.ts';
 import { changeEffect } from './choose-effects.ts';
 import { clipOutline } from './clip-outline.ts';
 import { movedClip, stepOfKey } from './move-clip.ts';
-import { type PictureSpace, pathInPicture, pictureOf } from './picture-space.ts';
 import { scenePlaceOf } from './scene-place.ts';
 
 const HOW: Readonly<Record<ClipValues['shape'], string>> = {

@@ -1,5 +1,5 @@
 import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
-import { add, cross, normalize, scale, type Vec3 } from '../camera/vec3.ts';
+import { add, cross, normalize, scale, subtract, type Vec3 } from '../camera/vec3.ts';
 
 /** Lines of the world, each a row of points. */
 export type Outline = readonly (readonly Vec3[])[];
@@ -13,7 +13,10 @@ const CIRCLE_POINTS = 48;
  */
 export function clipOutline(values: ClipValues, planeRadius: number): Outline {
   const { shape, center } = values;
-  if (shape === 'box') return boxOutline(center, values.size);
+  if (shape === 'box') {
+    const half = scale(values.size, 0.5);
+    return boxOutline(subtract(center, half), add(center, half));
+  }
   if (shape === 'sphere') return AXIS_PAIRS.map(([u, v]) => circle(center, u, v, values.radius));
   return planeOutline(center, planeNormal(values), planeRadius, values.keep === 'inside' ? 1 : -1);
 }
@@ -29,17 +32,16 @@ const AXIS_PAIRS = [
   [Z, X],
 ] as const;
 
-function boxOutline(center: Vec3, size: Vec3): Outline {
-  const corner = (x: number, y: number, z: number): Vec3 =>
-    add(center, [(x * size[0]) / 2, (y * size[1]) / 2, (z * size[2]) / 2]);
-  const level = (y: number) => [
-    corner(-1, y, -1),
-    corner(1, y, -1),
-    corner(1, y, 1),
-    corner(-1, y, 1),
-    corner(-1, y, -1),
+/** The twelve edges of a box. */
+export function boxOutline(min: Vec3, max: Vec3): Outline {
+  const level = (y: number): Vec3[] => [
+    [min[0], y, min[2]],
+    [max[0], y, min[2]],
+    [max[0], y, max[2]],
+    [min[0], y, max[2]],
+    [min[0], y, min[2]],
   ];
-  const [below, above] = [level(-1), level(1)];
+  const [below, above] = [level(min[1]), level(max[1])];
   return [below, above, ...below.slice(1).map((point, i) => [point, above[i + 1]])];
 }
 

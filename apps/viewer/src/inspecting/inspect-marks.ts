@@ -1,14 +1,14 @@
-import type { Camera } from '@websplatter/core';
 import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
 import { flippedPoint } from '../camera/flip.ts';
+import { lineInPicture, type PictureSpace, pathInPicture, pictureOf } from '../camera/picture-space.ts';
 import type { Vec3 } from '../camera/vec3.ts';
+import { boxOutline } from '../effects/clip-outline.ts';
 import type { DragRegion } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
-import { boxEdges, type ImageBox, type Place, seenLine, seenPoint } from './seen-line.ts';
 
 /**
  * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
@@ -21,8 +21,8 @@ export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: View
     const frame = viewer.shownFrame?.frame;
     svg.toggleAttribute('hidden', state.dock !== 'inspect' || !frame);
     if (state.dock !== 'inspect' || !frame) return;
-    const box = { width: svg.clientWidth, height: svg.clientHeight };
-    svg.replaceChildren(...marksOf(state, frame, box));
+    const space = { camera: frame.camera, width: svg.clientWidth, height: svg.clientHeight };
+    svg.replaceChildren(...marksOf(state, frame, space));
   };
   draw();
   const unsubscribe = store.subscribe((state, before) => {
@@ -41,21 +41,17 @@ export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: View
 
 type ShownCamera = NonNullable<Viewer['shownFrame']>['frame'];
 
-function marksOf(state: ViewerState, frame: ShownCamera, box: ImageBox): SVGElement[] {
+function marksOf(state: ViewerState, frame: ShownCamera, space: PictureSpace): SVGElement[] {
   const { inspecting, isFlipped } = state;
   const world = (point: Vec3) => (isFlipped ? flippedPoint(point) : point);
   switch (inspecting.tab) {
     case 'splat':
-      return splatMarks(state, frame, box);
+      return splatMarks(state, frame, space.width);
     case 'distance':
-      return rulerMarks(state, frame.camera, box, world);
+      return rulerMarks(state, space, world);
     case 'crop':
-      return inspecting.crop
-        ? linesOf(
-            'box',
-            boxEdges(inspecting.crop).map(([a, b]) => seenLine(frame.camera, box, world(a), world(b))),
-          )
-        : [];
+      if (!inspecting.crop) return [];
+      return linesOf('box', space, boxOutline(inspecting.crop.min, inspecting.crop.max), world);
     case 'select':
       return inspecting.selecting.dragged ? regionMarks(inspecting.selecting.dragged) : [];
     case 'histogram':
@@ -63,13 +59,13 @@ function marksOf(state: ViewerState, frame: ShownCamera, box: ImageBox): SVGElem
   }
 }
 
-function splatMarks({ inspecting, accuracy }: ViewerState, frame: ShownCamera, box: ImageBox): SVGElement[] {
+function splatMarks({ inspecting, accuracy }: ViewerState, frame: ShownCamera, width: number): SVGElement[] {
   const { splat } = inspecting;
   const cloud = splat && frame.clouds[splat.cloudIndex];
   if (!splat?.set || !cloud) return [];
   const { alphaCutoff } = accuracy;
   const seen = traceSplat(splat.set, 0, { ...frame, modelMatrix: cloud.modelMatrix, alphaCutoff });
-  return seen ? ellipseOf(seen, box.width / frame.widthPx) : [];
+  return seen ? ellipseOf(seen, width / frame.widthPx) : [];
 }
 
 /** A circle under a matrix, so that its line is as wide everywhere. */
@@ -81,25 +77,27 @@ function ellipseOf({ centerPx, majorPx, minorPx }: TracedSplat, cssPerPx: number
 
 function rulerMarks(
   { inspecting }: ViewerState,
-  camera: Camera,
-  box: ImageBox,
+  space: PictureSpace,
   world: (point: Vec3) => Vec3,
 ): SVGElement[] {
   const { rulers, rulerStart, scale } = inspecting;
   const points = [...rulers.flatMap(({ ends }) => ends), ...(rulerStart ? [rulerStart] : [])];
   const dots = points
-    .map((point) => seenPoint(camera, box, world(point)))
+    .map((point) => pictureOf(space, world(point)))
     .filter((place) => place !== null)
     .map(([x, y]) => element('circle', { class: 'mark-dot', cx: x.toFixed(1), cy: y.toFixed(1), r: '4' }));
-  const lines = rulers.map(({ ends }) => seenLine(camera, box, world(ends[0]), world(ends[1])));
-  const labels = rulers.flatMap((ruler, i) => {
-    const line = lines[i];
+  const labels = rulers.flatMap((ruler) => {
+    const line = lineInPicture(space, world(ruler.ends[0]), world(ruler.ends[1]));
     return line ? [labelOf(line, formatLength(rulerLength(ruler), scale))] : [];
   });
-  return [...linesOf('ruler', lines), ...dots, ...labels];
+  const lines = rulers.map(({ ends }) => ends);
+  return [...linesOf('ruler', space, lines, world), ...dots, ...labels];
 }
 
-function labelOf([[x1, y1], [x2, y2]]: readonly [Place, Place], text: string): SVGElement {
+function labelOf(
+  [[x1, y1], [x2, y2]]: NonNullable<ReturnType<typeof lineInPicture>>,
+  text: string,
+): SVGElement {
   const label = element('text', {
     class: 'mark-label',
     x: ((x1 + x2) / 2).toFixed(1),
@@ -126,11 +124,16 @@ function regionMarks(dragged: DragRegion): SVGElement[] {
 }
 
 /** White over dark: visible on every image. */
-function linesOf(name: string, lines: readonly (readonly [Place, Place] | null)[]): SVGElement[] {
-  const d = lines
-    .filter((line) => line !== null)
-    .map(([[x1, y1], [x2, y2]]) => `M${x1.toFixed(1)} ${y1.toFixed(1)}L${x2.toFixed(1)} ${y2.toFixed(1)}`)
-    .join('');
+function linesOf(
+  name: string,
+  space: PictureSpace,
+  lines: readonly (readonly Vec3[])[],
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const d = pathInPicture(
+    space,
+    lines.map((points) => points.map(world)),
+  );
   return ['halo', 'line'].map((layer) => element('path', { class: `mark-${layer}`, 'data-mark': name, d }));
 }
 

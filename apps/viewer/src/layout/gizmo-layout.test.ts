@@ -15,15 +15,15 @@ const AXES = [
 ] as const;
 
 describe.each(['perspective', 'parallel'] as const)('axes in %s', (kind) => {
-  const camera = cameras[kind];
+  const space = { camera: cameras[kind], ...size };
 
   it('are as long as they are to be where they lie across the view, and not to be dragged end on', () => {
-    const [x, y, z] = seenAxes(camera, size, [0, 0, 0], AXES, 70) ?? [];
-    expect(x.from.x).toBeCloseTo(300);
-    expect(x.from.y).toBeCloseTo(200);
-    expect(x.to.x).toBeCloseTo(370);
+    const [x, y, z] = seenAxes(space, [0, 0, 0], AXES, 70) ?? [];
+    expect(x.from[0]).toBeCloseTo(300);
+    expect(x.from[1]).toBeCloseTo(200);
+    expect(x.to[0]).toBeCloseTo(370);
     // Up in the scene is up in the image.
-    expect(y.to.y).toBeCloseTo(130);
+    expect(y.to[1]).toBeCloseTo(130);
     expect([x, y, z].map(({ canDrag }) => canDrag)).toEqual([true, true, false]);
   });
 
@@ -31,15 +31,16 @@ describe.each(['perspective', 'parallel'] as const)('axes in %s', (kind) => {
     const slanted = [0.6, 0, 0.8] as const;
     for (const distance of [-2, 0.5, 3]) {
       const point = [distance * slanted[0], 0, distance * slanted[2]] as const;
-      const [{ from }] = seenAxes(camera, size, point, AXES, 1) ?? [];
+      const [{ from }] = seenAxes(space, point, AXES, 1) ?? [];
       // Beside the axis, straight across it.
-      const found = distanceAlong(camera, size, [0, 0, 0], slanted, { x: from.x, y: from.y + 50 });
+      const found = distanceAlong(space, [0, 0, 0], slanted, [from[0], from[1] + 50]);
       expect(found).toBeCloseTo(distance, 9);
     }
   });
 });
 
 it('axes behind the camera are not seen', () => {
-  expect(seenAxes(cameras.perspective, size, [0, 0, 5], AXES, 70)).toBeNull();
-  expect(distanceAlong(cameras.perspective, size, [0, 0, 0], [0, 0, 1], { x: 300, y: 200 })).toBeNull();
+  const space = { camera: cameras.perspective, ...size };
+  expect(seenAxes(space, [0, 0, 5], AXES, 70)).toBeNull();
+  expect(distanceAlong(space, [0, 0, 0], [0, 0, 1], [300, 200])).toBeNull();
 });

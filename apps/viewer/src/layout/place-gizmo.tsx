@@ -1,12 +1,12 @@
-import type { Camera } from '@websplatter/core';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { flippedPoint } from '../camera/flip.ts';
+import type { PictureSpace } from '../camera/picture-space.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-import { distanceAlong, type ImageSize, seenAxes } from './gizmo-layout.ts';
+import { distanceAlong, seenAxes } from './gizmo-layout.ts';
 import { movePart, moveStep, roundedMove } from './move-part.ts';
 import { placedMiddle, placementOf } from './placement.ts';
 import { selectedPartOf } from './selected-part.ts';
@@ -62,9 +62,9 @@ export function PlaceGizmo({ store, viewer }: PanelProps) {
     const { isFlipped } = store.getState();
     const box = root.current?.getBoundingClientRect();
     if (!box) return null;
-    const at = { x: event.clientX - box.left, y: event.clientY - box.top };
+    const at = [event.clientX - box.left, event.clientY - box.top] as const;
     const [point, direction] = [seen(middle, isFlipped), seen(UNIT_AXES[axis], isFlipped)];
-    return distanceAlong(cameraOf(viewer), box, point, direction, at);
+    return distanceAlong(spaceOf(viewer, box), point, direction, at);
   };
   const onPointerDown = (event: PointerEvent<HTMLElement>, axis: number) => {
     const part = selectedPartOf(store.getState());
@@ -141,10 +141,8 @@ function writeGizmo(
   if (!root || !part) return;
   const { isFlipped } = state;
   const placement = placementOf(part);
-  const size: ImageSize = root.getBoundingClientRect();
   const axes = seenAxes(
-    cameraOf(viewer),
-    size,
+    spaceOf(viewer, root.getBoundingClientRect()),
     seen(placedMiddle(placement), isFlipped),
     UNIT_AXES.map((axis) => seen(axis, isFlipped)),
     AXIS_LENGTH_PX,
@@ -158,9 +156,9 @@ function writeGizmo(
     handle.setAttribute('aria-valuetext', `${move} scene units`);
     if (!axis) continue;
     const { from, to } = axis;
-    handle.style.translate = `${to.x}px ${to.y}px`;
+    handle.style.translate = `${to[0]}px ${to[1]}px`;
     for (const line of lines[i].children)
-      for (const [name, value] of Object.entries({ x1: from.x, y1: from.y, x2: to.x, y2: to.y }))
+      for (const [name, value] of Object.entries({ x1: from[0], y1: from[1], x2: to[0], y2: to[1] }))
         line.setAttribute(name, String(value));
   }
 }
@@ -170,6 +168,6 @@ function seen(point: Vec3, isFlipped: boolean): Vec3 {
   return isFlipped ? flippedPoint(point) : point;
 }
 
-function cameraOf({ camera }: Viewer): Camera {
-  return camera.ownCamera ?? camera.orbitCamera;
+function spaceOf({ camera }: Viewer, { width, height }: DOMRect): PictureSpace {
+  return { camera: camera.ownCamera ?? camera.orbitCamera, width, height };
 }

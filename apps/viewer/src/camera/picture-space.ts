@@ -1,5 +1,5 @@
 import type { Camera } from '@websplatter/core';
-import { add, scale, type Vec3 } from '../camera/vec3.ts';
+import { add, scale, type Vec3 } from './vec3.ts';
 
 /** A camera, and the size of its picture in CSS pixels. */
 export interface PictureSpace {
@@ -84,8 +84,9 @@ export function movedAlong(
   return add(point, scale(direction, part * length));
 }
 
-function clipPoint({ camera }: PictureSpace, [x, y, z]: Vec3): ClipPoint {
-  return transformed(camera.projectionMatrix, transformed(camera.viewMatrix, [x, y, z, 1]));
+/** @param w 1 for a point, 0 for a direction. */
+export function clipPoint({ camera }: PictureSpace, [x, y, z]: Vec3, w = 1): ClipPoint {
+  return transformed(camera.projectionMatrix, transformed(camera.viewMatrix, [x, y, z, w]));
 }
 
 function transformed(m: ArrayLike<number>, [x, y, z, w]: ClipPoint): ClipPoint {
@@ -114,6 +115,6 @@ function onPicture({ width, height }: PictureSpace, [x, y, , w]: ClipPoint): Pic
 }
 
 /** Where an axis of the camera points in the world: 0 right, 1 up, 2 back. */
-function rowOf(viewMatrix: ArrayLike<number>, row: number): Vec3 {
+export function rowOf(viewMatrix: ArrayLike<number>, row: number): Vec3 {
   return [viewMatrix[row], viewMatrix[4 + row], viewMatrix[8 + row]];
 }

@@ -67,6 +67,12 @@ describe('a line', () => {
   });
   const space = { camera, ...size };
 
+  it('ends at the near plane where it passes the camera, at either end', () => {
+    // A unit is a thousand pixels long a tenth of a unit away.
+    expect(lineInPicture(space, [1, 0, 0], [1, 0, 50])?.[1][0]).toBeCloseTo(1150, 6);
+    expect(lineInPicture(space, [1, 0, 50], [1, 0, 0])?.[0][0]).toBeCloseTo(1150, 6);
+  });
+
   it('is cut off where it passes the camera', () => {
     const line = lineInPicture(space, [1, 0, 0], [1, 0, 50]);
     expect(line?.flat().every(Number.isFinite)).toBe(true);
