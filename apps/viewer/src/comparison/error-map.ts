@@ -1,4 +1,5 @@
 import type { Vec3 } from '@websplatter/core';
+import type { LayerImage } from '../drawing/draw-at-rest.ts';
 import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
 import type { ErrorFigures } from '../state/viewer-state.ts';
 
@@ -24,11 +25,8 @@ export const ERROR_CLASSES: readonly ErrorClass[] = [
   { fromSteps: 12, label: '16+', color: [252, 246, 184] },
 ];
 
-/** An image of errors, as `ImageData` holds it, and its figures. */
-export interface ErrorMap {
-  readonly widthPx: number;
-  readonly heightPx: number;
-  readonly data: Uint8ClampedArray<ArrayBuffer>;
+/** An image of errors, and its figures. */
+export interface ErrorMap extends LayerImage {
   readonly figures: ErrorFigures;
 }
 

@@ -7,30 +7,11 @@ import {
 import { formatCount, formatMs, formatRate, UNKNOWN } from '../formatting/format.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 
-type StageFigure =
-  | 'preprocess'
-  | 'sort'
-  | 'rasterize'
-  | 'total'
-  | 'source'
-  | 'rasterizer'
-  | 'otherRasterizer'
-  | 'rasterizerReason'
-  | 'visible';
-
-type HudFigure =
-  | 'frameMs'
-  | 'rate'
-  | 'rateUnit'
-  | 'loaded'
-  | 'resolution'
-  | 'adapter'
-  | StageFigure
-  /** Of the right side of a split image. */
-  | `right.${StageFigure}`;
+/** Texts by the names of figures. Empty ones do not apply. */
+export type Figures = Readonly<Record<string, string>>;
 
 /** The state as text; without the right side where there is none. */
-export function hudText(state: ViewerState): Partial<Record<HudFigure, string>> {
+export function hudText(state: ViewerState): Figures {
   const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
   // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
   const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
@@ -42,17 +23,14 @@ export function hudText(state: ViewerState): Partial<Record<HudFigure, string>> 
     rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
     ...stageFigures(statistics, state.rasterizer),
     ...(state.comparison?.kind === 'split' &&
-      onRight(stageFigures(state.rightStatistics, state.rightRasterizer))),
+      figuresOf('right', stageFigures(state.rightStatistics, state.rightRasterizer))),
     loaded: formatCount(scene?.splats ?? Number.NaN),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };
 }
 
-function stageFigures(
-  statistics: FrameStatistics | null,
-  rasterizer: RasterizerReport | null,
-): Record<StageFigure, string> {
+function stageFigures(statistics: FrameStatistics | null, rasterizer: RasterizerReport | null): Figures {
   const timing = statistics?.timing;
   return {
     preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
@@ -67,9 +45,9 @@ function stageFigures(
   };
 }
 
-function onRight(figures: Record<StageFigure, string>): Record<`right.${StageFigure}`, string> {
-  const renamed = Object.entries(figures).map(([name, text]) => [`right.${name}`, text]);
-  return Object.fromEntries(renamed);
+/** Figures by names that begin with what they are of: `right.sort`. */
+export function figuresOf(subject: string, figures: Figures): Figures {
+  return Object.fromEntries(Object.entries(figures).map(([name, text]) => [`${subject}.${name}`, text]));
 }
 
 function sourceText(timing: StageTimings): string {

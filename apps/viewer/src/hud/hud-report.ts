@@ -1,10 +1,10 @@
-import type { AccuracySettings, EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
+import type { EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
 import { accuracyOf } from './large-figures.ts';
-import { type MemoryGroup, memoryByGroup } from './memory-groups.ts';
+import { memoryByGroup } from './memory-groups.ts';
 import { PASSES } from './pass-names.ts';
-import { summarize, type TimeSummary } from './time-summary.ts';
+import { summarize } from './time-summary.ts';
 
 /** The panel's data when a report is made. */
 export interface Recorded {
@@ -20,34 +20,8 @@ export interface Recorded {
   readonly madeAt: Date;
 }
 
-interface SideReport {
-  readonly accuracy: AccuracySettings;
-  readonly rasterizer: ViewerState['rasterizer'];
-  readonly stagesMs: Readonly<Record<'preprocess' | 'sort' | 'rasterize' | 'total', TimeSummary>>;
-  /** Oldest first. */
-  readonly frames: readonly FrameStatistics[];
-}
-
-interface HudReport {
-  readonly madeAt: string;
-  readonly program: string;
-  readonly adapter: string;
-  readonly scene: { readonly title: string; readonly splats: number } | null;
-  readonly image: { readonly widthPx: number; readonly heightPx: number };
-  /** Sides of a split image; otherwise only the left one. */
-  readonly sides: Readonly<Partial<Record<Side, SideReport>>>;
-  readonly cpu: { readonly renderCallsMs: TimeSummary; readonly figuresMs: TimeSummary };
-  readonly memory: {
-    readonly totalBytes: number;
-    readonly peakBytes: number;
-    readonly groupBytes: Readonly<Record<MemoryGroup, number>>;
-    readonly maxBufferBytes: number | null;
-    readonly maxBindingBytes: number | null;
-  } | null;
-}
-
 /** Everything that the largest size shows, and the frames that it follows from. */
-function hudReport(recorded: Recorded): HudReport {
+function hudReport(recorded: Recorded) {
   const { state, memory, maxBufferBytes, maxBindingBytes } = recorded;
   const { scene, widthPx, heightPx } = state;
   return {
@@ -76,7 +50,7 @@ export function jsonReport(recorded: Recorded): string {
   return JSON.stringify(hudReport(recorded), null, 2);
 }
 
-function sideReport(side: Side, { state, frames }: Recorded): SideReport {
+function sideReport(side: Side, { state, frames }: Recorded) {
   const of = (name: 'preprocessMs' | 'sortMs' | 'rasterizeMs' | 'totalMs') =>
     summarize(frames[side].map(({ timing }) => timing[name]));
   return {

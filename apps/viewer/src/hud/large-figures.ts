@@ -1,38 +1,18 @@
-import type { AccuracySettings, EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
+import type { AccuracySettings, EngineMemory, FrameStatistics } from '@websplatter/core';
 import { formatBytes, formatCount, formatMs, UNKNOWN } from '../formatting/format.ts';
 import { sideAccuracy } from '../state/comparison.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
+import { type Figures, figuresOf } from './hud-figures.ts';
 import { type MemoryGroup, memoryByGroup } from './memory-groups.ts';
 import { PASSES } from './pass-names.ts';
 import type { TimeSummary } from './time-summary.ts';
 
-type SideFigure =
-  | 'candidates'
-  | 'pairs'
-  | 'sortKeys'
-  | 'scale'
-  | 'rest'
-  | 'median'
-  | 'p99'
-  | 'peak'
-  | `pass.${TimedPass}`;
-
-export type LargeFigure =
-  | `${Side}.${SideFigure}`
-  | `memory.${MemoryGroup | 'total' | 'peak' | 'largest' | 'limit'}`
-  | 'renderMedian'
-  | 'renderP99'
-  | 'ownMedian'
-  | 'ownP99';
-
-export type Figures<Name extends string> = Partial<Record<Name, string>>;
-
-/** Figures of one side in the largest size. Empty ones do not apply, and have no row. */
-export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary): Figures<LargeFigure> {
+/** Figures of one side in the largest size. Those that are empty have no row. */
+export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary): Figures {
   const statistics = side === 'left' ? state.statistics : state.rightStatistics;
   const { sortKeyBits, resolutionScale } = accuracyOf(side, state);
-  const figures: Record<SideFigure, string> = {
+  return figuresOf(side, {
     ...passFigures(statistics),
     candidates: formatCount(statistics?.candidateSplats ?? Number.NaN),
     pairs: statistics?.tilePairs == null ? '' : formatCount(statistics.tilePairs),
@@ -42,8 +22,7 @@ export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary
     median: formatMs(summary.median),
     p99: formatMs(summary.p99),
     peak: formatMs(summary.peak),
-  };
-  return Object.fromEntries(Object.entries(figures).map(([name, text]) => [`${side}.${name}`, text]));
+  });
 }
 
 /** Time of a frame besides its stages; NaN if unknown. */
@@ -54,13 +33,10 @@ function restMs(statistics: FrameStatistics | null): number {
   return Math.max(0, totalMs - preprocessMs - sortMs - rasterizeMs);
 }
 
-function passFigures(statistics: FrameStatistics | null): Record<`pass.${TimedPass}`, string> {
+function passFigures(statistics: FrameStatistics | null): Figures {
   const passMs = statistics?.timing.passMs ?? {};
-  const texts = PASSES.map(([pass]) => [
-    `pass.${pass}`,
-    passMs[pass] === undefined ? '' : formatMs(passMs[pass]),
-  ]);
-  return Object.fromEntries(texts);
+  const textOf = (ms: number | undefined) => (ms === undefined ? '' : formatMs(ms));
+  return Object.fromEntries(PASSES.map(([pass]) => [`pass.${pass}`, textOf(passMs[pass])]));
 }
 
 /** Settings that one side of the image is drawn with. */
@@ -69,7 +45,7 @@ export function accuracyOf(side: Side, { comparison, accuracy }: ViewerState): A
 }
 
 /** CPU time of a frame: calls to the engine, and the figures themselves. */
-export function cpuFigures(render: TimeSummary, own: TimeSummary): Figures<LargeFigure> {
+export function cpuFigures(render: TimeSummary, own: TimeSummary): Figures {
   return {
     renderMedian: formatMs(render.median),
     renderP99: formatMs(render.p99),
@@ -82,7 +58,7 @@ export function cpuFigures(render: TimeSummary, own: TimeSummary): Figures<Large
 export function memoryFigures(
   memory: EngineMemory | null,
   maxBufferBytes: number,
-): { readonly texts: Figures<LargeFigure>; readonly bytes: Readonly<Record<MemoryGroup, number>> } {
+): { readonly texts: Figures; readonly bytes: Readonly<Record<MemoryGroup, number>> } {
   if (!memory) {
     return {
       texts: { 'memory.total': UNKNOWN },
@@ -90,14 +66,13 @@ export function memoryFigures(
     };
   }
   const bytes = memoryByGroup(memory);
-  const groups = Object.entries(bytes).map(([group, held]) => [`memory.${group}`, formatBytes(held)]);
   const largest = memory.resources[0];
-  const texts: Figures<LargeFigure> = {
-    ...Object.fromEntries(groups),
-    'memory.total': formatBytes(memory.totalBytes),
-    'memory.peak': formatBytes(memory.peakBytes),
-    'memory.largest': largest ? `${formatBytes(largest.bytes)} (${largest.label})` : UNKNOWN,
-    'memory.limit': formatBytes(maxBufferBytes),
-  };
+  const texts = figuresOf('memory', {
+    ...Object.fromEntries(Object.entries(bytes).map(([group, held]) => [group, formatBytes(held)])),
+    total: formatBytes(memory.totalBytes),
+    peak: formatBytes(memory.peakBytes),
+    largest: largest ? `${formatBytes(largest.bytes)} (${largest.label})` : UNKNOWN,
+    limit: formatBytes(maxBufferBytes),
+  });
   return { texts, bytes };
 }

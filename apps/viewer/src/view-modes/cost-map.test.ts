@@ -1,10 +1,11 @@
 import type { FrameContributions, FrameCosts } from '@websplatter/core/inspect';
 import { describe, expect, it } from 'vitest';
-import { contributionImage, countFigures, type MapImage, pixelImage, tileImage } from './cost-map.ts';
+import type { LayerImage } from '../drawing/draw-at-rest.ts';
+import { contributionImage, countFigures, pixelImage, tileImage } from './cost-map.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 
 const { low, high } = VALUE_RAMP;
-const colorAt = ({ data, widthPx }: MapImage, x: number, y: number) =>
+const colorAt = ({ data, widthPx }: LayerImage, x: number, y: number) =>
   Array.from(data.subarray(4 * (y * widthPx + x), 4 * (y * widthPx + x) + 4));
 
 const COSTS: FrameCosts = {

@@ -1,14 +1,8 @@
 import type { FrameContributions, FrameCosts } from '@websplatter/core/inspect';
 import type { Vec3 } from '../camera/vec3.ts';
+import type { LayerImage } from '../drawing/draw-at-rest.ts';
 import { logPart } from './map-scales.ts';
 import { type Ramp, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
-
-/** An image as `ImageData` holds it. */
-export interface MapImage {
-  readonly widthPx: number;
-  readonly heightPx: number;
-  readonly data: Uint8ClampedArray<ArrayBuffer>;
-}
 
 /** Part of their own colour that pixels near the place of one unseen splat keep. */
 const BESIDE_UNSEEN = 0.25;
@@ -50,7 +44,7 @@ function scaleEnd(value: number): number {
 export function tileImage(
   { widthPx, heightPx, tilePx, tileColumns, tileEntries }: FrameCosts,
   end: number,
-): MapImage {
+): LayerImage {
   return paint(widthPx, heightPx, (at, write) => {
     const [x, y] = [at % widthPx, Math.floor(at / widthPx)];
     const entries = tileEntries[Math.floor(y / tilePx) * tileColumns + Math.floor(x / tilePx)];
@@ -60,7 +54,7 @@ export function tileImage(
 }
 
 /** @param counts per pixel. */
-export function pixelImage({ widthPx, heightPx }: FrameCosts, counts: Uint32Array, end: number): MapImage {
+export function pixelImage({ widthPx, heightPx }: FrameCosts, counts: Uint32Array, end: number): LayerImage {
   return paint(widthPx, heightPx, (at, write) => write(VALUE_RAMP, counts[at] / end));
 }
 
@@ -73,7 +67,7 @@ export function pixelImage({ widthPx, heightPx }: FrameCosts, counts: Uint32Arra
 export function contributionImage(
   { widthPx, heightPx, meanLog2, opacity, unseen }: FrameContributions,
   background: Vec3,
-): MapImage {
+): LayerImage {
   const image = paint(widthPx, heightPx, (at, write) => write(VALUE_RAMP, logPart(meanLog2[at])));
   const { data } = image;
   for (let at = 0; at < opacity.length; at++) {
@@ -97,7 +91,7 @@ function unseenAround(unseen: Uint32Array, at: number, widthPx: number): number 
 /** Writes the colour at a part of a ramp; `light` darkens it. */
 type WritePixel = (ramp: Ramp, part: number, light?: number) => void;
 
-function paint(widthPx: number, heightPx: number, draw: (at: number, write: WritePixel) => void): MapImage {
+function paint(widthPx: number, heightPx: number, draw: (at: number, write: WritePixel) => void): LayerImage {
   const data = new Uint8ClampedArray(4 * widthPx * heightPx);
   let at = 0;
   const write: WritePixel = ({ low, high }, part, light = 1) => {

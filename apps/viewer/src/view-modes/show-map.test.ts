@@ -18,7 +18,7 @@ function setUp() {
       new Promise<never>((resolve, reject) => {
         const give = (unseen: number) =>
           resolve({
-            image: IMAGE,
+            ...IMAGE,
             figures: { mode, restedFrames: 1, kind: 'contribution', splats: 9, unseen },
           } as never);
         asked.push({ mode, give, refuse: reject });
