@@ -1,4 +1,4 @@
-import { memo, useId } from 'react';
+import { memo } from 'react';
 import { useStore } from 'zustand';
 import { ComparisonForm } from '../comparison/comparison-form.tsx';
 import type { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
@@ -24,32 +24,22 @@ export const AccuracyPanel = memo(function AccuracyPanel({
   accuracyMeasurement,
 }: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
   const tab = useStore(store, (state) => state.accuracyTab);
-  const id = useId();
   return (
     <Dock store={store} name="accuracy" title="Accuracy">
       <AccuracyPresets store={store} viewer={viewer} />
       <Tabs
-        id={id}
         label="Accuracy"
         tabs={TABS}
         tab={tab}
         onTab={(accuracyTab) => store.setState({ accuracyTab })}
         testId="accuracy-tab"
-      />
-      <div
-        className="dock-body"
-        id={`${id}-body`}
-        role="tabpanel"
-        aria-labelledby={`${id}-${tab}`}
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
-        tabIndex={0}
       >
         {tab === 'measure' && (
           <MeasureForm store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
         )}
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
         {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}
-      </div>
+      </Tabs>
       <AccuracyStatus store={store} viewer={viewer} />
     </Dock>
   );

@@ -1,4 +1,3 @@
-import { useId } from 'react';
 import { useStore } from 'zustand';
 import { SelectTab } from '../selecting/select-tab.tsx';
 import type { InspectTab } from '../state/inspecting.ts';
@@ -32,27 +31,18 @@ const CONTENTS = {
 export function InspectPanel({ store, inspection }: InspectProps) {
   const tab = useStore(store, (state) => state.inspecting.tab);
   const problem = useStore(store, (state) => state.inspecting.problem);
-  const id = useId();
   const Contents = CONTENTS[tab];
   const onTab = (next: InspectTab) =>
     store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, tab: next, problem: null } }));
   return (
     <Dock store={store} name="inspect" title="Inspect">
-      <Tabs id={id} label="Inspect" tabs={TABS} tab={tab} onTab={onTab} testId="inspect-tab" />
-      <div
-        className="dock-body"
-        id={`${id}-body`}
-        role="tabpanel"
-        aria-labelledby={`${id}-${tab}`}
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
-        tabIndex={0}
-      >
+      <Tabs label="Inspect" tabs={TABS} tab={tab} onTab={onTab} testId="inspect-tab">
         <Contents store={store} inspection={inspection} />
         <p className="inspect-problem" role="status" data-testid="inspect-problem">
           {problem}
         </p>
         <ReadingStatus store={store} />
-      </div>
+      </Tabs>
     </Dock>
   );
 }

@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import { UP_AXES, type UpAxis } from '../camera/up-axis.ts';
 import type { Vec3 } from '../camera/vec3.ts';
+import { namedParts, numberPart } from '../links/address-parts.ts';
 import { type PartLook, PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { changedPlacement, type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
 
@@ -35,7 +36,8 @@ export function encodeLook({ isHidden, opacity, placement }: PartLook): string {
  * @throws InvalidArgumentError naming the invalid part, and the syntax of a look.
  */
 export function decodeLook(text: string): (file: PlacedFile) => PartLook {
-  const named = namedValues(text);
+  const parts = text.split(',').filter((part) => part !== '');
+  const named = namedParts(parts, NAMES, refused);
   const change: Partial<Omit<Placement, 'about'>> = {
     ...(named.move !== undefined && { move: vectorIn('move', named.move) }),
     ...(named.turn !== undefined && { turnDegrees: vectorIn('turn', named.turn) }),
@@ -54,17 +56,6 @@ export function decodeLook(text: string): (file: PlacedFile) => PartLook {
 }
 
 const NAMES = ['move', 'turn', 'scale', 'about', 'up', 'opacity', 'hidden'];
-
-function namedValues(text: string): Readonly<Record<string, string | undefined>> {
-  const parts = text.split(',').filter((part) => part !== '');
-  const pairs = parts.map((part): [string, string] => {
-    const at = part.indexOf(':');
-    const name = part.slice(0, Math.max(0, at));
-    if (!NAMES.includes(name)) throw refused(`“${part}” is none of its parts`);
-    return [name, part.slice(at + 1)];
-  });
-  return Object.fromEntries(pairs);
-}
 
 function vectorIn(name: string, text: string): Vec3 {
   const [x, y, z, ...others] = text.split(':').map(numberIn);
@@ -90,11 +81,7 @@ function opacityIn(text: string): number {
   return opacity;
 }
 
-function numberIn(text: string): number {
-  const value = text === '' ? Number.NaN : Number(text);
-  if (!Number.isFinite(value)) throw refused(text === '' ? 'a number is missing' : `“${text}” is no number`);
-  return value;
-}
+const numberIn = (text: string) => numberPart(text, refused);
 
 function isZero(vector: Vec3): boolean {
   return vector.every((value) => value === 0);

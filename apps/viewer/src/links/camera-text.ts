@@ -2,6 +2,7 @@ import { InvalidArgumentError } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { LinkedCamera } from '../camera/view-camera.ts';
 import { FIRST_LOOK } from '../state/look.ts';
+import { namedParts, numberPart } from './address-parts.ts';
 
 const USUAL_UP: Vec3 = [0, 1, 0];
 
@@ -40,7 +41,7 @@ export function decodeCamera(text: string): LinkedCamera {
   if (distance <= 0) throw refused(`its distance, ${distance}, is not above 0`);
   if (polar <= 0 || polar >= Math.PI)
     throw refused(`its polar angle, ${polar}, does not lie between 0 and π`);
-  const named = namedValues(parts.slice(6));
+  const named = namedParts(parts.slice(6), NAMES, refused);
   return {
     pose: { target: [x, y, z], distance, azimuth, polar, up: upIn(named.up) },
     fovDegrees: fovIn(named.fov),
@@ -52,16 +53,6 @@ export function decodeCamera(text: string): LinkedCamera {
 }
 
 const NAMES = ['up', 'fov', 'parallel', 'flipped', 'zup', 'own'];
-
-function namedValues(parts: readonly string[]): Readonly<Record<string, string | undefined>> {
-  const pairs = parts.map((part): [string, string] => {
-    const at = part.indexOf(':');
-    const name = part.slice(0, Math.max(0, at));
-    if (!NAMES.includes(name)) throw refused(`“${part}” is none of its parts`);
-    return [name, part.slice(at + 1)];
-  });
-  return Object.fromEntries(pairs);
-}
 
 function upIn(text: string | undefined): Vec3 {
   if (text === undefined) return USUAL_UP;
@@ -85,11 +76,7 @@ function indexIn(text: string | undefined): number {
   return index;
 }
 
-function numberIn(text: string): number {
-  const value = text === '' ? Number.NaN : Number(text);
-  if (!Number.isFinite(value)) throw refused(text === '' ? 'a number is missing' : `“${text}” is no number`);
-  return value;
-}
+const numberIn = (text: string) => numberPart(text, refused);
 
 function refused(why: string): InvalidArgumentError {
   return new InvalidArgumentError('camera', `The camera cannot be read: ${why}; ${FORM}.`);

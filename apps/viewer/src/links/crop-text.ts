@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { numberPart } from './address-parts.ts';
 
 /**
  * For the address: both corners of the box in the scene's own space, and which splats stay:
@@ -18,11 +19,7 @@ export function encodeCrop({ min, max, keep }: Crop): string {
 export function decodeCrop(text: string): Crop {
   const parts = text.split(':').map((part) => part.trim());
   if (parts.length !== 7) throw refused(`it has ${parts.length} parts`);
-  const numbers = parts.slice(0, 6).map((part) => {
-    const value = part === '' ? Number.NaN : Number(part);
-    if (!Number.isFinite(value)) throw refused(`“${part}” is no number`);
-    return value;
-  });
+  const numbers = parts.slice(0, 6).map((part) => numberPart(part, refused));
   const keep = parts[6];
   if (keep !== 'inside' && keep !== 'outside') throw refused(`“${keep}” is neither inside nor outside`);
   const [x0, y0, z0, x1, y1, z1] = numbers;

@@ -123,21 +123,15 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           <Toolbar store={store} run={run} />
           <Suspense>
             {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
-          </Suspense>
-          <Suspense>{dock === 'view' && <ViewPanel store={store} viewer={viewer} />}</Suspense>
-          <Suspense>
+            {dock === 'view' && <ViewPanel store={store} viewer={viewer} />}
             {dock === 'accuracy' && (
               <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
             )}
-          </Suspense>
-          <Suspense>
             {dock === 'effects' && <EffectsPanel store={store} viewer={viewer} measurement={measurement} />}
+            {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}
           </Suspense>
           <Suspense>
             {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
-          </Suspense>
-          <Suspense>
-            {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}
           </Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>

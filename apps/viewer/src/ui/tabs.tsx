@@ -1,18 +1,19 @@
-import { type KeyboardEvent, useRef } from 'react';
+import { type KeyboardEvent, type ReactNode, useId, useRef } from 'react';
 
 export interface TabsProps<Name extends string> {
-  /** The tabs' ids begin with it; that of their panel is `ID-body`. */
-  readonly id: string;
   readonly label: string;
   readonly tabs: Readonly<Record<Name, string>>;
   readonly tab: Name;
   readonly onTab: (tab: Name) => void;
   /** Prefix of the tabs' `data-testid`. */
   readonly testId: string;
+  /** The chosen tab's, below the others in the body of a dock. */
+  readonly children: ReactNode;
 }
 
 /** The Tab key stops at the chosen tab only; arrow keys go to the others. */
-export function Tabs<Name extends string>({ id, label, tabs, tab, onTab, testId }: TabsProps<Name>) {
+export function Tabs<Name extends string>({ label, tabs, tab, onTab, testId, children }: TabsProps<Name>) {
+  const id = useId();
   const list = useRef<HTMLDivElement>(null);
   const names = Object.keys(tabs) as Name[];
   const onKeyDown = (event: KeyboardEvent) => {
@@ -26,22 +27,35 @@ export function Tabs<Name extends string>({ id, label, tabs, tab, onTab, testId 
     list.current?.querySelectorAll('button')[next].focus();
   };
   return (
-    <div ref={list} className="tabs" role="tablist" aria-label={label} onKeyDown={onKeyDown}>
-      {names.map((name) => (
-        <button
-          key={name}
-          type="button"
-          role="tab"
-          id={`${id}-${name}`}
-          aria-selected={name === tab}
-          aria-controls={`${id}-body`}
-          tabIndex={name === tab ? 0 : -1}
-          data-testid={`${testId}-${name}`}
-          onClick={() => onTab(name)}
-        >
-          {tabs[name]}
-        </button>
-      ))}
-    </div>
+    <>
+      {' '}
+      <div ref={list} className="tabs" role="tablist" aria-label={label} onKeyDown={onKeyDown}>
+        {names.map((name) => (
+          <button
+            key={name}
+            type="button"
+            role="tab"
+            id={`${id}-${name}`}
+            aria-selected={name === tab}
+            aria-controls={`${id}-body`}
+            tabIndex={name === tab ? 0 : -1}
+            data-testid={`${testId}-${name}`}
+            onClick={() => onTab(name)}
+          >
+            {tabs[name]}
+          </button>
+        ))}
+      </div>
+      <div
+        className="dock-body"
+        id={`${id}-body`}
+        role="tabpanel"
+        aria-labelledby={`${id}-${tab}`}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
+        tabIndex={0}
+      >
+        {children}
+      </div>
+    </>
   );
 }
