@@ -1,7 +1,7 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import { useStore } from 'zustand';
 import { nearestPreset, PRESET_NAMES } from '../formatting/accuracy-words.ts';
-import { Choices } from '../ui/controls.tsx';
+import { Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /** The presets as buttons. */

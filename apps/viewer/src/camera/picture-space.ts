@@ -11,6 +11,9 @@ export interface PictureSpace {
 /** CSS pixels from the picture's top left. */
 export type PicturePoint = readonly [x: number, y: number];
 
+/** Lines of the world, each a row of points. */
+export type Outline = readonly (readonly Vec3[])[];
+
 /** Homogeneous coordinates of a point as the camera projects it. */
 type ClipPoint = readonly [x: number, y: number, z: number, w: number];
 
@@ -32,7 +35,7 @@ export function lineInPicture(
 }
 
 /** Lines of the world as the path of an SVG in the picture. */
-export function pathInPicture(space: PictureSpace, lines: readonly (readonly Vec3[])[]): string {
+export function pathInPicture(space: PictureSpace, lines: Outline): string {
   const parts = lines.flatMap((points) =>
     points.slice(1).map((point, i) => {
       const line = lineInPicture(space, points[i], point);
@@ -117,4 +120,17 @@ function onPicture({ width, height }: PictureSpace, [x, y, , w]: ClipPoint): Pic
 /** Where an axis of the camera points in the world: 0 right, 1 up, 2 back. */
 export function rowOf(viewMatrix: ArrayLike<number>, row: number): Vec3 {
   return [viewMatrix[row], viewMatrix[4 + row], viewMatrix[8 + row]];
+}
+
+/** The twelve edges of a box. */
+export function boxOutline(min: Vec3, max: Vec3): Outline {
+  const level = (y: number): Vec3[] => [
+    [min[0], y, min[2]],
+    [max[0], y, min[2]],
+    [max[0], y, max[2]],
+    [min[0], y, max[2]],
+    [min[0], y, min[2]],
+  ];
+  const [below, above] = [level(min[1]), level(max[1])];
+  return [below, above, ...below.slice(1).map((point, i) => [point, above[i + 1]])];
 }

@@ -2,7 +2,7 @@ import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
 import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../formatting/accuracy-words.ts';
 import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
-import { type Choice, Choices } from '../ui/controls.tsx';
+import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 type Kind = Comparison['kind'] | 'none';

@@ -2,7 +2,6 @@ import { ACCURACY_PRESETS } from '@websplatter/core';
 import { drawAtRest } from '../drawing/draw-at-rest.ts';
 import { isSameAccuracy } from '../formatting/accuracy-words.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { askWorker } from '../ui/ask-worker.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
@@ -22,7 +21,7 @@ export function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: V
         ? reference
         : await viewer.readImage(accuracy);
       if (!reference || !actual) return null;
-      return askWorker<ErrorMap>(worker, { actual, reference } satisfies ErrorMapRequest);
+      return askWorker(worker, { actual, reference });
     },
     onShow(map) {
       const errorFigures = map?.figures ?? null;
@@ -34,4 +33,12 @@ export function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: V
     worker.terminate();
     store.setState({ errorFigures: null });
   };
+}
+
+function askWorker(worker: Worker, request: ErrorMapRequest): Promise<ErrorMap> {
+  return new Promise((resolve, reject) => {
+    worker.onmessage = ({ data }: MessageEvent<ErrorMap>) => resolve(data);
+    worker.onerror = (event) => reject(new Error(event.message || 'The worker could not be started.'));
+    worker.postMessage(request);
+  });
 }

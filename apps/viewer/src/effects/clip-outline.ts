@@ -1,8 +1,6 @@
 import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
+import { boxOutline, type Outline } from '../camera/picture-space.ts';
 import { add, cross, normalize, scale, subtract, type Vec3 } from '../camera/vec3.ts';
-
-/** Lines of the world, each a row of points. */
-export type Outline = readonly (readonly Vec3[])[];
 
 const CIRCLE_POINTS = 48;
 
@@ -31,19 +29,6 @@ const AXIS_PAIRS = [
   [Y, Z],
   [Z, X],
 ] as const;
-
-/** The twelve edges of a box. */
-export function boxOutline(min: Vec3, max: Vec3): Outline {
-  const level = (y: number): Vec3[] => [
-    [min[0], y, min[2]],
-    [max[0], y, min[2]],
-    [max[0], y, max[2]],
-    [min[0], y, max[2]],
-    [min[0], y, min[2]],
-  ];
-  const [below, above] = [level(min[1]), level(max[1])];
-  return [below, above, ...below.slice(1).map((point, i) => [point, above[i + 1]])];
-}
 
 function circle(center: Vec3, u: Vec3, v: Vec3, radius: number): Vec3[] {
   return Array.from({ length: CIRCLE_POINTS + 1 }, (_, i) => {

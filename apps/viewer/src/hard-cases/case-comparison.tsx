@@ -3,7 +3,7 @@ import { compareImages } from '@websplatter/core/reference';
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX } from '@websplatter/hardcases';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
 import { formatDb } from '../formatting/format.ts';
-import { Choices } from '../ui/controls.tsx';
+import { Choices } from '../ui/choices.tsx';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
 import { DIFFERENCE_COLORS, type Difference, differenceOf, pixelsOnBlack } from './difference.ts';
 import type { ExpectedImage } from './expected.worker.ts';

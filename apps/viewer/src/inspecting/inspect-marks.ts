@@ -1,8 +1,13 @@
 import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
 import { flippedPoint } from '../camera/flip.ts';
-import { lineInPicture, type PictureSpace, pathInPicture, pictureOf } from '../camera/picture-space.ts';
+import {
+  boxOutline,
+  lineInPicture,
+  type PictureSpace,
+  pathInPicture,
+  pictureOf,
+} from '../camera/picture-space.ts';
 import type { Vec3 } from '../camera/vec3.ts';
-import { boxOutline } from '../effects/clip-outline.ts';
 import type { DragRegion } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';

@@ -1,6 +1,7 @@
 import { useState } from 'react';
 import { useStore } from 'zustand';
-import { type Choice, Choices, TextButton } from '../ui/controls.tsx';
+import { type Choice, Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { MOST_SIDE_PX, picturesOf } from './pictures.ts';
 

@@ -3,7 +3,8 @@ import { useStore } from 'zustand';
 import { formatCount, formatSplats } from '../formatting/format.ts';
 import type { InspectProps } from '../inspecting/inspect-props.ts';
 import type { SelectMode, SelectTool } from '../state/selecting.ts';
-import { type Choice, Choices, TextButton } from '../ui/controls.tsx';
+import { type Choice, Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
 import { countOf } from './row-masks.ts';
 import './select-tab.css';
 

@@ -1,18 +1,23 @@
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { type DockName, isDockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
+import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 export type CommandName =
-  | DockName
   | 'open'
   | 'add'
   | 'flip'
+  | 'clouds'
+  | 'view'
   | 'fly'
+  | 'inspect'
   | 'mode'
   | 'reset'
   | 'frame'
   | 'hud'
+  | 'accuracy'
+  | 'effects'
+  | 'save'
   | 'link'
   | 'help';
 
@@ -60,22 +65,25 @@ export function createCommands(
   store: ViewerStore,
   chooseFiles: (isAdded: boolean) => void,
 ): RunCommand {
-  const run: Record<Exclude<CommandName, DockName>, () => void> = {
+  const run: Record<CommandName, () => void> = {
     open: () => chooseFiles(false),
     add: () => chooseFiles(true),
+    clouds: () => store.setState(({ dock }) => ({ dock: dock === 'clouds' ? null : 'clouds' })),
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),
+    view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
     fly: () => void viewer.toggleFlight(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
+    inspect: () => store.setState(({ dock }) => ({ dock: dock === 'inspect' ? null : 'inspect' })),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
+    accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
+    effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
+    save: () => store.setState(({ dock }) => ({ dock: dock === 'save' ? null : 'save' })),
     link: () => void import('../links/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };
-  return (name) => {
-    if (isDockName(name)) store.setState(({ dock }) => ({ dock: dock === name ? null : name }));
-    else run[name]();
-  };
+  return (name) => run[name]();
 }
 
 /** Listens to the whole window's keys; returns a function that stops this. */

@@ -1,7 +1,6 @@
 import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { isDockName } from '../state/viewer-state.ts';
 import { Icon } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
 import { COMMANDS, type CommandName, type RunCommand } from './commands.ts';
@@ -25,12 +24,17 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
   const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
-  const switches: Partial<Record<CommandName, boolean>> = {
+  const pressed: Partial<Record<CommandName, boolean>> = {
     // A file that comes upside down is shown upright: that alone is no choice of anybody.
     flip: isFlipped !== isUpsideDown,
     hud: isHudVisible,
+    clouds: dock === 'clouds',
+    view: dock === 'view',
+    inspect: dock === 'inspect',
+    accuracy: dock === 'accuracy',
+    effects: dock === 'effects',
+    save: dock === 'save',
   };
-  const isPressed = (name: CommandName) => (isDockName(name) ? dock === name : switches[name]);
   const disabled: Partial<Record<CommandName, boolean>> = {
     flip: !canFlip,
     reset: !hasScene,
@@ -72,7 +76,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
             className={name === 'open' ? 'text-button open' : 'icon-button'}
             aria-label={label}
             aria-keyshortcuts={key.toUpperCase()}
-            aria-pressed={isPressed(name)}
+            aria-pressed={pressed[name]}
             title={`${label} (${key.toUpperCase()})`}
             tabIndex={name === tabStop ? 0 : -1}
             data-testid={`command-${name}`}
@@ -92,7 +96,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
               label,
               icon: name,
               shortcut: key.toUpperCase(),
-              isOn: isPressed(name),
+              isOn: pressed[name],
               isDisabled: disabled[name],
             }))}
             tabIndex={tabStop === MENU ? 0 : -1}

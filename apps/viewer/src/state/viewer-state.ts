@@ -20,12 +20,7 @@ import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 import { isMapMode, type MapModeName, type ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */
-const DOCK_NAMES = ['view', 'clouds', 'inspect', 'accuracy', 'effects', 'save'] as const;
-export type DockName = (typeof DOCK_NAMES)[number];
-
-export function isDockName(name: string): name is DockName {
-  return DOCK_NAMES.some((each) => each === name);
-}
+export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
 
 export type AccuracyTab = 'measure' | 'compare' | 'settings';
 

@@ -1,6 +1,6 @@
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { Choices } from '../ui/controls.tsx';
+import { Choices } from '../ui/choices.tsx';
 import { VIEW_MODES, viewModeOf } from './view-modes.ts';
 
 /** Choice of the picture's content. */
