@@ -1,6 +1,5 @@
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
-import { WebSplatterError } from '../../../data/errors.ts';
 import { toHalfBits } from '../../../data/layout/half.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { packCloud } from '../../../data/packing/packed-cloud.ts';
@@ -813,91 +812,6 @@ describe('properties', () => {
       }),
       { numRuns: 100 },
     ));
-
-  test('any chunking gives the same set', () =>
-    fc.assert(
-      fc.asyncProperty(
-        fixtures,
-        fc.array(fc.integer({ min: 1, max: 300 }), { minLength: 1, maxLength: 5 }),
-        async (fixture, sizes) => {
-          const bytes = plyBytes(fixture);
-          expect(await readSplats(chunked(bytes, sizes))).toEqual(await readSplats(bytes));
-        },
-      ),
-      { numRuns: 100 },
-    ));
-
-  /** Reads in any way; any outcome but splats or a typed error fails. */
-  async function readAnything(bytes: Uint8Array): Promise<void> {
-    // Both caught from the start: the one awaited last may reject while the other one pauses.
-    const attempts = [readSplats(chunked(bytes, [97])), readSplats(bytes)].map((attempt) =>
-      attempt.catch((error: unknown) => error),
-    );
-    for (const outcome of await Promise.all(attempts)) {
-      if (outcome instanceof WebSplatterError) continue;
-      expect(outcome).toHaveProperty('count');
-    }
-  }
-
-  test('any bytes give splats or a typed error', () =>
-    fc.assert(
-      fc.asyncProperty(fc.uint8Array({ maxLength: 400 }), fc.boolean(), async (bytes, asPly) => {
-        await readAnything(asPly ? new Uint8Array([...textFile('ply\n'), ...bytes]) : bytes);
-      }),
-      { numRuns: 200 },
-    ));
-
-  test('any damage to a file gives splats or a typed error', () =>
-    fc.assert(
-      fc.asyncProperty(
-        fixtures,
-        fc.array(fc.record({ at: fc.nat(), byte: fc.integer({ min: 0, max: 255 }), insert: fc.boolean() }), {
-          maxLength: 4,
-        }),
-        fc.nat(),
-        fc.boolean(),
-        async (fixture, damages, cut, isCut) => {
-          let bytes: Uint8Array = plyBytes(fixture);
-          for (const { at, byte, insert } of damages) {
-            const i = at % bytes.length;
-            if (insert) bytes = new Uint8Array([...bytes.subarray(0, i), byte, ...bytes.subarray(i)]);
-            else bytes[i] = byte;
-          }
-          await readAnything(isCut ? bytes.subarray(0, cut % (bytes.length + 1)) : bytes);
-        },
-      ),
-      { numRuns: 300 },
-    ));
-
-  test('header words in any order give splats or a typed error', () => {
-    const word = fc.constantFrom(
-      'element',
-      'vertex',
-      'property',
-      'list',
-      'float',
-      'int',
-      'uchar',
-      'x',
-      'f_rest_0',
-      '3',
-      '-1',
-      '4000000000',
-      'format',
-      'ascii',
-      '1.0',
-      'end_header',
-      'comment',
-      '',
-    );
-    const line = fc.array(word, { maxLength: 5 }).map((words) => words.join(' '));
-    return fc.assert(
-      fc.asyncProperty(fc.array(line, { maxLength: 12 }), (lines) =>
-        readAnything(textFile(`ply\nformat ${LE} 1.0\n${lines.join('\n')}\nend_header\n`)),
-      ),
-      { numRuns: 200 },
-    );
-  });
 
   test('written files read back to the bit', () =>
     fc.assert(
