@@ -184,17 +184,6 @@ it('suspends until the first file has been loaded for its renderer, and reports 
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
 });
 
-it('reads a file once for all components, and shows it at once if it has been read', async () => {
-  const first = splats({ key: '1', src: 'a.ply' } as SplatsProps);
-  await show(first, splats({ key: '2', src: new URL('https://example.org/a.ply') } as SplatsProps));
-  expect(test.loads).toHaveLength(1);
-  await act(async () => test.loads[0].resolve(splatData('a')));
-  expect(scene.children.map((child) => (child as { data?: SplatData }).data?.name)).toEqual(['a', 'a']);
-  await show(first, splats({ key: '3', src: 'a.ply' } as SplatsProps));
-  expect(isFallbackShown()).toBe(false);
-  expect(test.loads).toHaveLength(1);
-});
-
 it('keeps the splats on screen while a new file is read, and their object', async () => {
   await show(splats({ src: 'a.ply' }));
   const a = splatData('a');
@@ -241,16 +230,6 @@ it('shows the part of the first file that has arrived, and loads it afterwards',
   expect(before.data).toBe(a);
 });
 
-it('takes a part of a file away when its load fails', async () => {
-  const onError = vi.fn();
-  await show(splats({ src: 'a.ply', onError }));
-  await act(async () => test.loads[0].onPreview(splatData('part', true)));
-  const error = new Error('cut off');
-  await act(async () => test.loads[0].reject(error));
-  expect(onError).toHaveBeenCalledExactlyOnceWith(error);
-  expect(object().data).toBeNull();
-});
-
 it('takes a part of a file away when another is to be shown, and aborts its load', async () => {
   await show(splats({ src: 'a.ply' }));
   await act(async () => test.loads[0].onPreview(splatData('part of a', true)));
@@ -281,21 +260,6 @@ it('shows no part of a file that another renderer loads, and none to useSplats',
   expect(scene.getObjectByName('b')).toBeDefined();
 });
 
-it('sets effects that have changed, but not those that are only written out again', async () => {
-  const reveal = (durationMs: number) => ({ from: 'camera', durationMs }) as const;
-  await show(splats({ src: 'a.ply', brightness: 2, reveal: reveal(100) }));
-  await act(async () => test.loads[0].resolve(splatData('a')));
-  const before = { ...object() };
-  expect(before).toMatchObject({ effects: [{ options: 2 }], reveal: { durationMs: 100 } });
-  await show(splats({ src: 'a.ply', brightness: 2, reveal: reveal(100) }));
-  expect(object().effects).toBe(before.effects);
-  expect(object().reveal).toBe(before.reveal);
-  await show(splats({ src: 'a.ply', brightness: 3, reveal: reveal(200) }));
-  expect(object()).toMatchObject({ effects: [{ options: 3 }], reveal: { durationMs: 200 } });
-  await show(splats({ src: 'a.ply' }));
-  expect(object()).toMatchObject({ effects: [], reveal: null });
-});
-
 it('resets props that become undefined, like props that are left out', async () => {
   const src = splatData('a');
   const onClick = () => {};
@@ -315,17 +279,17 @@ it('resets props that become undefined, like props that are left out', async () 
 const BOTH_REVEALS = { from: 'camera', radius: 1, durationMs: 9 } as never;
 const BOTH_TARGETS = { minPsnrDb: 45, maxFrameMs: 8 } as never;
 
-it.each<Partial<SplatsProps>>([
-  { brightness: -1 },
-  { reveal: { from: 'camera', radius: -1 } },
-  { reveal: { from: 'camera', durationMs: 0 } },
-  { reveal: BOTH_REVEALS },
-  { accuracy: BOTH_TARGETS },
-  { accuracy: 'best' as never },
-])('passes errors of invalid effects and accuracies to the error boundary: %o', async (props) => {
+it.each<[string, Partial<SplatsProps>]>([
+  ['brightness', { brightness: -1 }],
+  ['radius', { reveal: { from: 'camera', radius: -1 } }],
+  ['durationMs', { reveal: { from: 'camera', durationMs: 0 } }],
+  ['reveal', { reveal: BOTH_REVEALS }],
+  ['accuracy', { accuracy: BOTH_TARGETS }],
+  ['accuracy', { accuracy: 'best' as never }],
+])('passes the error of an invalid %s to the error boundary: %o', async (argument, props) => {
   const src = splatData('a');
   await show(splats({ src, ...props }));
-  expect(caught).toBeInstanceOf(InvalidArgumentError);
+  expect(caught).toMatchObject({ argument });
   attempt++;
   caught = undefined;
   await show(splats({ src }));
@@ -358,22 +322,6 @@ it.each([5, true, Symbol('s')])('passes on what is wrong with a src that is none
   await show(splats({ src: src as never }));
   expect(caught).toBeInstanceOf(InvalidArgumentError);
   expect(caught).toMatchObject({ argument: 'source' });
-});
-
-it('aborts the load when it is unmounted', async () => {
-  await show(splats({ src: 'a.ply' }));
-  await show();
-  await vi.advanceTimersByTimeAsync(GRACE_MS);
-  expect(test.loads.map((load) => load.isAborted())).toEqual([true]);
-});
-
-it('says which prop contradicts itself', async () => {
-  const src = splatData('a');
-  await show(splats({ src, reveal: BOTH_REVEALS }));
-  expect(caught).toMatchObject({ argument: 'reveal' });
-  attempt++;
-  await show(splats({ src, accuracy: BOTH_TARGETS }));
-  expect(caught).toMatchObject({ argument: 'accuracy' });
 });
 
 it('frees its splats when it is unmounted, also below a dispose of null, but not when its object moves', async () => {
@@ -481,14 +429,6 @@ it('prepares rays where pointers are listened for, and nowhere else', async () =
   expect(prepareRays).toHaveBeenCalledOnce();
 });
 
-it('tells of the loss of its device', async () => {
-  const onDeviceLost = vi.fn();
-  await show(splats({ src: splatData('a'), onDeviceLost }));
-  const info = { reason: 'unknown', message: '' };
-  test.loseDevice(info);
-  expect(onDeviceLost).toHaveBeenCalledExactlyOnceWith(info);
-});
-
 it('forwards its ref to the object', async () => {
   const ref = { current: null as unknown };
   await show(splats({ src: splatData('a'), ref: ref as never }));
@@ -508,21 +448,4 @@ it('says what to do if the renderer cannot draw splats, or shows its fallback', 
   await show(splats({ src: 'a.ply' }));
   expect(caught).toBe(error);
   expect(test.loads).toHaveLength(0);
-});
-
-it('shares the splats of a file with other components', async () => {
-  function Count({ src }: { src: string }) {
-    return createElement('group', { name: useSplats(src).name });
-  }
-  useSplats.preload('a.ply', { accuracy: 'balanced' });
-  await show(createElement(Count, { src: 'a.ply' }), splats({ src: 'a.ply' }));
-  expect(isFallbackShown()).toBe(true);
-  expect(test.loads).toHaveLength(1);
-  await act(async () => test.loads[0].resolve(splatData('a')));
-  expect(isFallbackShown()).toBe(false);
-  expect(scene.getObjectByName('a')).toBeDefined();
-  await show();
-  await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
-  await show(createElement(Count, { src: 'a.ply' }));
-  expect(test.loads).toHaveLength(1);
 });

@@ -46,20 +46,6 @@ describe('a pass of several cameras with viewports', () => {
     expect(part).toMatchObject({ widthPx: 100, heightPx: 80, host: { xPx: 0, yPx: 0 } });
   });
 
-  test('is interrupted once for all', () => {
-    const fake = fakeRenderer();
-    openFor(fake, cameras()).interrupt((part, encoder) => {
-      expect(encoder).toBe(fake.data.encoder);
-      fake.calls.push(['record', part]);
-    });
-    expect(fake.calls.map(([name, part]) => (name === 'record' ? part : name))).toEqual([
-      'end',
-      0,
-      1,
-      'beginRenderPass',
-    ]);
-  });
-
   test('is refused for more cameras than a shader can read images', () => {
     const fake = fakeRenderer();
     expect(openFor(fake, cameras(16)).parts).toHaveLength(16);
@@ -86,18 +72,6 @@ describe('a pass of several cameras with layers', () => {
     return { ...fake, stages, color };
   }
 
-  test('has a layer of the target for each', () => {
-    const fake = fakeLayers();
-    expect(openFor(fake, cameras()).parts).toMatchObject([
-      {
-        widthPx: 100,
-        heightPx: 80,
-        host: { layer: 0, color: { label: 'color' }, depth: { label: 'depth' } },
-      },
-      { widthPx: 100, heightPx: 80, host: { layer: 1 } },
-    ]);
-  });
-
   test('reads the samples of each layer’s own depth, and the layers that an XR session names', () => {
     const fake = fakeLayers();
     const msaaTextures = [gpuTexture('first'), gpuTexture('second')];
@@ -108,23 +82,6 @@ describe('a pass of several cameras with layers', () => {
     expect(hosts.map(({ depth, layer }) => [depth?.label, layer])).toEqual([
       ['first', 1],
       ['second', 0],
-    ]);
-  });
-
-  test('records each layer when three comes to it, after its images were made', () => {
-    const fake = fakeLayers();
-    const recorded: [number, boolean][] = [];
-    openFor(fake, cameras()).interrupt((part, encoder) => recorded.push([part, encoder !== null]));
-    expect(recorded).toEqual([
-      [0, false],
-      [1, false],
-    ]);
-    expect(fake.stages.map(({ bundles }) => bundles)).toEqual([['bundle 0', 'bundle 1']]);
-    expect(fake.calls).toEqual([['create encoders']]);
-    for (let layer = 0; layer < 2; layer++) expect(fake.stages[0].framebufferCopy).toBeUndefined();
-    expect(recorded.slice(2)).toEqual([
-      [0, true],
-      [1, true],
     ]);
   });
 

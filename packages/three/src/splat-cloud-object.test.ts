@@ -469,6 +469,7 @@ describe('the precision on the GPU for an accuracy', () => {
       hold();
       await settle();
     }
+    expect(claim).toHaveBeenCalledTimes(1);
     expect(cloud.onError).toHaveBeenCalledExactlyOnceWith(expect.any(SplatsPrecisionError));
     expect(cloud.onError).toHaveBeenCalledWith(
       expect.objectContaining({ message: expect.stringMatching(/keep.*garden.*gone/) }),

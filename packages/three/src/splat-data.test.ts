@@ -71,19 +71,6 @@ describe('data', () => {
     expect(destroy).toHaveBeenCalledOnce();
     vi.unstubAllGlobals();
   });
-
-  test('is released by each user once, however often the user calls release', () => {
-    const { engine, destroyed } = fakeEngine();
-    const data = splatDataAt([0, 0, 0]);
-    const [first, second] = [{}, {}];
-    for (const user of [first, first, second]) data.acquire(engine, user);
-    data.release(first);
-    data.release(first);
-    expect(destroyed).not.toHaveBeenCalled();
-    data.release(second);
-    expect(destroyed).toHaveBeenCalledTimes(1);
-    expect(() => data.release(first)).not.toThrow();
-  });
 });
 
 const ADDRESS = 'https://a.test/garden.ply';
@@ -137,20 +124,6 @@ describe('data that can be read again', () => {
     expect(await reading).toBe(second.cloud);
     expect(data.acquire(second.engine, user)).toBe(second.cloud);
     expect(second.addPacked).not.toHaveBeenCalled();
-  });
-
-  test('is read again where it was not held any more', async () => {
-    const fake = loadingEngine();
-    const data = new SplatData(packedFile, 'garden', ADDRESS);
-    const user = {};
-    data.acquire(fake.engine, user);
-    data.release(user);
-    const again = data.acquire(fake.engine, user);
-    await expect.poll(() => fake.ends).toHaveLength(1);
-    fake.ends[0].resolve(loadedBy(fake));
-    await again;
-    expect(fake.destroyed).toHaveBeenCalledTimes(1);
-    expect(fake.addPacked).toHaveBeenCalledTimes(1);
   });
 
   /** Data that has left memory, and is being read again. */
@@ -387,17 +360,6 @@ describe('the precision on the GPU', () => {
     expect(hold(user, null)).toBeNull();
     hold(user, FINEST);
     expect(claims()).toEqual([FINEST, FINEST, FINEST]);
-  });
-
-  test('may be unavailable, and is then claimed only once', async () => {
-    const user = {};
-    const { engine, claim } = fakeEngine();
-    claim.mockImplementation(vi.fn().mockRejectedValue(new Error('gone')));
-    const data = splatDataAt([0, 0, 0]);
-    data.acquire(engine, user);
-    await expect(data.hold(engine, user, FINEST)).rejects.toThrow('gone');
-    await expect(data.hold(engine, user, FINEST)).rejects.toThrow('gone');
-    expect(claim).toHaveBeenCalledTimes(1);
   });
 
   test('is claimed by the users alone, once the cloud holds it', async () => {

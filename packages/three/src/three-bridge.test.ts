@@ -27,30 +27,6 @@ describe('the open pass', () => {
     fake.fields.getOutputRenderTarget = () => output;
     expect(open(fake).target).toBe(output);
   });
-
-  test('reports how depth is stored', () => {
-    const fake = fakeRenderer();
-    expect(open(fake).depth).toEqual({ compare: 'less-equal', mapping: 'projection' });
-    fake.fields.reversedDepthBuffer = true;
-    expect(open(fake).depth).toEqual({ compare: 'greater-equal', mapping: 'projection' });
-    fake.fields.reversedDepthBuffer = false;
-    fake.fields.logarithmicDepthBuffer = true;
-    expect(open(fake).depth).toEqual({ compare: 'less-equal', mapping: 'logarithmic' });
-    fake.context.depth = false;
-    expect(open(fake).depth).toBeUndefined();
-  });
-
-  test('is null while three compiles, and between renders', () => {
-    const compiling = fakeRenderer();
-    compiling.fields._compilationPromises = [];
-    expect(openPass(compiling.renderer, scene, camera, drawn)).toBeNull();
-    const idle = fakeRenderer();
-    idle.fields._currentRenderContext = null;
-    expect(openPass(idle.renderer, scene, camera, drawn)).toBeNull();
-    const unbegun = fakeRenderer();
-    unbegun.data.currentPass = undefined;
-    expect(openPass(unbegun.renderer, scene, camera, drawn)).toBeNull();
-  });
 });
 
 describe('hasOccluders', () => {
@@ -88,29 +64,6 @@ describe('hasOccluders', () => {
 });
 
 describe('an interruption', () => {
-  test('lets others record between the parts of the pass', () => {
-    const fake = fakeRenderer();
-    const pass = open(fake);
-    pass.interrupt((part, encoder) => {
-      expect(encoder).toBe(fake.data.encoder);
-      const { host } = pass.parts[part];
-      expect(host).toMatchObject({ xPx: 0, yPx: 0, layer: 0 });
-      expect([host.color.label, host.depth?.label]).toEqual(['color', 'depth']);
-      fake.calls.push(['record']);
-    });
-    expect(fake.calls.map(([name]) => name)).toEqual(['end', 'record', 'beginRenderPass']);
-    expect(fake.calls[2][1]).toEqual({
-      label: 'pass',
-      colorAttachments: [
-        { view: 'view', loadOp: 'load', storeOp: 'store' },
-        { view: 'view', loadOp: 'load', storeOp: 'store' },
-      ],
-      depthStencilAttachment: { view: 'depth view', depthLoadOp: 'load', depthStoreOp: 'store' },
-    });
-    expect(fake.data.currentPass).toBe(fake.newPass);
-    expect(fake.data.currentSets).toEqual({ attributes: {}, bindingGroups: [], pipeline: null, index: null });
-  });
-
   test('restores the state that three expects', () => {
     const fake = fakeRenderer();
     Object.assign(fake.context, { viewport: true, scissor: true, stencil: true });
@@ -162,13 +115,6 @@ describe('an interruption', () => {
     open(fake).interrupt(() => {});
     expect(fake.calls[1][1]).toMatchObject({ timestampWrites: { querySet: 'set', endOfPassWriteIndex: 7 } });
     expect(fake.calls[1][1]).not.toHaveProperty('timestampWrites.beginningOfPassWriteIndex');
-  });
-
-  test('uses the canvas’s texture if three draws directly onto it', () => {
-    const fake = fakeRenderer();
-    Object.assign(fake.context, { textures: null, depthTexture: null, renderTarget: null });
-    const [{ host }] = open(fake).parts;
-    expect([host.color.label, host.depth?.label]).toEqual(['canvas', 'depth buffer']);
   });
 
   test('continues the pass if recording fails', () => {
