@@ -1,5 +1,5 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
 import { perspectiveCamera } from './data/camera/camera.ts';
@@ -25,7 +25,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device?.destroy());
 
 function newEngine(onto = device): Promise<SplatEngine> {
   return SplatEngine.create({ device: onto, accuracy: ACCURACY, ingestMinRows: 1 });

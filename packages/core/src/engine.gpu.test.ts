@@ -1,6 +1,6 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
 import type { Accuracy } from './data/accuracy/accuracy.ts';
@@ -47,10 +47,6 @@ beforeAll(async () => {
   canBlendFloat32 = requiredFeatures.includes('float32-blendable' as GPUFeatureName);
   device = await shareTestDevice({ requiredFeatures });
   engines = await presetEngines(device);
-});
-afterAll(() => {
-  for (const engine of Object.values(engines ?? {})) engine.destroy();
-  device?.destroy();
 });
 
 const drawScene = (engine: SplatEngine, scene: Scene) => drawAlone(engine, scene, SIZE);

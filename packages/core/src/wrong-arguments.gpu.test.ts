@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { beforeAll, describe, expect, vi } from 'vitest';
 import { makeColliderMesh } from './clouds/collider/index.ts';
 import { WebSplatterError } from './data/errors.ts';
 import { identity4 } from './data/math/mat4.ts';
@@ -52,10 +52,6 @@ beforeAll(async () => {
   hostPass = { color, depth: null, xPx: 0, yPx: 0 };
   const request = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
   await vi.waitUntil(() => embedded.prepare(request));
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 const SET = randomSplats({ count: 20 });

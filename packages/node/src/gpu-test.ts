@@ -13,7 +13,7 @@ export const gpuTest = (await isGpuUsable()) ? test : test.skip;
 
 /**
  * Returns a device for tests. Any validation error, other uncaptured error or loss fails the test
- * in which it happens. Call the device's `destroy()`, or leave it to the end of the file.
+ * in which it happens. The end of the file destroys it, if the tests have not.
  */
 export async function createTestDevice(
   options: Pick<GPUDeviceDescriptor, 'requiredLimits' | 'requiredFeatures'> = {},

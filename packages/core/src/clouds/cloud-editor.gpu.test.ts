@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import type { Accuracy } from '../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
@@ -38,10 +38,6 @@ beforeAll(async () => {
     limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),
   });
   engine = await SplatEngine.create({ device: limited, ingestMinRows: 1 });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 async function imageOf(cloud: SplatCloud, accuracy?: Accuracy, on = engine): Promise<Float32Array> {

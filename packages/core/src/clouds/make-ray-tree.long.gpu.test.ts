@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, SplatSourceError } from '../data/errors.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
@@ -20,10 +20,6 @@ beforeAll(async () => {
     limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),
   });
   engine = await SplatEngine.create({ device: limited, ingestMinRows: 1 });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 describe('rays', () => {

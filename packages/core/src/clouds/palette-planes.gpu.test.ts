@@ -1,5 +1,5 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { MAX_PALETTE_ENTRIES } from '../data/packing/harmonics-palette.ts';
 import { type CloudPrecision, SH_PRECISIONS } from '../data/packing/precision.ts';
@@ -22,10 +22,6 @@ let engine: SplatEngine;
 beforeAll(async () => {
   device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 async function imageOf(cloud: SplatCloud): Promise<Float32Array> {

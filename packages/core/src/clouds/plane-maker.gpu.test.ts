@@ -1,5 +1,5 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { type Accuracy, resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
@@ -31,10 +31,6 @@ beforeAll(async () => {
     accuracy: 'reference',
     maxWorkgroupsPerDimension: 3,
   });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 async function imageOf(cloud: SplatCloud, accuracy: Accuracy = 'reference'): Promise<Float32Array> {

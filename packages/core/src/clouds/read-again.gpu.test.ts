@@ -1,5 +1,5 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
+import { beforeAll, beforeEach, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DestroyedError, GpuLimitError, SplatFileError, SplatSourceError } from '../data/errors.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
@@ -47,10 +47,6 @@ beforeEach(() => {
   labels.length = 0;
   onBuffer = () => {};
   lackingFor = null;
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 /** `whole`, which reports that memory is lacking from the buffer `lackingFor` on. */

@@ -1,5 +1,5 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { ACCURACY_PRESETS, type AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
@@ -25,10 +25,6 @@ beforeAll(async () => {
   device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
   view = engine.createView();
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 const NO_REST = splatsOf([]).harmonics;

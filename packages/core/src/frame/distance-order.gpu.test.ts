@@ -1,5 +1,5 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
@@ -31,10 +31,6 @@ beforeAll(async () => {
   device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device, accuracy: 'reference' });
   view = engine.createView();
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 type Request = Partial<Omit<FrameRequest, 'clouds'>>;

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, afterEach, beforeAll, describe, expect, vi } from 'vitest';
+import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
@@ -36,7 +36,6 @@ afterEach(() => {
   lacking = null;
   vi.restoreAllMocks();
 });
-afterAll(() => device?.destroy());
 
 function thatMayLackMemory(whole: GPUDevice): GPUDevice {
   let isLacking = false;

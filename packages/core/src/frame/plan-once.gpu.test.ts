@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
+import { beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { identity4 } from '../data/math/mat4.ts';
@@ -65,10 +65,6 @@ let engine: SplatEngine;
 beforeAll(async () => {
   device = await shareTestDevice();
   engine = await SplatEngine.create({ device });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 beforeEach(() => {
   for (const name of Object.keys(calls)) delete calls[name];

@@ -1,5 +1,5 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings, ColorTarget, RecordPrecision } from '../data/accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
@@ -34,10 +34,6 @@ beforeAll(async () => {
     },
   });
   view = engine.createView();
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 type Scene = Pick<ReferenceFrame, 'clouds'> & { readonly camera?: Camera };

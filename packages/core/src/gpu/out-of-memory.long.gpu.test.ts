@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
 import { SplatEngine } from '../create-engine.ts';
 import type { Accuracy } from '../data/accuracy/accuracy.ts';
@@ -26,7 +26,6 @@ let failing: FailingDevice;
 beforeAll(async () => {
   failing = failingDevice(await shareTestDevice());
 });
-afterAll(() => failing?.device.destroy());
 
 /**
  * Calls `attempt` with one allocation after another failing, or every `step`th, until none is left

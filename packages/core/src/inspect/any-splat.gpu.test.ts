@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { afterAll, beforeAll, expect } from 'vitest';
+import { beforeAll, expect } from 'vitest';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
@@ -14,7 +14,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device.destroy());
 
 /** Any finite float32, including denormals, ±0 and the largest. */
 const finite = fc.float({ noNaN: true, noDefaultInfinity: true });

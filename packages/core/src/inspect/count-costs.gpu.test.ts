@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2, resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { orthographicCamera } from '../data/camera/camera.ts';
@@ -29,7 +29,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device.destroy());
 
 async function withEngine(
   options: EngineOptions,

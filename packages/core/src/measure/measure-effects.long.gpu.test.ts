@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -19,10 +19,6 @@ beforeAll(async () => {
   engine = await SplatEngine.create({ device });
   const clouds = [{ cloud: engine.add(SET), effects: [tint([1, 0.5, 0.5])] }];
   frame = { camera: CAMERA, clouds, widthPx: 16, heightPx: 16 };
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 describe('measureEffects', () => {

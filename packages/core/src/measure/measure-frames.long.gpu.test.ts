@@ -1,6 +1,6 @@
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
@@ -25,10 +25,6 @@ beforeAll(async () => {
   const offered = (['timestamp-query'] as const).filter((feature) => adapter.features.has(feature));
   device = await shareTestDevice({ requiredFeatures: offered });
   engine = await SplatEngine.create({ device });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 function optionsFor(of: SplatEngine) {

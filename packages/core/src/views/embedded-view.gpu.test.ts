@@ -1,6 +1,6 @@
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
+import { beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
@@ -43,11 +43,6 @@ async function start(rasterizer: AccuracySettings['rasterizer'], features: reado
   high = { preset: 'high', rasterizer };
   engine = await SplatEngine.create({ device, accuracy: high });
   cloud = engine.add(SET);
-}
-
-function stop(): void {
-  engine?.destroy();
-  device?.destroy();
 }
 
 interface Host {
@@ -339,7 +334,6 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
     canStart = features.every((feature) => adapter.features.has(feature));
     if (canStart) await start(rasterizer, features);
   });
-  afterAll(() => stop());
   beforeEach(({ skip }) => {
     if (!canStart) skip(`this adapter lacks ${features.join(', ')}`);
   });
@@ -654,7 +648,6 @@ describe('both rasterisers', () => {
     canWriteDepth = adapter.features.has(BLENDABLE);
     await start('tiles', canWriteDepth ? [BLENDABLE] : []);
   });
-  afterAll(() => stop());
 
   /** Draws twice from one preparation, as a host with two passes, and returns image and depth. */
   async function drawnBy(

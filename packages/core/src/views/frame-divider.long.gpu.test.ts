@@ -1,6 +1,6 @@
 import { availableParallelism } from 'node:os';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
+import { beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
@@ -39,7 +39,6 @@ beforeEach(() => {
   tasksBeforeParts = [];
   onSubmit = () => {};
 });
-afterAll(() => device?.destroy());
 
 function watched(whole: GPUDevice): GPUDevice {
   const parts = new WeakSet<GPUCommandBuffer>();

@@ -1,5 +1,5 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, vi } from 'vitest';
+import { beforeAll, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
@@ -30,7 +30,6 @@ let counted: ReturnType<typeof countedDevice>;
 beforeAll(async () => {
   counted = countedDevice(await createTestDevice());
 });
-afterAll(() => counted?.device.destroy());
 
 /**
  * A round about the origin, nearer on one side, where depths differ in more bits. All splats are in

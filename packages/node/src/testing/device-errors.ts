@@ -32,3 +32,8 @@ export async function throwDeviceErrors(): Promise<void> {
   }
   if (errors.length > 0) throw new Error(`GPU errors during this test:\n${errors.join('\n')}`);
 }
+
+/** Ends the devices that a file's tests have left, and gives shared ones back. */
+export function destroyDevices(): void {
+  for (const device of watched.keys()) if (!closing.has(device)) device.destroy();
+}

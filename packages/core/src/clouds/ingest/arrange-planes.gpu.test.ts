@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { mortonFrame, mortonOrder, permuteSplats } from '../../data/packing/morton-order.ts';
@@ -36,7 +36,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 interface Rows {
   readonly set: SplatSet;

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { DestroyedError, SplatFileError, SplatSourceError } from '../../data/errors.ts';
@@ -27,10 +27,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   engine = await SplatEngine.create({ device, ingestMinRows: 1 });
   view = engine.createView();
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 /** A file of which `firstBytes` can be read at once, and the rest after `go`. */

@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { GpuLimitError, SplatFileError } from '../../data/errors.ts';
 import { packSet } from '../../data/packing/pack-set.ts';
@@ -36,11 +36,6 @@ beforeAll(async () => {
   const limited = readableDevice(device, { maxStorageBufferBindingSize: bytes });
   small = await SplatEngine.create({ device: limited, ingestMinRows: 1, maxWorkgroupsPerDimension: 2 });
   large = await SplatEngine.create({ device: readableDevice(device), ingestMinRows: 1 });
-});
-afterAll(() => {
-  small?.destroy();
-  large?.destroy();
-  device?.destroy();
 });
 
 /** Loads `file` on the GPU and on the CPU, and expects the same cloud. */

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect, onTestFinished } from 'vitest';
+import { beforeAll, describe, expect, onTestFinished } from 'vitest';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
 import { SplatEngine } from '../../create-engine.ts';
 import type { GpuMemoryReport } from '../../gpu/gpu-memory.ts';
@@ -29,7 +29,6 @@ beforeAll(async () => {
     return createShaderModule(descriptor);
   };
 });
-afterAll(() => device?.destroy());
 
 interface Drawn {
   readonly image: Float32Array;

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { defineEffect } from '../../gpu/effects/effect.ts';
@@ -23,7 +23,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device?.destroy());
 
 /** Spheres, with random rotations. */
 function balls(options: Parameters<typeof randomSplats>[0]): SplatSet {

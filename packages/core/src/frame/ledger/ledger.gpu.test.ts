@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { Accuracy } from '../../data/accuracy/accuracy.ts';
 import { identity4 } from '../../data/math/mat4.ts';
@@ -27,10 +27,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   engine = await SplatEngine.create({ device, accuracy: 'high' });
   view = engine.createView();
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 async function ledgerOf(clouds: readonly CloudInstance[], camera = CAMERAS.perspective, accuracy?: Accuracy) {

@@ -1,5 +1,5 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import type { EngineOptions } from '../../engine.ts';
@@ -48,7 +48,6 @@ beforeAll(async () => {
   device = await shareBlendingDevice();
   reference = renderReference({ clouds: [{ set: COVERING }], camera: CAMERA, ...SIZE }).data;
 });
-afterAll(() => device?.destroy());
 
 /** An engine with one view of the covering splats. */
 async function stageWith(options: Omit<EngineOptions, 'device' | 'accuracy'> = {}) {

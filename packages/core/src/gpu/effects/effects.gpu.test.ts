@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
 import { SplatEngine } from '../../create-engine.ts';
 import type { Camera } from '../../data/camera/camera.ts';
@@ -28,10 +28,6 @@ beforeAll(async () => {
   engine = await SplatEngine.create({ device, accuracy: 'high' });
   view = engine.createView();
   cloud = engine.add(SET);
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 async function draw(effects: readonly EffectUse[], camera: Camera): Promise<Float32Array> {

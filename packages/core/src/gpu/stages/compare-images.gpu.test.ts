@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { fromHalfBits, toHalfBits } from '../../data/layout/half.ts';
 import { compareTextures, NonFiniteImageError } from '../../measure/compare-textures.ts';
 import { compareImages, type ImageDifference } from '../../reference/compare-images.ts';
@@ -16,7 +16,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   context = { device, pipelines: new Pipelines(device), memory: new GpuMemory(device) };
 });
-afterAll(() => device?.destroy());
 
 /** Premultiplied RGBA: blobs as smooth as typical images. */
 function blobs([widthPx, heightPx]: Size, seed: number): Float32Array {

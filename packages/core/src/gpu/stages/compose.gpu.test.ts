@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import {
   type Camera,
   cameraFromMatrices,
@@ -22,7 +22,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device.destroy());
 
 const SIZE = { widthPx: 13, heightPx: 9 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;

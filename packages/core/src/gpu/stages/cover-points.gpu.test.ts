@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError } from '../../data/errors.ts';
@@ -29,7 +29,6 @@ beforeAll(async () => {
   pipelines = new Pipelines(device);
   memory = new GpuMemory(device);
 });
-afterAll(() => device.destroy());
 
 async function coverageIn(frame: InspectedFrame, points: readonly PointToCover[]) {
   const stage = coverStage(frame.parts, frame.plan);

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { ChunkParameters } from '../../data/layout/packing-structs.ts';
 import { Chunk } from '../../data/layout/structs.ts';
 import { chunkCountOf, logScalesOf } from '../../data/packing/chunks.ts';
@@ -27,7 +27,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 /** Settles the splats of `set`, which came in the reverse order. */
 async function settle(

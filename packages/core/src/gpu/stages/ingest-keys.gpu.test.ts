@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { MortonParameters } from '../../data/layout/packing-structs.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
@@ -29,7 +29,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 function frameOf({ positions }: SplatSet): MortonFrame {
   const axes = [0, 1, 2].map((axis) => positions.filter((_, i) => i % 3 === axis));

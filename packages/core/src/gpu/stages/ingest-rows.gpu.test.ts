@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { type RowFacts, readRowFacts } from '../../clouds/ingest/row-facts.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
@@ -38,7 +38,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 interface TakeOptions extends FileRowsOptions {
   /** Default that of the rows. */

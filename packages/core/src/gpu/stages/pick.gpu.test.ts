@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
@@ -31,7 +31,6 @@ beforeAll(async () => {
   memory = new GpuMemory(device);
   await pipelines.prepare([pickStage('f32'), pickStage('f16'), pickStage('paper')]);
 });
-afterAll(() => device.destroy());
 
 type Scene = Omit<InspectOptions, 'widthPx' | 'heightPx'>;
 

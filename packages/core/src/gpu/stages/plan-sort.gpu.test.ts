@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { planSort as planReference } from '../../reference/plan-sort.ts';
 import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
@@ -13,7 +13,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device.destroy());
 
 interface Keys {
   readonly keyBits: number;

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { shortDepthKey } from '../../data/layout/depth-key.ts';
@@ -19,7 +19,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device.destroy());
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const SPLATS = 1000;

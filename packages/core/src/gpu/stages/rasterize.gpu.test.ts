@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatRecordF32 } from '../../data/layout/structs.ts';
 import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
 import type { VisibleSplat } from '../../reference/cull-splats.ts';
@@ -25,7 +25,6 @@ beforeAll(async () => {
   pipelines = new Pipelines(device);
   await pipelines.prepare([[stage, state]]);
 });
-afterAll(() => device.destroy());
 
 /** A splat to draw. */
 interface DrawnSplat {

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { RepackParameters } from '../../data/layout/packing-structs.ts';
 import { logScalesOf } from '../../data/packing/chunks.ts';
@@ -20,7 +20,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 const DISPATCH_ROW = 2;
 /** Size of a 15-bit step in ±√½; rounding may go to either of two neighbouring steps. */

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { RepackParameters } from '../../data/layout/packing-structs.ts';
 import { type PackedHarmonics, readCoefficients } from '../../data/packing/harmonics.ts';
@@ -19,7 +19,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 const COUNT = 700;
 const DISPATCH_ROW = 2;

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import type { DepthConvention } from '../../data/camera/depth-convention.ts';
 import { HostViewport } from '../../data/layout/structs.ts';
 import { type LayerPlace, resolveDepth as resolveReference } from '../../reference/resolve-depth.ts';
@@ -14,7 +14,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device.destroy());
 
 /** Float32 values of 0…1, including both ends. */
 function randomDepths(length: number): Float32Array {

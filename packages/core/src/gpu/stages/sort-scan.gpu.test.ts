@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SCAN_BLOCK } from '../../data/layout/constants.ts';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { sortScan as scanReference } from '../../reference/sort-scan.ts';
@@ -16,7 +16,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 const BEHIND = 0xdeadbeef;
 

@@ -1,5 +1,5 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { sortHistogram as histogramReference } from '../../reference/sort-histogram.ts';
 import { sortScan } from '../../reference/sort-scan.ts';
@@ -19,7 +19,6 @@ beforeAll(async () => {
   device = await createSortDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 /** Keys of `bits` bits, and their payloads, in one pass by the GPU and by the reference. */
 async function scatter(options: {

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import type { Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
@@ -38,7 +38,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 const RECORD_PRECISIONS: readonly RecordPrecision[] = ['f32', 'f16', 'paper'];
 

@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
@@ -40,7 +40,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 /** Tiles, counted through the layer, that the GPU lists for each of the splats. */
 async function listedTiles(

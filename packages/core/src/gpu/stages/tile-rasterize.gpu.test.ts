@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import type { ColorTarget, RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';
 import {
   type Camera,
@@ -36,7 +36,6 @@ beforeAll(async () => {
   device = await shareTestDevice();
   pipelines = new Pipelines(device);
 });
-afterAll(() => device.destroy());
 
 /** The host's depth: its surface at each pixel, and how it stores depth. */
 interface Host {

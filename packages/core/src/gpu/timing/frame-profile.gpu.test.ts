@@ -1,6 +1,6 @@
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { frameStages } from '../../frame/frame.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
@@ -20,10 +20,6 @@ beforeAll(async () => {
   const offered = (['timestamp-query'] as const).filter((feature) => adapter.features.has(feature));
   device = await shareTestDevice({ requiredFeatures: offered });
   engine = await SplatEngine.create({ device });
-});
-afterAll(() => {
-  engine?.destroy();
-  device?.destroy();
 });
 
 /** Draws a frame and returns its pixels. */

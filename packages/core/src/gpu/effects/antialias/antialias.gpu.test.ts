@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
 import type { CloudInstance } from '../../../frame/frame-request.ts';
@@ -37,7 +37,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device?.destroy());
 
 async function draw(splats: Readonly<Record<string, SplatValues>>, camera: keyof typeof CAMERAS) {
   const clouds = [{ set: splatsOf(Object.values(splats)), effects: [antialias()] }];

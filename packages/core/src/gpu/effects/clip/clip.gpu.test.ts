@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../../../data/camera/camera.ts';
 import { translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
@@ -24,7 +24,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device?.destroy());
 
 describe('clip', () => {
   gpuTest('every shape and side, soft and hard, for clouds in any place', async () => {

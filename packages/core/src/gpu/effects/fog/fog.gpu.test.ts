@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { orthographicCamera } from '../../../data/camera/camera.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
@@ -33,7 +33,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device?.destroy());
 
 describe('fog', () => {
   for (const [name, camera] of Object.entries(CAMERAS))

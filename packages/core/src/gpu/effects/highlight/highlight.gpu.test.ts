@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { SplatSelection } from '../../../data/splats/splat-selection.ts';
 import type { ReferenceFunction } from '../../../reference/effects/references.ts';
@@ -47,7 +47,6 @@ let device: GPUDevice;
 beforeAll(async () => {
   device = await shareTestDevice();
 });
-afterAll(() => device?.destroy());
 
 describe('a highlight', () => {
   gpuTest('shows rows of the file in any storage order and on any page', async () => {
