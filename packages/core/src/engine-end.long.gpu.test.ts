@@ -1,5 +1,5 @@
-import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
 import { perspectiveCamera } from './data/camera/camera.ts';
@@ -10,6 +10,7 @@ import { prepared } from './testing/prepared.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import { seededRandom } from './testing/seeded-random.ts';
 import { signalOf } from './testing/signal.ts';
+import { testGpu } from './testing/test-gpu.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const SET = randomSplats({ count: 2000, seed: 4, shDegree: 1 });
@@ -21,12 +22,9 @@ function cameraAt(x: number) {
   return perspectiveCamera({ position: [x, 0, 4], target: [0, 0, 0], fovYDegrees: 45, aspect: 1 });
 }
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
-function newEngine(onto = device): Promise<SplatEngine> {
+function newEngine(onto = gpu.device): Promise<SplatEngine> {
   return SplatEngine.create({ device: onto, accuracy: ACCURACY, ingestMinRows: 1 });
 }
 
@@ -74,15 +72,15 @@ describe('work that waits for a frame', () => {
   });
 });
 
-/** `device` that tells of no error, and of no lack of one, until `go`. */
+/** `gpu.device` that tells of no error, and of no lack of one, until `go`. */
 function withLateAnswers(go: Promise<void>): { readonly late: GPUDevice; readonly whenAsked: Promise<void> } {
   const asked = signalOf();
   const popErrorScope = () => {
-    const answer = device.popErrorScope();
+    const answer = gpu.device.popErrorScope();
     asked.give();
     return go.then(() => answer);
   };
-  return { late: deviceWith(device, { popErrorScope }), whenAsked: asked.when };
+  return { late: deviceWith(gpu.device, { popErrorScope }), whenAsked: asked.when };
 }
 
 describe('a load that ends while its cloud is uploaded', () => {
@@ -126,7 +124,7 @@ describe('the end of an engine', () => {
     own.destroy();
   });
 
-  gpuTest('ends its clouds, which no engine on the same device draws any more', async () => {
+  gpuTest('ends its clouds, which no engine on the same gpu.device draws any more', async () => {
     const [ended, other] = [await newEngine(), await newEngine()];
     const cloud = ended.add(SET, { name: 'garden' });
     await cloud.uploaded;
@@ -147,17 +145,17 @@ describe('the end of an engine', () => {
     const view = engine.createEmbeddedView();
     const frame = { camera: cameraAt(0), clouds: [{ cloud: engine.add(SET) }], ...SIZE };
     await prepared(view, frame);
-    const color = device.createTexture({
+    const color = gpu.device.createTexture({
       size: [SIZE.widthPx, SIZE.heightPx],
       format: 'rgba16float',
       usage: GPUTextureUsage.TEXTURE_BINDING,
     });
     const pass = { color, depth: null, xPx: 0, yPx: 0 };
-    const encoder = device.createCommandEncoder();
+    const encoder = gpu.device.createCommandEncoder();
     view.draw(encoder, pass);
     engine.destroy();
     expect(() => view.draw(encoder, pass)).toThrow(DestroyedError);
-    device.queue.submit([encoder.finish()]);
+    gpu.device.queue.submit([encoder.finish()]);
     color.destroy();
   });
 });
@@ -230,11 +228,11 @@ function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[]
 
 describe(`the end at any moment, of ${ROUNDS} rounds`, () => {
   for (let seed = SEED; seed < SEED + ROUNDS; seed++) {
-    // A device that is lost takes its shaders with it.
+    // A gpu.device that is lost takes its shaders with it.
     const end = seed % 3 === 0 ? 'device' : 'engine';
     gpuTest(`${end}, seed ${seed}`, async () => {
       const random = seededRandom(seed);
-      const own = end === 'device' ? await createTestDevice() : device;
+      const own = end === 'device' ? await createTestDevice() : gpu.device;
       const engine = await newEngine(own);
       const work = busyWork(engine, random);
       const turns = Math.floor(MOST_TURNS * random() ** 2);

@@ -1,8 +1,9 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { beforeAll, expect } from 'vitest';
+import { expect } from 'vitest';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { testGpu } from '../testing/test-gpu.ts';
 import { uniform } from '../testing/uniform.ts';
 import { compareCulling } from './compare-culling.ts';
 import { compareRecords } from './compare-records.ts';
@@ -10,10 +11,7 @@ import { describeFieldError } from './field-error.ts';
 import { findNonFinite } from './find-non-finite.ts';
 import { InspectedFrame } from './inspected-frame.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 /** Any finite float32, including denormals, ±0 and the largest. */
 const finite = fc.float({ noNaN: true, noDefaultInfinity: true });
@@ -53,7 +51,7 @@ gpuTest(
         anyModel,
         fc.boolean(),
         async (splats, camera, modelMatrix, isPacked) => {
-          const frame = await InspectedFrame.draw(device, {
+          const frame = await InspectedFrame.draw(gpu.device, {
             clouds: [{ set: splatsOf(splats), modelMatrix }],
             camera,
             widthPx: 48,

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2, resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { orthographicCamera } from '../data/camera/camera.ts';
@@ -11,6 +11,7 @@ import { screenAxes } from '../reference/covariance.ts';
 import { cullSplat } from '../reference/cull-splats.ts';
 import { pixelCosts } from '../reference/tile-costs.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { testGpu } from '../testing/test-gpu.ts';
 import { countCosts, mapContributions } from './count-costs.ts';
 import { InspectedFrame } from './inspected-frame.ts';
 
@@ -25,16 +26,13 @@ const camera = orthographicCamera({
 });
 const accuracy = resolveAccuracy('reference');
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 async function withEngine(
   options: EngineOptions,
   use: (engine: SplatEngine) => Promise<void>,
 ): Promise<void> {
-  const engine = await SplatEngine.create({ ...options, device });
+  const engine = await SplatEngine.create({ ...options, device: gpu.device });
   await use(engine);
   expect(engine.memory().frames.views).toEqual([]);
   engine.destroy();
@@ -184,7 +182,7 @@ gpuTest('fragments and contributions are those that float64 finds in the whole s
 
 /** The splats that culling keeps, in storage order, in float64. */
 async function visibleByReference(set: SplatSet) {
-  const frame = await InspectedFrame.draw(device, { clouds: [{ set }], camera, ...SIZE });
+  const frame = await InspectedFrame.draw(gpu.device, { clouds: [{ set }], camera, ...SIZE });
   const [{ stored, view }] = frame.clouds;
   const settings = { alphaCutoff: accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects: [] };
   const culled = Array.from({ length: stored.count }, (_, i) =>

@@ -2,8 +2,8 @@ import type { RecordPrecision } from '../data/accuracy/accuracy.ts';
 import { toHalfBits } from '../data/layout/half.ts';
 import { SPLAT_RECORDS } from '../data/layout/structs.ts';
 import { type DecodedRecord, decodeRecord } from '../inspect/read-records.ts';
-import { storageBuffer } from './gpu-buffers.ts';
 import { seededRandom } from './seeded-random.ts';
+import type { TestGpu } from './test-gpu.ts';
 
 /** A splat as it is drawn; lengths in pixels, y down. */
 export interface DrawnSplat {
@@ -47,11 +47,11 @@ export function rankedRecords(ranked: readonly DrawnSplat[], precision: RecordPr
 }
 
 /** Buffers of the visible splats in the form that stages read: the order has the farthest first. */
-export function rankedBuffers(device: GPUDevice, { places, words }: RankedRecords) {
+export function rankedBuffers(gpu: TestGpu, { places, words }: RankedRecords) {
   return {
-    visibleCount: storageBuffer(device, [places.length]),
-    order: storageBuffer(device, places.toReversed()),
-    records: storageBuffer(device, words),
+    visibleCount: gpu.storage([places.length]),
+    order: gpu.storage(places.toReversed()),
+    records: gpu.storage(words),
   };
 }
 

@@ -6,8 +6,8 @@ import type { EllipseRecord, SplatEllipse } from '../reference/splat-ellipse.ts'
 import { splatEllipse } from '../reference/splat-ellipse.ts';
 import { touchedBins } from '../reference/tile-grid.ts';
 import { packFlatView } from './flat-view.ts';
-import { uniformBuffer } from './gpu-buffers.ts';
 import type { DrawnSplat } from './ranked-records.ts';
+import type { TestGpu } from './test-gpu.ts';
 
 interface TileUniforms {
   readonly size: SizePx;
@@ -19,13 +19,13 @@ interface TileUniforms {
 }
 
 /** The uniforms of the tile stages: the fields of `View` that they read, and the layer's bins. */
-export function tileUniforms(device: GPUDevice, options: TileUniforms) {
+export function tileUniforms(gpu: TestGpu, options: TileUniforms) {
   const { size, alphaCutoff, dispatchRow = 65_535, pairCapacity = 2 ** 24, firstTile = 0 } = options;
   const { widthPx, heightPx } = size;
   const view = packFlatView({ size, alphaCutoff, dispatchRow });
   const sizePx = [widthPx, heightPx] as const;
   const grid = TileGrid.pack({ sizePx, ...binGrid(widthPx, heightPx), pairCapacity, firstTile });
-  return { view: uniformBuffer(device, view), grid: uniformBuffer(device, grid) };
+  return { view: gpu.uniform(view), grid: gpu.uniform(grid) };
 }
 
 /**

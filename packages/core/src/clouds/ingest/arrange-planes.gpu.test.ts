@@ -1,6 +1,6 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { beforeAll, describe, expect } from 'vitest';
+import { describe, expect } from 'vitest';
 import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { mortonFrame, mortonOrder, permuteSplats } from '../../data/packing/morton-order.ts';
@@ -8,12 +8,11 @@ import type { RowPrecision } from '../../data/packing/precision.ts';
 import { packHarmonics, repackHarmonics, truncateHarmonics } from '../../data/packing/repack-harmonics.ts';
 import type { ShDegree, SplatSet } from '../../data/splats/splat-set.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { Pipelines } from '../../gpu/pipelines.ts';
-import { readWords } from '../../gpu/read-buffer.ts';
 import { arrivedGeometry } from '../../testing/arrived-geometry.ts';
 import { expectSameChunks, expectSameGeometry } from '../../testing/expect-same-planes.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { ScarceMemory } from '../../testing/scarce-memory.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
 import { type ArrangedPlanes, type ArrivedPlanes, arrangePlanes, arrangeStages } from './arrange-planes.ts';
 
@@ -30,12 +29,7 @@ const KEPT_BITS: Readonly<Record<number, number>> = { 5: 0, 6: 0xffff0000 };
 /** Keys and payloads, which the sort holds besides the order: more than moving words takes. */
 const WORK_BYTES_PER_SPLAT = 8;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 interface Rows {
   readonly set: SplatSet;
@@ -128,7 +122,7 @@ function arrivedOf(rows: Rows, memory: GpuMemory): ArrivedPlanes {
 function filled(memory: GpuMemory, words: Uint32Array): GPUBuffer {
   const { STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
   const buffer = memory.createBuffer('test', words.byteLength, STORAGE | COPY_SRC | COPY_DST);
-  device.queue.writeBuffer(buffer, 0, Uint32Array.from(words));
+  gpu.device.queue.writeBuffer(buffer, 0, Uint32Array.from(words));
   return buffer;
 }
 
@@ -145,7 +139,7 @@ const bytesOf = (buffers: readonly GPUBuffer[]) => buffers.reduce((sum, { size }
 
 /** The words of the splats of a plane, `perSplat` each. */
 async function planeWords(plane: Plane, { ranges }: ArrangedPlanes, perSplat: number): Promise<number[]> {
-  const pages = await Promise.all(plane.map((page) => readWords(device, page)));
+  const pages = await Promise.all(plane.map((page) => gpu.read(page)));
   return pages.flatMap((words, i) =>
     Array.from(words.subarray(0, perSplat * (ranges[i].end - ranges[i].start))),
   );
@@ -161,19 +155,19 @@ async function check(rows: Rows): Promise<{ readonly workBytes: number }> {
   const { precision, keptShDegree, set } = rows;
   const expected = onHost(rows);
   const hasDrops = expected.stored.count < set.count;
-  await pipelines.prepare(arrangeStages(precision, hasDrops));
-  const memory = new GpuMemory(device);
+  await gpu.pipelines.prepare(arrangeStages(precision, hasDrops));
+  const memory = new GpuMemory(gpu.device);
   const arrived = arrivedOf(rows, memory);
   const arrivedBytes = memory.report().totalBytes;
-  const arranged = arrangePlanes({ device, pipelines, memory, dispatchRow: 2 }, arrived);
+  const arranged = arrangePlanes({ ...gpu, memory, dispatchRow: 2 }, arrived);
 
-  expect(Array.from((await readWords(device, arranged.fileRows)).subarray(0, arrived.kept))).toEqual(
+  expect(Array.from((await gpu.read(arranged.fileRows)).subarray(0, arrived.kept))).toEqual(
     Array.from(expected.stored.fileIndices),
   );
   expect(arranged.ranges.at(-1)!.end).toBe(arrived.kept);
   const geometryWords = GEOMETRY_WORDS[precision.geometryPrecision];
   const words = Uint32Array.from(await planeWords(arranged.geometry, arranged, geometryWords));
-  const chunkPages = await Promise.all(arranged.chunks.map((page) => readWords(device, page)));
+  const chunkPages = await Promise.all(arranged.chunks.map((page) => gpu.read(page)));
   const chunkWords = Uint32Array.from(chunkPages.flatMap((page) => Array.from(page)));
   const chunks = new Float32Array(chunkWords.buffer);
   const withoutLogScales = (geometry: Uint32Array) =>
@@ -268,11 +262,11 @@ describe('planes in the order of a file become those that the host makes', () =>
 
 gpuTest('memory that runs out at any buffer leaves the given planes, and nothing else', async () => {
   const rows = rowsOf(700, 2, { keptShDegree: 1, isDropped: (row) => row % 3 === 1 });
-  await pipelines.prepare(arrangeStages(rows.precision, true));
-  const owner = new GpuMemory(device);
+  await gpu.pipelines.prepare(arrangeStages(rows.precision, true));
+  const owner = new GpuMemory(gpu.device);
   const arrange = (memory: GpuMemory, arrived: ArrivedPlanes) =>
-    arrangePlanes({ device, pipelines, memory, dispatchRow: 2 }, arrived);
-  const enough = new ScarceMemory(device, Number.POSITIVE_INFINITY);
+    arrangePlanes({ ...gpu, memory, dispatchRow: 2 }, arrived);
+  const enough = new ScarceMemory(gpu.device, Number.POSITIVE_INFINITY);
   arrange(enough, arrivedOf(rows, owner));
   enough.destroyAll();
   owner.destroyAll();
@@ -280,12 +274,12 @@ gpuTest('memory that runs out at any buffer leaves the given planes, and nothing
   const arrived = arrivedOf(rows, owner);
   const givenBytes = owner.report().totalBytes;
   for (let buffers = 0; buffers < enough.buffersMade; buffers++) {
-    const memory = new ScarceMemory(device, buffers);
+    const memory = new ScarceMemory(gpu.device, buffers);
     expect(() => arrange(memory, arrived), `with ${buffers} buffers`).toThrow('no more buffers');
     expect(memory.report().totalBytes, `with ${buffers} buffers`).toBe(0);
   }
   // A buffer that was destroyed cannot be read.
-  await readWords(device, arrived.geometry[0]);
+  await gpu.read(arrived.geometry[0]);
   expect(owner.report().totalBytes).toBe(givenBytes);
   owner.destroyAll();
 });

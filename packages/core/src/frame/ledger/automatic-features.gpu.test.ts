@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { defineEffect } from '../../gpu/effects/effect.ts';
@@ -15,14 +15,12 @@ import { compareImages, renderReference } from '../../reference/index.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import { Preprocess } from '../parts/preprocess.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const CAMERAS = testCameras(1.5);
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 /** Spheres, with random rotations. */
 function balls(options: Parameters<typeof randomSplats>[0]): SplatSet {
@@ -56,7 +54,7 @@ async function drawnAsReference(
   camera: keyof typeof CAMERAS,
   accuracy: InspectOptions['accuracy'] = {},
 ) {
-  const frame = await InspectedFrame.draw(device, { clouds, camera: CAMERAS[camera], accuracy, ...SIZE });
+  const frame = await InspectedFrame.draw(gpu.device, { clouds, camera: CAMERAS[camera], accuracy, ...SIZE });
   const { visibleCount, mismatches, flaws } = await compareCulling(frame);
   expect(flaws).toEqual([]);
   expect(mismatches).toEqual([]);
@@ -93,7 +91,7 @@ describe('round splats', () => {
   });
 
   gpuTest('may become flat by an effect of a caller’s own', async () => {
-    const engine = await SplatEngine.create({ device, accuracy: 'high' });
+    const engine = await SplatEngine.create({ device: gpu.device, accuracy: 'high' });
     const view = engine.createView();
     const camera = CAMERAS.perspective;
     const effects = [flatten(undefined)];

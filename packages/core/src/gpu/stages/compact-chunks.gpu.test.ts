@@ -1,42 +1,37 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { CullParameters } from '../../data/layout/structs.ts';
 import { compactChunks as compactReference } from '../../reference/compact-chunks.ts';
 import { prefixScan } from '../../reference/prefix-scan.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { compactChunks } from './compact-chunks.ts';
 import { dispatchSize } from './dispatch.ts';
 
+const gpu = testGpu();
+
 describe('compact-chunks', () => {
   gpuTest('lists the visible chunks in storage order', async () => {
-    const device = await shareTestDevice();
-    const pipelines = new Pipelines(device);
     for (const chunkCount of [1, 63, 64, 65, 1000]) {
       for (const visiblePart of [0, 0.3, 1]) {
         const random = seededRandom(chunkCount);
         const flags = Array.from({ length: chunkCount }, () => (random() < visiblePart ? 1 : 0));
         const dispatchRow = 7;
         const parameters = CullParameters.pack({ chunkCount, pageCount: 1, visibleCapacity: 0, dispatchRow });
-        const visibleChunks = storageBuffer(device, new Uint32Array(chunkCount).fill(0xffffffff));
-        await runStage(
-          device,
-          pipelines,
+        const visibleChunks = gpu.storage(new Uint32Array(chunkCount).fill(0xffffffff));
+        await gpu.run(
           compactChunks,
           {
-            cullParameters: uniformBuffer(device, parameters),
-            chunkOffsets: storageBuffer(device, prefixScan(flags)),
+            cullParameters: gpu.uniform(parameters),
+            chunkOffsets: gpu.storage(prefixScan(flags)),
             visibleChunks,
           },
           dispatchSize(Math.ceil(chunkCount / 64), dispatchRow),
         );
         const expected = new Uint32Array(chunkCount).fill(0xffffffff);
         expected.set(compactReference(flags));
-        expect(await readWords(device, visibleChunks)).toEqual(expected);
+        expect(await gpu.read(visibleChunks)).toEqual(expected);
       }
     }
-    device.destroy();
   });
 });

@@ -1,19 +1,17 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { CullParameters } from '../../data/layout/structs.ts';
 import { compactSplats as compactReference } from '../../reference/compact-splats.ts';
 import { prefixScan } from '../../reference/prefix-scan.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { compactSplats } from './compact-splats.ts';
 import { dispatchSize } from './dispatch.ts';
 
+const gpu = testGpu();
+
 describe('compact-splats', () => {
   gpuTest('lists the visible splats in storage order, as many as there is room for', async () => {
-    const device = await shareTestDevice();
-    const pipelines = new Pipelines(device);
     for (const [slots, chunkCount, room] of [
       [0, 3, 0],
       [1, 1, 256],
@@ -40,26 +38,23 @@ describe('compact-splats', () => {
       });
       const chunkOffsets = new Uint32Array(chunkCount + 1);
       chunkOffsets[chunkCount] = slots;
-      const visibleSplats = storageBuffer(device, new Uint32Array(256 * chunkCount).fill(0xffffffff));
-      await runStage(
-        device,
-        pipelines,
+      const visibleSplats = gpu.storage(new Uint32Array(256 * chunkCount).fill(0xffffffff));
+      await gpu.run(
         compactSplats,
         {
-          cullParameters: uniformBuffer(device, parameters),
-          chunkOffsets: storageBuffer(device, chunkOffsets),
-          visibleChunks: storageBuffer(device, visibleChunks, 4 * chunkCount),
-          visibilityMasks: storageBuffer(device, masks),
-          splatOffsets: storageBuffer(device, prefixScan(counts), 4 * (chunkCount + 1)),
+          cullParameters: gpu.uniform(parameters),
+          chunkOffsets: gpu.storage(chunkOffsets),
+          visibleChunks: gpu.storage(visibleChunks, 4 * chunkCount),
+          visibilityMasks: gpu.storage(masks),
+          splatOffsets: gpu.storage(prefixScan(counts), 4 * (chunkCount + 1)),
           visibleSplats,
         },
         // An extra workgroup must do nothing.
         dispatchSize(slots + 1, 7),
       );
-      const words = await readWords(device, visibleSplats);
+      const words = await gpu.read(visibleSplats);
       expect(words.subarray(0, expected.length)).toEqual(Uint32Array.from(expected));
       expect(words.subarray(expected.length).every((word) => word === 0xffffffff)).toBe(true);
     }
-    device.destroy();
   });
 });

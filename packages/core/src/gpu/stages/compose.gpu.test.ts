@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import {
   type Camera,
   cameraFromMatrices,
@@ -9,19 +9,16 @@ import {
 import { type DepthConvention, depthMapping, storedDepth } from '../../data/camera/depth-convention.ts';
 import { HostDepth, HostViewport } from '../../data/layout/structs.ts';
 import { composeDepth, compose as composeReference, composeWithEdges } from '../../reference/compose.ts';
-import { uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { colorTexture, depthTexture, drawStage } from '../../testing/gpu-textures.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { withClipDepth } from '../../testing/with-clip-depth.ts';
 import { Pipelines } from '../pipelines.ts';
 import { readTexture } from '../read-texture.ts';
 import { compose } from './compose.ts';
 import type { RasterizeDepth } from './rasterize.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 const SIZE = { widthPx: 13, heightPx: 9 };
 const PIXELS = SIZE.widthPx * SIZE.heightPx;
@@ -80,7 +77,7 @@ interface Options {
 }
 
 /** Composes random images and returns the largest errors of colours and depths. */
-async function check(options: Options, pipelines = new Pipelines(device)) {
+async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
   const { camera, isMultisampled } = options;
   const isOrthographic = camera.projectionMatrix[11] === 0;
   const depth = options.depth && { ...options.depth, isOrthographic };
@@ -105,7 +102,7 @@ async function check(options: Options, pipelines = new Pipelines(device)) {
   const hostDepth = HostDepth.pack(depthMapping(camera, mapping));
   // In float32, because the formats of real hosts would hide errors.
   const targets = (hasDepthLayer ? [0, 1] : [0]).map(() =>
-    device.createTexture({
+    gpu.device.createTexture({
       size: [SIZE.widthPx, SIZE.heightPx],
       format: 'rgba32float',
       usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
@@ -113,19 +110,19 @@ async function check(options: Options, pipelines = new Pipelines(device)) {
   );
   const inDepthLayer = Float32Array.from({ length: 4 * PIXELS }, (_, i) => (i % 4 ? 0 : depthsView[i / 4]));
   await drawStage(
-    device,
+    gpu.device,
     pipelines,
     [
       compose(depth, isMultisampled),
       { topology: 'triangle-list', targets: targets.map(({ format }) => ({ format })) },
     ],
     {
-      viewport: uniformBuffer(device, viewport),
-      layer: colorTexture(device, layer, SIZE).createView(),
-      behind: colorTexture(device, hostColors.values, hostColors).createView(),
-      depthLayer: colorTexture(device, inDepthLayer, SIZE).createView(),
-      hostDepth: uniformBuffer(device, hostDepth),
-      hostDepths: depthTexture(device, { ...hostDepths, samples: SAMPLES }).createView(),
+      viewport: gpu.uniform(viewport),
+      layer: colorTexture(gpu.device, layer, SIZE).createView(),
+      behind: colorTexture(gpu.device, hostColors.values, hostColors).createView(),
+      depthLayer: colorTexture(gpu.device, inDepthLayer, SIZE).createView(),
+      hostDepth: gpu.uniform(hostDepth),
+      hostDepths: depthTexture(gpu.device, { ...hostDepths, samples: SAMPLES }).createView(),
     },
     {
       colorAttachments: targets.map((texture) => ({
@@ -135,7 +132,7 @@ async function check(options: Options, pipelines = new Pipelines(device)) {
       })),
     },
   );
-  const [color, depths] = await Promise.all(targets.map((target) => readTexture(device, target)));
+  const [color, depths] = await Promise.all(targets.map((target) => readTexture(gpu.device, target)));
   const expectedColor = isMultisampled
     ? composeWithEdges(layer, behind, samplesView, SAMPLES, SIZE)
     : composeReference(layer, behind);
@@ -202,7 +199,7 @@ describe('compose', () => {
     gpuTest(`${what} is noticed`, async () => {
       const mutation = { file: 'stages/compose', find, replace };
       const options = { camera: perspective, depth: DEPTH, isMultisampled: true };
-      const { colorError } = await check(options, new Pipelines(device, mutation));
+      const { colorError } = await check(options, new Pipelines(gpu.device, mutation));
       expect(colorError).toBeGreaterThan(0.01);
     });
 
@@ -210,7 +207,7 @@ describe('compose', () => {
     const mutation = { file: 'stages/compose', find: ' / max(splats.a, 0.5)', replace: '' };
     const depth = { ...DEPTH, layerFormat: 'r32float' } as const;
     const options = { camera: perspective, depth, isMultisampled: false };
-    const { depthError } = await check(options, new Pipelines(device, mutation));
+    const { depthError } = await check(options, new Pipelines(gpu.device, mutation));
     expect(depthError).toBeGreaterThan(0.001);
   });
 });

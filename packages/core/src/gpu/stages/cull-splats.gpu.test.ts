@@ -1,21 +1,19 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { compareCulling } from '../../inspect/compare-culling.ts';
 import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const SPLATS = 1500;
 
 /** Draws a frame, checks which splats it drew; counts the drawn ones and those left to rounding. */
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
-  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
+  const frame = await InspectedFrame.draw(gpu.device, { ...options, ...SIZE, keyBits: 8 });
   const { visibleCount, unsureCount, mismatches, flaws } = await compareCulling(frame);
   expect(flaws).toEqual([]);
   expect(mismatches.length, `first: ${JSON.stringify(mismatches[0])}`).toBe(0);

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { ChunkParameters } from '../../data/layout/packing-structs.ts';
 import { Chunk } from '../../data/layout/structs.ts';
 import { chunkCountOf, logScalesOf } from '../../data/packing/chunks.ts';
@@ -9,10 +9,9 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { ingestChunks as reference } from '../../reference/ingest-chunks.ts';
 import { arrivedGeometry } from '../../testing/arrived-geometry.ts';
 import { expectSameChunks, expectSameGeometry } from '../../testing/expect-same-planes.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { type RandomSplatOptions, randomSplats } from '../../testing/random-splats.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { ingestChunks } from './ingest-chunks.ts';
 
@@ -21,18 +20,13 @@ const DISPATCH_ROW = 2;
 const FIRST_SPLAT = 512;
 const FORMS = ['packed', 'f32'] as const;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /** Settles the splats of `set`, which came in the reverse order. */
 async function settle(
   set: SplatSet,
   precision: GeometryPrecision,
-  { origin = [0, 0, 0] as SplatSet['origin'], shaders = pipelines } = {},
+  { origin = [0, 0, 0] as SplatSet['origin'], shaders = gpu.pipelines } = {},
 ): Promise<PackedGeometry> {
   const { count } = set;
   const reversed = (column: Float32Array, width: number) =>
@@ -54,19 +48,19 @@ async function settle(
   );
   const fileRows = Uint32Array.from({ length: FIRST_SPLAT + count }, (_, i) => FIRST_SPLAT + count - 1 - i);
   const parameters = { origin, firstSplat: FIRST_SPLAT, splatCount: count, dispatchRow: DISPATCH_ROW };
-  const geometry = storageBuffer(device, stored);
-  const chunks = storageBuffer(device, [], Chunk.bytes * chunkCountOf(count));
+  const geometry = gpu.storage(stored);
+  const chunks = gpu.storage([], Chunk.bytes * chunkCountOf(count));
   const bindings = {
-    parameters: uniformBuffer(device, ChunkParameters.pack(parameters)),
+    parameters: gpu.uniform(ChunkParameters.pack(parameters)),
     geometry,
     chunks,
-    fileRows: storageBuffer(device, fileRows),
-    arrivedChunks: storageBuffer(device, arrived.chunks),
-    logScaleRests: storageBuffer(device, arrived.rests),
+    fileRows: gpu.storage(fileRows),
+    arrivedChunks: gpu.storage(arrived.chunks),
+    logScaleRests: gpu.storage(arrived.rests),
   };
   const size = dispatchSize(chunkCountOf(count), DISPATCH_ROW);
-  await runStage(device, shaders, ingestChunks(precision), bindings, size);
-  const [words, chunkWords] = [await readWords(device, geometry), await readWords(device, chunks)];
+  await gpu.run(ingestChunks(precision), bindings, size, shaders);
+  const [words, chunkWords] = [await gpu.read(geometry), await gpu.read(chunks)];
   return { precision, words, chunks: new Float32Array(chunkWords.buffer) };
 }
 
@@ -134,7 +128,7 @@ describe('ingest-chunks', () => {
   ]) {
     gpuTest(`an inexact step is noticed: ${replace}`, async () => {
       const set = randomSplats({ count: 300, seed: 1, shDegree: 0, logScales: [-9, -1] });
-      const mutated = new Pipelines(device, { file: 'stages/ingest-chunks', find, replace });
+      const mutated = new Pipelines(gpu.device, { file: 'stages/ingest-chunks', find, replace });
       const expected = reference(set, 'packed', [0, 0, 0]);
       const settled = await settle(set, 'packed', { shaders: mutated });
       expect(() => {

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { MortonParameters } from '../../data/layout/packing-structs.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
@@ -7,10 +7,9 @@ import { type MortonFrame, mortonFrame } from '../../data/packing/morton-order.t
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { ingestKeys as reference } from '../../reference/ingest-keys.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { ingestKeys } from './ingest-keys.ts';
 
@@ -23,12 +22,7 @@ const PAGES = [
 ] as const;
 const isDropped = (splat: number) => splat % 7 === 3;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 function frameOf({ positions }: SplatSet): MortonFrame {
   const axes = [0, 1, 2].map((axis) => positions.filter((_, i) => i % 3 === axis));
@@ -43,7 +37,7 @@ async function keysOf(
   order: Uint32Array,
   round: number,
   precision: GeometryPrecision,
-  { shaders = pipelines, origin = [0, 0, 0] as Vec3 } = {},
+  { shaders = gpu.pipelines, origin = [0, 0, 0] as Vec3 } = {},
 ) {
   const moved = set.positions.map((value, i) => value + origin[i % 3]);
   const { words } = packGeometry({ ...set, positions: moved }, precision);
@@ -51,22 +45,19 @@ async function keysOf(
   const dropMask = new Uint32Array(Math.ceil(COUNT / 32));
   for (let i = 0; i < COUNT; i++) if (isDropped(i)) dropMask[i >> 5] |= 1 << (i & 31);
   const shared = {
-    dropMask: storageBuffer(device, dropMask),
-    order: storageBuffer(device, order),
-    keys: storageBuffer(device, [], 4 * COUNT),
-    payloads: storageBuffer(device, [], 4 * COUNT),
+    dropMask: gpu.storage(dropMask),
+    order: gpu.storage(order),
+    keys: gpu.storage([], 4 * COUNT),
+    payloads: gpu.storage([], 4 * COUNT),
   };
   for (const [pageStart, pageEnd] of PAGES) {
     const sizes = { pageStart, pageEnd, slotCount: COUNT, dispatchRow: DISPATCH_ROW };
-    const parameters = uniformBuffer(
-      device,
-      MortonParameters.pack({ ...frameOf(set), origin, round, ...sizes }),
-    );
-    const geometry = storageBuffer(device, words.subarray(pageStart * width, pageEnd * width));
+    const parameters = gpu.uniform(MortonParameters.pack({ ...frameOf(set), origin, round, ...sizes }));
+    const geometry = gpu.storage(words.subarray(pageStart * width, pageEnd * width));
     const size = dispatchSize(Math.ceil(COUNT / 256), DISPATCH_ROW);
-    await runStage(device, shaders, ingestKeys(precision), { ...shared, parameters, geometry }, size);
+    await gpu.run(ingestKeys(precision), { ...shared, parameters, geometry }, size, shaders);
   }
-  return { keys: await readWords(device, shared.keys), payloads: await readWords(device, shared.payloads) };
+  return { keys: await gpu.read(shared.keys), payloads: await gpu.read(shared.payloads) };
 }
 
 describe('ingest-keys', () => {
@@ -113,7 +104,7 @@ describe('ingest-keys', () => {
       ['isDropped << 8u', '0u'],
       ['0.0, 65535.0', '0.0, 30000.0'],
     ]) {
-      const mutated = new Pipelines(device, { file: 'stages/ingest-keys', find, replace });
+      const mutated = new Pipelines(gpu.device, { file: 'stages/ingest-keys', find, replace });
       expect((await keysOf(set, shuffled, 5, 'packed', { shaders: mutated })).keys).not.toEqual(expected);
     }
   });

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { type RowFacts, readRowFacts } from '../../clouds/ingest/row-facts.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
@@ -16,10 +16,9 @@ import { DROP_REASONS, type ShDegree, type SplatSet } from '../../data/splats/sp
 import { ingestRows as reference } from '../../reference/ingest-rows.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../../testing/expect-same-planes.ts';
 import { type FileRowsOptions, fileRows } from '../../testing/file-rows.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { ingestRows } from './ingest-rows.ts';
 
@@ -32,12 +31,7 @@ const MAX_REACH = reachesOf([1e36, 1e36, 1e36]);
 const PAGE_SLOT = 256;
 const CLOUD_SLOT = 512;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 interface TakeOptions extends FileRowsOptions {
   /** Default that of the rows. */
@@ -58,7 +52,7 @@ async function take(
   set: SplatSet,
   precision: RowPrecision,
   options: TakeOptions = {},
-  shaders = pipelines,
+  shaders = gpu.pipelines,
 ): Promise<Taken> {
   const { bytes, layout, palette } = fileRows(set, options);
   const { count } = layout;
@@ -79,25 +73,25 @@ async function take(
   const shWords = shWordsPerSplat(shDegree, precision.shPrecision);
   const padded = new Uint8Array(4 * Math.ceil(bytes.length / 4) + 4);
   padded.set(bytes);
-  const buffer = (words: number) => storageBuffer(device, [], 4 * words);
+  const buffer = (words: number) => gpu.storage([], 4 * words);
   const bindings = {
-    parameters: uniformBuffer(device, parameters),
-    rows: storageBuffer(device, new Uint32Array(padded.buffer)),
+    parameters: gpu.uniform(parameters),
+    rows: gpu.storage(new Uint32Array(padded.buffer)),
     geometry: buffer((PAGE_SLOT + count) * geometryWords),
     logScaleRests: buffer(CLOUD_SLOT + count),
     harmonics: buffer((PAGE_SLOT + count) * shWords),
     dropMask: buffer((CLOUD_SLOT + 256 * Math.ceil(count / 256)) / 32),
     facts: buffer(INGEST_FACTS.FACTS),
     chunks: buffer(CHUNK_WORDS.count * chunkCountOf(CLOUD_SLOT + count)),
-    ...(palette && { palette: storageBuffer(device, new Uint32Array(palette.buffer)) }),
+    ...(palette && { palette: gpu.storage(new Uint32Array(palette.buffer)) }),
   };
   const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
   const workgroups = Math.ceil(count / CHUNK_SPLATS);
-  await runStage(device, shaders, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
+  await gpu.run(stage, bindings, dispatchSize(workgroups, DISPATCH_ROW), shaders);
   const { dropMask, logScaleRests, ...made } = bindings;
   const [geometry, harmonics, rests, mask, facts, chunks] = await Promise.all(
     [made.geometry, made.harmonics, logScaleRests, dropMask, made.facts, made.chunks].map((each) =>
-      readWords(device, each),
+      gpu.read(each),
     ),
   );
   const isDropped = (row: number) => (mask[(CLOUD_SLOT + row) >>> 5] >>> (row & 31)) & 1;
@@ -209,7 +203,7 @@ describe('ingest-rows', () => {
       ['logScaleSteps(logScale, range, 1024.0)', 'logScaleSteps(logScale, range, 1023.0)'],
       ['select(1.0, 0.0,', 'select(0.0, 1.0,'],
     ]) {
-      const mutated = new Pipelines(device, { file: 'stages/ingest-rows', find, replace });
+      const mutated = new Pipelines(gpu.device, { file: 'stages/ingest-rows', find, replace });
       const { geometry } = await take(set, PACKED, {}, mutated);
       const made = { ...expected.geometry, words: geometry };
       expect(() => expectSameGeometry(made, expected.geometry), find).toThrow();

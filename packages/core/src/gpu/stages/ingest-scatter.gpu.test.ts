@@ -1,10 +1,8 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { PermuteParameters } from '../../data/layout/packing-structs.ts';
 import { ingestScatter as reference } from '../../reference/ingest-scatter.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from './dispatch.ts';
 import { ingestScatter } from './ingest-scatter.ts';
 
@@ -14,12 +12,13 @@ const DISPATCH_ROW = 2;
 /** Splats of the cloud before those of the page. */
 const PAGE_START = 256;
 
+const gpu = testGpu();
+
 for (const [word, count] of [
   [1, 1],
   [1, 2],
 ]) {
   gpuTest(`ingest-scatter writes ${count} words of all splats of a page, and nothing else`, async () => {
-    const device = await shareTestDevice();
     const before = Uint32Array.from({ length: SPLATS * WIDTH }, (_, i) => Math.imul(i, 0x9e3779b1));
     const words = Uint32Array.from({ length: count * (PAGE_START + SPLATS) }, (_, i) =>
       Math.imul(i, 0x85ebca6b),
@@ -34,17 +33,16 @@ for (const [word, count] of [
       count: words.length,
       dispatchRow: DISPATCH_ROW,
     });
-    const plane = storageBuffer(device, before);
+    const plane = gpu.storage(before);
     const bindings = {
-      parameters: uniformBuffer(device, contents),
-      words: storageBuffer(device, words),
+      parameters: gpu.uniform(contents),
+      words: gpu.storage(words),
       plane,
     };
     const size = dispatchSize(Math.ceil(SPLATS / 256), DISPATCH_ROW);
-    await runStage(device, new Pipelines(device), ingestScatter, bindings, size);
-    expect(await readWords(device, plane)).toEqual(
+    await gpu.run(ingestScatter, bindings, size);
+    expect(await gpu.read(plane)).toEqual(
       reference(before, WIDTH, word, count, words.subarray(count * PAGE_START)),
     );
-    device.destroy();
   });
 }

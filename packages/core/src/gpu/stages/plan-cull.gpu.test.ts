@@ -1,20 +1,16 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { CullParameters, PagePlan } from '../../data/layout/structs.ts';
 import { planCull as planReference } from '../../reference/plan-cull.ts';
 import { prefixScan } from '../../reference/prefix-scan.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { planCull } from './plan-cull.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 const GARBAGE = 0xdeadbeef;
 
@@ -26,7 +22,7 @@ interface Frame {
 }
 
 /** Contents of the buffers after the stage, and the contents that the reference expects. */
-async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = new Pipelines(device)) {
+async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = gpu.pipelines) {
   const random = seededRandom(pageCount + visiblePart);
   const chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random()));
   const chunkStarts = prefixScan(chunkCounts);
@@ -44,23 +40,23 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = n
     }
     return new Uint32Array(plans);
   };
-  const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
+  const garbage = (words: number) => gpu.storage(new Uint32Array(words).fill(GARBAGE));
   const parameters = CullParameters.pack({ chunkCount, pageCount, visibleCapacity: 0, dispatchRow });
   const written = {
-    pagePlans: storageBuffer(device, plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
+    pagePlans: gpu.storage(plansOf(pages.map(() => ({ slotStart: GARBAGE, slotCount: GARBAGE })))),
     slotCount: garbage(1),
     cullDispatches: garbage(3 * (pageCount + 1)),
     depthRange: garbage(2),
   };
   const bindings = {
-    cullParameters: uniformBuffer(device, parameters),
-    chunkOffsets: storageBuffer(device, prefixScan(flags)),
+    cullParameters: gpu.uniform(parameters),
+    chunkOffsets: gpu.storage(prefixScan(flags)),
     ...written,
   };
-  await runStage(device, pipelines, planCull, bindings, [1, 1, 1]);
+  await gpu.run(planCull, bindings, [1, 1, 1], pipelines);
   const { slots, slotCount, workgroups } = planReference(flags, pages);
   const actual: Record<string, number[]> = {};
-  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
+  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await gpu.read(buffer))];
   const expected = {
     pagePlans: [...plansOf(slots)],
     slotCount: [slotCount],
@@ -87,7 +83,7 @@ describe('plan-cull', () => {
   gpuTest('a thread that plans only its first page is noticed', async () => {
     const mutation = { file: 'stages/plan-cull', find: 'page += PLAN_WORKGROUP', replace: 'page += 1000u' };
     const frame = { pageCount: PLAN_WORKGROUP + 1, visiblePart: 1, dispatchRow: 7 };
-    const { actual, expected } = await run(frame, new Pipelines(device, mutation));
+    const { actual, expected } = await run(frame, new Pipelines(gpu.device, mutation));
     expect(actual).not.toEqual(expected);
   });
 });

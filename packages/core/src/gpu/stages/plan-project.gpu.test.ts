@@ -1,20 +1,16 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { CullParameters, PagePlan } from '../../data/layout/structs.ts';
 import { planProject as planReference } from '../../reference/plan-project.ts';
 import { prefixScan } from '../../reference/prefix-scan.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { planProject } from './plan-project.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 const GARBAGE = 0xdeadbeef;
 
@@ -30,7 +26,7 @@ interface Frame {
 /** Contents of the buffers after the stage, and the contents that the reference expects. */
 async function run(
   { pageCount, maxSlots, dispatchRow, visibleCapacity = 2 ** 31 }: Frame,
-  pipelines = new Pipelines(device),
+  pipelines = gpu.pipelines,
 ) {
   const random = seededRandom(pageCount + maxSlots);
   const slotCounts = Array.from({ length: pageCount }, () => Math.floor((maxSlots + 1) * random()));
@@ -51,7 +47,7 @@ async function run(
     }
     return new Uint32Array(plans);
   };
-  const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(GARBAGE));
+  const garbage = (words: number) => gpu.storage(new Uint32Array(words).fill(GARBAGE));
   const parameters = CullParameters.pack({
     chunkCount: slotCount + 3,
     pageCount,
@@ -59,25 +55,22 @@ async function run(
     dispatchRow,
   });
   const written = {
-    pagePlans: storageBuffer(
-      device,
-      plansOf(pages.map(() => ({ visibleStart: GARBAGE, visibleCount: GARBAGE }))),
-    ),
+    pagePlans: gpu.storage(plansOf(pages.map(() => ({ visibleStart: GARBAGE, visibleCount: GARBAGE })))),
     visibleCount: garbage(1),
     projectDispatches: garbage(3 * pageCount),
     drawArguments: garbage(4),
   };
   const bindings = {
-    cullParameters: uniformBuffer(device, parameters),
+    cullParameters: gpu.uniform(parameters),
     // Sums of an earlier frame follow.
-    splatOffsets: storageBuffer(device, [...prefixScan(splatCounts), GARBAGE, GARBAGE]),
-    slotCount: storageBuffer(device, [slotCount]),
+    splatOffsets: gpu.storage([...prefixScan(splatCounts), GARBAGE, GARBAGE]),
+    slotCount: gpu.storage([slotCount]),
     ...written,
   };
-  await runStage(device, pipelines, planProject, bindings, [1, 1, 1]);
+  await gpu.run(planProject, bindings, [1, 1, 1], pipelines);
   const { splats, visibleCount, workgroups } = planReference(splatCounts, pages, visibleCapacity);
   const actual: Record<string, number[]> = {};
-  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
+  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await gpu.read(buffer))];
   const expected = {
     pagePlans: [...plansOf(splats)],
     visibleCount: [visibleCount],
@@ -106,7 +99,7 @@ describe('plan-project', () => {
   gpuTest('a missing workgroup for the last splats is noticed', async () => {
     const mutation = { file: 'stages/plan-project', find: ' + PROJECT_WORKGROUP - 1u', replace: '' };
     const frame = { pageCount: 2, maxSlots: 60, dispatchRow: 7 };
-    const { actual, expected } = await run(frame, new Pipelines(device, mutation));
+    const { actual, expected } = await run(frame, new Pipelines(gpu.device, mutation));
     expect(actual).not.toEqual(expected);
   });
 });

@@ -1,18 +1,14 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { planSort as planReference } from '../../reference/plan-sort.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { planSort } from './plan-sort.ts';
 import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 interface Keys {
   readonly keyBits: number;
@@ -22,20 +18,20 @@ interface Keys {
 }
 
 /** Contents of the buffers after the stage, and the contents that the reference expects. */
-async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = new Pipelines(device)) {
+async function run({ keyBits, keyCount, capacity, dispatchRow }: Keys, pipelines = gpu.pipelines) {
   const blockKeys = blockKeysOf(sortShapeFor(keyBits));
   const pass = { digitShift: 0, makesPayloads: 0, writesKeys: 0, scanLanes: 0 };
   const parameters = SortParameters.pack({ ...pass, capacity, dispatchRow });
-  const garbage = (words: number) => storageBuffer(device, new Uint32Array(words).fill(0xdeadbeef));
+  const garbage = (words: number) => gpu.storage(new Uint32Array(words).fill(0xdeadbeef));
   const written = { plan: garbage(2), blockDispatch: garbage(3) };
   const bindings = {
-    parameters: uniformBuffer(device, parameters),
-    keyCount: storageBuffer(device, [keyCount]),
+    parameters: gpu.uniform(parameters),
+    keyCount: gpu.storage([keyCount]),
     ...written,
   };
-  await runStage(device, pipelines, planSort(blockKeys), bindings, [1, 1, 1]);
+  await gpu.run(planSort(blockKeys), bindings, [1, 1, 1], pipelines);
   const actual: Record<string, number[]> = {};
-  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await readWords(device, buffer))];
+  for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await gpu.read(buffer))];
   const reference = planReference(keyCount, { capacity, blockKeys });
   const expected = {
     plan: [reference.keyCount, reference.blockCount],
@@ -66,7 +62,7 @@ describe('plan-sort', () => {
       replace: 'keyCount',
     };
     const keys = { keyBits: 32, keyCount: 5000, capacity: 4000, dispatchRow: 7 };
-    const { actual, expected } = await run(keys, new Pipelines(device, mutation));
+    const { actual, expected } = await run(keys, new Pipelines(gpu.device, mutation));
     expect(actual).not.toEqual(expected);
   });
 });

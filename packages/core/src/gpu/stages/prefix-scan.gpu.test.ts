@@ -1,43 +1,38 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SCAN_BLOCK } from '../../data/layout/constants.ts';
 import { prefixScan } from '../../reference/prefix-scan.ts';
-import { storageBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { GpuMemory } from '../gpu-memory.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { PrefixScan, prefixScanStages } from './prefix-scan.ts';
 
-let device: GPUDevice;
-let pipelines: Pipelines;
+const gpu = testGpu();
 
 beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-  await pipelines.prepare(prefixScanStages);
+  await gpu.pipelines.prepare(prefixScanStages);
 });
 
 /** Scans `counts` in a buffer with room for `capacity`; the rest of it is garbage. */
 async function scanOnGpu(counts: Uint32Array, capacity = counts.length, dispatchRow = 65_535) {
-  const memory = new GpuMemory(device);
+  const memory = new GpuMemory(gpu.device);
   const filled = new Uint32Array(capacity + 1).fill(0xdeadbeef);
   filled.set(counts);
-  const values = storageBuffer(device, filled);
-  const inputCount = storageBuffer(device, [counts.length]);
-  const scan = new PrefixScan(device, pipelines, memory, {
+  const values = gpu.storage(filled);
+  const inputCount = gpu.storage([counts.length]);
+  const scan = new PrefixScan(gpu.device, gpu.pipelines, memory, {
     label: 'test',
     values,
     inputCount,
     maxCount: capacity,
     dispatchRow,
   });
-  const encoder = device.createCommandEncoder();
+  const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
   scan.record(pass);
   pass.end();
-  device.queue.submit([encoder.finish()]);
-  const words = await readWords(device, values);
+  gpu.device.queue.submit([encoder.finish()]);
+  const words = await gpu.read(values);
   memory.destroyAll();
   values.destroy();
   inputCount.destroy();

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { shortDepthKey } from '../../data/layout/depth-key.ts';
@@ -13,18 +13,16 @@ import { readRecords } from '../../inspect/read-records.ts';
 import { paletteSplats } from '../../testing/palette-splats.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const SPLATS = 1000;
 
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
-  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE, keyBits: 8 });
+  const frame = await InspectedFrame.draw(gpu.device, { ...options, ...SIZE, keyBits: 8 });
   const records = await readRecords(frame);
   expect(records.length).toBeGreaterThan(SPLATS / 50);
   // Dilation makes every axis this long, so that shaders may divide by it; float16 rounds it.
@@ -133,7 +131,7 @@ describe('project', () => {
         accuracy: { sortKeyBits, alphaCutoff: 1 / 4096 },
       };
       await check(options);
-      const frame = await InspectedFrame.draw(device, { ...options, ...SIZE });
+      const frame = await InspectedFrame.draw(gpu.device, { ...options, ...SIZE });
       const { passes, digitBits } = frame.parts.sort.sort.shape;
       expect(passes * digitBits).toBeGreaterThanOrEqual(sortKeyBits);
       expect(passes).toBeLessThanOrEqual(Math.ceil(sortKeyBits / 8));
@@ -171,7 +169,7 @@ describe('project', () => {
         ...{ camera: testCameras(1.5).inside, accuracy: { sortKeyBits, alphaCutoff: 1 / 4096 } },
         sortBy: 'distance',
       } as const;
-      const frame = await InspectedFrame.draw(device, options);
+      const frame = await InspectedFrame.draw(gpu.device, options);
       expect(frame.parts.sort.sort.shape.passes).toBeGreaterThan(1);
       expect(await compareOrder(frame)).toEqual([]);
       frame.destroy();
@@ -181,8 +179,8 @@ describe('project', () => {
         replace: 'return units.z * units.z;',
       };
       for (const keyBits of [8, sortKeyBits]) {
-        const pipelines = new Pipelines(device, mutation);
-        const wrong = await InspectedFrame.draw(device, { ...options, keyBits, pipelines });
+        const pipelines = new Pipelines(gpu.device, mutation);
+        const wrong = await InspectedFrame.draw(gpu.device, { ...options, keyBits, pipelines });
         expect((await compareCulling(wrong)).flaws).not.toEqual([]);
         expect(await compareOrder(wrong)).not.toEqual([]);
         wrong.destroy();

@@ -1,16 +1,15 @@
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { beforeAll, describe, expect } from 'vitest';
+import { describe, expect } from 'vitest';
 import { orderFlaw } from '../../inspect/compare-order.ts';
 import { radixSort } from '../../reference/radix-sort.ts';
 import { sortHistogram } from '../../reference/sort-histogram.ts';
-import { storageBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { byBallots, createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { GpuMemory } from '../gpu-memory.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { RadixSort, radixSortStages } from './radix-sort.ts';
 import { blockKeysOf, pairSortShapeFor, type SortShape, sortShapeFor } from './sort-shape.ts';
@@ -19,8 +18,7 @@ const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** Many blocks of any shape. */
 const MANY_KEYS = isFull ? 100_000 : 30_000;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
+const gpu = testGpu(createSortDevice);
 
 /** Number of workgroups that every device takes in one dimension of a dispatch. */
 const MAX_ROW = 65_535;
@@ -28,28 +26,23 @@ const MAX_ROW = 65_535;
 /** Numbers of bits in which keys of frames may differ, one for each shape. */
 const KEY_BITS = [8, 16, 20, 24, 27, 32];
 
-beforeAll(async () => {
-  device = await createSortDevice();
-  pipelines = new Pipelines(device);
-});
-
 const PAIR_KEY_BITS = [0, 5, 8, 9, 10, 16, 17, 18];
 
 /** Sorts in a buffer with room for `capacity` keys, with garbage after the given ones. */
 async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = MAX_ROW) {
-  await pipelines.prepare(radixSortStages(shape));
-  const memory = new GpuMemory(device);
-  const keyCount = storageBuffer(device, [keys.length]);
-  const sort = new RadixSort(device, pipelines, memory, { shape, capacity, keyCount, dispatchRow });
+  await gpu.pipelines.prepare(radixSortStages(shape));
+  const memory = new GpuMemory(gpu.device);
+  const keyCount = gpu.storage([keys.length]);
+  const sort = new RadixSort(gpu.device, gpu.pipelines, memory, { shape, capacity, keyCount, dispatchRow });
   const filled = new Uint32Array(capacity).fill(0x12345678);
   filled.set(keys);
-  device.queue.writeBuffer(sort.keys, 0, filled);
-  const encoder = device.createCommandEncoder();
+  gpu.device.queue.writeBuffer(sort.keys, 0, filled);
+  const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
   sort.record(pass);
   pass.end();
-  device.queue.submit([encoder.finish()]);
-  const order = (await readWords(device, sort.order)).subarray(0, keys.length);
+  gpu.device.queue.submit([encoder.finish()]);
+  const order = (await gpu.read(sort.order)).subarray(0, keys.length);
   memory.destroyAll();
   keyCount.destroy();
   return order;
@@ -71,19 +64,14 @@ async function sortPairs(
   shape: SortShape,
   { plan, firstCounts = 'counted', dispatchRow = MAX_ROW, room = 0 }: PairOptions = {},
 ) {
-  await pipelines.prepare(radixSortStages(shape, { plans: plan === undefined, firstCounts }));
-  const memory = new GpuMemory(device);
+  await gpu.pipelines.prepare(radixSortStages(shape, { plans: plan === undefined, firstCounts }));
+  const memory = new GpuMemory(gpu.device);
   const blockKeys = blockKeysOf(shape);
   const blockCount = Math.ceil(keys.length / blockKeys);
   const given = {
-    keyCount: storageBuffer(device, [keys.length]),
-    plan: storageBuffer(device, [keys.length, blockCount]),
-    dispatch: storageBuffer(
-      device,
-      [99, ...dispatchSize(blockCount, dispatchRow)],
-      0,
-      GPUBufferUsage.INDIRECT,
-    ),
+    keyCount: gpu.storage([keys.length]),
+    plan: gpu.storage([keys.length, blockCount]),
+    dispatch: gpu.storage([99, ...dispatchSize(blockCount, dispatchRow)], 0, GPUBufferUsage.INDIRECT),
   };
   const size = plan
     ? {
@@ -91,7 +79,7 @@ async function sortPairs(
         ...(plan === 'with dispatch' && { blockDispatch: { buffer: given.dispatch, offset: 4 } }),
       }
     : { keyCount: given.keyCount };
-  const sort = new RadixSort(device, pipelines, memory, {
+  const sort = new RadixSort(gpu.device, gpu.pipelines, memory, {
     ...size,
     shape,
     capacity: keys.length + room,
@@ -100,20 +88,20 @@ async function sortPairs(
     writesKeys: true,
     firstCounts,
   });
-  device.queue.writeBuffer(sort.keys, 0, Uint32Array.from(keys));
-  device.queue.writeBuffer(sort.payloads, 0, Uint32Array.from(payloads));
+  gpu.device.queue.writeBuffer(sort.keys, 0, Uint32Array.from(keys));
+  gpu.device.queue.writeBuffer(sort.payloads, 0, Uint32Array.from(payloads));
   if (firstCounts === 'given') {
     const counts = sortHistogram(keys, { digitShift: 0, digitBits: shape.digitBits, blockKeys });
-    device.queue.writeBuffer(sort.digitCounts, 0, Uint32Array.from(counts));
+    gpu.device.queue.writeBuffer(sort.digitCounts, 0, Uint32Array.from(counts));
   }
-  const encoder = device.createCommandEncoder();
+  const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
   sort.record(pass);
   pass.end();
-  device.queue.submit([encoder.finish()]);
+  gpu.device.queue.submit([encoder.finish()]);
   const sorted = {
-    keys: (await readWords(device, sort.sortedKeys!)).subarray(0, keys.length),
-    payloads: (await readWords(device, sort.order)).subarray(0, keys.length),
+    keys: (await gpu.read(sort.sortedKeys!)).subarray(0, keys.length),
+    payloads: (await gpu.read(sort.order)).subarray(0, keys.length),
   };
   memory.destroyAll();
   for (const buffer of Object.values(given)) buffer.destroy();
@@ -122,11 +110,11 @@ async function sortPairs(
 
 /** Shapes for little and much workgroup memory, as far as `device` has it, and by ballots. */
 function shapesFor(bits: number, isNarrow = false): SortShape[] {
-  const shapes = sortLimitsOf(device).map((workgroupBytes) =>
+  const shapes = sortLimitsOf(gpu.device).map((workgroupBytes) =>
     sortShapeFor(bits, { workgroupBytes, isNarrow }),
   );
   const distinct = shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
-  return [...distinct, byBallots(shapes[0], device)].filter((shape) => shape !== null);
+  return [...distinct, byBallots(shapes[0], gpu.device)].filter((shape) => shape !== null);
 }
 
 /** Keys below 2^bits, by name of their pattern. */
@@ -208,7 +196,7 @@ describe('radix sort', () => {
   }
 
   gpuTest('every shape compiles on a device with as little workgroup memory as it was made for', async () => {
-    for (const workgroupBytes of sortLimitsOf(device)) {
+    for (const workgroupBytes of sortLimitsOf(gpu.device)) {
       const requiredLimits = { maxComputeWorkgroupStorageSize: workgroupBytes };
       const small = await shareTestDevice({ requiredLimits });
       for (const shape of [
@@ -240,8 +228,10 @@ describe('radix sort', () => {
 
   for (const bits of PAIR_KEY_BITS) {
     gpuTest(`pairs with keys of ${bits} bits: keys and given payloads in order`, async () => {
-      const shapes = sortLimitsOf(device).map((workgroupBytes) => pairSortShapeFor(bits, { workgroupBytes }));
-      for (const shape of [...shapes, byBallots(shapes[0], device)].filter((each) => each !== null)) {
+      const shapes = sortLimitsOf(gpu.device).map((workgroupBytes) =>
+        pairSortShapeFor(bits, { workgroupBytes }),
+      );
+      for (const shape of [...shapes, byBallots(shapes[0], gpu.device)].filter((each) => each !== null)) {
         expect(shape.passes).toBe(bits <= 9 ? 1 : 2);
         const blockKeys = blockKeysOf(shape);
         for (const count of [0, 1, blockKeys, 3 * blockKeys + 77]) {
@@ -300,8 +290,8 @@ describe('radix sort', () => {
       const count = (MAX_ROW + 1) * shape.workgroup * shape.itemsPerThread + 1;
       const { maxBufferSize, maxStorageBufferBindingSize } = adapter.limits;
       if (maxStorageBufferBindingSize < 4 * count) skip(`needs bindings of ${4 * count} bytes`);
-      device = await createTestDevice({ requiredLimits: { maxBufferSize, maxStorageBufferBindingSize } });
-      pipelines = new Pipelines(device);
+      gpu.device = await createTestDevice({ requiredLimits: { maxBufferSize, maxStorageBufferBindingSize } });
+      gpu.pipelines = new Pipelines(gpu.device);
       const keys = keysOf('random', count, 32);
       expect(orderFlaw(keys, await sortOnGpu(keys, shape))).toBeNull();
     },

@@ -1,29 +1,26 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SplatRecordF32 } from '../../data/layout/structs.ts';
 import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
 import type { VisibleSplat } from '../../reference/cull-splats.ts';
 import { rasterizeSplat } from '../../reference/rasterize.ts';
 import { packFlatView } from '../../testing/flat-view.ts';
-import { storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { Pipelines, type RenderState } from '../pipelines.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import type { RenderState } from '../pipelines.ts';
 import { readTexture } from '../read-texture.ts';
 import { rasterize } from './rasterize.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
+const gpu = testGpu();
 const FORMAT = 'rgba32float';
 const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null });
 /** Unblended: a single splat needs no blending, and rgba32float may not blend. */
 const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 
 beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-  await pipelines.prepare([[stage, state]]);
+  await gpu.pipelines.prepare([[stage, state]]);
 });
 
 /** A splat to draw. */
@@ -50,28 +47,28 @@ async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
     depthView: 1,
     color: [...COLOR, opacity],
   });
-  const target = device.createTexture({
+  const target = gpu.device.createTexture({
     size: [widthPx, heightPx],
     format: FORMAT,
     usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
   });
-  const encoder = device.createCommandEncoder();
+  const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginRenderPass({
     colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
   });
-  pass.setPipeline(pipelines.render(stage, state)!);
+  pass.setPipeline(gpu.pipelines.render(stage, state)!);
   pass.setBindGroup(
     0,
-    pipelines.bindGroup(stage, {
-      view: uniformBuffer(device, view),
-      order: storageBuffer(device, [0]),
-      records: storageBuffer(device, new Uint32Array(record)),
+    gpu.pipelines.bindGroup(stage, {
+      view: gpu.uniform(view),
+      order: gpu.storage([0]),
+      records: gpu.storage(new Uint32Array(record)),
     }),
   );
   pass.draw(4);
   pass.end();
-  device.queue.submit([encoder.finish()]);
-  const { data } = await readTexture(device, target);
+  gpu.device.queue.submit([encoder.finish()]);
+  const { data } = await readTexture(gpu.device, target);
   target.destroy();
   return data;
 }

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { RepackParameters } from '../../data/layout/packing-structs.ts';
 import { logScalesOf } from '../../data/packing/chunks.ts';
@@ -7,19 +7,12 @@ import { type PackedGeometry, packGeometry } from '../../data/packing/geometry.t
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { unpackSplat } from '../../reference/packing.ts';
 import { repackGeometry as reference } from '../../reference/repack-geometry.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from './dispatch.ts';
 import { repackGeometry } from './repack-geometry.ts';
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 const DISPATCH_ROW = 2;
 /** Size of a 15-bit step in ±√½; rounding may go to either of two neighbouring steps. */
@@ -29,16 +22,16 @@ const LOG_ROUNDING = 4e-6;
 
 async function repackOnGpu(finer: PackedGeometry, count: number): Promise<PackedGeometry> {
   const contents = RepackParameters.pack({ splatCount: count, dispatchRow: DISPATCH_ROW });
-  const coarser = storageBuffer(device, [], 32 * count);
+  const coarser = gpu.storage([], 32 * count);
   const bindings = {
-    parameters: uniformBuffer(device, contents),
-    finer: storageBuffer(device, finer.words),
+    parameters: gpu.uniform(contents),
+    finer: gpu.storage(finer.words),
     coarser,
-    chunks: storageBuffer(device, finer.chunks),
+    chunks: gpu.storage(finer.chunks),
   };
   const workgroups = Math.ceil(count / CHUNK_SPLATS);
-  await runStage(device, pipelines, repackGeometry, bindings, dispatchSize(workgroups, DISPATCH_ROW));
-  return { ...finer, precision: 'packed', words: await readWords(device, coarser) };
+  await gpu.run(repackGeometry, bindings, dispatchSize(workgroups, DISPATCH_ROW));
+  return { ...finer, precision: 'packed', words: await gpu.read(coarser) };
 }
 
 /** Compares every splat's parts to within a step; positions, colours and zeros to the bit. */

@@ -1,24 +1,18 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { RepackParameters } from '../../data/layout/packing-structs.ts';
 import { type PackedHarmonics, readCoefficients } from '../../data/packing/harmonics.ts';
 import { packHarmonics, repackHarmonics } from '../../data/packing/repack-harmonics.ts';
 import { coefficientsPerSplat } from '../../data/splats/splat-set.ts';
 import { repackSh as reference } from '../../reference/repack-sh.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { type RepackShVariant, repackSh } from './repack-sh.ts';
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 const COUNT = 700;
 const DISPATCH_ROW = 2;
@@ -26,19 +20,19 @@ const DISPATCH_ROW = 2;
 async function repackOnGpu(
   finer: PackedHarmonics,
   variant: RepackShVariant,
-  shaders = pipelines,
+  shaders = gpu.pipelines,
 ): Promise<Uint32Array> {
   const stage = repackSh(variant);
   const contents = RepackParameters.pack({ splatCount: COUNT, dispatchRow: DISPATCH_ROW });
-  const coarser = storageBuffer(device, [], 4 * COUNT * stage.constants!.COARSER_WORDS);
+  const coarser = gpu.storage([], 4 * COUNT * stage.constants!.COARSER_WORDS);
   const bindings = {
-    parameters: uniformBuffer(device, contents),
-    finer: storageBuffer(device, finer.words),
+    parameters: gpu.uniform(contents),
+    finer: gpu.storage(finer.words),
     coarser,
   };
   const workgroups = Math.ceil(COUNT / CHUNK_SPLATS);
-  await runStage(device, shaders, stage, bindings, dispatchSize(workgroups, DISPATCH_ROW));
-  return readWords(device, coarser);
+  await gpu.run(stage, bindings, dispatchSize(workgroups, DISPATCH_ROW), shaders);
+  return gpu.read(coarser);
 }
 
 /** Random coefficients, and splats with none, tiny, huge and single ones. */
@@ -60,7 +54,7 @@ describe('repack-sh', () => {
     const cut = await repackOnGpu(
       finer,
       { degree: 1, from: 'f32', to: 'f16' },
-      new Pipelines(device, mutation),
+      new Pipelines(gpu.device, mutation),
     );
     expect(cut).not.toEqual(reference(finer, COUNT, 'f16').words);
   });

@@ -1,19 +1,16 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { DepthConvention } from '../../data/camera/depth-convention.ts';
 import { HostViewport } from '../../data/layout/structs.ts';
 import { type LayerPlace, resolveDepth as resolveReference } from '../../reference/resolve-depth.ts';
-import { uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { depthTexture, drawStage, readFloats } from '../../testing/gpu-textures.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
 import { TESTED_DEPTH_FORMAT } from './rasterize.ts';
 import { resolveDepth, resolveDepthState } from './resolve-depth.ts';
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 /** Float32 values of 0…1, including both ends. */
 function randomDepths(length: number): Float32Array {
@@ -28,7 +25,7 @@ interface Options {
 }
 
 /** Resolves random depths on the GPU and by the reference. */
-async function run({ compare, samples, place }: Options, pipelines = new Pipelines(device)) {
+async function run({ compare, samples, place }: Options, pipelines = new Pipelines(gpu.device)) {
   const { widthPx, heightPx, originPx, pxPerLayerPx } = place;
   const size = {
     widthPx: originPx[0] + Math.round(widthPx * pxPerLayerPx[0]) + 2,
@@ -37,17 +34,17 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
   const host = { ...size, samples, values: randomDepths(samples * size.widthPx * size.heightPx) };
   // Only compose uses the origin within the colours.
   const viewport = HostViewport.pack({ colorOriginPx: [1000, 1000], depthOriginPx: originPx, pxPerLayerPx });
-  const target = device.createTexture({
+  const target = gpu.device.createTexture({
     size: [widthPx, heightPx],
     format: TESTED_DEPTH_FORMAT,
     usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
   });
   const isScaled = pxPerLayerPx.some((scale) => scale !== 1);
   await drawStage(
-    device,
+    gpu.device,
     pipelines,
     [resolveDepth(compare, samples > 1, isScaled), resolveDepthState],
-    { viewport: uniformBuffer(device, viewport), hostDepths: depthTexture(device, host).createView() },
+    { viewport: gpu.uniform(viewport), hostDepths: depthTexture(gpu.device, host).createView() },
     {
       colorAttachments: [],
       depthStencilAttachment: {
@@ -59,7 +56,7 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
     },
   );
   return {
-    actual: [...(await readFloats(device, target))],
+    actual: [...(await readFloats(gpu.device, target))],
     expected: [...resolveReference(host, place, compare)],
   };
 }
@@ -112,7 +109,7 @@ describe('resolve-depth', () => {
       const mutation = { file: 'stages/resolve-depth', find, replace };
       const place = PLACES['a smaller layer'];
       const options = { compare: 'less-equal', samples: 4, place } as const;
-      const { actual, expected } = await run(options, new Pipelines(device, mutation));
+      const { actual, expected } = await run(options, new Pipelines(gpu.device, mutation));
       expect(actual).not.toEqual(expected);
     });
 });

@@ -2,21 +2,19 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { sortHistogram as histogramReference } from '../../reference/sort-histogram.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from './dispatch.ts';
 import { sortHistogram } from './sort-histogram.ts';
 import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
 
+const gpu = testGpu(createSortDevice);
+
 describe('sort-histogram', () => {
   gpuTest('counts the digits of each block as the reference does, in every pass', async () => {
-    const device = await createSortDevice();
-    const pipelines = new Pipelines(device);
     const random = seededRandom(3);
-    const shapes = sortLimitsOf(device).flatMap((bytes) =>
+    const shapes = sortLimitsOf(gpu.device).flatMap((bytes) =>
       [24, 27, 32].map((bits) => sortShapeFor(bits, { workgroupBytes: bytes })),
     );
     for (const shape of shapes) {
@@ -41,29 +39,22 @@ describe('sort-histogram', () => {
             writesKeys: 0,
             scanLanes: 0,
           });
-          const digitCounts = storageBuffer(device, new Uint32Array(radix * blockCount).fill(99));
+          const digitCounts = gpu.storage(new Uint32Array(radix * blockCount).fill(99));
           const bindings = {
-            parameters: uniformBuffer(device, parameters),
-            plan: storageBuffer(device, [count, blockCount]),
-            keys: storageBuffer(device, keys),
+            parameters: gpu.uniform(parameters),
+            plan: gpu.storage([count, blockCount]),
+            keys: gpu.storage(keys),
             digitCounts,
           };
-          await runStage(
-            device,
-            pipelines,
-            sortHistogram(shape),
-            bindings,
-            dispatchSize(blockCount, dispatchRow),
-          );
+          await gpu.run(sortHistogram(shape), bindings, dispatchSize(blockCount, dispatchRow));
           const expected = histogramReference(keys.subarray(0, count), {
             digitShift,
             digitBits: shape.digitBits,
             blockKeys,
           });
-          expect(await readWords(device, digitCounts)).toEqual(expected);
+          expect(await gpu.read(digitCounts)).toEqual(expected);
         }
       }
     }
-    device.destroy();
   });
 });

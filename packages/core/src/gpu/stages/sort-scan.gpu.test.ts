@@ -1,21 +1,14 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SCAN_BLOCK } from '../../data/layout/constants.ts';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { sortScan as scanReference } from '../../reference/sort-scan.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from './dispatch.ts';
 import { scanLanesFor, scanWorkgroups, sortScan } from './sort-scan.ts';
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 const BEHIND = 0xdeadbeef;
 
@@ -29,21 +22,21 @@ async function scan(
   const blockCount = counts.length / radix;
   const { maxBlocks = blockCount, row: dispatchRow = 65_535 } = options;
   const scanLanes = scanLanesFor(maxBlocks);
-  const digitCounts = storageBuffer(device, [...counts, BEHIND]);
-  const digitTotals = storageBuffer(device, new Uint32Array(radix + 1).fill(BEHIND));
+  const digitCounts = gpu.storage([...counts, BEHIND]);
+  const digitTotals = gpu.storage(new Uint32Array(radix + 1).fill(BEHIND));
   const pass = { digitShift: 0, makesPayloads: 0, writesKeys: 0, scanLanes };
   const bindings = {
-    parameters: uniformBuffer(device, SortParameters.pack({ ...pass, capacity: 0, dispatchRow })),
-    plan: storageBuffer(device, [0, blockCount]),
+    parameters: gpu.uniform(SortParameters.pack({ ...pass, capacity: 0, dispatchRow })),
+    plan: gpu.storage([0, blockCount]),
     digitCounts,
     digitTotals,
   };
   // Workgroups behind the last digit must do nothing.
   const workgroups = dispatchSize(scanWorkgroups({ digitBits }, scanLanes) + 5, dispatchRow);
-  await runStage(device, pipelines, sortScan({ digitBits }), bindings, workgroups);
+  await gpu.run(sortScan({ digitBits }), bindings, workgroups);
   const reference = scanReference(counts, digitBits);
   return {
-    actual: { offsets: await readWords(device, digitCounts), totals: await readWords(device, digitTotals) },
+    actual: { offsets: await gpu.read(digitCounts), totals: await gpu.read(digitTotals) },
     expected: {
       offsets: Uint32Array.of(...reference.digitOffsets, BEHIND),
       totals: Uint32Array.of(...reference.digitTotals, BEHIND),

@@ -1,24 +1,17 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { describe, expect } from 'vitest';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { sortHistogram as histogramReference } from '../../reference/sort-histogram.ts';
 import { sortScan } from '../../reference/sort-scan.ts';
 import { sortScatter as scatterReference } from '../../reference/sort-scatter.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from './dispatch.ts';
 import { sortScatter } from './sort-scatter.ts';
 import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await createSortDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu(createSortDevice);
 
 /** Keys of `bits` bits, and their payloads, in one pass by the GPU and by the reference. */
 async function scatter(options: {
@@ -53,25 +46,25 @@ async function scatter(options: {
     writesKeys: Number(writesKeys),
     scanLanes: 0,
   });
-  const keysOut = storageBuffer(device, [], 4 * count);
-  const payloadsOut = storageBuffer(device, [], 4 * count);
+  const keysOut = gpu.storage([], 4 * count);
+  const payloadsOut = gpu.storage([], 4 * count);
   const bindings = {
-    parameters: uniformBuffer(device, parameters),
-    plan: storageBuffer(device, [count, blockCount]),
-    digitOffsets: storageBuffer(device, places.digitOffsets),
-    digitTotals: storageBuffer(device, places.digitTotals),
-    keysIn: storageBuffer(device, keys),
-    payloadsIn: storageBuffer(device, payloads),
+    parameters: gpu.uniform(parameters),
+    plan: gpu.storage([count, blockCount]),
+    digitOffsets: gpu.storage(places.digitOffsets),
+    digitTotals: gpu.storage(places.digitTotals),
+    keysIn: gpu.storage(keys),
+    payloadsIn: gpu.storage(payloads),
     payloadsOut,
     keysOut,
   };
   // Workgroups behind the last block must do nothing.
   const workgroups = dispatchSize(blockCount + 3, dispatchRow);
-  await runStage(device, pipelines, sortScatter(shape), bindings, workgroups);
+  await gpu.run(sortScatter(shape), bindings, workgroups);
   const taken = makesPayloads ? keys.map((_, i) => i) : payloads;
   const reference = scatterReference(keys, taken, places, pass);
   return {
-    actual: { keys: await readWords(device, keysOut), payloads: await readWords(device, payloadsOut) },
+    actual: { keys: await gpu.read(keysOut), payloads: await gpu.read(payloadsOut) },
     expected: { ...reference, keys: writesKeys ? reference.keys : new Uint32Array(count) },
   };
 }
@@ -87,7 +80,7 @@ describe('sort-scatter', () => {
     const payloads = makesPayloads ? 'makes payloads' : 'reads payloads';
     const name = `${bits} bits, ${payloads}, ${writesKeys ? 'writes' : 'drops'} keys`;
     gpuTest(`${name}: moves keys and payloads to the reference's places`, async () => {
-      for (const workgroupBytes of sortLimitsOf(device)) {
+      for (const workgroupBytes of sortLimitsOf(gpu.device)) {
         for (const isNarrow of [false, true]) {
           const countOf = (blockKeys: number) => 3 * blockKeys + 1234;
           const options = { bits, workgroupBytes, isNarrow, makesPayloads, writesKeys, countOf };
@@ -102,7 +95,7 @@ describe('sort-scatter', () => {
 
   gpuTest('blocks with any number of keys', async () => {
     for (const countOf of [() => 1, () => 17, (full: number) => full - 1, (full: number) => full, () => 0]) {
-      for (const workgroupBytes of sortLimitsOf(device)) {
+      for (const workgroupBytes of sortLimitsOf(gpu.device)) {
         const options = { bits: 24, workgroupBytes, makesPayloads: false, writesKeys: true, countOf };
         const { actual, expected } = await scatter(options);
         expect(actual.payloads.subarray(0, expected.payloads.length)).toEqual(expected.payloads);

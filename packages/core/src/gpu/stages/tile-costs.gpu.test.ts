@@ -1,16 +1,14 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { meanLogContribution, pixelCosts } from '../../reference/tile-costs.ts';
 import { alphaAt, OPAQUE } from '../../reference/tile-rasterize.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import { type DrawnSplat, type RankedRecord, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { maskPlace, tileUniforms } from '../../testing/tile-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { CONTRIBUTION_UNITS, tileCosts, UNSEEN_PX } from './tile-costs.ts';
 
@@ -23,12 +21,7 @@ const PIXELS = SIZE.widthPx * SIZE.heightPx;
 const TILE_COLUMNS = Math.ceil(SIZE.widthPx / TILE_PX);
 const TILE_COUNT = TILE_COLUMNS * Math.ceil(SIZE.heightPx / TILE_PX);
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /**
  * For each bin, the ranks that it lists, front to back; in masks, half of the tiles of each, and
@@ -61,30 +54,27 @@ async function run(ranked: readonly DrawnSplat[], recordPrecision: RecordPrecisi
   const packed = rankedRecords(ranked, recordPrecision);
   const pairs = pairsOf(ranked.length);
   const dispatchRow = 7;
-  const contributions = storageBuffer(device, new Uint32Array(2 * ranked.length).fill(before));
-  const pixels = storageBuffer(device, [], 4 * 3 * PIXELS);
-  const tileEntries = storageBuffer(device, [], 4 * TILE_COUNT);
+  const contributions = gpu.storage(new Uint32Array(2 * ranked.length).fill(before));
+  const pixels = gpu.storage([], 4 * 3 * PIXELS);
+  const tileEntries = gpu.storage([], 4 * TILE_COUNT);
   const bindings = {
-    ...tileUniforms(device, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
-    binStarts: storageBuffer(device, pairs.binStarts),
-    tileMasks: storageBuffer(device, pairs.masks),
-    sortedRecords: storageBuffer(
-      device,
-      pairs.ranks.map((rank) => packed.places[rank]),
-    ),
-    records: storageBuffer(device, packed.words),
+    ...tileUniforms(gpu, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    binStarts: gpu.storage(pairs.binStarts),
+    tileMasks: gpu.storage(pairs.masks),
+    sortedRecords: gpu.storage(pairs.ranks.map((rank) => packed.places[rank])),
+    records: gpu.storage(packed.words),
     contributions,
     pixels,
     tileEntries,
   };
   // Workgroups behind the last tile must do nothing.
   const workgroups = dispatchSize(TILE_COUNT + 3, dispatchRow);
-  await runStage(device, pipelines, tileCosts(recordPrecision, 'counts'), bindings, workgroups);
-  const counts = await readWords(device, pixels);
-  const entries = await readWords(device, tileEntries);
-  const units = await readWords(device, contributions);
-  await runStage(device, pipelines, tileCosts(recordPrecision, 'map'), bindings, workgroups);
-  const map = await readWords(device, pixels);
+  await gpu.run(tileCosts(recordPrecision, 'counts'), bindings, workgroups);
+  const counts = await gpu.read(pixels);
+  const entries = await gpu.read(tileEntries);
+  const units = await gpu.read(contributions);
+  await gpu.run(tileCosts(recordPrecision, 'map'), bindings, workgroups);
+  const map = await gpu.read(pixels);
   const contributionsPx = Array.from(
     packed.places,
     (place) => (units[2 * place] + 2 ** 32 * units[2 * place + 1]) / CONTRIBUTION_UNITS,

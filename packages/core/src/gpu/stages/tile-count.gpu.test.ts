@@ -1,11 +1,10 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import type { EllipseRecord } from '../../reference/splat-ellipse.ts';
 import { tileCount as countReference } from '../../reference/tile-count.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import {
   type DrawnSplat,
   type RankedRecord,
@@ -13,9 +12,8 @@ import {
   rankedRecords,
 } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { anySplat, binsOf, hasClearBins, tileUniforms } from '../../testing/tile-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { tileCount } from './tile-count.ts';
 
@@ -32,12 +30,7 @@ const HUGE: DrawnSplat = {
   opacity: 0.9,
 };
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 const RECORD_PRECISIONS: readonly RecordPrecision[] = ['f32', 'f16', 'paper'];
 
@@ -63,23 +56,23 @@ async function count({ ranked, recordPrecision, extent = 'opacity', isCounted = 
     recordPrecision,
   );
   const blockCount = Math.ceil(counted.records.length / TILE_COUNT_BLOCK);
-  const pairOffsets = storageBuffer(device, [], 4 * counted.records.length);
-  const blockPairs = storageBuffer(device, [], 4 * blockCount);
+  const pairOffsets = gpu.storage([], 4 * counted.records.length);
+  const blockPairs = gpu.storage([], 4 * blockCount);
   const dispatchRow = 2;
   const bindings = {
-    ...tileUniforms(device, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
-    ...rankedBuffers(device, counted),
+    ...tileUniforms(gpu, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    ...rankedBuffers(gpu, counted),
     pairOffsets,
     blockPairs,
   };
   // Workgroups behind the last block must do nothing.
   const workgroups = dispatchSize(blockCount + 2, dispatchRow);
-  await runStage(device, pipelines, tileCount({ recordPrecision, extent }), bindings, workgroups);
+  await gpu.run(tileCount({ recordPrecision, extent }), bindings, workgroups);
   return {
     records: counted.records,
     actual: {
-      pairOffsets: await readWords(device, pairOffsets),
-      blockPairs: await readWords(device, blockPairs),
+      pairOffsets: await gpu.read(pairOffsets),
+      blockPairs: await gpu.read(blockPairs),
     },
   };
 }

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
@@ -7,12 +7,10 @@ import { sortHistogram } from '../../reference/sort-histogram.ts';
 import { type PairCounts, tileCount } from '../../reference/tile-count.ts';
 import { tileEmit as emitReference, type Pairs } from '../../reference/tile-emit.ts';
 import { tilePlan } from '../../reference/tile-plan.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { anySplat, hasClearBins, tileUniforms } from '../../testing/tile-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { blockKeysOf, pairSortShapeFor } from './sort-shape.ts';
 import { tileEmit } from './tile-emit.ts';
@@ -24,12 +22,7 @@ const SIZE = { widthPx: 610, heightPx: 395 };
 const LARGE_SIZE = { widthPx: 2040, heightPx: 1290 };
 const UNWRITTEN = 0xffffffff;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 const faint = (splat: DrawnSplat): DrawnSplat => ({ ...splat, opacity: 0.003 });
 
@@ -78,7 +71,7 @@ async function emit({ ranked, size, precision, miscount = () => {} }: EmitOption
   const blockKeys = blockKeysOf(shape);
   const blockCount = Math.ceil(pairCount / blockKeys);
   const { digitBits } = shape;
-  const unwritten = (count: number) => storageBuffer(device, new Uint32Array(count).fill(UNWRITTEN));
+  const unwritten = (count: number) => gpu.storage(new Uint32Array(count).fill(UNWRITTEN));
   const outputs = {
     pairBins: unwritten(pairCount + 1),
     pairRecords: unwritten(pairCount + 1),
@@ -86,16 +79,16 @@ async function emit({ ranked, size, precision, miscount = () => {} }: EmitOption
   };
   const dispatchRow = 2;
   const bindings = {
-    ...tileUniforms(device, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
-    ...rankedBuffers(device, packed),
-    tilePlan: storageBuffer(device, new Uint32Array(plan)),
-    pairOffsets: storageBuffer(device, counts.pairOffsets),
-    blockPairs: storageBuffer(device, blockStarts),
+    ...tileUniforms(gpu, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    ...rankedBuffers(gpu, packed),
+    tilePlan: gpu.storage(new Uint32Array(plan)),
+    pairOffsets: gpu.storage(counts.pairOffsets),
+    blockPairs: gpu.storage(blockStarts),
     ...outputs,
   };
   const stage = tileEmit({ recordPrecision: precision, extent: 'opacity' }, shape);
   // Workgroups behind the last block must do nothing.
-  await runStage(device, pipelines, stage, bindings, dispatchSize(blockCount + 3, dispatchRow));
+  await gpu.run(stage, bindings, dispatchSize(blockCount + 3, dispatchRow));
   return {
     reference: emitReference(packed.records, grid, ALPHA_CUTOFF),
     places: packed.places,
@@ -103,9 +96,9 @@ async function emit({ ranked, size, precision, miscount = () => {} }: EmitOption
     binCount,
     blockCount,
     actual: {
-      bins: Array.from(await readWords(device, outputs.pairBins)),
-      records: Array.from(await readWords(device, outputs.pairRecords)),
-      digitCounts: Array.from(await readWords(device, outputs.digitCounts)),
+      bins: Array.from(await gpu.read(outputs.pairBins)),
+      records: Array.from(await gpu.read(outputs.pairRecords)),
+      digitCounts: Array.from(await gpu.read(outputs.digitCounts)),
     },
   };
 }

@@ -1,17 +1,15 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
-import { beforeAll, describe, expect } from 'vitest';
+import { describe, expect } from 'vitest';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
 import { alphaAt } from '../../reference/tile-rasterize.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
 import { uniform } from '../../testing/uniform.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { blockKeysOf, pairSortShapeFor } from './sort-shape.ts';
 import { tileCount } from './tile-count.ts';
@@ -34,12 +32,7 @@ const RUNS = isFull ? 100 : 50;
 /** Rounding may decide about opacities nearer to the cutoff. */
 const MARGIN = 1e-4;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /** Tiles, counted through the layer, that the GPU lists for each of the splats. */
 async function listedTiles(
@@ -50,38 +43,38 @@ async function listedTiles(
   const count = packed.records.length;
   const shape = pairSortShapeFor(Math.ceil(Math.log2(BINS + 1)));
   const mostPairs = count * BINS;
-  const blockPairs = storageBuffer(device, [0]);
-  const plan = storageBuffer(device, [], TilePlan.bytes);
+  const blockPairs = gpu.storage([0]);
+  const plan = gpu.storage([], TilePlan.bytes);
   const blocks = Math.ceil(mostPairs / blockKeysOf(shape));
-  const pairBins = storageBuffer(device, [], 4 * mostPairs);
-  const pairRecords = storageBuffer(device, [], 4 * mostPairs);
+  const pairBins = gpu.storage([], 4 * mostPairs);
+  const pairRecords = gpu.storage([], 4 * mostPairs);
   const groups = Math.ceil(mostPairs / MASK_GROUP);
-  const masks = storageBuffer(device, [], 4 * groups * MASK_GROUP * MASK_WORDS);
+  const masks = gpu.storage([], 4 * groups * MASK_GROUP * MASK_WORDS);
   const all = {
-    ...tileUniforms(device, { size: SIZE, alphaCutoff, pairCapacity: mostPairs }),
-    ...rankedBuffers(device, packed),
-    pairOffsets: storageBuffer(device, [], 4 * count),
+    ...tileUniforms(gpu, { size: SIZE, alphaCutoff, pairCapacity: mostPairs }),
+    ...rankedBuffers(gpu, packed),
+    pairOffsets: gpu.storage([], 4 * count),
     blockPairs,
     tilePlan: plan,
-    sortPlan: storageBuffer(device, [], SortPlan.bytes),
-    drawArguments: storageBuffer(device, [], 16),
+    sortPlan: gpu.storage([], SortPlan.bytes),
+    drawArguments: gpu.storage([], 16),
     pairBins,
     pairRecords,
-    digitCounts: storageBuffer(device, [], 4 * (blocks << shape.digitBits)),
+    digitCounts: gpu.storage([], 4 * (blocks << shape.digitBits)),
     // Masks are made pair by pair: whether pairs are sorted makes no difference.
     sortedBins: pairBins,
     sortedRecords: pairRecords,
     tileMasks: masks,
   };
   const variant = { recordPrecision, extent: 'opacity' } as const;
-  await runStage(device, pipelines, tileCount(variant), all, [1, 1, 1]);
-  await runStage(device, pipelines, tilePlan(shape), all, [1, 1, 1]);
-  await runStage(device, pipelines, tileEmit(variant, shape), all, dispatchSize(blocks, 65_535));
-  await runStage(device, pipelines, tileMasks(variant), all, dispatchSize(groups, 65_535));
+  await gpu.run(tileCount(variant), all, [1, 1, 1]);
+  await gpu.run(tilePlan(shape), all, [1, 1, 1]);
+  await gpu.run(tileEmit(variant, shape), all, dispatchSize(blocks, 65_535));
+  await gpu.run(tileMasks(variant), all, dispatchSize(groups, 65_535));
   const [words, bins, places] = await Promise.all(
-    [masks, pairBins, pairRecords].map((buffer) => readWords(device, buffer)),
+    [masks, pairBins, pairRecords].map((buffer) => gpu.read(buffer)),
   );
-  const [, pairCount] = await readWords(device, plan);
+  const [, pairCount] = await gpu.read(plan);
   for (const buffer of Object.values(all)) buffer.destroy();
   const tiles = packed.records.map(() => new Set<number>());
   const rankOf = new Map(Array.from(packed.places, (place, rank) => [place, rank]));

@@ -1,17 +1,15 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import { splatEllipse } from '../../reference/splat-ellipse.ts';
 import { touchedTiles } from '../../reference/tile-masks.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { anySplat, binsOf, mostSlackPx, tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { dispatchSize } from './dispatch.ts';
 import { tileMasks } from './tile-masks.ts';
 
@@ -23,12 +21,7 @@ const SIZE = { widthPx: 330, heightPx: 201 };
 const GRID = binGrid(SIZE.widthPx, SIZE.heightPx);
 const UNWRITTEN = 0x12345678;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /**
  * Pairs of splats of every size with the bins that they touch, and with one that they do not; the
@@ -55,27 +48,21 @@ async function mask(pairCount: number, recordPrecision: RecordPrecision) {
   ];
   const groups = Math.ceil(pairCount / MASK_GROUP);
   const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount: pairCount });
-  const words = storageBuffer(device, new Uint32Array(groups * GROUP_WORDS + 1).fill(UNWRITTEN));
+  const words = gpu.storage(new Uint32Array(groups * GROUP_WORDS + 1).fill(UNWRITTEN));
   const dispatchRow = 2;
-  const { records } = rankedBuffers(device, packed);
+  const { records } = rankedBuffers(gpu, packed);
   const bindings = {
-    ...tileUniforms(device, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
-    tilePlan: storageBuffer(device, new Uint32Array(plan)),
-    sortedBins: storageBuffer(
-      device,
-      inBuffer.map(({ bin }) => bin),
-    ),
-    sortedRecords: storageBuffer(
-      device,
-      inBuffer.map(({ rank }) => packed.places[rank]),
-    ),
+    ...tileUniforms(gpu, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    tilePlan: gpu.storage(new Uint32Array(plan)),
+    sortedBins: gpu.storage(inBuffer.map(({ bin }) => bin)),
+    sortedRecords: gpu.storage(inBuffer.map(({ rank }) => packed.places[rank])),
     records,
     tileMasks: words,
   };
   const stage = tileMasks({ recordPrecision, extent: 'opacity' });
   // Workgroups behind the last group must do nothing.
-  await runStage(device, pipelines, stage, bindings, dispatchSize(groups + 3, dispatchRow));
-  const masks = await readWords(device, words);
+  await gpu.run(stage, bindings, dispatchSize(groups + 3, dispatchRow));
+  const masks = await gpu.read(words);
   expect(masks.at(-1)).toBe(UNWRITTEN);
   return { masks, pairs: pairs.map(({ bin, rank }) => ({ bin, record: packed.records[rank] })), groups };
 }

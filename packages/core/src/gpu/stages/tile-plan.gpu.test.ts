@@ -1,13 +1,11 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
 import { tilePlan as planReference } from '../../reference/tile-plan.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { tileUniforms } from '../../testing/tile-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { blockKeysOf, pairSortShapeFor } from './sort-shape.ts';
 import { tilePlan } from './tile-plan.ts';
 
@@ -15,12 +13,7 @@ const { TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 /** Sums stop here. */
 const MOST_PAIRS = 2 ** 30;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /** Plans these blocks, of which the last has `lastRanks` ranks, by the GPU and by the reference. */
 async function check(
@@ -30,35 +23,35 @@ async function check(
 ) {
   const shape = pairSortShapeFor(7);
   const visibleCount = Math.max(0, (blockPairs.length - 1) * TILE_COUNT_BLOCK + lastRanks);
-  const blocks = storageBuffer(device, [...blockPairs, 1234]);
+  const blocks = gpu.storage([...blockPairs, 1234]);
   const outputs = {
-    tilePlan: storageBuffer(device, [], TilePlan.bytes),
-    sortPlan: storageBuffer(device, [], SortPlan.bytes),
-    drawArguments: storageBuffer(device, [9, 9, 9, 9]),
+    tilePlan: gpu.storage([], TilePlan.bytes),
+    sortPlan: gpu.storage([], SortPlan.bytes),
+    drawArguments: gpu.storage([9, 9, 9, 9]),
   };
   const size = { widthPx: 640, heightPx: 480 };
   const bindings = {
-    grid: tileUniforms(device, { size, alphaCutoff: 1 / 255, pairCapacity }).grid,
-    visibleCount: storageBuffer(device, [visibleCount]),
+    grid: tileUniforms(gpu, { size, alphaCutoff: 1 / 255, pairCapacity }).grid,
+    visibleCount: gpu.storage([visibleCount]),
     blockPairs: blocks,
     ...outputs,
   };
-  await runStage(device, pipelines, tilePlan(shape), bindings, [1, 1, 1]);
+  await gpu.run(tilePlan(shape), bindings, [1, 1, 1]);
   const reference = planReference(blockPairs, visibleCount, pairCapacity);
-  const starts = Array.from(await readWords(device, blocks));
+  const starts = Array.from(await gpu.read(blocks));
   // The block behind the last is not this frame's.
   expect(starts.pop()).toBe(1234);
   // Pairs that do not fit are not listed, so nothing reads where they would begin.
   if (reference.fits) expect(starts).toEqual(reference.blockStarts);
-  expect(Array.from(await readWords(device, outputs.tilePlan))).toEqual([
+  expect(Array.from(await gpu.read(outputs.tilePlan))).toEqual([
     Math.min(reference.neededPairs, MOST_PAIRS),
     reference.pairCount,
     Number(reference.fits),
     visibleCount,
   ]);
   const blockCount = Math.ceil(reference.pairCount / blockKeysOf(shape));
-  expect(Array.from(await readWords(device, outputs.sortPlan))).toEqual([reference.pairCount, blockCount]);
-  expect(Array.from(await readWords(device, outputs.drawArguments))).toEqual([4, reference.quads, 0, 0]);
+  expect(Array.from(await gpu.read(outputs.sortPlan))).toEqual([reference.pairCount, blockCount]);
+  expect(Array.from(await gpu.read(outputs.drawArguments))).toEqual([4, reference.quads, 0, 0]);
   return reference;
 }
 

@@ -1,24 +1,17 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import { tileRanges as rangesReference } from '../../reference/tile-ranges.ts';
-import { runStage, storageBuffer } from '../../testing/gpu-buffers.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { tileUniforms } from '../../testing/tile-buffers.ts';
-import { Pipelines } from '../pipelines.ts';
-import { readWords } from '../read-buffer.ts';
 import { tileRanges } from './tile-ranges.ts';
 
 const { BIN_PX } = SHADER_CONSTANTS;
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /** Number of pairs up to which two lists count as equally long: four steps per power of two. */
 function lengthClass(length: number): number {
@@ -35,20 +28,20 @@ async function check(lengths: readonly number[], binColumns: number, leftover = 
   const bins = [...lengths, leftover].flatMap((length, bin) => Array<number>(length).fill(bin));
   const pairCount = bins.length;
   const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount: 1 });
-  const binStarts = storageBuffer(device, Array<number>(binCount + 2).fill(77));
-  const binOrder = storageBuffer(device, Array<number>(binCount + 1).fill(77));
+  const binStarts = gpu.storage(Array<number>(binCount + 2).fill(77));
+  const binOrder = gpu.storage(Array<number>(binCount + 1).fill(77));
   const bindings = {
-    grid: tileUniforms(device, { size, alphaCutoff: 1 / 255 }).grid,
-    tilePlan: storageBuffer(device, new Uint32Array(plan)),
+    grid: tileUniforms(gpu, { size, alphaCutoff: 1 / 255 }).grid,
+    tilePlan: gpu.storage(new Uint32Array(plan)),
     // Keys of an earlier frame lie behind this frame's.
-    sortedBins: storageBuffer(device, [...bins, 0, 1, 2]),
+    sortedBins: gpu.storage([...bins, 0, 1, 2]),
     binStarts,
     binOrder,
   };
-  await runStage(device, pipelines, tileRanges, bindings, [1, 1, 1]);
-  const starts = Array.from(await readWords(device, binStarts));
+  await gpu.run(tileRanges, bindings, [1, 1, 1]);
+  const starts = Array.from(await gpu.read(binStarts));
   expect(starts).toEqual([...rangesReference(bins, binCount), 77]);
-  const order = Array.from(await readWords(device, binOrder));
+  const order = Array.from(await gpu.read(binOrder));
   expect(order.pop()).toBe(77);
   expect(order.toSorted((a, b) => a - b)).toEqual(lengths.map((_, bin) => bin));
   const classes = order.map((bin) => lengthClass(lengths[bin]));

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import type { ColorTarget, RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';
 import {
   type Camera,
@@ -13,13 +13,13 @@ import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { HostDepth } from '../../data/layout/structs.ts';
 import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
 import { alphaAt, OPAQUE, tilePixel } from '../../reference/tile-rasterize.ts';
-import { runStage, storageBuffer, uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { depthTexture, readFloats } from '../../testing/gpu-textures.ts';
 import { type DrawnSplat, type RankedRecord, rankedRecords, shuffled } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { maskPlace, tileUniforms } from '../../testing/tile-buffers.ts';
 import { withClipDepth } from '../../testing/with-clip-depth.ts';
-import { Pipelines } from '../pipelines.ts';
+import type { Pipelines } from '../pipelines.ts';
 import { readTexture } from '../read-texture.ts';
 import { dispatchSize } from './dispatch.ts';
 import { TILE_THREADS, tileRasterize } from './tile-rasterize.ts';
@@ -30,12 +30,7 @@ const ALPHA_CUTOFF = 1 / 255;
 /** No multiple of a tile's or a bin's size; 2×2 bins. */
 const SIZE = { widthPx: 75, heightPx: 69 };
 
-let device: GPUDevice;
-let pipelines: Pipelines;
-beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
-});
+const gpu = testGpu();
 
 /** The host's depth: its surface at each pixel, and how it stores depth. */
 interface Host {
@@ -86,7 +81,7 @@ function pairsOf({ ranked, size = SIZE, isListed, isMasked }: Scene) {
 
 function makeTarget(format: GPUTextureFormat, { widthPx, heightPx }: SizePx): GPUTexture {
   const usage = GPUTextureUsage.STORAGE_BINDING | GPUTextureUsage.COPY_SRC;
-  return device.createTexture({ size: [widthPx, heightPx], format, usage });
+  return gpu.device.createTexture({ size: [widthPx, heightPx], format, usage });
 }
 
 /** Draws a scene by the GPU. */
@@ -109,27 +104,28 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
     isNarrow,
   });
   const bindings = {
-    ...tileUniforms(device, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
-    binStarts: storageBuffer(device, pairs.binStarts),
-    binOrder: storageBuffer(device, shuffled(binCount)),
-    tileMasks: storageBuffer(device, pairs.masks),
-    sortedRecords: storageBuffer(
-      device,
-      pairs.ranks.map((rank) => packed.places[rank]),
-    ),
-    records: storageBuffer(device, packed.words),
+    ...tileUniforms(gpu, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    binStarts: gpu.storage(pairs.binStarts),
+    binOrder: gpu.storage(shuffled(binCount)),
+    tileMasks: gpu.storage(pairs.masks),
+    sortedRecords: gpu.storage(pairs.ranks.map((rank) => packed.places[rank])),
+    records: gpu.storage(packed.words),
     layer: layer.createView(),
     ...(host && {
-      hostDepth: uniformBuffer(device, HostDepth.pack(depthMapping(host.camera, host.mapping))),
-      testedDepth: depthTexture(device, { ...size, samples: 1, values: hostDepths(host, size) }).createView(),
+      hostDepth: gpu.uniform(HostDepth.pack(depthMapping(host.camera, host.mapping))),
+      testedDepth: depthTexture(gpu.device, {
+        ...size,
+        samples: 1,
+        values: hostDepths(host, size),
+      }).createView(),
       depthLayer: depthLayer.createView(),
     }),
   };
   // Workgroups behind the last tile must do nothing.
   const workgroups = dispatchSize(binCount * TILES + 3, dispatchRow);
-  await runStage(device, drawing, stage, bindings, workgroups);
-  const { data } = await readTexture(device, layer);
-  const depths = host?.hasDepthLayer ? await readFloats(device, depthLayer) : null;
+  await gpu.run(stage, bindings, workgroups, drawing);
+  const { data } = await readTexture(gpu.device, layer);
+  const depths = host?.hasDepthLayer ? await readFloats(gpu.device, depthLayer) : null;
   layer.destroy();
   depthLayer.destroy();
   return { data, depths, records: packed.records, pairs };
@@ -215,7 +211,7 @@ function formatError(colorTarget: ColorTarget, value: number): number {
 }
 
 /** Compares every pixel of both kinds of threads with the reference; returns statistics. */
-async function check(scene: Scene, drawing = pipelines) {
+async function check(scene: Scene, drawing = gpu.pipelines) {
   const { size = SIZE, colorTarget = 'rgba32float', host } = scene;
   const { widthPx, heightPx } = size;
   const together = await drawOnGpu(scene, drawing, false);

@@ -1,16 +1,17 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { UpscaleParameters } from '../../data/layout/structs.ts';
 import { upscale as upscaleReference } from '../../reference/upscale.ts';
-import { uniformBuffer } from '../../testing/gpu-buffers.ts';
 import { readFloats } from '../../testing/gpu-textures.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { Pipelines } from '../pipelines.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
 import { readTexture } from '../read-texture.ts';
 import { upscale } from './upscale.ts';
 
 const FORMAT = 'rgba32float';
+
+const gpu = testGpu();
 
 describe('upscale', () => {
   for (const [from, to] of [
@@ -36,10 +37,8 @@ describe('upscale', () => {
     ],
   ]) {
     gpuTest(`${from.join('×')} to ${to.join('×')} px, with depths`, async () => {
-      const device = await shareTestDevice();
-      const pipelines = new Pipelines(device);
       const stage = upscale(FORMAT, true);
-      await pipelines.prepare([stage]);
+      await gpu.pipelines.prepare([stage]);
       const random = seededRandom(51);
       const size = (px: readonly number[]) => ({ widthPx: px[0], heightPx: px[1] });
       const layers = [1, 1000].map((largest) =>
@@ -47,34 +46,34 @@ describe('upscale', () => {
       );
       const [layer, depthLayer] = layers.map((values) => {
         const usage = GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST;
-        const texture = device.createTexture({ size: from, format: FORMAT, usage });
-        device.queue.writeTexture({ texture }, values, { bytesPerRow: 16 * from[0] }, from);
+        const texture = gpu.device.createTexture({ size: from, format: FORMAT, usage });
+        gpu.device.queue.writeTexture({ texture }, values, { bytesPerRow: 16 * from[0] }, from);
         return texture.createView();
       });
       const parameters = UpscaleParameters.pack({ layerPerPx: [from[0] / to[0], from[1] / to[1]] });
       const [image, depthImage] = ([FORMAT, 'r32float'] as const).map((format) =>
-        device.createTexture({
+        gpu.device.createTexture({
           size: to,
           format,
           usage: GPUTextureUsage.STORAGE_BINDING | GPUTextureUsage.COPY_SRC,
         }),
       );
-      const encoder = device.createCommandEncoder();
+      const encoder = gpu.device.createCommandEncoder();
       const pass = encoder.beginComputePass();
-      pass.setPipeline(pipelines.compute(stage)!);
+      pass.setPipeline(gpu.pipelines.compute(stage)!);
       const bindings = {
-        parameters: uniformBuffer(device, parameters),
+        parameters: gpu.uniform(parameters),
         layer,
         image: image.createView(),
         depthLayer,
         depthImage: depthImage.createView(),
       };
-      pass.setBindGroup(0, pipelines.bindGroup(stage, bindings));
+      pass.setBindGroup(0, gpu.pipelines.bindGroup(stage, bindings));
       const tiles = to.map((px) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX));
       pass.dispatchWorkgroups(tiles[0], tiles[1]);
       pass.end();
-      device.queue.submit([encoder.finish()]);
-      const written = [(await readTexture(device, image)).data, await readFloats(device, depthImage)];
+      gpu.device.queue.submit([encoder.finish()]);
+      const written = [(await readTexture(gpu.device, image)).data, await readFloats(gpu.device, depthImage)];
       for (const [i, values] of written.entries()) {
         const expected = upscaleReference(layers[i], size(from), size(to));
         // A place errs by some roundings of up to 16 px, and its value by that share of its
@@ -85,7 +84,6 @@ describe('upscale', () => {
         for (const [at, value] of values.entries())
           expect(Math.abs(value - expected[step * at]), `value ${at}`).toBeLessThanOrEqual(bound);
       }
-      device.destroy();
     });
   }
 });

@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
 import type { CloudInstance } from '../../../frame/frame-request.ts';
@@ -10,6 +10,7 @@ import { cullSplat } from '../../../reference/cull-splats.ts';
 import { compareImages, renderReference } from '../../../reference/index.ts';
 import { type SplatValues, splatsOf } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
+import { testGpu } from '../../../testing/test-gpu.ts';
 import { antialias } from './antialias.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
@@ -33,14 +34,11 @@ const EMPTY: Readonly<Record<string, SplatValues>> = {
   'a line of a size that float32 could not square': { logScales: [88, -100, -100], rotation: TURNED },
 };
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 async function draw(splats: Readonly<Record<string, SplatValues>>, camera: keyof typeof CAMERAS) {
   const clouds = [{ set: splatsOf(Object.values(splats)), effects: [antialias()] }];
-  return InspectedFrame.draw(device, { clouds, camera: CAMERAS[camera], ...SIZE });
+  return InspectedFrame.draw(gpu.device, { clouds, camera: CAMERAS[camera], ...SIZE });
 }
 
 describe('antialias', () => {
@@ -63,7 +61,10 @@ describe('antialias', () => {
 
   gpuTest('is on automatically if the file says so, unless antialias(false) is given', async () => {
     // Images are compared bit for bit: their rasteriser must not follow from times.
-    const engine = await SplatEngine.create({ device, accuracy: { preset: 'high', rasterizer: 'tiles' } });
+    const engine = await SplatEngine.create({
+      device: gpu.device,
+      accuracy: { preset: 'high', rasterizer: 'tiles' },
+    });
     const view = engine.createView();
     const camera = CAMERAS.perspective;
     const set = splatsOf(Object.values(DRAWN));

@@ -1,10 +1,11 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../../../data/camera/camera.ts';
 import { translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../../testing/test-cameras.ts';
+import { testGpu } from '../../../testing/test-gpu.ts';
 import { type ClipVolume, clip } from './clip.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
@@ -20,10 +21,7 @@ const SHAPES: readonly ClipVolume[] = [
 ];
 const VOLUMES = SHAPES.flatMap((volume) => [volume, { ...volume, keep: 'outside' } as const]);
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 describe('clip', () => {
   gpuTest('every shape and side, soft and hard, for clouds in any place', async () => {
@@ -34,8 +32,12 @@ describe('clip', () => {
         effects: [clip({ volumes: [volume], softEdge: (i + j) % 2 === 0 ? 0.3 : 0 })],
       })),
     );
-    const drawn = await expectAsReference(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
-    const most = await expectAsReference(device, { clouds: [{ set: SET }], camera: CAMERA, ...SIZE }, 1e-5);
+    const drawn = await expectAsReference(gpu.device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
+    const most = await expectAsReference(
+      gpu.device,
+      { clouds: [{ set: SET }], camera: CAMERA, ...SIZE },
+      1e-5,
+    );
     for (const count of drawn.slice(0, VOLUMES.length)) {
       expect(count).toBeGreaterThan(3);
       expect(count).toBeLessThan(most[0] - 3);
@@ -62,7 +64,7 @@ describe('clip', () => {
       })),
       { set: SET },
     ];
-    const drawn = await expectAsReference(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
+    const drawn = await expectAsReference(gpu.device, { clouds, camera: CAMERA, ...SIZE }, 1e-5);
     const all = drawn.at(-1)!;
     for (let i = 1; i < 8; i++) expect(drawn[i]).toBeLessThan(drawn[i - 1]);
     expect(drawn[7]).toBeGreaterThan(0);
@@ -87,12 +89,14 @@ describe('clip', () => {
     }));
     const viewMatrix = translated4(CAMERA.viewMatrix, [-far[0], -far[1], -far[2]]);
     const camera = cameraFromMatrices(viewMatrix, CAMERA.projectionMatrix, CAMERA);
-    const drawn = await expectAsReference(device, { clouds, camera, ...SIZE }, 1e-5);
+    const drawn = await expectAsReference(gpu.device, { clouds, camera, ...SIZE }, 1e-5);
     const near = SHAPES.map((volume) => ({
       set: SET,
       effects: [clip({ volumes: [volume], softEdge: 0.3 })],
     }));
-    expect(drawn).toEqual(await expectAsReference(device, { clouds: near, camera: CAMERA, ...SIZE }, 1e-5));
+    expect(drawn).toEqual(
+      await expectAsReference(gpu.device, { clouds: near, camera: CAMERA, ...SIZE }, 1e-5),
+    );
   });
 
   gpuTest('the comparison with float64 notices a ten-thousandth of a unit', async () => {
@@ -100,7 +104,7 @@ describe('clip', () => {
     const use = clip({ volumes: [sphere], softEdge: 0.3 });
     const shifted = { ...use, options: { volumes: [{ ...sphere, radius: 0.7001 }], softEdge: 0.3 } };
     const clouds = [{ set: SET, effects: [shifted] }];
-    await expect(expectAsReference(device, { clouds, camera: CAMERA, ...SIZE }, 1e-5)).rejects.toThrow(
+    await expect(expectAsReference(gpu.device, { clouds, camera: CAMERA, ...SIZE }, 1e-5)).rejects.toThrow(
       /opacity is/,
     );
   });

@@ -1,9 +1,10 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { orthographicCamera } from '../../../data/camera/camera.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
+import { testGpu } from '../../../testing/test-gpu.ts';
 import { type FogOptions, fog } from './fog.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
@@ -29,16 +30,13 @@ const FOGS: readonly FogOptions[] = [
   { color: [0.5, 0.6, 0.8], density: 1e30 },
 ];
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 describe('fog', () => {
   for (const [name, camera] of Object.entries(CAMERAS))
     gpuTest(`between depths and of a density, ${name}`, async () => {
       const clouds = FOGS.map((options) => ({ set: SET, effects: [fog(options)] }));
-      const drawn = await expectAsReference(device, { clouds, camera, ...SIZE }, 2e-5);
+      const drawn = await expectAsReference(gpu.device, { clouds, camera, ...SIZE }, 2e-5);
       for (const count of drawn) expect(count).toBeGreaterThan(50);
     });
 });

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { SplatSelection } from '../../../data/splats/splat-selection.ts';
 import type { ReferenceFunction } from '../../../reference/effects/references.ts';
@@ -7,6 +7,7 @@ import { compareImages, renderReference } from '../../../reference/index.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
+import { testGpu } from '../../../testing/test-gpu.ts';
 import { defineEffect } from '../effect.ts';
 import { highlight } from './highlight.ts';
 
@@ -43,10 +44,7 @@ const effectReferences: Record<string, ReferenceFunction> = {
   }),
 };
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 describe('a highlight', () => {
   gpuTest('shows rows of the file in any storage order and on any page', async () => {
@@ -59,12 +57,15 @@ describe('a highlight', () => {
       { set: SET, modelMatrix: place },
       { set: SET, modelMatrix: place, effects: [marked(two, 0.3)], splatsPerPage: 512 },
     ];
-    await expectAsReference(device, { clouds, camera, ...SIZE }, 1e-4);
+    await expectAsReference(gpu.device, { clouds, camera, ...SIZE }, 1e-4);
   });
 
   gpuTest('follows its selection, and holds nothing while that is empty', async () => {
     // Images are compared bit for bit: their rasteriser must not follow from times.
-    const engine = await SplatEngine.create({ device, accuracy: { preset: 'high', rasterizer: 'tiles' } });
+    const engine = await SplatEngine.create({
+      device: gpu.device,
+      accuracy: { preset: 'high', rasterizer: 'tiles' },
+    });
     const view = engine.createView();
     const cloud = engine.add(SET);
     const selection = new SplatSelection();
@@ -112,7 +113,7 @@ describe('a highlight', () => {
 });
 
 gpuTest('effects of one cloud act on selections of their own, which change one by one', async () => {
-  const engine = await SplatEngine.create({ device, accuracy: 'high' });
+  const engine = await SplatEngine.create({ device: gpu.device, accuracy: 'high' });
   const view = engine.createView();
   const cloud = engine.add(SET);
   const [hidden, shown] = [new SplatSelection(), new SplatSelection()];
@@ -135,7 +136,7 @@ gpuTest('effects of one cloud act on selections of their own, which change one b
 });
 
 gpuTest('effects that change splats also take the selection', async () => {
-  const engine = await SplatEngine.create({ device, accuracy: 'high' });
+  const engine = await SplatEngine.create({ device: gpu.device, accuracy: 'high' });
   const view = engine.createView();
   const selection = selectionOf(Array.from({ length: 350 }, (_, i) => 2 * i));
   const effects = [hide(selection), marked(selection)];

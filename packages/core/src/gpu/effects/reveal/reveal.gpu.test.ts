@@ -1,10 +1,11 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
 import { cameraFromMatrices } from '../../../data/camera/camera.ts';
 import { translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../../testing/test-cameras.ts';
+import { testGpu } from '../../../testing/test-gpu.ts';
 import { type RevealOptions, reveal } from './reveal.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
@@ -13,10 +14,7 @@ const SET = randomSplats({ count: 100, seed: 62, shDegree: 0, opacityLogits: [0,
 const FLAT = Float64Array.of(1, 0.2, 0, 0, 0.1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0.1, 1);
 const FROM: Vec3 = [0.3, -0.1, 0.2];
 
-let device: GPUDevice;
-beforeAll(async () => {
-  device = await shareTestDevice();
-});
+const gpu = testGpu();
 
 describe('reveal', () => {
   for (const camera of ['perspective', 'orthographic'] as const)
@@ -34,7 +32,7 @@ describe('reveal', () => {
         uses.map((options) => ({ set: SET, modelMatrix, effects: [reveal(options)] })),
       );
       clouds.push({ set: SET, modelMatrix: TEST_MODELS.identity, effects: [] });
-      const drawn = await expectAsReference(device, { clouds, camera: CAMERAS[camera], ...SIZE }, 1e-5);
+      const drawn = await expectAsReference(gpu.device, { clouds, camera: CAMERAS[camera], ...SIZE }, 1e-5);
       const all = drawn.at(-1)!;
       for (const count of drawn.slice(0, 4)) {
         expect(count).toBeGreaterThan(3);
@@ -55,7 +53,7 @@ describe('reveal', () => {
         { set, effects: [reveal({ ...band, from: point })] },
         { set, effects: [reveal({ ...band, from: 'camera' })] },
       ];
-      return expectAsReference(device, { clouds, camera: seenBy, ...SIZE }, 1e-5);
+      return expectAsReference(gpu.device, { clouds, camera: seenBy, ...SIZE }, 1e-5);
     };
     const drawn = await drawFrom({ ...SET, origin: far }, from, camera);
     expect(drawn).toEqual(await drawFrom(SET, FROM, perspective));
