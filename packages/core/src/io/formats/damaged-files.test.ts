@@ -187,8 +187,9 @@ function damagedNumber(bytes: Bytes, choices: Choices): Bytes {
   return new Uint8Array(Buffer.concat([bytes.subarray(0, index), other, rest]));
 }
 
-/** Bytes that are damaged anywhere, or near an end, where the most depends on them. */
+/** Any bytes, or those that are damaged anywhere, or near an end, where the most depends on them. */
 function damaged(bytes: Bytes, choices: Choices): Bytes {
+  if (choices.isTrue(0.05)) return Uint8Array.from({ length: choices.below(400) }, () => choices.below(256));
   if (choices.isTrue(0.35)) return damagedNumber(bytes, choices);
   const window = choices.of([32, 300, bytes.length]);
   const from = choices.isTrue(0.7) ? 0 : Math.max(0, bytes.length - window);
