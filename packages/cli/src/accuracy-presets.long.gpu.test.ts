@@ -7,9 +7,8 @@ import { afterAll, beforeAll, describe } from 'vitest';
 import { expectPresets, expectPresetsOfObject, IS_FULL, referenceEngine } from './testing/expect-presets.ts';
 
 /**
- * Compares every preset with float64 and with the reference image of the terminal and the viewer,
- * and times it. `npm run test:full` adds the whole built-in scene, larger images, and enough frames
- * for meaningful times.
+ * Compares every preset with float64 and with the reference image of the terminal and the viewer.
+ * `npm run test:full` adds the whole built-in scene, and larger images.
  */
 
 const scene = builtinScenes.find(({ name }) => name === (IS_FULL ? 'still-life' : 'still-life-small'))!;
@@ -21,13 +20,12 @@ beforeAll(async () => {
 });
 afterAll(() => engine?.destroy());
 
-describe('presets against float64, with their cost', () => {
+describe('presets against float64', () => {
   gpuTest(
     'the built-in scene',
     async () => {
-      const { name, cameras } = scene;
-      const camera = perspectiveCamera({ ...cameras[0], aspect: 1 });
-      return expectPresets(engine, name, await readScene(), camera);
+      const camera = perspectiveCamera({ ...scene.cameras[0], aspect: 1 });
+      return expectPresets(engine, await readScene(), camera);
     },
     600_000,
   );
@@ -42,7 +40,7 @@ describe('presets against float64, with their cost', () => {
         scale: 1.6,
         translation: [0, 0.7, 0],
       });
-      return expectPresetsOfObject(engine, 'an object alone', turned);
+      return expectPresetsOfObject(engine, turned);
     },
     600_000,
   );

@@ -5,14 +5,13 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe } from 'vitest';
 import { expectPresetsOfObject, referenceEngine } from './testing/expect-presets.ts';
 
-describe.runIf(captures)('presets against float64, with their cost, of', () => {
+describe.runIf(captures)('presets against float64, of', () => {
   gpuTest(
     'a captured robot',
     async () => {
-      const name = 'playbot-lod3.ply';
-      const set = await readSplats(readFileSync(capturePath(name)), { shPrecision: 'f32' });
+      const set = await readSplats(readFileSync(capturePath('playbot-lod3.ply')), { shPrecision: 'f32' });
       const engine = await referenceEngine();
-      await expectPresetsOfObject(engine, name, set);
+      await expectPresetsOfObject(engine, set);
       engine.destroy();
     },
     600_000,
