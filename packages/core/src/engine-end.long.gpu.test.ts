@@ -72,7 +72,7 @@ describe('work that waits for a frame', () => {
   });
 });
 
-/** `gpu.device` that tells of no error, and of no lack of one, until `go`. */
+/** The device that tells of no error, and of no lack of one, until `go`. */
 function withLateAnswers(go: Promise<void>): { readonly late: GPUDevice; readonly whenAsked: Promise<void> } {
   const asked = signalOf();
   const popErrorScope = () => {
@@ -124,7 +124,7 @@ describe('the end of an engine', () => {
     own.destroy();
   });
 
-  gpuTest('ends its clouds, which no engine on the same gpu.device draws any more', async () => {
+  gpuTest('ends its clouds, which no engine on the same device draws any more', async () => {
     const [ended, other] = [await newEngine(), await newEngine()];
     const cloud = ended.add(SET, { name: 'garden' });
     await cloud.uploaded;
@@ -228,7 +228,7 @@ function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[]
 
 describe(`the end at any moment, of ${ROUNDS} rounds`, () => {
   for (let seed = SEED; seed < SEED + ROUNDS; seed++) {
-    // A gpu.device that is lost takes its shaders with it.
+    // A device that is lost takes its shaders with it.
     const end = seed % 3 === 0 ? 'device' : 'engine';
     gpuTest(`${end}, seed ${seed}`, async () => {
       const random = seededRandom(seed);

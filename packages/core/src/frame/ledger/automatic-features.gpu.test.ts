@@ -14,8 +14,8 @@ import type { ReferenceFunction } from '../../reference/effects/references.ts';
 import { compareImages, renderReference } from '../../reference/index.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
-import { Preprocess } from '../parts/preprocess.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
+import { Preprocess } from '../parts/preprocess.ts';
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const CAMERAS = testCameras(1.5);

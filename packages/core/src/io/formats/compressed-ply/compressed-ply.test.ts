@@ -252,25 +252,6 @@ describe('reads', () => {
     expect(await read(bytes)).toEqual(expected);
   });
 
-  test('the rows that go to the GPU are those of the set', async () => {
-    const splats = randomSplats(600, 2);
-    const bytes = encode(splats);
-    const set = await read(bytes);
-    const { layout, values: rows } = await rowsOf(new File([bytes], 'a.compressed.ply'));
-    expect(layout).toMatchObject({ count: 600, shDegree: 2, strideBytes: 4 * (14 + 24) });
-    const column = (slot: number, length: number) =>
-      Array.from({ length: 600 * length }, (_, i) => rows[Math.floor(i / length) * 38 + slot + (i % length)]);
-    expect(column(ROW_SLOT.logScale, 3)).toEqual([...set.logScales]);
-    expect(column(ROW_SLOT.rotation, 4)).toEqual([...set.rotations]);
-    expect(column(ROW_SLOT.opacity, 1)).toEqual([...set.opacityLogits]);
-    expect(column(ROW_SLOT.colorDc, 3)).toEqual([...set.colorDc]);
-    const sh = new Float64Array(24);
-    for (const i of [0, 255, 256, 599]) {
-      readCoefficients(set.harmonics, i, sh);
-      expect([...rows.subarray(38 * i + 14, 38 * (i + 1))]).toEqual([...sh]);
-    }
-  });
-
   test('rows go to the GPU while the harmonics of others are on their way', async () => {
     const bytes = encode(randomSplats(600, 2));
     const pieceBytes = 256 * 4 * (14 + 24);

@@ -17,12 +17,9 @@ import {
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { unpackGlb } from '../../containers/glb.ts';
-import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { LoadProgress, SplatSource } from '../../sources/splat-source.ts';
 import { detectFormat } from '../detect.ts';
-import { ALL_READERS } from '../readers.ts';
-import type { RowSink } from '../row-sink.ts';
 import { distinctSplat, FLAG_ANTIALIASED, spzBytes } from '../spz/spz-fixture.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
@@ -162,28 +159,6 @@ describe('reads', () => {
     const found = await read(glbBytes(gltfOf(attributes)));
     expect([...found.opacityLogits]).toEqual([Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY]);
     expect(found.dropped).toEqual({ 'non-finite-opacity': 3, 'non-finite-scale': 1 });
-  });
-
-  test('rows for the GPU are those of a set', async () => {
-    const bytes = glbBytes(gltfOf(splatAttributes(randomSplats({ count: 300 }))));
-    const set = await read(bytes);
-    const pieces: Float32Array[] = [];
-    let pieceBytes = 0;
-    const sink: RowSink = {
-      mayDetach: false,
-      async begin({ strideBytes, pieceRows }) {
-        pieceBytes = strideBytes * pieceRows;
-      },
-      memory: async () => new Uint8Array(pieceBytes),
-      take: (count, { buffer }) => pieces.push(new Float32Array(buffer, 0, 59 * count).slice()),
-    };
-    const files = { minRows: 1, maxRows: 1000, pieceBytes: 1 };
-    expect(await readSource(bytes, {}, ALL_READERS, { sink, files })).toBe('passed');
-    const rows = Float32Array.from(pieces.flatMap((piece) => [...piece]));
-    expect(rows.length).toBe(300 * 59);
-    expect(rows.filter((_, i) => i % 59 < 3)).toEqual(set.positions);
-    expect(rows.filter((_, i) => i % 59 >= 6 && i % 59 < 10)).toEqual(set.rotations);
-    expect([...rows.filter((_, i) => i % 59 >= 14)]).toEqual([...coefficientsOf(set)]);
   });
 
   test('an early end of the chunk, unknown chunks and bytes after the stated end are allowed', async () => {

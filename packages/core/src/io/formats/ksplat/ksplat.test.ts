@@ -1,7 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { fromHalfBits, toHalfBits } from '../../../data/layout/half.ts';
 import { readCoefficients } from '../../../data/packing/harmonics.ts';
-import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import {
@@ -16,7 +15,6 @@ import {
 } from '../../../testing/ksplat-fixture.ts';
 import { chunked } from '../../../testing/ply-fixture.ts';
 import { outcomeOf } from '../../../testing/read-damaged.ts';
-import { rowsOf } from '../../../testing/rows-of.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { detectFormat } from '../detect.ts';
 
@@ -103,26 +101,6 @@ describe('reads', () => {
     expect((await read(ksplatBytes([{ ...section, buckets: negative }], 1))).dropped).toEqual({
       'non-finite-scale': 1,
     });
-  });
-
-  test('the rows that go to the GPU are those of the set', async () => {
-    const bytes = ksplatBytes(randomSections(200, [2, 1]), 2);
-    const set = await read(bytes);
-    const { layout, values: rows } = await rowsOf(new File([bytes], 'a.ksplat'), {}, 1 << 14);
-    expect(layout).toMatchObject({ count: set.count, shDegree: 2, strideBytes: 4 * 38 });
-    const column = (slot: number, length: number) =>
-      Array.from(
-        { length: set.count * length },
-        (_, i) => rows[38 * Math.floor(i / length) + slot + (i % length)],
-      );
-    expect(column(ROW_SLOT.logScale, 3)).toEqual([...set.logScales]);
-    expect(column(ROW_SLOT.rotation, 4)).toEqual([...set.rotations]);
-    expect(column(ROW_SLOT.opacity, 1)).toEqual([...set.opacityLogits]);
-    const sh = new Float64Array(24);
-    for (const i of [0, set.count - 1]) {
-      readCoefficients(set.harmonics, i, sh);
-      expect([...rows.subarray(38 * i + 14, 38 * (i + 1))]).toEqual([...sh]);
-    }
   });
 
   test('it is told by its bytes, whatever its name; streams of unknown size', async () => {

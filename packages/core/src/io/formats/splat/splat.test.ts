@@ -69,22 +69,6 @@ describe('reads', () => {
     expect([...set.opacityLogits]).toEqual([Math.fround(Math.log(128 / 127)), -Infinity, Infinity]);
   });
 
-  test('the rows that go to the GPU are those of the set', async () => {
-    const bytes = encode(randomRows(1000));
-    const set = await read(bytes);
-    const { layout, values: rows } = await rowsOf(new File([bytes], 'a.SPLAT'), {}, 1 << 12);
-    expect(layout).toMatchObject({ count: 1000, shDegree: 0, strideBytes: 56, isBigEndian: false });
-    const column = (slot: number, length: number) =>
-      Array.from(
-        { length: 1000 * length },
-        (_, i) => rows[14 * Math.floor(i / length) + slot + (i % length)],
-      );
-    expect(column(3, 3)).toEqual([...set.logScales]);
-    expect(column(6, 4)).toEqual([...set.rotations]);
-    expect(column(10, 1)).toEqual([...set.opacityLogits]);
-    expect(column(11, 3)).toEqual([...set.colorDc]);
-  });
-
   test('rows go to the GPU while others are on their way, and all of the file is counted', async () => {
     const bytes = encode(randomRows(10_000));
     const lastAt = bytes.length - 40;
