@@ -343,14 +343,6 @@ describe('data', () => {
   /** A cloud whose splats were freed on their engine, and its next load. */
   function readingAgain() {
     const fake = fakeEngine();
-    let end = { resolve: (_: SplatCloud) => {}, reject: (_: Error) => {} };
-    fake.load.mockImplementation(
-      (_source, { signal } = {}) =>
-        new Promise((resolve, reject) => {
-          end = { resolve, reject };
-          signal?.addEventListener('abort', () => reject(signal.reason as Error));
-        }),
-    );
     const packed = packedCloudAt([1, 0, 0]);
     const cloud = new SplatCloudObject(new SplatData(packed, 'garden', 'https://a.test/garden.ply'));
     void cloud.data!.prepareRays();
@@ -360,10 +352,9 @@ describe('data', () => {
     cloud.onError = onError;
     cloud.addEventListener('needsframe', needsFrame);
     expect(cloud.uploadedTo(fake.engine)).toBeNull();
-    const finish = () => end.resolve(Object.assign(fake.cloud, packed));
-    const fail = (error: Error) => end.reject(error);
-    const whenReading = () => expect.poll(() => fake.load).toHaveBeenCalled();
-    return { ...fake, object: cloud, onError, needsFrame, finish, fail, whenReading };
+    const finish = () => fake.ends[0].resolve(Object.assign(fake.cloud, packed));
+    const whenReading = () => expect.poll(() => fake.ends).toHaveLength(1);
+    return { ...fake, object: cloud, onError, needsFrame, finish, whenReading };
   }
 
   test('is not drawn while it is read again, and requests a frame then', async () => {
@@ -378,10 +369,10 @@ describe('data', () => {
   });
 
   test('that cannot be read again is reported once, and hit by rays still', async () => {
-    const { object, engine, load, onError, fail, whenReading } = readingAgain();
+    const { object, engine, load, ends, onError, whenReading } = readingAgain();
     await whenReading();
     const error = new SplatSourceError('garden', 'the server answered 404', 404);
-    fail(error);
+    ends[0].reject(error);
     await expect.poll(() => onError).toHaveBeenCalledExactlyOnceWith(error);
     expect(object.uploadedTo(engine)).toBeNull();
     expect(load).toHaveBeenCalledTimes(1);

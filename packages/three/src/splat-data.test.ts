@@ -78,29 +78,14 @@ const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as BlobPart;
 const packedFile = packedCloudAt([0, 0, 0], [1, 2, 3]);
 
 /** The result of a load: the engine's only cloud, with the contents of `packed`. */
-function loadedBy({ cloud }: ReturnType<typeof fakeEngine>, packed = packedFile): SplatCloud {
+function loadedBy(cloud: SplatCloud, packed = packedFile): SplatCloud {
   const { count, origin, chunks, bounds, robustBounds } = packed;
   return Object.assign(cloud, { count, origin, chunks, bounds, robustBounds });
 }
 
-/** An engine whose loads end when a test says so, and the arguments of these. */
-function loadingEngine() {
-  const fake = fakeEngine();
-  const ends: { readonly resolve: (cloud: SplatCloud) => void; readonly reject: (error: Error) => void }[] =
-    [];
-  fake.load.mockImplementation(
-    (_source, { signal } = {}) =>
-      new Promise((resolve, reject) => {
-        ends.push({ resolve, reject });
-        signal?.addEventListener('abort', () => reject(signal.reason as Error));
-      }),
-  );
-  return { ...fake, ends };
-}
-
 describe('data that can be read again', () => {
   test('leaves memory with its first upload, and is read again for another engine', async () => {
-    const [first, second] = [fakeEngine(), loadingEngine()];
+    const [first, second] = [fakeEngine(), fakeEngine()];
     const sourceOptions = { maxSplats: 7, request: { maxRetries: 1 } };
     const data = new SplatData(packedFile, 'garden', new URL(ADDRESS), sourceOptions);
     expect(data.acquire(first.engine, {})).toBe(first.cloud);
@@ -120,7 +105,7 @@ describe('data that can be read again', () => {
       precision: PACKED,
       ...sourceOptions,
     });
-    second.ends[0].resolve(loadedBy(second));
+    second.ends[0].resolve(loadedBy(second.cloud));
     expect(await reading).toBe(second.cloud);
     expect(data.acquire(second.engine, user)).toBe(second.cloud);
     expect(second.addPacked).not.toHaveBeenCalled();
@@ -128,7 +113,7 @@ describe('data that can be read again', () => {
 
   /** Data that has left memory, and is being read again. */
   async function readingAgain() {
-    const [first, fake] = [fakeEngine(), loadingEngine()];
+    const [first, fake] = [fakeEngine(), fakeEngine()];
     const data = new SplatData(packedFile, 'garden', ADDRESS);
     data.acquire(first.engine, {});
     const users = [{}, {}];
@@ -149,8 +134,8 @@ describe('data that can be read again', () => {
   });
 
   test('leaves nothing where it was released as its reading ended', async () => {
-    const { data, users, reading, ends, destroyed, ...fake } = await readingAgain();
-    ends[0].resolve(loadedBy({ ...fake, destroyed }));
+    const { data, users, reading, ends, destroyed, cloud } = await readingAgain();
+    ends[0].resolve(loadedBy(cloud));
     for (const user of users) data.release(user);
     await expect(reading).rejects.toMatchObject({ name: 'AbortError' });
     expect(destroyed).toHaveBeenCalledTimes(1);
@@ -168,8 +153,8 @@ describe('data that can be read again', () => {
     ['fewer', packedCloudAt([1, 2, 3])],
     ['others', packedCloudAt([0, 0, 0], [1, 2, 4])],
   ])('fails where there are %s now', async (_, packed) => {
-    const { reading, ends, destroyed, ...fake } = await readingAgain();
-    ends[0].resolve(loadedBy({ ...fake, destroyed }, packed));
+    const { reading, ends, destroyed, cloud } = await readingAgain();
+    ends[0].resolve(loadedBy(cloud, packed));
     await expect(reading).rejects.toThrow(SplatSourceError);
     await expect(reading).rejects.toThrow(/garden.*other splats/);
     expect(destroyed).toHaveBeenCalledTimes(1);
@@ -213,7 +198,7 @@ describe('data without a source', () => {
 
   test('and on a GPU only cannot come back', async () => {
     const fake = fakeEngine();
-    const loaded = { engine: fake.engine, cloud: loadedBy(fake), precision: PACKED };
+    const loaded = { engine: fake.engine, cloud: loadedBy(fake.cloud), precision: PACKED };
     const data = new SplatData(loaded, 'garden');
     data.dispose();
     await expect(data.acquire(fake.engine, {})).rejects.toThrow(SplatSourceError);
@@ -226,7 +211,7 @@ describe('data without a source', () => {
 describe('data that an engine has loaded', () => {
   function loaded() {
     const fake = fakeEngine();
-    const cloud = loadedBy(fake);
+    const cloud = loadedBy(fake.cloud);
     const data = new SplatData({ engine: fake.engine, cloud, precision: PACKED }, 'garden', ADDRESS);
     return { ...fake, data };
   }
@@ -262,11 +247,11 @@ describe('data that an engine has loaded', () => {
       data.release(user);
     }
     expect(destroyed).not.toHaveBeenCalled();
-    const other = loadingEngine();
+    const other = fakeEngine();
     const reading = data.acquire(other.engine, user);
     expect(destroyed).toHaveBeenCalledTimes(1);
     await expect.poll(() => other.ends).toHaveLength(1);
-    other.ends[0].resolve(loadedBy(other));
+    other.ends[0].resolve(loadedBy(other.cloud));
     await reading;
     data.release(user);
     expect(other.destroyed).not.toHaveBeenCalled();
@@ -278,7 +263,7 @@ describe('data that an engine has loaded', () => {
 describe('a preview', () => {
   function preview() {
     const fake = fakeEngine();
-    const cloud = Object.assign(loadedBy(fake), { isPreview: true, name: 'garden' });
+    const cloud = Object.assign(loadedBy(fake.cloud), { isPreview: true, name: 'garden' });
     const data = new SplatData({ engine: fake.engine, cloud, precision: PACKED }, 'garden', ADDRESS);
     return { ...fake, data };
   }

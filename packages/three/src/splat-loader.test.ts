@@ -218,12 +218,7 @@ describe('a load for a renderer', () => {
     const tooLarge = new GpuLimitError('memory', 2, 1, 'garden does not fit');
     load.mockRejectedValueOnce(tooLarge);
     await expect(loader.loadAsync(new Blob([file]))).rejects.toBe(tooLarge);
-    load.mockImplementation(
-      (_source, { signal } = {}) =>
-        new Promise((_resolve, reject) => {
-          signal!.addEventListener('abort', () => reject(signal!.reason as Error));
-        }),
-    );
+    load.mockReset();
     const loading = loader.loadAsync(new Blob([file]));
     loader.abort();
     await expect(loading).rejects.toMatchObject({ name: 'AbortError' });

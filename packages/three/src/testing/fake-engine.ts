@@ -9,7 +9,10 @@ import {
 } from '@websplatter/core';
 import { vi } from 'vitest';
 
-/** An engine whose only cloud records claims and meets them at once; tests define `load`. */
+/**
+ * An engine whose only cloud records claims and meets them at once. Its loads end by `ends`, one for
+ * each, and when they are aborted.
+ */
 export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = {}) {
   const destroyed = vi.fn();
   const state = { accuracy: resolveAccuracy(accuracy), pages: {} };
@@ -40,7 +43,15 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
     ownLease: { release: releaseOwn },
   } as unknown as SplatCloud;
   const addPacked = vi.fn<SplatEngine['addPacked']>(() => cloud);
-  const load = vi.fn<SplatEngine['load']>();
+  const ends: { readonly resolve: (loaded: SplatCloud) => void; readonly reject: (error: Error) => void }[] =
+    [];
+  const load = vi.fn<SplatEngine['load']>(
+    (_source, { signal } = {}) =>
+      new Promise((resolve, reject) => {
+        ends.push({ resolve, reject });
+        signal?.addEventListener('abort', () => reject(signal.reason as Error));
+      }),
+  );
   let lose = () => {};
   const lost = new Promise<void>((resolve) => {
     lose = resolve;
@@ -57,5 +68,5 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
   const setAccuracy = (changed: Accuracy) => {
     state.accuracy = resolveAccuracy(changed);
   };
-  return { engine, cloud, addPacked, load, lose, claim, released, releaseOwn, destroyed, setAccuracy };
+  return { engine, cloud, addPacked, load, ends, lose, claim, released, releaseOwn, destroyed, setAccuracy };
 }

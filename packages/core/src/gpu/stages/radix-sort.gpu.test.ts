@@ -296,12 +296,4 @@ describe('radix sort', () => {
       expect(orderFlaw(keys, await sortOnGpu(keys, shape))).toBeNull();
     },
   );
-
-  gpuTest('the checker finds a swapped pair, a lost key and an unstable pair', () => {
-    const keys = Uint32Array.of(5, 1, 5, 3);
-    expect(orderFlaw(keys, Uint32Array.of(1, 3, 0, 2))).toBeNull();
-    expect(orderFlaw(keys, Uint32Array.of(3, 1, 0, 2))).not.toBeNull();
-    expect(orderFlaw(keys, Uint32Array.of(1, 3, 0, 0))).not.toBeNull();
-    expect(orderFlaw(keys, Uint32Array.of(1, 3, 2, 0))).not.toBeNull();
-  });
 });
