@@ -188,7 +188,7 @@ export class TileLists implements FramePart<OrderRecording> {
     };
     run('tileCount', visibleCapacity / TILE_COUNT_BLOCK);
     run('tilePlan', 1);
-    run('tileEmit', pairCapacity / blockKeysOf(pairSortShape(shape)));
+    run('tileEmit', pairCapacity / blockKeysOf(sort.shape));
     sort.record(pass);
     run('tileRanges', 1);
     run('tileMasks', pairCapacity / MASK_GROUP);
