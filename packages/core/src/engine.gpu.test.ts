@@ -15,7 +15,7 @@ import { GpuMemory } from './gpu/gpu-memory.ts';
 import type { FrameStatistics } from './gpu/timing/frame-statistics.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import { compareImages, renderReference } from './reference/index.ts';
-import { deviceWith, limitsWith } from './testing/device-with.ts';
+import { deviceWith, limitsWith, onOwnAdapter, withAdapter } from './testing/device-with.ts';
 import { objectScene } from './testing/object-scene.ts';
 import { ownHarmonics } from './testing/own-harmonics.ts';
 import {
@@ -274,7 +274,10 @@ describe('a view', () => {
   });
 
   gpuTest('keeps its image when the other rasteriser is chosen for later frames', async () => {
-    const engine = await SplatEngine.create({ device, tileBudgetBytes: 0 });
+    const engine = await SplatEngine.create({
+      device: onOwnAdapter(device, 'other rasteriser'),
+      tileBudgetBytes: 0,
+    });
     const view = engine.createView();
     const cloud = engine.add(randomSplats({ count: 300 }));
     const frame = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
@@ -387,7 +390,11 @@ describe('large clouds', () => {
     gpuTest(`in four pages give the identical image of one page: ${rows}`, async () => {
       const set = randomSplats({ count: 256 * 19 + 77 });
       const packed = packCloud(set, { geometryPrecision: 'f32' });
-      const engine = await SplatEngine.create({ device, accuracy: 'reference', maxWorkgroupsPerDimension });
+      const engine = await SplatEngine.create({
+        device,
+        accuracy: byTiles('reference'),
+        maxWorkgroupsPerDimension,
+      });
       const memory = new GpuMemory(device);
       // Five chunks of degree 3 in float32 per page.
       const maxBufferSize = 5 * 256 * 4 * ownHarmonics(packed.harmonics).wordsPerSplat;
@@ -728,20 +735,4 @@ async function drawMeasured(
   view.destroy();
   for (const { cloud } of instances) cloud.destroy();
   return { image, statistics };
-}
-
-/** `whole`, which says that it belongs to another adapter. */
-function withAdapter(whole: GPUDevice, info: Partial<GPUAdapterInfo>): GPUDevice {
-  const { subgroupMinSize, subgroupMaxSize } = whole.adapterInfo;
-  const adapterInfo = {
-    vendor: '',
-    architecture: '',
-    device: '',
-    description: '',
-    isFallbackAdapter: false,
-    subgroupMinSize,
-    subgroupMaxSize,
-    ...info,
-  };
-  return deviceWith(whole, { adapterInfo });
 }

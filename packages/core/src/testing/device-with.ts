@@ -17,3 +17,28 @@ export function limitsWith(whole: GPUDevice, limits: SomeLimits): GPUSupportedLi
     get: (target, name) => limits[name as keyof GPUSupportedLimits] ?? Reflect.get(target, name),
   });
 }
+
+/** `whole`, which says that it belongs to another adapter. */
+export function withAdapter(whole: GPUDevice, info: Partial<GPUAdapterInfo>): GPUDevice {
+  const { subgroupMinSize, subgroupMaxSize } = whole.adapterInfo;
+  const adapterInfo = {
+    vendor: '',
+    architecture: '',
+    device: '',
+    description: '',
+    isFallbackAdapter: false,
+    subgroupMinSize,
+    subgroupMaxSize,
+    ...info,
+  };
+  return deviceWith(whole, { adapterInfo });
+}
+
+/**
+ * `whole`, as on an adapter by this vendor alone. Engines remember by adapter which rasteriser was
+ * faster, also for the files of tests that come later in the process.
+ */
+export function onOwnAdapter(whole: GPUDevice, vendor: string): GPUDevice {
+  const { architecture, device, description, isFallbackAdapter } = whole.adapterInfo;
+  return withAdapter(whole, { vendor, architecture, device, description, isFallbackAdapter });
+}

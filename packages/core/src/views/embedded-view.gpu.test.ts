@@ -15,6 +15,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { compose } from '../reference/compose.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
+import { onOwnAdapter } from '../testing/device-with.ts';
 import { prepared } from '../testing/prepared.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -41,7 +42,7 @@ let high: Partial<AccuracySettings> & { readonly preset: 'high' };
 async function start(rasterizer: AccuracySettings['rasterizer'], features: readonly GPUFeatureName[]) {
   device = await shareTestDevice({ requiredFeatures: [...features] });
   high = { preset: 'high', rasterizer };
-  engine = await SplatEngine.create({ device, accuracy: high });
+  engine = await SplatEngine.create({ device: onOwnAdapter(device, 'embedded'), accuracy: high });
   cloud = engine.add(SET);
 }
 
