@@ -23,9 +23,10 @@ export async function readGzipped<Result>(
  * @param maxBytes most that it may have.
  */
 function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxBytes: number): SplatInput {
-  const { name, reader } = packed;
+  const { name, reader, reopen } = packed;
   const stream = gunzip(reader.rest(), name, () => reader.byteOffset);
   return {
+    reopen: reopen && (() => gunzip(reopen(), name, () => reader.byteOffset)),
     name,
     totalBytes: undefined,
     totalBytesCertain: false,
@@ -34,6 +35,9 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
     reader: new ByteReader({ name, stream }, signal, maxBytes),
   };
 }
+
+/** Packed bytes that are unpacked before it is looked whether more is wanted. */
+const PACKED_AT_ONCE = 1 << 16;
 
 /**
  * The contents of a gzip stream. It fails with SplatFileError 'damaged'.
@@ -44,13 +48,18 @@ export function gunzip(
   packed: ReadableStream<Uint8Array<ArrayBuffer>>,
   file: string,
   byteOffset: () => number,
-): ReadableStream<Uint8Array> {
-  const unpacking = packed.pipeThrough(new DecompressionStream('gzip')).getReader();
+): ReadableStream<Uint8Array<ArrayBuffer>> {
+  const { readable, writable } = new DecompressionStream('gzip');
+  const unpacked = readable.getReader();
+  const source = packed.getReader();
+  const demand = new Demand();
+  feed(source, writable.getWriter(), demand);
   return new ReadableStream(
     {
       async pull(controller) {
+        demand.begin();
         try {
-          const { done, value } = await unpacking.read();
+          const { done, value } = await unpacked.read();
           if (done) controller.close();
           else controller.enqueue(value);
         } catch (cause) {
@@ -59,10 +68,58 @@ export function gunzip(
           const advice = 'Download or export it again';
           const message = `it cannot be unpacked (${messageOf(cause)}). ${advice}.`;
           throw new SplatFileError('damaged', file, message, { byte: byteOffset() }, { cause });
+        } finally {
+          demand.end();
         }
       },
-      cancel: (reason) => unpacking.cancel(reason),
+      // Not `unpacked`: Node 20's, cancelled while it works, can throw where nothing catches it.
+      cancel: (reason) => source.cancel(reason),
     },
     { highWaterMark: 0 },
   );
+}
+
+/**
+ * Unpacks bytes while there is a demand, a few at a time. A pipe would not do: Node's
+ * DecompressionStream takes all bytes at once, and holds up to 256 MiB of what they give.
+ */
+async function feed(
+  source: ReadableStreamDefaultReader<Uint8Array<ArrayBuffer>>,
+  target: WritableStreamDefaultWriter<Uint8Array<ArrayBuffer>>,
+  demand: Demand,
+): Promise<void> {
+  try {
+    for (;;) {
+      await demand.wait();
+      const { done, value } = await source.read();
+      if (done) return await target.close();
+      for (let at = 0; at < value.length; at += PACKED_AT_ONCE) {
+        await demand.wait();
+        await target.write(value.subarray(at, at + PACKED_AT_ONCE));
+      }
+    }
+  } catch (cause) {
+    // The reader of the results has what failed: this rejects where unpacking did.
+    await target.abort(cause).catch(() => {});
+  }
+}
+
+/** Whether something is waited for. */
+class Demand {
+  #isThere = false;
+  #onBegin = () => {};
+
+  begin(): void {
+    this.#isThere = true;
+    this.#onBegin();
+  }
+
+  end(): void {
+    this.#isThere = false;
+  }
+
+  /** Resolves once there is a demand. */
+  async wait(): Promise<void> {
+    if (!this.#isThere) await new Promise<void>((resolve) => (this.#onBegin = resolve));
+  }
 }
