@@ -1,3 +1,4 @@
+import { gunzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { readSplatPieces } from '../loading/read-splat-pieces.ts';
@@ -65,6 +66,7 @@ const SOURCES = {
   'gaps.ply': encodePly(withGaps),
   'text.ply': asText(encodePly(SPLATS)),
   'a.splat': splatBytes(COUNT),
+  'a.spz': await writeSplats(SPLATS, 'spz'),
 };
 
 test.each(Object.entries(SOURCES))('%s is written in pieces as it is whole', async (name, bytes) => {
@@ -103,11 +105,25 @@ test('the reach of bands is that of all splats once the last piece is there', as
   expect(reaches.at(-1)).toEqual(harmonics.bandReach);
 });
 
-test('a file that has one attribute after another comes in pieces, too', async () => {
-  const bytes = await writeSplats(SPLATS, 'spz');
-  const { pieces, facts } = await piecesOf(bytes, 'a.spz');
+test('an SPZ that can be read once comes in pieces, too', async () => {
+  const facts = new PieceFacts();
+  let pieces = 0;
+  await readSplatPieces(new Blob([SOURCES['a.spz']]).stream(), {}, async (piece) => {
+    facts.add(piece);
+    pieces++;
+  });
   expect(pieces).toBeGreaterThan(2);
   expect(facts.count).toBe(COUNT);
+});
+
+test('an SPZ that is cut off gives no piece', async () => {
+  const cut = new Blob([gunzipSync(SOURCES['a.spz']).subarray(0, -1)]);
+  let pieces = 0;
+  const read = readSplatPieces(cut, { name: 'cut.spz' }, async () => {
+    pieces++;
+  });
+  await expect(read).rejects.toMatchObject({ code: 'truncated', file: 'cut.spz' });
+  expect(pieces).toBe(0);
 });
 
 test('a splat that the format cannot hold is named by its place among all', async () => {

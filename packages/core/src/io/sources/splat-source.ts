@@ -105,6 +105,8 @@ export interface OpenedSource {
   /** Bytes that a server says it sends, perhaps packed; undefined if it says nothing. */
   readonly sentBytes?: number;
   readonly stream: ReadableStream<Uint8Array>;
+  /** Returns the stream again, from its first byte; undefined where that takes another request. */
+  readonly reopen?: () => ReadableStream<Uint8Array<ArrayBuffer>>;
   /** The stream's bytes, if in memory: to be used instead of the stream, or not at all. */
   readonly unchecked?: UncheckedBytes;
   /** See `RequestOptions.idleTimeoutMs`; undefined where nothing can be late. */

@@ -88,7 +88,7 @@ async function spzPrimitiveOf(
   const { header, attributes } = await buffers.readView(bufferView, element, readSpzContents);
   return {
     count: header.count,
-    unpackedBytes: Object.values(attributes).reduce((sum, { length }) => sum + length, 0),
+    unpackedBytes: Object.values(attributes).reduce((sum, { bytes }) => sum + bytes.length, 0),
     isSortedByDistance,
     rows: () => spzRows(header, attributes, null),
   };

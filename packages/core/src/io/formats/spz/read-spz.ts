@@ -1,9 +1,10 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { readGzipped } from '../../containers/gzip.ts';
 import { unpackZstd } from '../../containers/zstd.ts';
-import type { ByteReader } from '../../sources/byte-reader.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
+import { ArrivingRows } from '../arriving-rows.ts';
 import { deliverRows } from '../decoded-rows.ts';
 import { isGzip } from '../gzip/gzip-format.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
@@ -18,7 +19,7 @@ import {
 import { emptyAttributes, type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
 
 /** Contents of a file, unpacked. */
-export interface SpzContents {
+interface SpzContents {
   readonly header: SpzHeader;
   readonly attributes: SpzAttributes;
   /** Number of the coordinate system that the file names, if it does. */
@@ -37,9 +38,16 @@ const TABLE_ENTRY_BYTES = 16;
  * system; else they stay as they are: the library says that such files have y up and z to the back,
  * but its own converter, splat-transform and Spark write the axes of the PLY file that they were
  * given, so that the two land alike.
+ *
+ * Pieces of a file that can be opened again take no more memory than their rows, up to version 3.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
-  const { header, attributes, coordinateSystem } = await readSpzContents(input, options);
+  if (isGzip(await input.reader.peek(2)))
+    return readGzipped(input, options, (unpacked) => read(unpacked, options, rowsTo));
+  const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
+  if (options.onPiece && input.reopen && !hasStreams(header))
+    return deliverFromCursors(header, input, input.reopen, options);
+  const { attributes, coordinateSystem } = await readBody(header, input, options);
   return deliverRows(spzRows(header, attributes, coordinateSystem), input, options, rowsTo);
 };
 
@@ -48,10 +56,54 @@ export async function readSpzContents(input: SplatInput, options: SplatFormatOpt
   if (isGzip(await input.reader.peek(2)))
     return readGzipped(input, options, (unpacked) => readSpzContents(unpacked, options));
   const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
-  const body = hasStreams(header)
-    ? await readStreams(header, input, options)
-    : await readWhole(header, input);
-  return { header, ...body };
+  return { header, ...(await readBody(header, input, options)) };
+}
+
+function readBody(header: SpzHeader, input: SplatInput, options: SplatFormatOptions): Promise<SpzBody> {
+  return hasStreams(header) ? readStreams(header, input, options) : readWhole(header, input);
+}
+
+/**
+ * Delivers the splats of versions 1 to 3 in pieces, by a reader for each attribute. The file is
+ * first read to its end: a piece of a file that is cut off is none.
+ */
+async function deliverFromCursors(
+  header: SpzHeader,
+  input: SplatInput,
+  reopen: NonNullable<SplatInput['reopen']>,
+  options: SplatFormatOptions,
+): ReturnType<ReadFormat> {
+  const { reader, name } = input;
+  const sizes = spzAttributeBytes(header);
+  const bytes = header.count * sizes.reduce((sum, { splatBytes }) => sum + splatBytes, 0);
+  let at = reader.byteOffset;
+  if (!(await reader.skip(bytes))) throw truncated(name, splatsOf(header), reader);
+  const coordinateSystem = header.hasExtensions ? await readSpzExtensions(reader, name) : null;
+  const readers: ByteReader[] = [];
+  try {
+    const cursors: ArrivingRows[] = [];
+    const attributes = emptyAttributes();
+    for (const { attribute, splatBytes } of sizes) {
+      const cursor = new ByteReader({ name, stream: reopen() }, options.signal);
+      readers.push(cursor);
+      await cursor.skip(at);
+      const rows = new ArrivingRows(
+        { ...input, reader: cursor },
+        splatBytes,
+        () => `within the ${attribute}`,
+      );
+      cursors.push(rows);
+      attributes[attribute] = rows;
+      at += header.count * splatBytes;
+    }
+    const arrive = async (rowCount: number) => {
+      for (const cursor of cursors) await cursor.arrive(rowCount);
+    };
+    const rows = { ...spzRows(header, attributes, coordinateSystem), arrive };
+    return await deliverRows(rows, input, options, undefined);
+  } finally {
+    for (const each of readers) each.close();
+  }
 }
 
 /** Versions 1 to 3: all attributes one after another, then the extensions. */
@@ -59,14 +111,13 @@ async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody>
   const { reader, name } = input;
   const sizes = spzAttributeBytes(header);
   const splatBytes = sizes.reduce((sum, size) => sum + size.splatBytes, 0);
-  const what = `the ${header.count} splats that its header promises`;
-  const all = await readBytes(input, header.count * splatBytes, what);
+  const all = await readBytes(input, header.count * splatBytes, splatsOf(header));
   const attributes = emptyAttributes();
   let at = 0;
   for (const { attribute, splatBytes } of sizes) {
     const start = at;
     at += header.count * splatBytes;
-    attributes[attribute] = all.subarray(start, at);
+    attributes[attribute] = { bytes: all.subarray(start, at), start: 0 };
   }
   const coordinateSystem = header.hasExtensions ? await readSpzExtensions(reader, name) : null;
   return { attributes, coordinateSystem };
@@ -98,7 +149,7 @@ async function readStreams(
     packedBytes += packed.length;
     unpackedBytes += size.unpackedBytes;
     checkUnpacked(unpackedBytes, packedBytes, maxBytes, name);
-    attributes[attribute] = unpackZstd(packed, size.unpackedBytes, name, place);
+    attributes[attribute] = { bytes: unpackZstd(packed, size.unpackedBytes, name, place), start: 0 };
     await reader.pause();
   }
   if (await reader.fill(1)) {
@@ -106,6 +157,10 @@ async function readStreams(
     throw new SplatFileError('damaged', name, message, { byte: reader.byteOffset });
   }
   return { attributes, coordinateSystem };
+}
+
+function splatsOf({ count }: SpzHeader): string {
+  return `the ${count} splats that its header promises`;
 }
 
 interface StreamSize {

@@ -2,6 +2,7 @@ import { fromHalfBits } from '../../../data/layout/half.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
+import type { RowSource } from '../arriving-rows.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import type { SpzHeader } from './spz-header.ts';
 import { COLOR_SCALE } from './spz-layout.ts';
@@ -10,11 +11,11 @@ import { turnToPlyAxes } from './turn-axes.ts';
 /** Names of the attributes, in the order of the file. */
 const ATTRIBUTES = ['positions', 'alphas', 'colors', 'scales', 'rotations', 'harmonics'] as const;
 type Attribute = (typeof ATTRIBUTES)[number];
-/** Bytes of each attribute of all splats, one splat after another. */
-export type SpzAttributes = Record<Attribute, Uint8Array>;
+/** Bytes of each attribute, one splat after another. */
+export type SpzAttributes = Record<Attribute, RowSource>;
 
 export function emptyAttributes(): SpzAttributes {
-  const none = new Uint8Array(0);
+  const none = { bytes: new Uint8Array(0), start: 0 };
   return { positions: none, alphas: none, colors: none, scales: none, rotations: none, harmonics: none };
 }
 
@@ -45,13 +46,14 @@ export function spzAttributeBytes({
 }
 
 /**
- * The splats of a file whose attributes are all there, without harmonics of degree 4.
+ * The splats of a file, without harmonics of degree 4.
  *
+ * @param attributes have at least the bytes of as many splats as are decoded at once.
  * @param coordinateSystem its number, if the file names one; its axes are turned to those of PLY.
  */
 export function spzRows(
   header: SpzHeader,
-  { positions, alphas, colors, scales, rotations, harmonics }: SpzAttributes,
+  attributes: SpzAttributes,
   coordinateSystem: number | null,
 ): DecodedRows {
   const { version, count, fileShDegree, fractionalBits, isAntialiased } = header;
@@ -61,7 +63,7 @@ export function spzRows(
   const fileCoefficients = 3 * FILE_COEFFICIENTS[fileShDegree];
   const step = 2 ** -fractionalBits;
   const turn = coordinateSystem === null ? null : turnToPlyAxes(coordinateSystem);
-  let splat = 0;
+  const sizes = spzAttributeBytes(header);
   return {
     count,
     shDegree,
@@ -72,7 +74,12 @@ export function spzRows(
       ...(fileShDegree > 3 && { notes: ['Its harmonics of degree 4 are left out.'] }),
     },
     decode(rows, rowCount) {
-      for (let at = 0; at < rowCount * length; at += length, splat++) {
+      const { positions, alphas, colors, scales, rotations, harmonics } = nextBytes(
+        attributes,
+        sizes,
+        rowCount,
+      );
+      for (let at = 0, splat = 0; splat < rowCount; at += length, splat++) {
         if (version === 1) halfPosition(positions, 6 * splat, rows, at + ROW_SLOT.position);
         else fixedPosition(positions, 9 * splat, step, rows, at + ROW_SLOT.position);
         for (let i = 0; i < 3; i++) {
@@ -94,6 +101,22 @@ export function spzRows(
       turn?.(rows, length, rowCount);
     },
   };
+}
+
+/** The bytes of the next `rowCount` splats. */
+function nextBytes(
+  attributes: SpzAttributes,
+  sizes: ReturnType<typeof spzAttributeBytes>,
+  rowCount: number,
+): Record<Attribute, Uint8Array> {
+  const found = {} as Record<Attribute, Uint8Array>;
+  for (const { attribute, splatBytes } of sizes) {
+    const source = attributes[attribute];
+    const end = source.start + rowCount * splatBytes;
+    found[attribute] = source.bytes.subarray(source.start, end);
+    source.start = end;
+  }
+  return found;
 }
 
 function halfPosition(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
