@@ -81,7 +81,7 @@ export function gunzip(
 
 /**
  * Unpacks bytes while there is a demand, a few at a time. A pipe would not do: Node's
- * DecompressionStream takes all bytes at once, and holds up to 256 MiB of what they give.
+ * DecompressionStream takes all bytes at once, whether or not anything reads what they give.
  */
 async function feed(
   source: ReadableStreamDefaultReader<Uint8Array<ArrayBuffer>>,
