@@ -29,8 +29,11 @@ export interface FreshAppParts {
 export interface FreshApp {
   /** Runs a tool of the app's node_modules; rejects with its output if it fails. */
   run(script: string, args: readonly string[]): Promise<void>;
-  /** Replaces a piece of one of the app's files atomically: readers find no half-written file. */
-  edit(path: string, find: string, replacement: string): Promise<void>;
+  /**
+   * Replaces a piece of one of the app's files atomically: readers find no half-written file.
+   * Resolves to what undoes that, for the tests that come after.
+   */
+  edit(path: string, find: string, replacement: string): Promise<() => Promise<void>>;
   /** Starts a server of a tool of the app's node_modules, which prints its address. */
   serve(
     script: string,
@@ -129,8 +132,12 @@ export async function makeFreshApp({
       // serves an empty module, and drops the second change if it comes within 50 ms of the first.
       // No server watches node_modules.
       const beside = join(folder, 'node_modules', '.edited');
-      await writeFile(beside, text.replace(find, replacement));
-      await rename(beside, file);
+      const write = async (contents: string) => {
+        await writeFile(beside, contents);
+        await rename(beside, file);
+      };
+      await write(text.replace(find, replacement));
+      return () => write(text);
     },
     serve: async (script, args) => {
       const child = spawn(process.execPath, [tool(script), ...args], {

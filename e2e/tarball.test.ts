@@ -130,12 +130,16 @@ describe('the packed tarballs in a fresh Vite app', () => {
       await expect.poll(messages).toContain('[vite] connected.');
       // Fast Refresh keeps Canvas and renderer; an effect run anew would read the file again.
       await page.evaluate(() => Object.assign(document.querySelector('canvas')!, { isOfBefore: true }));
-      await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
-      await expect.poll(messages).toContain('[vite] hot updated: /src/app.tsx');
-      const served = await page.request.get(new URL('src/app.tsx', page.url()).href);
-      expect(await served.text(), 'the module that Vite serves').toContain('opacity: 0');
-      await expect.poll(async () => isAllWhite(await screenshot(page))).toBe(true);
-      expect(await page.evaluate(() => 'isOfBefore' in document.querySelector('canvas')!)).toBe(true);
+      const undo = await app.edit('src/app.tsx', '<Splats src', '<Splats opacity={0} src');
+      try {
+        await expect.poll(messages).toContain('[vite] hot updated: /src/app.tsx');
+        const served = await page.request.get(new URL('src/app.tsx', page.url()).href);
+        expect(await served.text(), 'the module that Vite serves').toContain('opacity: 0');
+        await expect.poll(async () => isAllWhite(await screenshot(page))).toBe(true);
+        expect(await page.evaluate(() => 'isOfBefore' in document.querySelector('canvas')!)).toBe(true);
+      } finally {
+        await undo();
+      }
     });
   });
 });
