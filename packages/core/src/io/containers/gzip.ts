@@ -26,13 +26,13 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
   const { name, reader, reopen } = packed;
   const stream = gunzip(reader.rest(), name, () => reader.byteOffset);
   return {
-    reopen: reopen && (() => gunzip(reopen(), name, () => reader.byteOffset)),
     name,
     totalBytes: undefined,
     totalBytesCertain: false,
     isHeld: false,
     packed,
     reader: new ByteReader({ name, stream }, signal, maxBytes),
+    reopen: reopen && (() => gunzip(reopen(), name, () => reader.byteOffset)),
   };
 }
 

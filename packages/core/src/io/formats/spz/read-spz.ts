@@ -41,22 +41,31 @@ const TABLE_ENTRY_BYTES = 16;
  *
  * Pieces of a file that can be opened again take no more memory than their rows, up to version 3.
  */
-export const read: ReadFormat = async (input, options, rowsTo) => {
-  if (isGzip(await input.reader.peek(2)))
-    return readGzipped(input, options, (unpacked) => read(unpacked, options, rowsTo));
-  const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
-  if (options.onPiece && input.reopen && !hasStreams(header))
-    return deliverFromCursors(header, input, input.reopen, options);
-  const { attributes, coordinateSystem } = await readBody(header, input, options);
-  return deliverRows(spzRows(header, attributes, coordinateSystem), input, options, rowsTo);
-};
+export const read: ReadFormat = (input, options, rowsTo) =>
+  openSpz(input, options, async (header, unpacked) => {
+    if (options.onPiece && unpacked.reopen && !hasStreams(header))
+      return deliverFromCursors(header, unpacked, unpacked.reopen, options);
+    const { attributes, coordinateSystem } = await readBody(header, unpacked, options);
+    return deliverRows(spzRows(header, attributes, coordinateSystem), unpacked, options, rowsTo);
+  });
 
 /** Reads all but the meaning of the splats, packed by gzip or not. Rejects with SplatFileError. */
-export async function readSpzContents(input: SplatInput, options: SplatFormatOptions): Promise<SpzContents> {
+export function readSpzContents(input: SplatInput, options: SplatFormatOptions): Promise<SpzContents> {
+  return openSpz(input, options, async (header, unpacked) => ({
+    header,
+    ...(await readBody(header, unpacked, options)),
+  }));
+}
+
+/** Reads what follows the header by `read`, unpacked where gzip has packed the file. */
+async function openSpz<Result>(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  read: (header: SpzHeader, unpacked: SplatInput) => Promise<Result>,
+): Promise<Result> {
   if (isGzip(await input.reader.peek(2)))
-    return readGzipped(input, options, (unpacked) => readSpzContents(unpacked, options));
-  const header = await readSpzHeader(input.reader, input.name, options.maxSplats);
-  return { header, ...(await readBody(header, input, options)) };
+    return readGzipped(input, options, (unpacked) => openSpz(unpacked, options, read));
+  return read(await readSpzHeader(input.reader, input.name, options.maxSplats), input);
 }
 
 function readBody(header: SpzHeader, input: SplatInput, options: SplatFormatOptions): Promise<SpzBody> {
@@ -74,19 +83,18 @@ async function deliverFromCursors(
   options: SplatFormatOptions,
 ): ReturnType<ReadFormat> {
   const { reader, name } = input;
-  const sizes = spzAttributeBytes(header);
-  const bytes = header.count * sizes.reduce((sum, { splatBytes }) => sum + splatBytes, 0);
-  let at = reader.byteOffset;
-  if (!(await reader.skip(bytes))) throw truncated(name, splatsOf(header), reader);
+  const { places, totalBytes } = successionOf(header);
+  const bodyStart = reader.byteOffset;
+  if (!(await reader.skip(totalBytes))) throw truncated(name, splatsOf(header), reader);
   const coordinateSystem = header.hasExtensions ? await readSpzExtensions(reader, name) : null;
   const readers: ByteReader[] = [];
   try {
     const cursors: ArrivingRows[] = [];
     const attributes = emptyAttributes();
-    for (const { attribute, splatBytes } of sizes) {
+    for (const { attribute, splatBytes, start } of places) {
       const cursor = new ByteReader({ name, stream: reopen() }, options.signal);
       readers.push(cursor);
-      await cursor.skip(at);
+      await cursor.skip(bodyStart + start);
       const rows = new ArrivingRows(
         { ...input, reader: cursor },
         splatBytes,
@@ -94,7 +102,6 @@ async function deliverFromCursors(
       );
       cursors.push(rows);
       attributes[attribute] = rows;
-      at += header.count * splatBytes;
     }
     const arrive = async (rowCount: number) => {
       for (const cursor of cursors) await cursor.arrive(rowCount);
@@ -109,18 +116,24 @@ async function deliverFromCursors(
 /** Versions 1 to 3: all attributes one after another, then the extensions. */
 async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody> {
   const { reader, name } = input;
-  const sizes = spzAttributeBytes(header);
-  const splatBytes = sizes.reduce((sum, size) => sum + size.splatBytes, 0);
-  const all = await readBytes(input, header.count * splatBytes, splatsOf(header));
+  const { places, totalBytes } = successionOf(header);
+  const bytes = await readBytes(input, totalBytes, splatsOf(header));
   const attributes = emptyAttributes();
-  let at = 0;
-  for (const { attribute, splatBytes } of sizes) {
-    const start = at;
-    at += header.count * splatBytes;
-    attributes[attribute] = { bytes: all.subarray(start, at), start: 0 };
-  }
+  for (const { attribute, start, end } of places)
+    attributes[attribute] = { bytes: bytes.subarray(start, end), start: 0 };
   const coordinateSystem = header.hasExtensions ? await readSpzExtensions(reader, name) : null;
   return { attributes, coordinateSystem };
+}
+
+/** Where each attribute of versions 1 to 3 begins and ends, behind the header, and their bytes. */
+function successionOf(header: SpzHeader) {
+  let totalBytes = 0;
+  const places = spzAttributeBytes(header).map((size) => {
+    const start = totalBytes;
+    totalBytes += header.count * size.splatBytes;
+    return { ...size, start, end: totalBytes };
+  });
+  return { places, totalBytes };
 }
 
 /** From version 4 on: extensions, a table of sizes, a stream for each attribute with any bytes. */
