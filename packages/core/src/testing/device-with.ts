@@ -35,10 +35,11 @@ export function withAdapter(whole: GPUDevice, info: Partial<GPUAdapterInfo>): GP
 }
 
 /**
- * `whole`, as on an adapter by this vendor alone. Engines remember by adapter which rasteriser was
- * faster, also for the files of tests that come later in the process.
+ * `whole`, as on an adapter of the same vendor with a label of its own. Engines remember by the
+ * label which rasteriser was faster, also for the files of tests that come later in the process.
  */
-export function onOwnAdapter(whole: GPUDevice, vendor: string): GPUDevice {
-  const { architecture, device, description, isFallbackAdapter } = whole.adapterInfo;
-  return withAdapter(whole, { vendor, architecture, device, description, isFallbackAdapter });
+export function onOwnAdapter(whole: GPUDevice, name: string): GPUDevice {
+  const { vendor, architecture, device, description, isFallbackAdapter } = whole.adapterInfo;
+  const own = `${architecture} ${name}`;
+  return withAdapter(whole, { vendor, architecture: own, device, description, isFallbackAdapter });
 }
