@@ -10,8 +10,8 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../../shaders/{lib,stages}/*.wgsl',
-    '!../../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,ingest-*,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
-    '!../../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,layer-rounding,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
+    '!../../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
+    '!../../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,layer-rounding,level-link,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
 );
@@ -108,6 +108,9 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   OPACITY_EFFECTS: false,
   COLOR_EFFECTS: false,
   CONTRIBUTIONS: false,
+  UPPER: false,
+  LEVELS: false,
+  BLOBS: false,
 };
 
 /** Returns the WGSL of one stage with everything that it imports. */

@@ -1,0 +1,83 @@
+import { CHUNK_SPLATS } from './constants.ts';
+import { gpuStruct } from './gpu-struct.ts';
+import type { ShaderStruct } from './structs.ts';
+
+/**
+ * A cell of a cloud's levels: the splats of a chunk with the blobs that stand for them, or sixteen
+ * cells of the level below. Cells are numbered level by level, those of chunks first.
+ */
+export const LevelCell = gpuStruct('LevelCell', {
+  /** Bounds of the centres of all splats below it, about the cloud's origin. */
+  minPosition: 'vec3f',
+  /** Cell that has this cell's roots as its leaves; NO_CELL for the one at the top. */
+  parent: 'u32',
+  maxPosition: 'vec3f',
+});
+
+/** Cells whose splats are merged by one dispatch: those of a page, or all of a level. */
+export const MergeParameters = gpuStruct('MergeParameters', {
+  /** First cell of the dispatch, and the number of them. */
+  firstCell: 'u32',
+  cellCount: 'u32',
+  /** First cell of the level, of the next level, and of the first level above the chunks. */
+  levelStart: 'u32',
+  nextLevelStart: 'u32',
+  upperStart: 'u32',
+  /** Splats of the page; of upper levels, links tell. */
+  splatCount: 'u32',
+  /** 1 where a level is above: roots become its leaves. */
+  hasNextLevel: 'u32',
+  dispatchRow: 'u32',
+});
+
+/** What the cut of one cloud needs, for one view. */
+export const CutParameters = gpuStruct('CutParameters', {
+  /** The camera in cloud space, about the cloud's origin. */
+  camera: 'vec3f',
+  /** A cell's squared threshold is its squared distance times this and … */
+  squaredPerDistance: 'f32',
+  /** … this, in the cloud's units: one of the two is 0. */
+  squaredEverywhere: 'f32',
+  cellCount: 'u32',
+  dispatchRow: 'u32',
+});
+
+/** Constants of stages that know levels. */
+export const LEVEL_CONSTANTS = {
+  /** Cells of a level in one of the level above. */
+  CELL_CHILDREN: 16,
+  /** Most roots of a cell. */
+  CELL_ROOTS: 16,
+  NO_CELL: 0xffffffff,
+  /** Bits that an error loses in a link: see lib/level-link.wgsl. */
+  ERROR_SHIFT: 19,
+  /** Error of what nothing stands for. */
+  ERROR_BOUNDLESS: 0xfff,
+  /** Places to either side in which a node looks for one to merge with. */
+  MERGED_RADIUS: 4,
+  /** Most splats that may lie on top of each other in one blob. */
+  MOST_OPACITY: 1000,
+} as const;
+
+/** A chunk of splats or blobs in its cell, with a link for each: how the merging stages leave it. */
+export const ChunkLinks: ShaderStruct & { readonly words: number } = {
+  name: 'ChunkLinks',
+  /** 32-bit words of one. */
+  words: 6 + CHUNK_SPLATS,
+  wgsl: `struct ChunkLinks {
+  cell: u32,
+  /// Largest error of the cell's roots: the cell is drawn where that is more than its parent's threshold.
+  cellError: u32,
+  /// The chunk may draw something at thresholds from the one error up to the other.
+  leastError: u32,
+  largestParentError: u32,
+  /// Largest standard deviation along any axis.
+  largestScale: f32,
+  count: u32,
+  /// See lib/level-link.wgsl; 0 for slots that hold nothing.
+  links: array<u32, ${CHUNK_SPLATS}>,
+}`,
+};
+
+/** Structs of the stages that know levels. */
+export const LEVEL_STRUCTS: readonly ShaderStruct[] = [LevelCell, MergeParameters, CutParameters, ChunkLinks];

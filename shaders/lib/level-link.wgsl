@@ -1,0 +1,39 @@
+// Links of splats and blobs: when does a cut through the levels draw one? An error is the square of
+// a length, as the top 12 bits of its float32 (its exponent and four bits of its mantissa) so that
+// errors compare as integers. A link holds a node's own error, its parent's, and the parent's slot
+// among the blobs of its cell. A node is drawn where own error ≤ threshold < parent's error, so of
+// the nodes on the way from a splat to the root exactly one is drawn, whatever the threshold.
+// Reference: reference/level-link.ts.
+import constants::ERROR_BOUNDLESS;
+import constants::ERROR_SHIFT;
+
+/// Error of a blob: rounded up, at least 1, so that a splat's own error, 0, is less.
+fn blobError(squaredLength: f32) -> u32 {
+  let bits = bitcast<u32>(squaredLength) + ((1u << ERROR_SHIFT) - 1u);
+  return clamp(bits >> ERROR_SHIFT, 1u, ERROR_BOUNDLESS - 1u);
+}
+
+/// The threshold below which errors are not seen: rounded down.
+fn threshold(squaredLength: f32) -> u32 {
+  return min(bitcast<u32>(squaredLength) >> ERROR_SHIFT, ERROR_BOUNDLESS - 1u);
+}
+
+fn linkOf(error: u32, parentError: u32, parentSlot: u32) -> u32 {
+  return error | (parentError << 12u) | (parentSlot << 24u);
+}
+
+fn errorOf(link: u32) -> u32 {
+  return link & 0xfffu;
+}
+
+fn parentErrorOf(link: u32) -> u32 {
+  return (link >> 12u) & 0xfffu;
+}
+
+fn parentSlotOf(link: u32) -> u32 {
+  return link >> 24u;
+}
+
+fn isDrawnAt(link: u32, limit: u32) -> bool {
+  return errorOf(link) <= limit && limit < parentErrorOf(link);
+}
