@@ -175,7 +175,7 @@ describe('cull-splats', () => {
       1,
     ]);
     const words = await gpu.read(masks);
-    /** Whether the reference draws a splat in an image that is wider by \`marginPx\` on each side. */
+    /** Whether the reference draws a splat in an image that is wider by `marginPx` on each side. */
     const isDrawn = (i: number, opacity: number, marginPx: number) => {
       const [widthPx, heightPx] = [SIZE.widthPx + 2 * marginPx, SIZE.heightPx + 2 * marginPx];
       const centerPx = [widthPx / 2, heightPx / 2] as const;
