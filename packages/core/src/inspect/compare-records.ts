@@ -256,7 +256,7 @@ function compareAlpha(
   }
 }
 
-/** Alpha of a record at `offsetPx` from its centre, where its Gaussian is exp(−|p|²) by its axes. */
+/** Alpha of a record `offsetPx` from its centre, where its Gaussian is exp(−|p|²) by its axes. */
 function recordAlpha({ majorPx, minorPx, color }: DecodedRecord, [x, y]: readonly number[]): number {
   const determinant = majorPx[0] * minorPx[1] - majorPx[1] * minorPx[0];
   const p = (x * minorPx[1] - y * minorPx[0]) / determinant;

@@ -167,8 +167,8 @@ function isShown(
 /**
  * Bound of the error of a value blended from `records` at a pixel, if each has a value of at most
  * 1. A splat's alpha moves the value by at most the light that reaches it. It errs by some
- * roundings of the local coordinates, |d exp(−p²)/dp| ≤ 0.86, or |dα/dp| ≤ 2p of a stack, and of the
- * exponential; near the cutoff, rounding decides whether the splat is drawn.
+ * roundings of the local coordinates, |d exp(−p²)/dp| ≤ 0.86, or |dα/dp| ≤ 2p of a stack, and of
+ * the exponential; near the cutoff, rounding decides whether the splat is drawn.
  */
 function errorBound(records: readonly RankedRecord[], x: number, y: number): number {
   let [light, error] = [1, 0];
