@@ -3,6 +3,7 @@
 // vertex and per fragment.
 import constants::MAX_FRAGMENT_ALPHA;
 import layout::SplatRecord;
+@if(STACKED) import package::lib::stacked_opacity::stackedAlpha;
 
 /// Half axes at √2 standard deviations.
 struct SplatAxes {
@@ -48,7 +49,8 @@ fn localCoordinate(gradients: vec4f, offset: vec2f) -> vec2f {
 
 /// Opacity of a splat at a pixel with these local coordinates; 0 below the cutoff.
 fn fragmentAlpha(opacity: f32, local: vec2f, alphaCutoff: f32) -> f32 {
-  let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp2(-dot(local, local)));
+  @if(!STACKED) let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp2(-dot(local, local)));
+  @if(STACKED) let alpha = min(MAX_FRAGMENT_ALPHA, stackedAlpha(opacity, exp2(-dot(local, local))));
   return select(0.0, alpha, alpha >= alphaCutoff);
 }
 

@@ -6,6 +6,7 @@ import package::lib::covariance::ScreenCovariance;
 @if(!ISOTROPIC) import package::lib::covariance::rotationMatrix;
 import package::lib::covariance::screenCovariance;
 import package::lib::packing::Splat;
+@if(STACKED) import package::lib::stacked_opacity::cutoffGaussian;
 
 struct ScreenSplat {
   centerPx: vec2f,
@@ -35,8 +36,9 @@ fn screenCenter(view: View, centerView: vec3f) -> vec2f {
 }
 
 /// Distance, in units of the axes at √2 standard deviations, at which `opacity` has fallen to the
-/// cutoff; with a fixed extent, the distance of an opaque splat.
+/// cutoff; with a fixed extent, the distance of an opaque splat or of a merged one.
 fn reachInAxes(opacity: f32, alphaCutoff: f32) -> f32 {
+  @if(STACKED) if (opacity > 1.0) { return sqrt(-log(cutoffGaussian(opacity, alphaCutoff))); }
   @if(FIXED_EXTENT) return sqrt(log(1.0 / alphaCutoff));
   // A splat whose opacity is rounded to less than the cutoff has reach 0; 0 has no logarithm.
   @if(!FIXED_EXTENT) return sqrt(log(max(1.0, opacity / alphaCutoff)));

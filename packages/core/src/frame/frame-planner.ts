@@ -95,6 +95,7 @@ export class FramePlanner {
         clouds: shapes,
         isOrthographic,
         sortsByDistance,
+        isStacked: false,
         accuracy,
         dispatchRow,
         sortDevice,

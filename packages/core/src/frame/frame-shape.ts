@@ -40,6 +40,8 @@ export interface FrameShape {
   readonly isOrthographic: boolean;
   /** Whether splats are sorted by distance from the camera, not by depth: only with perspective. */
   readonly sortsByDistance: boolean;
+  /** Whether merged splats are drawn, whose opacity may exceed 1. */
+  readonly isStacked: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;

@@ -28,6 +28,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
     a.request.heightPx === b.request.heightPx &&
     a.shape.accuracy === b.shape.accuracy &&
     a.shape.sortsByDistance === b.shape.sortsByDistance &&
+    a.shape.isStacked === b.shape.isStacked &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];

@@ -5,6 +5,7 @@ import { coefficientsPerSplat } from '../data/splats/splat-set.ts';
 import { screenAxes } from '../reference/covariance.ts';
 import { type CulledSplat, cullSplat, type VisibleSplat } from '../reference/cull-splats.ts';
 import { splatColor } from '../reference/project.ts';
+import { stackedAlpha } from '../reference/stacked-opacity.ts';
 import { FLOAT32_ROUNDING, type ProjectionErrors, projectionErrors } from './error-bounds.ts';
 import { FieldErrors } from './field-error.ts';
 import type { InspectedCloud, InspectedFrame } from './inspected-frame.ts';
@@ -226,7 +227,7 @@ function compareAlpha(
   { longestAxisPx, axis: axisRounding, color }: RecordRounding,
   add: Add,
 ): void {
-  const opacityError = 8 * u + color(reference.opacity);
+  const opacityError = 8 * u * Math.max(1, reference.opacity) + color(reference.opacity);
   add('opacity', record.color[3], reference.opacity, opacityError);
   const capped = (alpha: number) => Math.min(MAX_FRAGMENT_ALPHA, alpha);
   add('alpha at 0σ', capped(record.color[3]), capped(reference.opacity), opacityError);
@@ -246,7 +247,7 @@ function compareAlpha(
     const deviation = axis === 'major' ? deviation1 : deviation2;
     for (const k of [1, 2] as const) {
       const offsetPx = along.map((component) => (k * component) / Math.SQRT2);
-      const alpha = reference.opacity * Math.exp(-0.5 * k * k);
+      const alpha = stackedAlpha(reference.opacity, Math.exp(-0.5 * k * k));
       const unrounded = 0.5 * k * k * (relative(deviation) + cross);
       const exponentError = unrounded + (axisRounding > 0 ? stretch * (0.5 * k * k + unrounded) : 0);
       const bound = Math.min(reference.opacity, alpha * Math.expm1(exponentError)) + opacityError;
@@ -255,10 +256,10 @@ function compareAlpha(
   }
 }
 
-/** Alpha of a record's Gaussian at `offsetPx` from its centre: opacity·exp(−|p|²) by its axes. */
+/** Alpha of a record `offsetPx` from its centre, where its Gaussian is exp(−|p|²) by its axes. */
 function recordAlpha({ majorPx, minorPx, color }: DecodedRecord, [x, y]: readonly number[]): number {
   const determinant = majorPx[0] * minorPx[1] - majorPx[1] * minorPx[0];
   const p = (x * minorPx[1] - y * minorPx[0]) / determinant;
   const q = (y * majorPx[0] - x * majorPx[1]) / determinant;
-  return color[3] * Math.exp(-p * p - q * q);
+  return stackedAlpha(color[3], Math.exp(-p * p - q * q));
 }

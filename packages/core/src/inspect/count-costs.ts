@@ -130,9 +130,9 @@ async function walkTiles(engine: CountedEngine, request: CostRequest, pass: 'cou
       await view.whenDrawn();
       const { context, parts } = view.blended();
       if (!parts.shape) throw new InvalidArgumentError('widthPx', 'The frame has no pixels to count.');
-      const { recordPrecision } = parts.shape.accuracy;
-      const counts = tileCosts(recordPrecision, 'counts');
-      const stages = pass === 'map' ? [counts, tileCosts(recordPrecision, 'map')] : [counts];
+      const { accuracy: drawn, isStacked } = parts.shape;
+      const counts = tileCosts(drawn.recordPrecision, 'counts', isStacked);
+      const stages = pass === 'map' ? [counts, tileCosts(drawn.recordPrecision, 'map', isStacked)] : [counts];
       await context.pipelines.prepare(stages);
       const { neededPairs, fits, ...walk } = await readWalk(context, parts, stages);
       if (fits) return walk;

@@ -6,6 +6,7 @@ import { opacityOf } from '../data/splats/color-values.ts';
 import type { SplatColumns } from '../data/splats/splat-set.ts';
 import { rotationMatrix, type ScreenCovariance, screenCovariance, screenRows } from './covariance.ts';
 import type { EffectReference, SplatValues } from './effects/effect-reference.ts';
+import { reachSquared } from './stacked-opacity.ts';
 
 /** Cutoffs that decide which splats are drawn and how far each reaches. */
 export interface CullSettings {
@@ -27,7 +28,7 @@ export interface VisibleSplat {
   readonly depthView: number;
   readonly centerPx: readonly [number, number];
   readonly covariance: ScreenCovariance;
-  /** Peak opacity, 0…1. */
+  /** Peak opacity, 0…1; of a merged splat, the number of opaque ones that it stands for. */
   readonly opacity: number;
   /** Half extents, px, of the box of pixels where the opacity, or one of 1, reaches the cutoff. */
   readonly extentPx: readonly [number, number];
@@ -69,7 +70,7 @@ export function cullSplat(
   if (opacity < alphaCutoff) return null;
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of
   // Σ's diagonal times that.
-  const reach = Math.sqrt(2 * Math.log((extent === 'fixed' ? 1 : opacity) / alphaCutoff));
+  const reach = Math.sqrt(2 * reachSquared(extent === 'fixed' ? Math.max(1, opacity) : opacity, alphaCutoff));
   const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
   const isInside =
     settings.culling === 'frustum'

@@ -1,5 +1,6 @@
 import { MAX_FRAGMENT_ALPHA, type SizePx } from '../data/accuracy/accuracy.ts';
 import type { VisibleSplat } from './cull-splats.ts';
+import { stackedAlpha } from './stacked-opacity.ts';
 
 /** Premultiplied RGBA in float64, top row first. */
 export interface ReferenceImage {
@@ -78,7 +79,7 @@ function visitPixels(
     for (let column = left; column <= right; column++) {
       const x = column + 0.5 - centerPx[0];
       const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / determinant;
-      const alpha = Math.min(MAX_FRAGMENT_ALPHA, opacity * Math.exp(-0.5 * distance2));
+      const alpha = Math.min(MAX_FRAGMENT_ALPHA, stackedAlpha(opacity, Math.exp(-0.5 * distance2)));
       if (alpha >= alphaCutoff) visit(row * widthPx + column, alpha);
     }
   }

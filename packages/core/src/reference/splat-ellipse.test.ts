@@ -17,7 +17,10 @@ const records: fc.Arbitrary<EllipseRecord> = fc
     angle: fc.oneof(fc.double({ min: 0, max: Math.PI, noNaN: true }), fc.constantFrom(0, Math.PI / 2, 1e-7)),
     minorPx: fc.double({ min: -0.25, max: 6, noNaN: true }).map((exponent) => 2 ** exponent),
     slimness: fc.double({ min: 0, max: 12, noNaN: true }).map((exponent) => 2 ** exponent),
-    opacity: fc.double({ min: 0, max: 1, noNaN: true }),
+    opacity: fc.oneof(
+      fc.double({ min: 0, max: 1, noNaN: true }),
+      fc.double({ min: 1, max: 1000, noNaN: true }),
+    ),
   })
   .map(({ x, y, angle, minorPx, slimness, opacity }) => {
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];

@@ -1,3 +1,5 @@
+import { reachSquared } from './stacked-opacity.ts';
+
 /** The visible part of a splat, in float64. Lengths in pixels, y down. */
 export interface SplatEllipse {
   readonly centerPx: readonly [number, number];
@@ -25,7 +27,7 @@ export interface EllipseRecord {
 export function splatEllipse(record: EllipseRecord, alphaCutoff: number): SplatEllipse | null {
   const opacity = record.color[3];
   if (opacity < alphaCutoff) return null;
-  const reach = Math.sqrt(Math.log(opacity / alphaCutoff));
+  const reach = Math.sqrt(reachSquared(opacity, alphaCutoff));
   const [[majorX, majorY], [minorX, minorY]] = [record.majorPx, record.minorPx];
   const halfX = Math.hypot(majorX, minorX);
   const halfY = Math.hypot(majorY, minorY);

@@ -1,5 +1,6 @@
 import { MAX_FRAGMENT_ALPHA } from '../data/accuracy/accuracy.ts';
 import type { EllipseRecord } from './splat-ellipse.ts';
+import { stackedAlpha } from './stacked-opacity.ts';
 
 /** A pixel ends when less of the light behind it passes through. */
 export const OPAQUE = 2 ** -16;
@@ -56,5 +57,6 @@ export function alphaAt(record: EllipseRecord, xPx: number, yPx: number): number
   const area = majorPx[0] * minorPx[1] - majorPx[1] * minorPx[0];
   const along = (x * minorPx[1] - y * minorPx[0]) / area;
   const across = (majorPx[0] * y - majorPx[1] * x) / area;
-  return Math.min(MAX_FRAGMENT_ALPHA, color[3] * Math.exp(-(along * along + across * across)));
+  const gaussian = Math.exp(-(along * along + across * across));
+  return Math.min(MAX_FRAGMENT_ALPHA, stackedAlpha(color[3], gaussian));
 }

@@ -60,6 +60,9 @@ const BALLOT_DEVICES = [
   { min: 32, max: 64, workgroupThreads: 256 },
 ] as const;
 
+/** One of the kinds of tiles: how they treat merged splats does not depend on it. */
+const STACKED_TILES = { colorTarget: 'rgba16float', depth: null, isExactOrder: true } as const;
+
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
 const COMPARES = ['less-equal', 'greater-equal'] as const;
 const DEPTHS: readonly (RasterizeDepth | null)[] = [
@@ -96,7 +99,10 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     compareImages,
     ...prefixScanStages,
     ...RECORD.flatMap((recordPrecision) =>
-      EXTENTS.flatMap((extent) => DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth }))),
+      EXTENTS.flatMap((extent) => [
+        ...DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth })),
+        rasterize({ recordPrecision, extent, depth: null, isStacked: true }),
+      ]),
     ),
     ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),
     ...COMPARES.flatMap((compare) =>
@@ -105,10 +111,16 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     tileRanges,
     ...RECORD.flatMap((recordPrecision) => [
       ...EXTENTS.flatMap((extent) => [
-        tileCount({ recordPrecision, extent }),
-        tileMasks({ recordPrecision, extent }),
+        ...BOTH.flatMap((isStacked) => [
+          tileCount({ recordPrecision, extent, isStacked }),
+          tileMasks({ recordPrecision, extent, isStacked }),
+        ]),
         ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent }, shape)),
+        tileEmit({ recordPrecision, extent, isStacked: true }, PAIR_SORTS[0]),
       ]),
+      ...BOTH.map((isNarrow) =>
+        tileRasterize({ ...STACKED_TILES, recordPrecision, isNarrow, isStacked: true }),
+      ),
       ...COLOR_TARGETS.flatMap((colorTarget) =>
         TILE_DEPTHS.flatMap((depth) =>
           BOTH.flatMap((isExactOrder) =>
@@ -121,12 +133,15 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ]),
     ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), ...radixSortStages(shape)]),
     ...COLOR_TARGETS.flatMap((target) => BOTH.map((hasDepthLayer) => upscale(target, hasDepthLayer))),
-    ...RECORD.map(pick),
     ...RECORD.flatMap((precision) => [null, ...COMPARES].map((compare) => coverPoints(precision, compare))),
-    ...RECORD.flatMap((recordPrecision) => [
-      tileCosts(recordPrecision, 'counts'),
-      tileCosts(recordPrecision, 'map'),
-    ]),
+    ...RECORD.flatMap((recordPrecision) =>
+      BOTH.flatMap((isStacked) => [
+        pick(recordPrecision, isStacked),
+        coverPoints(recordPrecision, null, isStacked),
+        tileCosts(recordPrecision, 'counts', isStacked),
+        tileCosts(recordPrecision, 'map', isStacked),
+      ]),
+    ),
     ...GEOMETRY.flatMap((geometryPrecision) => [
       ingestKeys(geometryPrecision),
       ingestChunks(geometryPrecision),
@@ -165,6 +180,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
           stages.push(
             cullSplats(variant),
             cullSplats({ ...variant, isIsotropic: true }),
+            cullSplats({ ...variant, isStacked: true }),
             ...(isOrthographic ? [] : [cullSplats({ ...variant, sortsByDistance: true })]),
           );
         }

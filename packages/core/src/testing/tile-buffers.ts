@@ -62,6 +62,14 @@ export function anySplat(random: () => number, { widthPx, heightPx }: SizePx): D
   };
 }
 
+/** Opacities of merged splats. */
+export const MERGED_OPACITIES = [1.0001, 1.5, 3, 40, 1000] as const;
+
+/** `splat`, every other one merged, by its place in a list. */
+export function merged(splat: DrawnSplat, i: number): DrawnSplat {
+  return i % 2 ? splat : { ...splat, opacity: MERGED_OPACITIES[(i / 2) % MERGED_OPACITIES.length] };
+}
+
 const { BIN_TILES, MASK_GROUP } = SHADER_CONSTANTS;
 const TILES = BIN_TILES * BIN_TILES;
 const GROUP_WORDS = MASK_GROUP / 32;

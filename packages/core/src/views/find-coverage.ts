@@ -79,7 +79,7 @@ export function checkPoints(points: readonly PointToCover[]): void {
 /** The stage that finds the cover of points in frames like the last one of `frame`. */
 export function coverStage({ shared }: FrameParts, { shape }: FramePlan): StageDefinition {
   const compare = shared.testedDepth && shape.depth ? shape.depth.compare : null;
-  return coverPoints(shape.accuracy.recordPrecision, compare);
+  return coverPoints(shape.accuracy.recordPrecision, compare, shape.isStacked);
 }
 
 /**

@@ -189,8 +189,8 @@ export class FrameDivider {
     const before = new Float64Array(count + 1);
     if (count === 0) return before;
     // The stage that counts the bins of each splat counts cells where bins are as small as those.
-    const { recordPrecision, extent } = shape.accuracy;
-    const stage = { ...tileCount({ recordPrecision, extent }), constants: { BIN_PX: CELL_PX } };
+    const counting = tileCount({ ...shape.accuracy, isStacked: shape.isStacked });
+    const stage = { ...counting, constants: { BIN_PX: CELL_PX } };
     await pipelines.prepare([stage]);
     if (!canDraw()) return null;
     const blocks = Math.ceil(count / TILE_COUNT_BLOCK);

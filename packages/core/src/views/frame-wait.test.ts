@@ -10,6 +10,7 @@ const shape: FrameShape = {
   clouds: [],
   isOrthographic: false,
   sortsByDistance: false,
+  isStacked: false,
   accuracy: internAccuracy({ preset: 'balanced', rasterizer: 'quads' }),
   dispatchRow: 65_535,
   sortDevice: { workgroupBytes: 16_384, isNarrow: false, ballots: null },

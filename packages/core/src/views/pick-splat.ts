@@ -15,8 +15,8 @@ import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { pick } from '../gpu/stages/pick.ts';
 
 /** The stage that finds splats in frames of this plan. */
-export function pickStage({ shape }: FramePlan): StageDefinition {
-  return pick(shape.accuracy.recordPrecision);
+export function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition {
+  return pick(shape.accuracy.recordPrecision, shape.isStacked);
 }
 
 /** The splat that contributes most to a pixel. */
@@ -124,7 +124,7 @@ async function readBlocks(
   { shared, shape }: FrameParts,
   pixelPx: readonly [number, number],
 ): Promise<ArrayBuffer> {
-  const { visibleCapacity, dispatchRow, accuracy } = shape!;
+  const { visibleCapacity, dispatchRow } = shape!;
   const blockCount = Math.ceil(visibleCapacity / PICK_CONSTANTS.PICK_WORKGROUP);
   if (blockCount === 0) return new ArrayBuffer(0);
   const bytes = blockCount * PickBlock.bytes;
@@ -134,7 +134,7 @@ async function readBlocks(
     const blocks = scratch.createBuffer('pick blocks', bytes, STORAGE | COPY_SRC);
     const contents = PickParameters.pack({ pixelPx, blockCount });
     device.queue.writeBuffer(parameters, 0, contents);
-    const stage = pick(accuracy.recordPrecision);
+    const stage = pickStage({ shape: shape! });
     const group = pipelines.bindGroup(stage, { ...shared.buffers, parameters, blocks });
     return readBack(device, bytes, (encoder, target) => {
       const pass = encoder.beginComputePass({ label: 'pick' });

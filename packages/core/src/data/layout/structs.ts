@@ -134,7 +134,7 @@ export const SplatRecordPaper = gpuStruct('SplatRecord', {
   /** Two float16, none beyond ±65504. */
   majorPx: 'u32',
   minorPx: 'u32',
-  /** r, g, b and opacity as four unorm8. */
+  /** r, g, b and opacity as four unorm8, which clamp a merged splat's opacity to 1. */
   color: 'u32',
   depthView: 'f32',
 });

@@ -8,9 +8,12 @@ import { hostDepthUniform } from '../frame-uniforms.ts';
 import { createLayer, fitsLayer, freeLayer } from '../layer-textures.ts';
 
 /** The stage that draws the visible splats, and the targets that it draws into. */
-const stageOf = perShape(({ accuracy, depth }) => {
+const stageOf = perShape(({ accuracy, depth, isStacked }) => {
   const { recordPrecision, extent, colorTarget } = accuracy;
-  return [rasterize({ recordPrecision, extent, depth }), rasterizeState(colorTarget, depth)] as const;
+  return [
+    rasterize({ recordPrecision, extent, depth, isStacked }),
+    rasterizeState(colorTarget, depth),
+  ] as const;
 });
 
 /** Places of the order that a sample takes splats from: near ones are larger than far ones. */

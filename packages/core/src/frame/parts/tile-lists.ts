@@ -29,7 +29,7 @@ const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
 
 const stages = perShape((shape) => {
   const { recordPrecision, extent } = shape.accuracy;
-  const variant = { recordPrecision, extent };
+  const variant = { recordPrecision, extent, isStacked: shape.isStacked };
   const sortShape = pairSortShape(shape);
   return {
     tileCount: tileCount(variant),

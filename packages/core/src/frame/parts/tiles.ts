@@ -8,7 +8,7 @@ import { HostGroup } from '../host-group.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
 const stageOf = perShape((shape) => {
-  const { rasterizer, accuracy, depth, sortDevice } = shape;
+  const { rasterizer, accuracy, depth, sortDevice, isStacked } = shape;
   if (rasterizer !== 'tiles') return null;
   const { recordPrecision, colorTarget } = accuracy;
   return tileRasterize({
@@ -17,6 +17,7 @@ const stageOf = perShape((shape) => {
     depth,
     isExactOrder: !shape.shortensKeys && !shape.sortsByDistance,
     isNarrow: sortDevice.isNarrow,
+    isStacked,
   });
 });
 

@@ -140,7 +140,11 @@ describe('linked shaders', () => {
     expect(linkShader(cullSplats({ ...cull, culling: 'bounding-box' }))).not.toContain('FARTHEST_CENTER_PX');
     // At degree 0 no coefficients are read, so their precision makes no difference.
     expect(variant({ shDegree: 0, shPrecision: 'f32' })).toBe(none);
-    for (const { wgsl } of linked) expect(wgsl).not.toMatch(/@(if|else|elif)\b|\bimport\b/);
+    for (const { stage, wgsl } of linked) {
+      expect(wgsl).not.toMatch(/@(if|else|elif)\b|\bimport\b/);
+      const isStacked = stage.conditions?.STACKED === true;
+      expect(/stackedAlpha|cutoffGaussian/.test(wgsl), describeVariant(stage)).toBe(isStacked);
+    }
   });
 
   test('end: every loop counts up to, or down from, a value that cannot change while it runs', () => {

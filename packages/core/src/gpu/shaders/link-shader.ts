@@ -100,6 +100,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   REVERSED_DEPTH: false,
   SCALED: false,
   SHORT_KEYS: false,
+  STACKED: false,
   DISTANCE_ORDER: false,
   FIXED_EXTENT: false,
   FRUSTUM_CULLING: false,

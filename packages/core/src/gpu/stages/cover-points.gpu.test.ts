@@ -3,18 +3,23 @@ import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError } from '../../data/errors.ts';
-import { COVER_CONSTANTS } from '../../data/layout/cover-structs.ts';
+import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../../data/layout/cover-structs.ts';
 import { invert3, linearPart, transform3, type Vec3 } from '../../data/math/mat4.ts';
 import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
 import { readRecords } from '../../inspect/read-records.ts';
 import { coverPoint } from '../../reference/cover-points.ts';
+import { packFlatView } from '../../testing/flat-view.ts';
 import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
+import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import { anySplat, merged } from '../../testing/tile-buffers.ts';
 import { visibleSplatOf } from '../../testing/visible-splat.ts';
 import { coverStage, findCoverage, MAX_COVER_POINTS, type PointToCover } from '../../views/find-coverage.ts';
 import { GpuMemory } from '../gpu-memory.ts';
 import { Pipelines } from '../pipelines.ts';
+import { coverPoints } from './cover-points.ts';
 
 const SIZE = { widthPx: 64, heightPx: 48 };
 const CAMERAS = testCameras(SIZE.widthPx / SIZE.heightPx);
@@ -23,6 +28,7 @@ let device: GPUDevice;
 let pipelines: Pipelines;
 let memory: GpuMemory;
 const counting = { readbacks: 0 };
+const gpu = testGpu();
 
 beforeAll(async () => {
   device = await shareTestDevice();
@@ -106,6 +112,46 @@ describe('cover-points', () => {
       camera: CAMERAS.perspective,
       accuracy: { recordPrecision: 'paper' },
     });
+  });
+
+  gpuTest('merged splats among others', async () => {
+    const random = seededRandom(11);
+    const ranked = Array.from({ length: 60 }, (_, i) => ({
+      ...merged(anySplat(random, SIZE), i),
+      depthView: 1 + i,
+    }));
+    const packed = rankedRecords(ranked, 'f32');
+    const visible = packed.records.map((record) => visibleSplatOf({ ...record, splat: 0 }));
+    const places = Array.from({ length: 60 }, (_, i) => ({
+      xPx: Math.floor(random() * SIZE.widthPx),
+      yPx: Math.floor(random() * SIZE.heightPx),
+      depthView: 0.5 + i,
+    }));
+    const points = new ArrayBuffer(CoverPoint.bytes * places.length);
+    for (const [i, { xPx, yPx, depthView }] of places.entries())
+      CoverPoint.write(
+        points,
+        { pixelPx: [xPx + 0.5, yPx + 0.5], depthView, storedDepth: 0 },
+        CoverPoint.bytes * i,
+      );
+    const covers = gpu.storage([], 8 * places.length);
+    const { order: _, ...buffers } = rankedBuffers(gpu, packed);
+    const bindings = {
+      ...buffers,
+      view: gpu.uniform(packFlatView({ size: SIZE, alphaCutoff: 1 / 255, dispatchRow: 1 })),
+      parameters: gpu.uniform(CoverParameters.pack({ pointCount: places.length })),
+      points: gpu.storage(new Uint32Array(points)),
+      covers,
+    };
+    await gpu.run(coverPoints('f32', null, true), bindings, [1, 1, 1]);
+    const found = await gpu.read(covers);
+    for (const [i, place] of places.entries()) {
+      const expected = -Math.log(1 - coverPoint(visible, place, 1 / 255));
+      // Half a step for each splat that may be there.
+      expect(Math.abs(found[2 * i] / COVER_CONSTANTS.COVER_UNITS - expected), `point ${i}`).toBeLessThan(
+        0.03,
+      );
+    }
   });
 
   gpuTest(

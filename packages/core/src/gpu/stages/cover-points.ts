@@ -12,10 +12,12 @@ export const COVER_WORKGROUP = 256;
  * Adds up the splats that cover each of some points.
  *
  * @param compare how the host's depth is compared; null: there is none.
+ * @param isStacked whether splats may be merged ones, with opacities above 1; default false.
  */
 export function coverPoints(
   recordPrecision: RecordPrecision,
   compare: DepthConvention['compare'] | null,
+  isStacked = false,
 ): StageDefinition {
   return {
     stage: 'cover-points',
@@ -25,6 +27,7 @@ export function coverPoints(
     entryPoint: 'coverPoints',
     conditions: {
       ...recordConditions(recordPrecision),
+      STACKED: isStacked,
       DEPTH_TEST: compare !== null,
       REVERSED_DEPTH: compare === 'greater-equal',
     },

@@ -1,10 +1,21 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
+import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
+import { orthographicCamera, projectionOf } from '../../data/camera/camera.ts';
+import { cloudView } from '../../data/camera/cloud-view.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { Page, View } from '../../data/layout/structs.ts';
+import { identity4 } from '../../data/math/mat4.ts';
+import { packGeometry } from '../../data/packing/geometry.ts';
 import { compareCulling } from '../../inspect/compare-culling.ts';
 import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
+import { cullSplat } from '../../reference/cull-splats.ts';
+import type { SplatValues } from '../../reference/effects/effect-reference.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
+import { MERGED_OPACITIES } from '../../testing/tile-buffers.ts';
+import { cullSplats } from './cull-splats.ts';
 
 const gpu = testGpu();
 
@@ -114,6 +125,76 @@ describe('cull-splats', () => {
       },
     );
   }
+
+  gpuTest('merged splats: as far outside of the image as their stacks reach', async () => {
+    const camera = orthographicCamera({
+      position: [0, 0, 5],
+      target: [0, 0, 0],
+      aspect: 1.5,
+      height: 32,
+      far: 10,
+    });
+    const projection = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);
+    const cloud = cloudView(camera.viewMatrix, identity4(), [0, 0, 0], true);
+    const set = randomSplats({ count: SPLATS, shDegree: 0, halfExtent: 45, logScales: [-3, 2.5] });
+    for (let i = 0; i < SPLATS; i++) set.positions[3 * i + 2] /= 45;
+    const opacityOf = (i: number) => MERGED_OPACITIES[i % MERGED_OPACITIES.length];
+    const geometry = new Float32Array(packGeometry(set, 'f32').words.buffer);
+    for (let i = 0; i < SPLATS; i++) geometry[16 * i + 3] = opacityOf(i);
+    const chunkCount = Math.ceil(SPLATS / CHUNK_SPLATS);
+    const masks = gpu.storage([], (CHUNK_SPLATS / 8) * chunkCount);
+    const uniforms = { alphaCutoff: 1 / 255, dilationPx2: DILATION_PX2 };
+    const bindings = {
+      view: gpu.uniform(
+        View.pack({ ...projection, ...uniforms, sizePx: [SIZE.widthPx, SIZE.heightPx], dispatchRow: 99 }),
+      ),
+      page: gpu.uniform(
+        Page.pack({
+          ...cloud,
+          camera: [0, 0, 0],
+          cameraWeight: 0,
+          frustum: new Float64Array(24),
+          frustumReach: new Float64Array(24),
+          index: 0,
+          chunkStart: 0,
+          chunkCount,
+          splatCount: SPLATS,
+        }),
+      ),
+      pagePlans: gpu.storage([0, chunkCount, 0, chunkCount, 0, 0]),
+      visibleChunks: gpu.storage(Array.from({ length: chunkCount }, (_, i) => i)),
+      geometry: gpu.storage(geometry),
+      visibilityMasks: masks,
+      splatOffsets: gpu.storage([], 4 * chunkCount),
+      depthRange: gpu.storage([], 8),
+    };
+    const variant = { isOrthographic: true, geometryPrecision: 'f32', culling: 'bounding-box' } as const;
+    await gpu.run(cullSplats({ ...variant, extent: 'opacity', isStacked: true }), bindings, [
+      chunkCount,
+      1,
+      1,
+    ]);
+    const words = await gpu.read(masks);
+    /** Whether the reference draws a splat in an image that is wider by `marginPx` on each side. */
+    const isDrawn = (i: number, opacity: number, marginPx: number) => {
+      const [widthPx, heightPx] = [SIZE.widthPx + 2 * marginPx, SIZE.heightPx + 2 * marginPx];
+      const centerPx = [widthPx / 2, heightPx / 2] as const;
+      const effects = [{ changeSplat: (splat: SplatValues) => ({ ...splat, opacity }) }];
+      return (
+        cullSplat(set, i, cloud, { ...projection, widthPx, heightPx, centerPx }, { ...uniforms, effects }) !==
+        null
+      );
+    };
+    let [farther, unsure] = [0, 0];
+    for (let i = 0; i < SPLATS; i++) {
+      const expected = isDrawn(i, opacityOf(i), 0);
+      if (isDrawn(i, opacityOf(i), -1e-3) !== isDrawn(i, opacityOf(i), 1e-3)) unsure++;
+      else expect(((words[i >> 5] >>> (i % 32)) & 1) === 1, `splat ${i}`).toBe(expected);
+      if (expected && !isDrawn(i, 1, 0)) farther++;
+    }
+    expect(unsure).toBeLessThan(SPLATS / 100);
+    expect(farther).toBeGreaterThan(SPLATS / 100);
+  });
 
   gpuTest('no visible splats', async () => {
     const set = randomSplats({ count: 300, shDegree: 0, opacityLogits: [-9, -7] });

@@ -15,6 +15,8 @@ export interface CullSplatsVariant {
   readonly effects?: EffectSet;
   /** Whether all splats are balls, even after effects; default false. */
   readonly isIsotropic?: boolean;
+  /** Whether splats may be merged ones, with opacities above 1; default false. */
+  readonly isStacked?: boolean;
 }
 
 /** Tests each splat of a page's visible chunks. */
@@ -33,6 +35,7 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       DISTANCE_ORDER: variant.sortsByDistance === true,
       ISOTROPIC: variant.isIsotropic === true,
       FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
+      STACKED: culling !== 'frustum' && variant.isStacked === true,
       SPLAT_EFFECTS: hasHook(acting, 'splat'),
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },

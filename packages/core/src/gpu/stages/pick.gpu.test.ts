@@ -3,14 +3,19 @@ import { beforeAll, describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { PickBlock, PickParameters } from '../../data/layout/pick-structs.ts';
 import { transform3 } from '../../data/math/mat4.ts';
 import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
 import { readRecords } from '../../inspect/read-records.ts';
 import { cullSplat, type VisibleSplat } from '../../reference/cull-splats.ts';
 import { pickSplat as pickReference } from '../../reference/pick.ts';
+import { packFlatView } from '../../testing/flat-view.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
+import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import { anySplat, merged } from '../../testing/tile-buffers.ts';
 import { visibleSplatOf } from '../../testing/visible-splat.ts';
 import { pickSplat, type SplatPick } from '../../views/pick-splat.ts';
 import { GpuMemory } from '../gpu-memory.ts';
@@ -24,6 +29,7 @@ let device: GPUDevice;
 let pipelines: Pipelines;
 let memory: GpuMemory;
 const counting = { readbacks: 0 };
+const gpu = testGpu();
 
 beforeAll(async () => {
   device = await shareTestDevice();
@@ -80,7 +86,7 @@ async function check(
 ): Promise<SplatPick[]> {
   const frame = await draw(scene);
   const { alphaCutoff } = frame.accuracy;
-  const gpu = await drawnByGpu(frame);
+  const drawn = await drawnByGpu(frame);
   const reference = drawnByReference(frame);
   const random = seededRandom(5);
   const picks: SplatPick[] = [];
@@ -89,7 +95,7 @@ async function check(
     const [xPx, yPx] = [SIZE.widthPx * random(), SIZE.heightPx * random()];
     const [column, row] = [Math.floor(xPx), Math.floor(yPx)];
     const got = await pickAt(frame, xPx, yPx);
-    const expected = pickReference(gpu.splats, column, row, alphaCutoff);
+    const expected = pickReference(drawn.splats, column, row, alphaCutoff);
     const alphaInImage = frame.image.data[4 * (row * SIZE.widthPx + column) + 3];
     const place = `pixel ${column}, ${row}`;
     expect(got === null, place).toBe(expected === null);
@@ -98,11 +104,11 @@ async function check(
     picks.push(got);
     expect(Math.abs(got.weight - expected.weight), place).toBeLessThanOrEqual(WEIGHT_ERROR);
     expect(Math.abs(got.totalOpacity - expected.totalOpacity), place).toBeLessThanOrEqual(WEIGHT_ERROR);
-    const { cloud, index } = frame.locate(gpu.numbers[expected.index]);
+    const { cloud, index } = frame.locate(drawn.numbers[expected.index]);
     const isSame = frame.clouds[got.cloudIndex] === cloud && got.storedIndex === index;
     if (isSame) {
       expect(Math.abs(got.alpha - expected.alpha), place).toBeLessThanOrEqual(1e-5);
-      expect(got.depthView, place).toBe(gpu.splats[expected.index].depthView);
+      expect(got.depthView, place).toBe(drawn.splats[expected.index].depthView);
       expect(got.rank, place).toBe(expected.rank);
       expect(got.splatIndex, place).toBe(cloud.stored.fileIndices[index]);
       expect(got.cloud, place).toBe(frame.plan.shape.clouds[got.cloudIndex].cloud);
@@ -223,6 +229,32 @@ describe('pick', () => {
     const frame = await draw({ clouds: [{ set: splatsOf([{ logScales: [2, 2, 2] }]) }], camera });
     expect((await pickAt(frame, 10, 50))?.alpha).toBe(Math.fround(0.99));
     frame.destroy();
+  });
+
+  gpuTest('the heaviest of merged splats among others', async () => {
+    const random = seededRandom(9);
+    const ranked = Array.from({ length: 60 }, (_, i) => merged(anySplat(random, SIZE), i));
+    const packed = rankedRecords(ranked, 'f32');
+    const backToFront = packed.records.map((record) => visibleSplatOf({ ...record, splat: 0 })).reverse();
+    const view = packFlatView({ size: SIZE, alphaCutoff: 1 / 255, dispatchRow: 1 });
+    const blocks = gpu.storage([], PickBlock.bytes);
+    const bindings = { ...rankedBuffers(gpu, packed), view: gpu.uniform(view), blocks };
+    let found = 0;
+    for (let i = 0; i < 40; i++) {
+      const [column, row] = [Math.floor(64 * random()), Math.floor(64 * random())];
+      const contents = PickParameters.pack({ pixelPx: [column + 0.5, row + 0.5], blockCount: 1 });
+      const parameters = gpu.uniform(contents);
+      const visibleSplats = gpu.storage(packed.places);
+      await gpu.run(pickStage('f32', true), { ...bindings, parameters, visibleSplats }, [1, 1, 1]);
+      const [transmittance, weight, , alpha] = new Float32Array((await gpu.read(blocks)).buffer);
+      const expected = pickReference(backToFront, column, row, 1 / 255);
+      const place = `pixel ${column}, ${row}`;
+      expect(Math.abs(1 - transmittance - (expected?.totalOpacity ?? 0)), place).toBeLessThan(WEIGHT_ERROR);
+      expect(Math.abs(weight - (expected?.weight ?? 0)), place).toBeLessThan(WEIGHT_ERROR);
+      expect(Math.abs(alpha - (expected?.alpha ?? 0)), place).toBeLessThan(WEIGHT_ERROR);
+      if (expected) found++;
+    }
+    expect(found).toBeGreaterThan(20);
   });
 
   gpuTest('picks nothing without visible splats: no clouds, none in sight, too faint', async () => {

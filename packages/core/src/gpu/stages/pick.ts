@@ -4,14 +4,18 @@ import { PICK_CONSTANTS, PICK_STRUCTS } from '../../data/layout/pick-structs.ts'
 import type { StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
-/** Blends the splats over one pixel, per block of the drawing order. */
-export function pick(recordPrecision: RecordPrecision): StageDefinition {
+/**
+ * Blends the splats over one pixel, per block of the drawing order.
+ *
+ * @param isStacked whether splats may be merged ones, with opacities above 1; default false.
+ */
+export function pick(recordPrecision: RecordPrecision, isStacked = false): StageDefinition {
   return {
     stage: 'pick',
     source,
     structs: PICK_STRUCTS,
     constants: PICK_CONSTANTS,
     entryPoint: 'pick',
-    conditions: recordConditions(recordPrecision),
+    conditions: { ...recordConditions(recordPrecision), STACKED: isStacked },
   };
 }

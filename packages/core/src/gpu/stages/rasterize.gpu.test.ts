@@ -4,9 +4,11 @@ import { SplatRecordF32 } from '../../data/layout/structs.ts';
 import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
 import type { VisibleSplat } from '../../reference/cull-splats.ts';
 import { rasterizeSplat } from '../../reference/rasterize.ts';
+import { reachSquared } from '../../reference/stacked-opacity.ts';
 import { packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
+import { MERGED_OPACITIES } from '../../testing/tile-buffers.ts';
 import type { RenderState } from '../pipelines.ts';
 import { readTexture } from '../read-texture.ts';
 import { rasterize } from './rasterize.ts';
@@ -15,12 +17,13 @@ const ALPHA_CUTOFF = 1 / 255;
 
 const gpu = testGpu();
 const FORMAT = 'rgba32float';
-const stage = rasterize({ recordPrecision: 'f32', extent: 'opacity', depth: null });
+const variant = { recordPrecision: 'f32', extent: 'opacity', depth: null } as const;
+const stages = { single: rasterize(variant), merged: rasterize({ ...variant, isStacked: true }) };
 /** Unblended: a single splat needs no blending, and rgba32float may not blend. */
 const state: RenderState = { topology: 'triangle-strip', targets: [{ format: FORMAT }] };
 
 beforeAll(async () => {
-  await gpu.pipelines.prepare([[stage, state]]);
+  await gpu.pipelines.prepare(Object.values(stages).map((stage) => [stage, state] as const));
 });
 
 /** A splat to draw. */
@@ -37,6 +40,7 @@ interface DrawnSplat {
 const COLOR = [0.75, 0.5, 0.25] as const;
 
 async function drawOnGpu(splat: DrawnSplat, widthPx: number, heightPx: number) {
+  const stage = splat.opacity > 1 ? stages.merged : stages.single;
   const view = packFlatView({ size: { widthPx, heightPx }, alphaCutoff: ALPHA_CUTOFF, dispatchRow: 1 });
   const record = new ArrayBuffer(SplatRecordF32.bytes);
   const { majorLengthPx, minorLengthPx, angle, centerPx, opacity } = splat;
@@ -110,13 +114,14 @@ async function check(splat: DrawnSplat, widthPx = 64, heightPx = 48): Promise<nu
   // Interpolation is linear between corners: it errs by some roundings of the largest local
   // coordinate that a corner has, on the box or on the ellipse's own quad, whose sides reach two
   // standard units and a snapping step further.
-  const reach = Math.sqrt(Math.log(splat.opacity / ALPHA_CUTOFF));
+  const reach = Math.sqrt(reachSquared(splat.opacity, ALPHA_CUTOFF));
   const farthestPx = Math.hypot(widthPx + 2, heightPx + 2, splat.centerPx[0], splat.centerPx[1]);
   const quadLocal = 2 * reach + 0.1 / splat.minorLengthPx;
   const largestLocal = Math.max(quadLocal, farthestPx / splat.minorLengthPx);
   const localError = 16 * FLOAT32_ROUNDING * largestLocal;
-  // |d exp(−p²)/dp| ≤ 0.86; `exp` itself errs by up to 3 + 2|x| ulp.
-  const bound = 0.86 * localError * splat.opacity + 32 * FLOAT32_ROUNDING;
+  // |d exp(−p²)/dp| ≤ 0.86, and of a stack |dα/dp| ≤ 2p; `exp` itself errs by up to 3 + 2|x| ulp.
+  const slope = splat.opacity > 1 ? 2 * reach : 0.86 * splat.opacity;
+  const bound = slope * localError + (splat.opacity > 1 ? 128 : 32) * FLOAT32_ROUNDING;
   let covered = 0;
   for (let i = 0; i < expected.length; i++) {
     const alpha = alphas[4 * (i >> 2) + 3];
@@ -158,6 +163,28 @@ describe('rasterize', () => {
     await check(splat);
     const data = await drawOnGpu(splat, 64, 48);
     expect(data[4 * (20 * 64 + 10) + 3]).toBeCloseTo(0.99, 6);
+  });
+
+  gpuTest('merged splats, thin and round, small and huge: to the pixels where the stack ends', async () => {
+    for (const opacity of MERGED_OPACITIES) {
+      for (const [majorLengthPx, minorLengthPx] of [
+        [0.78, 0.78],
+        [5, 5],
+        [14, 2],
+        [1e4, 0.7746],
+        [1e12, 20],
+        [1e18, 1e18],
+      ]) {
+        const covered = await check({
+          centerPx: [30.3, 21.8],
+          majorLengthPx,
+          minorLengthPx,
+          angle: 0.6,
+          opacity,
+        });
+        expect(covered).toBeGreaterThan(3);
+      }
+    }
   });
 
   gpuTest('needles at every angle', async () => {

@@ -21,18 +21,26 @@ export interface RasterizeVariant {
   readonly extent: Extent;
   /** The host's depth; null if nothing can hide a splat. */
   readonly depth: RasterizeDepth | null;
+  /** Whether splats may be merged ones, with opacities above 1; default false. */
+  readonly isStacked?: boolean;
 }
 
 /** Format of the depth that splats are tested against. */
 export const TESTED_DEPTH_FORMAT = 'depth32float';
 
 /** Draws the visible splats back to front. */
-export function rasterize({ recordPrecision, extent, depth }: RasterizeVariant): StageDefinition {
+export function rasterize({
+  recordPrecision,
+  extent,
+  depth,
+  isStacked = false,
+}: RasterizeVariant): StageDefinition {
   return {
     stage: 'rasterize',
     conditions: {
       ...recordConditions(recordPrecision),
       FIXED_EXTENT: extent === 'fixed',
+      STACKED: isStacked,
       DEPTH_TEST: depth !== null,
       DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
       ORTHOGRAPHIC: depth?.isOrthographic === true,

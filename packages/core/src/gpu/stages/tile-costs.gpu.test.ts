@@ -8,7 +8,7 @@ import { alphaAt, OPAQUE } from '../../reference/tile-rasterize.ts';
 import { type DrawnSplat, type RankedRecord, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { maskPlace, tileUniforms } from '../../testing/tile-buffers.ts';
+import { maskPlace, merged, tileUniforms } from '../../testing/tile-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { CONTRIBUTION_UNITS, tileCosts, UNSEEN_PX } from './tile-costs.ts';
 
@@ -50,7 +50,11 @@ function pairsOf(count: number) {
 }
 
 /** Runs both passes over `ranked` splats, nearest first; `before` are their first contributions. */
-async function run(ranked: readonly DrawnSplat[], recordPrecision: RecordPrecision, before = 0) {
+async function run(
+  ranked: readonly DrawnSplat[],
+  recordPrecision: RecordPrecision,
+  { before = 0, isStacked = false } = {},
+) {
   const packed = rankedRecords(ranked, recordPrecision);
   const pairs = pairsOf(ranked.length);
   const dispatchRow = 7;
@@ -69,11 +73,11 @@ async function run(ranked: readonly DrawnSplat[], recordPrecision: RecordPrecisi
   };
   // Workgroups behind the last tile must do nothing.
   const workgroups = dispatchSize(TILE_COUNT + 3, dispatchRow);
-  await gpu.run(tileCosts(recordPrecision, 'counts'), bindings, workgroups);
+  await gpu.run(tileCosts(recordPrecision, 'counts', isStacked), bindings, workgroups);
   const counts = await gpu.read(pixels);
   const entries = await gpu.read(tileEntries);
   const units = await gpu.read(contributions);
-  await gpu.run(tileCosts(recordPrecision, 'map'), bindings, workgroups);
+  await gpu.run(tileCosts(recordPrecision, 'map', isStacked), bindings, workgroups);
   const map = await gpu.read(pixels);
   const contributionsPx = Array.from(
     packed.places,
@@ -114,13 +118,18 @@ function* pixelsOf(column: number, row: number): Generator<readonly [number, num
 }
 
 describe('tile-costs', () => {
-  for (const recordPrecision of ['f32', 'paper'] as const) {
+  for (const [recordPrecision, isStacked] of [
+    ['f32', false],
+    ['paper', false],
+    ['f32', true],
+  ] as const) {
     gpuTest(
-      `records of ${recordPrecision}: counts and contributions as the reference's, at every pixel`,
+      `records of ${recordPrecision}${isStacked ? ', merged' : ''}: counts and contributions as the reference's, at every pixel`,
       async () => {
         const { records, pairs, counts, entries, contributionsPx, map } = await run(
-          splats(300),
+          isStacked ? splats(300).map(merged) : splats(300),
           recordPrecision,
+          { isStacked },
         );
         const floats = new Float32Array(map.buffer);
         const expectedPx = records.map(() => 0);
@@ -179,7 +188,7 @@ describe('tile-costs', () => {
       opacity: 1,
     } as const;
     const before = 2 ** 31;
-    const runs = await Promise.all([run([solid], 'f32', before), run([solid], 'f32', before)]);
+    const runs = await Promise.all([run([solid], 'f32', { before }), run([solid], 'f32', { before })]);
     for (const { contributionsPx, pairs } of runs) {
       const listing = Array.from({ length: TILES * 4 }, (_, i) =>
         pairs.listOf(Math.floor(i / TILES), i % TILES),

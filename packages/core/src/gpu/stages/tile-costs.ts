@@ -11,14 +11,21 @@ export const UNSEEN_PX = 1 / 256;
 /** Planes of a word per pixel that the stage writes. */
 export const COST_PLANES = 3;
 
-/** @param pass writes counts and sums of contributions, or a map made from these sums. */
-export function tileCosts(recordPrecision: RecordPrecision, pass: 'counts' | 'map'): StageDefinition {
+/**
+ * @param pass writes counts and sums of contributions, or a map made from these sums.
+ * @param isStacked whether splats may be merged ones, with opacities above 1; default false.
+ */
+export function tileCosts(
+  recordPrecision: RecordPrecision,
+  pass: 'counts' | 'map',
+  isStacked = false,
+): StageDefinition {
   const isMap = pass === 'map';
   return {
     stage: 'tile-costs',
     source,
     entryPoint: 'tileCosts',
     constants: { CONTRIBUTION_UNITS, UNSEEN_UNITS: UNSEEN_PX * CONTRIBUTION_UNITS },
-    conditions: { ...recordConditions(recordPrecision), CONTRIBUTIONS: isMap },
+    conditions: { ...recordConditions(recordPrecision), CONTRIBUTIONS: isMap, STACKED: isStacked },
   };
 }

@@ -13,7 +13,7 @@ import {
 } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { anySplat, binsOf, hasClearBins, tileUniforms } from '../../testing/tile-buffers.ts';
+import { anySplat, binsOf, hasClearBins, merged, tileUniforms } from '../../testing/tile-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { tileCount } from './tile-count.ts';
 
@@ -44,12 +44,14 @@ interface CountOptions {
   readonly ranked: readonly DrawnSplat[];
   readonly recordPrecision: RecordPrecision;
   readonly extent?: Extent;
+  readonly isStacked?: boolean;
   /** Which of the records to count; default all. */
   readonly isCounted?: (record: RankedRecord) => boolean;
 }
 
 /** Counts the pairs of splats on the GPU. */
-async function count({ ranked, recordPrecision, extent = 'opacity', isCounted = () => true }: CountOptions) {
+async function count(options: CountOptions) {
+  const { ranked, recordPrecision, extent = 'opacity', isStacked, isCounted = () => true } = options;
   const { records } = rankedRecords(ranked, recordPrecision);
   const counted = rankedRecords(
     ranked.filter((_, rank) => isCounted(records[rank])),
@@ -67,7 +69,7 @@ async function count({ ranked, recordPrecision, extent = 'opacity', isCounted = 
   };
   // Workgroups behind the last block must do nothing.
   const workgroups = dispatchSize(blockCount + 2, dispatchRow);
-  await gpu.run(tileCount({ recordPrecision, extent }), bindings, workgroups);
+  await gpu.run(tileCount({ recordPrecision, extent, isStacked }), bindings, workgroups);
   return {
     records: counted.records,
     actual: {
@@ -92,6 +94,9 @@ describe('tile-count', () => {
       const { records, actual } = await count({ ranked: splats(3200), recordPrecision, isCounted });
       expect(records.length).toBeGreaterThan(2 * TILE_COUNT_BLOCK);
       expect(actual).toEqual(countReference(records, GRID, ALPHA_CUTOFF));
+      const ranked = splats(1500).map(merged);
+      const stacked = await count({ ranked, recordPrecision, isCounted, isStacked: true });
+      expect(stacked.actual).toEqual(countReference(stacked.records, GRID, ALPHA_CUTOFF));
       const pairs = pairsPerRank(actual);
       expect(Math.max(...pairs)).toBe(GRID.binColumns * GRID.binRows);
       expect(pairs.filter((each) => each === 0).length).toBeGreaterThan(records.length / 5);
@@ -99,24 +104,32 @@ describe('tile-count', () => {
   }
 
   gpuTest('never fewer pairs than the reference, nor more than a widened ellipse has', async () => {
-    const { records, actual } = await count({ ranked: splats(3000), recordPrecision: 'f32' });
-    for (const [rank, pairs] of pairsPerRank(actual).entries()) {
-      const { least, most } = binsOf(records[rank], GRID, ALPHA_CUTOFF);
-      expect(pairs, `rank ${rank}`).toBeGreaterThanOrEqual(least.length);
-      expect(pairs, `rank ${rank}`).toBeLessThanOrEqual(most.length);
+    for (const isStacked of [false, true]) {
+      const ranked = isStacked ? splats(3000).map(merged) : splats(3000);
+      const { records, actual } = await count({ ranked, recordPrecision: 'f32', isStacked });
+      for (const [rank, pairs] of pairsPerRank(actual).entries()) {
+        const { least, most } = binsOf(records[rank], GRID, ALPHA_CUTOFF);
+        expect(pairs, `rank ${rank}`).toBeGreaterThanOrEqual(least.length);
+        expect(pairs, `rank ${rank}`).toBeLessThanOrEqual(most.length);
+      }
     }
   });
 
   gpuTest(
-    'a fixed extent reaches as far as that of an opaque splat, if the splat is drawn at all',
+    'a fixed extent reaches as far as that of an opaque splat, or of a merged one, if it is drawn at all',
     async () => {
       const asCounted = (record: RankedRecord): EllipseRecord =>
-        record.color[3] < ALPHA_CUTOFF ? record : { ...record, color: [1, 1, 1, 1] };
+        record.color[3] < ALPHA_CUTOFF
+          ? record
+          : { ...record, color: [1, 1, 1, Math.max(1, record.color[3])] };
       const isCounted = (record: RankedRecord) => hasClearBins(asCounted(record), GRID, ALPHA_CUTOFF);
-      const options = { ranked: splats(1500), recordPrecision: 'f16', extent: 'fixed', isCounted } as const;
-      const { records, actual } = await count(options);
-      expect(actual).toEqual(countReference(records.map(asCounted), GRID, ALPHA_CUTOFF));
-      expect(actual).not.toEqual(countReference(records, GRID, ALPHA_CUTOFF));
+      const options = { recordPrecision: 'f16', extent: 'fixed', isCounted } as const;
+      for (const isStacked of [false, true]) {
+        const ranked = isStacked ? splats(1500).map(merged) : splats(1500);
+        const { records, actual } = await count({ ...options, ranked, isStacked });
+        expect(actual).toEqual(countReference(records.map(asCounted), GRID, ALPHA_CUTOFF));
+        expect(actual).not.toEqual(countReference(records, GRID, ALPHA_CUTOFF));
+      }
     },
   );
 

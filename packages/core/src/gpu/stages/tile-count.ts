@@ -7,11 +7,13 @@ import { recordConditions } from './format-conditions.ts';
 export interface TileListVariant {
   readonly recordPrecision: RecordPrecision;
   readonly extent: Extent;
+  /** Whether splats may be merged ones, with opacities above 1; default false. */
+  readonly isStacked?: boolean;
 }
 
 /** Conditions of linking for the stages that list pairs. */
-export function tileListConditions({ recordPrecision, extent }: TileListVariant) {
-  return { ...recordConditions(recordPrecision), FIXED_EXTENT: extent === 'fixed' };
+export function tileListConditions({ recordPrecision, extent, isStacked = false }: TileListVariant) {
+  return { ...recordConditions(recordPrecision), FIXED_EXTENT: extent === 'fixed', STACKED: isStacked };
 }
 
 /** Counts the pairs of each visible splat. */

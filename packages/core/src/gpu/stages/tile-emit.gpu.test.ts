@@ -10,7 +10,7 @@ import { tilePlan } from '../../reference/tile-plan.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { anySplat, hasClearBins, tileUniforms } from '../../testing/tile-buffers.ts';
+import { anySplat, hasClearBins, merged, tileUniforms } from '../../testing/tile-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { blockKeysOf, pairSortShapeFor } from './sort-shape.ts';
 import { tileEmit } from './tile-emit.ts';
@@ -30,7 +30,7 @@ const faint = (splat: DrawnSplat): DrawnSplat => ({ ...splat, opacity: 0.003 });
  * Splats without rounding at the borders of bins: some at the ends and in long runs too faint, some
  * over the whole layer.
  */
-function splats(count: number, size: SizePx, precision: RecordPrecision): DrawnSplat[] {
+function splats(count: number, size: SizePx, precision: RecordPrecision, isStacked = false): DrawnSplat[] {
   const random = seededRandom(count);
   const grid = binGrid(size.widthPx, size.heightPx);
   const lengthPx = 200 * size.widthPx;
@@ -42,7 +42,7 @@ function splats(count: number, size: SizePx, precision: RecordPrecision): DrawnS
   } as const;
   const isFaint = (i: number) => i < 7 || i > count - 9 || (i > count / 2 && i < count / 2 + 90);
   const all = Array.from({ length: count }, (_, i) => {
-    const splat = anySplat(random, size);
+    const splat = isStacked ? merged(anySplat(random, size), i) : anySplat(random, size);
     if (i % 400 === 50) return { ...huge, opacity: 0.8 };
     return isFaint(i) ? faint(splat) : splat;
   });
@@ -54,11 +54,12 @@ interface EmitOptions {
   readonly ranked: readonly DrawnSplat[];
   readonly size: SizePx;
   readonly precision: RecordPrecision;
+  readonly isStacked?: boolean;
   /** Changes the reference's counts, as if tile-count had rounded otherwise. */
   readonly miscount?: (counts: PairCounts) => void;
 }
 
-async function emit({ ranked, size, precision, miscount = () => {} }: EmitOptions) {
+async function emit({ ranked, size, precision, isStacked, miscount = () => {} }: EmitOptions) {
   const grid = binGrid(size.widthPx, size.heightPx);
   const binCount = grid.binColumns * grid.binRows;
   const shape = pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)));
@@ -86,7 +87,7 @@ async function emit({ ranked, size, precision, miscount = () => {} }: EmitOption
     blockPairs: gpu.storage(blockStarts),
     ...outputs,
   };
-  const stage = tileEmit({ recordPrecision: precision, extent: 'opacity' }, shape);
+  const stage = tileEmit({ recordPrecision: precision, extent: 'opacity', isStacked }, shape);
   // Workgroups behind the last block must do nothing.
   await gpu.run(stage, bindings, dispatchSize(blockCount + 3, dispatchRow));
   return {
@@ -129,6 +130,12 @@ describe('tile-emit', () => {
       );
     }
   }
+
+  gpuTest('pairs of merged splats among others', async () => {
+    const ranked = splats(3000, SIZE, 'f32', true);
+    const result = await emit({ ranked, size: SIZE, precision: 'f32', isStacked: true });
+    expectPairs(result, result.reference);
+  });
 
   gpuTest('pairs of a single splat over many bins, in more than one block', async () => {
     const size = { widthPx: 64 * 90, heightPx: 64 * 80 };

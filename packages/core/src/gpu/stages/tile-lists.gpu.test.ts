@@ -8,7 +8,7 @@ import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
 import { alphaAt } from '../../reference/tile-rasterize.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
+import { merged, tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
 import { uniform } from '../../testing/uniform.ts';
 import { dispatchSize } from './dispatch.ts';
 import { blockKeysOf, pairSortShapeFor } from './sort-shape.ts';
@@ -66,7 +66,7 @@ async function listedTiles(
     sortedRecords: pairRecords,
     tileMasks: masks,
   };
-  const variant = { recordPrecision, extent: 'opacity' } as const;
+  const variant = { recordPrecision, extent: 'opacity', isStacked: options.isStacked } as const;
   await gpu.run(tileCount(variant), all, [1, 1, 1]);
   await gpu.run(tilePlan(shape), all, [1, 1, 1]);
   await gpu.run(tileEmit(variant, shape), all, dispatchSize(blocks, 65_535));
@@ -92,6 +92,7 @@ async function listedTiles(
 interface ListOptions {
   readonly recordPrecision: RecordPrecision;
   readonly alphaCutoff: number;
+  readonly isStacked?: boolean;
 }
 
 /** A pixel where the record is clearly drawn, in a tile that `isLeftOut`; null if there is none. */
@@ -153,15 +154,17 @@ describe('tile-count, tile-plan, tile-emit and tile-masks', () => {
     const settings = fc.record({
       recordPrecision: fc.constantFrom<RecordPrecision[]>('f32', 'f16', 'paper'),
       alphaCutoff: fc.constantFrom(1 / 255, 0.02, 1e-4),
+      isStacked: fc.boolean(),
     });
     let [drawn, listed, leftOut] = [0, 0, 0];
     await fc.assert(
       fc.asyncProperty(batch, settings, async (ranked, options) => {
-        const packed = rankedRecords(ranked, options.recordPrecision);
+        const splats = options.isStacked ? ranked.map(merged) : ranked;
+        const packed = rankedRecords(splats, options.recordPrecision);
         for (const [rank, tiles] of (await listedTiles(packed, options)).entries()) {
           const record = packed.records[rank];
           const missed = drawnPixel(record, options.alphaCutoff, (tile) => !tiles.has(tile));
-          if (missed) expect.fail(`${JSON.stringify({ missed, ...options, splat: ranked[rank], record })}`);
+          if (missed) expect.fail(`${JSON.stringify({ missed, ...options, splat: splats[rank], record })}`);
           if (tiles.size > 0) drawn++;
           listed += tiles.size;
           leftOut += TILE_COLUMNS * TILE_ROWS - tiles.size;

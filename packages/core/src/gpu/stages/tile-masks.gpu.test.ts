@@ -9,7 +9,14 @@ import { touchedTiles } from '../../reference/tile-masks.ts';
 import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { anySplat, binsOf, mostSlackPx, tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
+import {
+  anySplat,
+  binsOf,
+  merged,
+  mostSlackPx,
+  tilesOfPair,
+  tileUniforms,
+} from '../../testing/tile-buffers.ts';
 import { dispatchSize } from './dispatch.ts';
 import { tileMasks } from './tile-masks.ts';
 
@@ -27,10 +34,12 @@ const gpu = testGpu();
  * Pairs of splats of every size with the bins that they touch, and with one that they do not; the
  * first `pairCount`.
  */
-async function mask(pairCount: number, recordPrecision: RecordPrecision) {
+async function mask(pairCount: number, recordPrecision: RecordPrecision, isStacked = false) {
   const random = seededRandom(pairCount);
   const packed = rankedRecords(
-    Array.from({ length: Math.max(16, pairCount) }, () => anySplat(random, SIZE)),
+    Array.from({ length: Math.max(16, pairCount) }, (_, i) =>
+      isStacked ? merged(anySplat(random, SIZE), i) : anySplat(random, SIZE),
+    ),
     recordPrecision,
   );
   const pairs = packed.records
@@ -59,7 +68,7 @@ async function mask(pairCount: number, recordPrecision: RecordPrecision) {
     records,
     tileMasks: words,
   };
-  const stage = tileMasks({ recordPrecision, extent: 'opacity' });
+  const stage = tileMasks({ recordPrecision, extent: 'opacity', isStacked });
   // Workgroups behind the last group must do nothing.
   await gpu.run(stage, bindings, dispatchSize(groups + 3, dispatchRow));
   const masks = await gpu.read(words);
@@ -68,9 +77,16 @@ async function mask(pairCount: number, recordPrecision: RecordPrecision) {
 }
 
 describe('tile-masks', () => {
-  for (const recordPrecision of ['f32', 'f16', 'paper'] as const) {
-    gpuTest(`${recordPrecision}: a bit for each tile that a pair touches, and hardly any other`, async () => {
-      const { masks, pairs } = await mask(5 * MASK_GROUP + 77, recordPrecision);
+  for (const [recordPrecision, isStacked] of [
+    ['f32', false],
+    ['f16', false],
+    ['paper', false],
+    ['f32', true],
+    ['f16', true],
+  ] as const) {
+    const name = `${recordPrecision}${isStacked ? ', merged' : ''}`;
+    gpuTest(`${name}: a bit for each tile that a pair touches, and hardly any other`, async () => {
+      const { masks, pairs } = await mask(5 * MASK_GROUP + 77, recordPrecision, isStacked);
       let [clear, bits] = [0, 0];
       for (const [i, { bin, record }] of pairs.entries()) {
         const ellipse = splatEllipse(record, ALPHA_CUTOFF)!;

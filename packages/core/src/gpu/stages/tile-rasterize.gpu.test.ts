@@ -12,12 +12,13 @@ import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { HostDepth } from '../../data/layout/structs.ts';
 import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
+import { reachSquared } from '../../reference/stacked-opacity.ts';
 import { alphaAt, OPAQUE, tilePixel } from '../../reference/tile-rasterize.ts';
 import { depthTexture, readFloats } from '../../testing/gpu-textures.ts';
 import { type DrawnSplat, type RankedRecord, rankedRecords, shuffled } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { maskPlace, tileUniforms } from '../../testing/tile-buffers.ts';
+import { MERGED_OPACITIES, maskPlace, merged, tileUniforms } from '../../testing/tile-buffers.ts';
 import { withClipDepth } from '../../testing/with-clip-depth.ts';
 import type { Pipelines } from '../pipelines.ts';
 import { readTexture } from '../read-texture.ts';
@@ -50,6 +51,7 @@ interface Scene {
   readonly recordPrecision?: RecordPrecision;
   readonly colorTarget?: ColorTarget;
   readonly host?: Host;
+  readonly isStacked?: boolean;
   /** Whether a bin lists a splat; default most bins list most splats. */
   readonly isListed?: (bin: number, rank: number) => boolean;
   /** Whether a pair may touch a tile of its bin; default half of the tiles. */
@@ -102,6 +104,7 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
       : null,
     isExactOrder: host?.isExactOrder ?? true,
     isNarrow,
+    isStacked: scene.isStacked,
   });
   const bindings = {
     ...tileUniforms(gpu, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
@@ -164,8 +167,8 @@ function isShown(
 /**
  * Bound of the error of a value blended from `records` at a pixel, if each has a value of at most
  * 1. A splat's alpha moves the value by at most the light that reaches it. It errs by some
- * roundings of the local coordinates, |d exp(−p²)/dp| ≤ 0.86, and of the exponential; near the
- * cutoff, rounding decides whether the splat is drawn.
+ * roundings of the local coordinates, |d exp(−p²)/dp| ≤ 0.86, or |dα/dp| ≤ 2p of a stack, and of
+ * the exponential; near the cutoff, rounding decides whether the splat is drawn.
  */
 function errorBound(records: readonly RankedRecord[], x: number, y: number): number {
   let [light, error] = [1, 0];
@@ -173,7 +176,9 @@ function errorBound(records: readonly RankedRecord[], x: number, y: number): num
     const alpha = alphaAt(record, x, y);
     const [dx, dy] = [x + 0.5 - record.centerPx[0], y + 0.5 - record.centerPx[1]];
     const localError = (16 * FLOAT32_ROUNDING * (Math.abs(dx) + Math.abs(dy))) / record.minorLengthPx;
-    const alphaError = 0.86 * localError * record.color[3] + 32 * FLOAT32_ROUNDING;
+    const [opacity, isMerged] = [record.color[3], record.color[3] > 1];
+    const slope = isMerged ? 2 * Math.sqrt(reachSquared(opacity, ALPHA_CUTOFF)) : 0.86 * opacity;
+    const alphaError = slope * localError + (isMerged ? 128 : 32) * FLOAT32_ROUNDING;
     const isDoubtful = Math.abs(alpha - ALPHA_CUTOFF) <= alphaError;
     error += light * (alphaError + (isDoubtful ? ALPHA_CUTOFF : 0));
     if (alpha >= ALPHA_CUTOFF) light *= 1 - alpha;
@@ -312,6 +317,22 @@ describe('tile-rasterize', () => {
         expect(covered).toBeGreaterThan(0.9 * SIZE.widthPx * SIZE.heightPx);
       });
     }
+  }
+
+  for (const recordPrecision of ['f32', 'f16', 'paper'] as const) {
+    gpuTest(
+      `${recordPrecision} records of merged splats among others: every pixel as the reference`,
+      async () => {
+        // Few enough that the tiles do not end.
+        const sparse = { ranked: splats(24).map(merged), recordPrecision, isStacked: true };
+        expect((await check(sparse)).covered).toBeGreaterThan(2000);
+        await check({ ranked: splats(150).map(merged), recordPrecision, isStacked: true });
+        const needles = MERGED_OPACITIES.map((opacity) =>
+          veil(opacity, { minorLengthPx: 0.8, angle: opacity }),
+        );
+        await check({ ranked: needles, recordPrecision, isStacked: true });
+      },
+    );
   }
 
   gpuTest('layers of any size, down to a pixel', async () => {

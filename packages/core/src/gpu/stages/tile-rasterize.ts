@@ -15,6 +15,8 @@ export interface TileRasterizeVariant {
   readonly isExactOrder: boolean;
   /** Whether few threads of the device run in lockstep: each then reads the splats by itself. */
   readonly isNarrow: boolean;
+  /** Whether splats may be merged ones, with opacities above 1; default false. */
+  readonly isStacked?: boolean;
 }
 
 /** Threads that blend a tile: as many as most GPUs run in lockstep, so that barriers are cheap. */
@@ -24,7 +26,7 @@ const NARROW_TILE_THREADS = 8;
 
 /** Blends the splats of each tile, front to back. */
 export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
-  const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow } = variant;
+  const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow, isStacked = false } = variant;
   const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
   const hasDepthLayer = depth !== null && depth.layerFormat !== null;
   return {
@@ -36,6 +38,7 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
       NARROW: isNarrow,
       ...recordConditions(recordPrecision),
       ...layerConditions(colorTarget),
+      STACKED: isStacked,
       DEPTH_TEST: depth !== null,
       DEPTH_LOGARITHMIC: depth?.mapping === 'logarithmic' && !depth.isOrthographic,
       ORTHOGRAPHIC: depth?.isOrthographic === true,
