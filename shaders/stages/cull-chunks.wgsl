@@ -1,16 +1,24 @@
 // Decides which chunks of splats can reach into the image. Reads the chunks' bounds; writes 1 or 0
 // per chunk to chunkOffsets, which a scan then turns into places. One thread per chunk, dispatched
-// per page.
+// per page. With LEVELS the bounds are those of the chunk's cell, and a chunk that the cut does not
+// go through is left out: a cell is drawn where its parent's leaves would show, and a chunk of it
+// where one of its links is met.
 import constants::CHUNK_WORKGROUP;
 import layout::View;
 import layout::Page;
-import layout::Chunk;
+@if(!LEVELS) import layout::Chunk;
+@if(LEVELS) import layout::ChunkLinks;
+@if(LEVELS) import layout::LevelCell;
+@if(LEVELS) import constants::NO_CELL;
 import package::lib::dispatch::linearWorkgroup;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> page: Page;
-@group(0) @binding(2) var<storage, read> chunks: array<Chunk>;
+@if(!LEVELS) @group(0) @binding(2) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(3) var<storage, read_write> chunkOffsets: array<u32>;
+@if(LEVELS) @group(0) @binding(4) var<storage, read> links: array<ChunkLinks>;
+@if(LEVELS) @group(0) @binding(5) var<storage, read> cells: array<LevelCell>;
+@if(LEVELS) @group(0) @binding(6) var<storage, read> thresholds: array<u32>;
 
 /// Float32 rounding of the test against a side of the frustum, relative to its largest term; far
 /// above 6e-8 times the few operations.
@@ -20,14 +28,36 @@ const ROUNDING_SLACK = 1e-5;
 fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, view.dispatchRow) * CHUNK_WORKGROUP + lane;
   if (index >= page.chunkCount) { return; }
-  chunkOffsets[page.chunkStart + index] = select(0u, 1u, isInFrustum(chunks[index]));
+  @if(!LEVELS) let isVisible = isInFrustum(chunks[index]);
+  @if(LEVELS) let isVisible = isInCut(index) && isInFrustum(index);
+  chunkOffsets[page.chunkStart + index] = select(0u, 1u, isVisible);
 }
 
+@if(LEVELS)
+fn isInCut(index: u32) -> bool {
+  let limit = thresholds[links[index].cell];
+  let parent = cells[links[index].cell].parent;
+  let isDrawn = parent == NO_CELL || thresholds[min(parent, arrayLength(&thresholds) - 1u)] < links[index].cellError;
+  return isDrawn && links[index].leastError <= limit && limit < links[index].largestParentError;
+}
+
+@if(!LEVELS)
 fn isInFrustum(chunk: Chunk) -> bool {
-  let center = 0.5 * (chunk.minPosition + chunk.maxPosition);
-  let halfExtent = 0.5 * (chunk.maxPosition - chunk.minPosition);
   // With room for rounding.
   let maxScale = 1.001 * exp(chunk.minLogScale + 65535.0 * chunk.logScaleStep);
+  return reachesIn(chunk.minPosition, chunk.maxPosition, maxScale);
+}
+
+@if(LEVELS)
+fn isInFrustum(index: u32) -> bool {
+  let cell = cells[links[index].cell];
+  return reachesIn(cell.minPosition, cell.maxPosition, 1.001 * links[index].largestScale);
+}
+
+/// Whether splats in a box, none larger than `maxScale`, can reach into the image.
+fn reachesIn(minPosition: vec3f, maxPosition: vec3f, maxScale: f32) -> bool {
+  let center = 0.5 * (minPosition + maxPosition);
+  let halfExtent = 0.5 * (maxPosition - minPosition);
   for (var i = 0u; i < 6u; i++) {
     let plane = page.frustum[i];
     // How far a splat at the box's best corner still reaches past this side of the frustum.

@@ -11,6 +11,7 @@ import layout::View;
 import layout::Page;
 import layout::PagePlan;
 import package::lib::depth_key::{orderedBits, sortDepth};
+@if(DILATED) import package::lib::dilated_blob::dilatedBlob;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
@@ -26,6 +27,7 @@ import package::lib::visible_ellipse::isInDepthRange;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleChunks: array<u32>;
 @group(0) @binding(4) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
+/// With LEVELS, first the bits of the cut.
 @group(0) @binding(5) var<storage, read_write> visibilityMasks: array<u32>;
 @group(0) @binding(6) var<storage, read_write> splatOffsets: array<u32>;
 /// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`): both grow from
@@ -50,12 +52,16 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];
     @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
     @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
-    @if(GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex]);
+    @if(GEOMETRY_F32 && !DILATED) let stored = unpackSplat(geometry[splatIndex]);
+    @if(DILATED) let words = geometry[splatIndex];
+    @if(DILATED) let stored = dilatedBlob(view, page.linear, page.translation, words, unpackSplat(words));
     @if(!SPLAT_EFFECTS) let splat = stored;
     @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
-    let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
+    @if(LEVELS) let isInCut = extractBits(visibilityMasks[slot * MASK_WORDS + lane / 32u], lane % 32u, 1u) == 1u;
+    @if(!LEVELS) let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
+    @if(LEVELS) let isCandidate = isInCut && splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
     if (isCandidate) {
       if (isDrawn(splat, centerView)) {
         let bits = orderedBits(sortDepth(centerView, view.near));
@@ -66,6 +72,7 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     }
   }
   workgroupBarrier();
+  @if(LEVELS) storageBarrier();
 
   if (isSlot && lane < MASK_WORDS) { visibilityMasks[slot * MASK_WORDS + lane] = atomicLoad(&mask[lane]); }
   if (isSlot && lane == 0u) {

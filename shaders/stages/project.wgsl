@@ -19,6 +19,7 @@ import package::lib::covariance::screenAxes;
 @if(!SHORT_KEYS) import package::lib::depth_key::depthKey;
 @if(SHORT_KEYS) import package::lib::depth_key::shortDepthKey;
 import package::lib::depth_key::sortDepth;
+@if(DILATED) import package::lib::dilated_blob::dilatedBlob;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
@@ -53,7 +54,9 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];
   @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
   @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
-  @if(GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex]);
+  @if(GEOMETRY_F32 && !DILATED) let stored = unpackSplat(geometry[splatIndex]);
+  @if(DILATED) let words = geometry[splatIndex];
+  @if(DILATED) let stored = dilatedBlob(view, page.linear, page.translation, words, unpackSplat(words));
   @if(!SPLAT_EFFECTS) let splat = stored;
   @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
   let centerView = page.linear * splat.position + page.translation;

@@ -1,5 +1,6 @@
 import { checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
+import type { CloudLevels } from './clouds/cloud-levels.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
@@ -552,6 +553,7 @@ export class SplatEngine {
       sourceOptions,
       fit,
       makePlanes: (...request) => this.#makePlanes(...request),
+      makeLevels: (cloud) => this.#makeLevels(cloud),
       compileStretched: (cloud) => this.#compileFor(cloud, (shape) => ({ ...shape, isIsotropic: false })),
       onWritten: (bytes) => {
         this.#counting.uploadedBytes += bytes;
@@ -596,6 +598,29 @@ export class SplatEngine {
       editing?.end();
     }
     this.#targets.stop(new DestroyedError('This measurement', because));
+  }
+
+  async #makeLevels(cloud: SplatCloud): Promise<CloudLevels> {
+    const { CloudLevels, FINEST } = await import('./clouds/cloud-levels.ts');
+    await this.#pipelines.prepare(CloudLevels.stages(cloud, FINEST));
+    this.#checkUsable();
+    cloud.checkUsable();
+    const context = {
+      device: this.device,
+      pipelines: this.#pipelines,
+      memory: this.#memory,
+      dispatchRow: this.#dispatchRow,
+    };
+    const make = () => CloudLevels.make(context, cloud, FINEST);
+    const advice = 'Draw it in full detail, or load fewer splats.';
+    const { result, checked } = this.#memory.guard(`${cloud.name} in levels`, advice, make);
+    try {
+      await checked;
+      return result;
+    } catch (error) {
+      result.destroy();
+      throw error;
+    }
   }
 
   async #makePlanes(...request: Parameters<PlaneMaker['make']>): Promise<void> {

@@ -4,11 +4,11 @@ import { ChunkLinks, LEVEL_CONSTANTS, LevelCell, MergeParameters } from '../data
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../data/packing/harmonics.ts';
-import type { CloudPrecision } from '../data/packing/precision.ts';
+import { BLOB_PRECISION, type CloudPrecision } from '../data/packing/precision.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
-import { BLOB_SH_PRECISION, mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
+import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import type { CloudPage } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -18,8 +18,8 @@ const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 const UPPER_CHUNKS = 2;
 const LINKS_BYTES = 4 * ChunkLinks.words;
 
-/** Precision of blobs. */
-export const BLOB_PRECISION: CloudPrecision = { geometryPrecision: 'f32', shPrecision: BLOB_SH_PRECISION };
+/** Levels are made of the finest planes that a cloud holds. */
+export const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 
 /** One page of blobs, with the links of its slots. */
 export interface BlobPage extends CloudPage {
@@ -75,7 +75,10 @@ export class CloudLevels {
   readonly blobPages: readonly BlobPage[];
   readonly #memory: GpuMemory;
 
-  private constructor(memory: GpuMemory, made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages'>) {
+  private constructor(
+    memory: GpuMemory,
+    made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages'>,
+  ) {
     this.#memory = memory;
     this.cellCount = made.cellCount;
     this.cells = made.cells;
@@ -111,6 +114,10 @@ export class CloudLevels {
     }
   }
 
+  get bytes(): number {
+    return this.#memory.report().totalBytes;
+  }
+
   destroy(): void {
     this.#memory.destroyAll();
   }
@@ -139,8 +146,11 @@ function make(
     return {
       splatCount,
       chunkCount,
-      geometry: plane(GEOMETRY_WORDS.f32, 'geometry'),
-      shRest: shDegree > 0 ? plane(shWordsPerSplat(shDegree, BLOB_SH_PRECISION), 'spherical harmonics') : null,
+      geometry: plane(GEOMETRY_WORDS[BLOB_PRECISION.geometryPrecision], 'geometry'),
+      shRest:
+        shDegree > 0
+          ? plane(shWordsPerSplat(shDegree, BLOB_PRECISION.shPrecision), 'spherical harmonics')
+          : null,
       // Bounds are those of cells.
       chunks: cells,
       links: linksOf(chunkCount, what),
@@ -174,7 +184,8 @@ function make(
     ) => {
       const parameters = MergeParameters.pack({ ...common, firstCell, cellCount, splatCount });
       for (const stage of stages)
-        if (stage) dispatches.add(stage, parameters, { ...upperBindings, ...shBindings, ...bindings }, cellCount);
+        if (stage)
+          dispatches.add(stage, parameters, { ...upperBindings, ...shBindings, ...bindings }, cellCount);
     };
     if (level > 0) add([mergeUpper, mergeUpperSh], levelStart, count, 0, {});
     else {
@@ -194,5 +205,10 @@ function make(
     levelStart += count;
   }
   dispatches.submit(`${name} levels`);
-  return finish({ cellCount, cells, splatLinks, blobPages: counts.length > 1 ? [...ofChunks, upper] : ofChunks });
+  return finish({
+    cellCount,
+    cells,
+    splatLinks,
+    blobPages: counts.length > 1 ? [...ofChunks, upper] : ofChunks,
+  });
 }

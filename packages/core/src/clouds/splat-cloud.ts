@@ -10,6 +10,7 @@ import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
+import type { CloudLevels } from './cloud-levels.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
 
@@ -28,6 +29,8 @@ export interface SplatCloudOptions {
    * Without it the cloud holds only the uploaded planes.
    */
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
+  /** Makes the levels of detail of `cloud`. Without it there are none. */
+  readonly makeLevels?: (cloud: SplatCloud) => Promise<CloudLevels>;
   /** Whether the planes belong to a load in progress, which the cloud previews. Default false. */
   readonly isPreview?: boolean;
   /**
@@ -113,6 +116,8 @@ export class SplatCloud {
   isHeld = false;
   /** @internal What edits the cloud; null: nothing does. */
   editing: CloudEditing | null = null;
+  /** @internal Blobs to draw instead of splats that are too small to tell apart; null: none. */
+  levels: CloudLevels | null = null;
   /** @internal Grows whenever edits change what frames show. */
   version = 0;
   /**
@@ -127,6 +132,8 @@ export class SplatCloud {
    * a GpuLimitError if it has not, and then the cloud has been destroyed.
    */
   readonly uploaded: Promise<void>;
+  readonly #makeLevels: SplatCloudOptions['makeLevels'];
+  #levelsMade: Promise<void> | null = null;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isUploaded = false;
   #lack: Error | null = null;
@@ -154,6 +161,7 @@ export class SplatCloud {
     this.visibleLimit = visibleLimit;
     this.fit = options.fit ?? null;
     this.#onDestroyed = onDestroyed;
+    this.#makeLevels = options.makeLevels;
     this.device = device;
     this.planes = planes;
     this.leases = new CloudLeases(contents.precision, {
@@ -254,9 +262,37 @@ export class SplatCloud {
     return this.leases.hold(precision, options);
   }
 
+  /**
+   * Makes the levels of detail that frames with a `detail` of less than `full` draw, once: blobs
+   * that stand for several splats, on the GPU, of the planes at hand. They take about 1.4 times the
+   * bytes of the cloud's own planes at degree 3. Views that are asked for such frames do this by
+   * themselves, and draw all splats until it is done; await it before stills.
+   *
+   * @returns resolves when frames can use them. Rejects with a GpuLimitError if memory is lacking,
+   *   a SplatSourceError for a preview, a DestroyedError if cloud, engine or device end first.
+   *   Nothing has changed then, and it may be called again.
+   */
+  makeLevels(): Promise<void> {
+    this.#levelsMade ??= this.#madeLevels().catch((error) => {
+      this.#levelsMade = null;
+      throw error;
+    });
+    return this.#levelsMade;
+  }
+
+  async #madeLevels(): Promise<void> {
+    if (!this.#makeLevels || this.isPreview)
+      throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
+    await this.uploaded;
+    const levels = await this.#makeLevels(this);
+    if (this.isDestroyed) levels.destroy();
+    this.checkUsable();
+    this.levels = levels;
+  }
+
   /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */
   get bytes(): number {
-    return this.isDestroyed || this.isPreview ? 0 : this.planes.bytes;
+    return this.isDestroyed || this.isPreview ? 0 : this.planes.bytes + (this.levels?.bytes ?? 0);
   }
 
   /** Whether the cloud, or its engine, was destroyed. */
@@ -280,7 +316,9 @@ export class SplatCloud {
 
   /** Frees the GPU memory; frames already submitted are not affected. */
   destroy(): void {
-    if (this.end('it was destroyed') && !this.isPreview) this.planes.destroy();
+    if (!this.end('it was destroyed')) return;
+    if (!this.isPreview) this.planes.destroy();
+    this.levels?.destroy();
   }
 
   /** @internal Ends the cloud without freeing its planes. Returns false if it has ended before. */

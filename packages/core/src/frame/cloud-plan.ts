@@ -8,11 +8,12 @@ import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
-import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
+import { type EffectSet, effectSetOf, packParameters, takesSelection } from '../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
-import type { CloudInstance } from './frame-request.ts';
+import type { CloudInstance, Detail } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
+import { type LevelCut, levelCut, MOST_OPACITY } from './level-cut.ts';
 
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
@@ -41,6 +42,8 @@ export interface CloudPlan {
   readonly view: CloudView;
   /** Sides of the frustum in the cloud's space. */
   readonly sides: readonly FrustumSide[];
+  /** The cut through the cloud's levels; null where all splats are drawn. */
+  readonly cut: LevelCut | null;
 }
 
 /**
@@ -63,6 +66,7 @@ export function planCloud(
   camera: Camera,
   projection: Projection,
   { alphaCutoff }: AccuracySettings,
+  detail: Detail = 'full',
 ): CloudPlan {
   const { cloud } = instance;
   const modelMatrix = instance.modelMatrix ? new Float64Array(instance.modelMatrix) : identity4();
@@ -80,6 +84,9 @@ export function planCloud(
     selectionVersion: use.selection?.version,
   }));
   const effects = effectSetOf(acting);
+  // Rows of blobs are not known, and edits leave blobs as they were.
+  const isWhole = cloud.editing !== null || takesSelection(effects, ['splat', 'color']);
+  const cut = isWhole ? null : levelCut(cloud, detail, view, projection, reach);
   return {
     instance: {
       ...instance,
@@ -93,7 +100,8 @@ export function planCloud(
     parameters: packParameters(effects, uses),
     reach,
     view,
-    sides: frustumSides(view, projection, alphaCutoff, DILATION_PX2, reach),
+    sides: frustumSides(view, projection, alphaCutoff, DILATION_PX2, reach, cut ? MOST_OPACITY : 1),
+    cut,
   };
 }
 
@@ -109,7 +117,7 @@ function ownValues(values: GpuValues<GpuFields> | null): GpuValues<GpuFields> | 
 
 /** Returns the shape of one cloud. */
 export function cloudShape(
-  { instance, effects }: CloudPlan,
+  { instance, effects, cut }: CloudPlan,
   accuracy: AccuracySettings,
   mayBeIsotropic: boolean,
 ): CloudShape {
@@ -117,9 +125,11 @@ export function cloudShape(
   return {
     cloud,
     planes: cloud.pagesFor(accuracy),
+    levels: cut && cloud.levels,
     effects,
     shDegree: Math.min(shDegree, cloud.shDegree) as ShDegree,
-    isIsotropic: mayBeIsotropic && isIsotropic(cloud.facts, effects),
+    // Balls merge to blobs that are none.
+    isIsotropic: mayBeIsotropic && !cut && isIsotropic(cloud.facts, effects),
   };
 }
 

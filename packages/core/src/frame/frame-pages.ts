@@ -14,18 +14,28 @@ export interface FramePage extends CloudPage {
   readonly cloudIndex: number;
   /** First chunk of the page, counting through the frame. */
   readonly chunkStart: number;
+  /** Links of the page's splats; null where all are drawn. */
+  readonly links: GPUBuffer | null;
+  /** Whether they are blobs, which stand for splats of the pages before. */
+  readonly isBlobs: boolean;
 }
 
 /** All pages of a frame's clouds, in the clouds' order. */
 export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] => {
   let chunkStart = 0;
-  return clouds.flatMap(({ planes }, cloudIndex) =>
-    planes.pages.map((page) => {
+  return clouds.flatMap(({ planes, levels }, cloudIndex) => {
+    const splats = planes.pages.map((page, i) => ({
+      ...page,
+      links: levels?.splatLinks[i] ?? null,
+      isBlobs: false,
+    }));
+    const blobs = levels?.blobPages.map((page) => ({ ...page, isBlobs: true })) ?? [];
+    return [...splats, ...blobs].map((page) => {
       const framePage = { ...page, cloudIndex, chunkStart };
       chunkStart += page.chunkCount;
       return framePage;
-    }),
-  );
+    });
+  });
 });
 
 /** Most workgroups that the visible splats of a page can take, at one thread per splat. */

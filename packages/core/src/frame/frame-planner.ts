@@ -72,7 +72,9 @@ export class FramePlanner {
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     const { isOrthographic } = projection;
     const sortsByDistance = !isOrthographic && asksForDistance(request);
-    const clouds = request.clouds.map((instance) => planCloud(instance, camera, projection, accuracy));
+    const clouds = request.clouds.map((instance) =>
+      planCloud(instance, camera, projection, accuracy, request.detail),
+    );
     const needs = {
       visibleSplats: mostVisibleSplats(clouds),
       depthBits: keyBitsFor(camera, clouds, sortsByDistance),
@@ -95,7 +97,7 @@ export class FramePlanner {
         clouds: shapes,
         isOrthographic,
         sortsByDistance,
-        isStacked: false,
+        isStacked: shapes.some(({ levels }) => levels !== null),
         accuracy,
         dispatchRow,
         sortDevice,

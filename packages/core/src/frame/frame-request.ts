@@ -11,6 +11,12 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { checkVector } from '../gpu/effects/option-checks.ts';
 
+/**
+ * How much of the clouds a frame shows: all splats, or blobs that stand for several wherever that
+ * moves none of their light by more than `maxErrorPx` pixels.
+ */
+export type Detail = 'full' | { readonly maxErrorPx: number };
+
 /** A cloud, its place and how to draw it. */
 export interface CloudInstance {
   readonly cloud: SplatCloud;
@@ -44,6 +50,8 @@ export interface FrameRequest {
   readonly accuracy?: AccuracyRequest;
   /** The order in which splats are blended; default `auto`: as the clouds' files ask. */
   readonly sortBy?: SortBy;
+  /** @internal Default full. Only clouds that have levels are drawn with less. */
+  readonly detail?: Detail;
   /** Draw even if nothing has changed, e.g. for a benchmark. */
   readonly force?: boolean;
 }

@@ -1,3 +1,4 @@
+import type { CloudLevels } from '../clouds/cloud-levels.ts';
 import type { CloudPages } from '../clouds/cloud-planes.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
@@ -13,6 +14,8 @@ export interface CloudShape {
   readonly cloud: SplatCloud;
   /** The planes to draw: of those that the cloud holds, the nearest to the frame's accuracy. */
   readonly planes: CloudPages;
+  /** Its levels, if a cut through them is drawn. */
+  readonly levels: CloudLevels | null;
   readonly effects: EffectSet;
   /** Degree of spherical harmonics to evaluate. */
   readonly shDegree: ShDegree;
@@ -72,7 +75,7 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
     a.clouds.length === b.clouds.length &&
-    a.clouds.every(({ cloud }, i) => cloud === b.clouds[i].cloud)
+    a.clouds.every(({ cloud, levels }, i) => cloud === b.clouds[i].cloud && levels === b.clouds[i].levels)
   );
 }
 

@@ -2,6 +2,7 @@ import type { Camera } from '../data/camera/camera.ts';
 import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
+import type { LevelCut } from './level-cut.ts';
 
 /** The parts of plans that tell whether they draw the same splats in the same order. */
 type PlannedOrder = Pick<FramePlan, 'request' | 'camera' | 'clouds' | 'shape'>;
@@ -28,7 +29,6 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
     a.request.heightPx === b.request.heightPx &&
     a.shape.accuracy === b.shape.accuracy &&
     a.shape.sortsByDistance === b.shape.sortsByDistance &&
-    a.shape.isStacked === b.shape.isStacked &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];
@@ -36,6 +36,8 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
         // The last preview of a load has the planes of the cloud, but no rows to pick.
         a.shape.clouds[i].cloud === b.shape.clouds[i].cloud &&
         a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
+        a.shape.clouds[i].levels === b.shape.clouds[i].levels &&
+        isSameValues(cloud.cut, other.cut) &&
         cloud.version === other.version &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
         isSameUses(cloud, other, changesOrder)
@@ -77,10 +79,13 @@ function isSameUses(a: CloudPlan, b: CloudPlan, counts: (planned: PlannedUse) =>
   );
 }
 
-function isSameValues(a: GpuValues<GpuFields> | null, b: GpuValues<GpuFields> | null): boolean {
+function isSameValues(
+  a: GpuValues<GpuFields> | LevelCut | null,
+  b: GpuValues<GpuFields> | LevelCut | null,
+): boolean {
   if (!a || !b) return a === b;
   return Object.entries(a).every(([name, value]) => {
-    const other = b[name];
+    const other = (b as GpuValues<GpuFields>)[name];
     return typeof value === 'number' || typeof other === 'number'
       ? isSameNumber(value as number, other as number)
       : isSameNumbers(value, other);

@@ -54,7 +54,10 @@ function nearestTo(nodes: readonly LevelNode[], i: number): number {
   let [least, found] = [Number.POSITIVE_INFINITY, i];
   const last = Math.min(i + MERGED_RADIUS, nodes.length - 1);
   for (let j = Math.max(i - MERGED_RADIUS, 0); j <= last; j++) {
-    const cost = j === i ? Number.POSITIVE_INFINITY : mergeCost(nodes[Math.min(i, j)].merged, nodes[Math.max(i, j)].merged);
+    const cost =
+      j === i
+        ? Number.POSITIVE_INFINITY
+        : mergeCost(nodes[Math.min(i, j)].merged, nodes[Math.max(i, j)].merged);
     if (cost < least) [least, found] = [cost, j];
   }
   return found;

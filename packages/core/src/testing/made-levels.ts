@@ -5,10 +5,10 @@ import { ChunkLinks, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { type PackedHarmonics, readCoefficients, shWordsPerSplat } from '../data/packing/harmonics.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import { BLOB_PRECISION } from '../data/packing/precision.ts';
 import { coefficientsPerSplat, type ShDegree } from '../data/splats/splat-set.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
-import { BLOB_SH_PRECISION } from '../gpu/stages/merge-harmonics.ts';
 import { linkParts } from '../reference/level-link.ts';
 import { type Merged, mergedOf } from '../reference/merged-splat.ts';
 import { type UnpackedSplat, unpackSplat } from '../reference/packing.ts';
@@ -111,8 +111,8 @@ export async function madeLevels(
 }
 
 function harmonicsOf(degree: ShDegree, words: Uint32Array): PackedHarmonics {
-  const wordsPerSplat = shWordsPerSplat(degree, BLOB_SH_PRECISION);
-  return { degree, precision: BLOB_SH_PRECISION, wordsPerSplat, words };
+  const wordsPerSplat = shWordsPerSplat(degree, BLOB_PRECISION.shPrecision);
+  return { degree, precision: BLOB_PRECISION.shPrecision, wordsPerSplat, words };
 }
 
 /** The nodes that each blob of a cell merges. */
@@ -136,5 +136,7 @@ export function isRoot({ link }: MadeNode): boolean {
 export function childCell(counts: readonly number[], cell: number, slot: number): number {
   let [level, start] = [0, 0];
   while (cell >= start + counts[level]) start += counts[level++];
-  return start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / LEVEL_CONSTANTS.CELL_ROOTS);
+  return (
+    start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / LEVEL_CONSTANTS.CELL_ROOTS)
+  );
 }

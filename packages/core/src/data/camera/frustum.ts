@@ -29,6 +29,7 @@ const MARGIN_PX = 0.5;
  *
  * @param alphaCutoff opacity at which a splat ends.
  * @param moved how far effects may move splats and how much they may enlarge them.
+ * @param mostOpacity largest opacity of any splat; above 1 for merged ones.
  */
 export function frustumSides(
   view: CloudView,
@@ -36,11 +37,12 @@ export function frustumSides(
   alphaCutoff: number,
   dilationPx2: number,
   moved: SplatReach = { displacement: 0, growth: 1 },
+  mostOpacity = 1,
 ): readonly FrustumSide[] {
   const { isOrthographic, near, far, focalPx } = projection;
   const stretch = stretchBound(view.linear);
-  // Reach of a splat of opacity 1, in standard deviations.
-  const opacityReach = Math.sqrt(2 * Math.log(1 / alphaCutoff));
+  // Reach of the most opaque splat, in standard deviations: a stack reaches less far than this.
+  const opacityReach = Math.sqrt(2 * Math.log(mostOpacity / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every side is (x, y, z, w): the first four in multiples of x or y and depth = −z.
   const side = (axis: 0 | 1, sign: -1 | 1) => {

@@ -38,6 +38,8 @@ export const CutParameters = gpuStruct('CutParameters', {
   squaredPerDistance: 'f32',
   /** … this, in the cloud's units: one of the two is 0. */
   squaredEverywhere: 'f32',
+  /** How far effects may move splats, in the cloud's units. */
+  margin: 'f32',
   cellCount: 'u32',
   dispatchRow: 'u32',
 });

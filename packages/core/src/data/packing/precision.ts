@@ -31,3 +31,6 @@ export interface CloudPrecision {
 export interface RowPrecision extends CloudPrecision {
   readonly shPrecision: OwnShPrecision;
 }
+
+/** How blobs are stored: the words that float32 geometry leaves empty hold what levels need. */
+export const BLOB_PRECISION = { geometryPrecision: 'f32', shPrecision: 'u8' } as const;

@@ -1,17 +1,22 @@
 import { maxColor } from '../../data/accuracy/accuracy.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../data/layout/structs.ts';
+import { BLOB_PRECISION } from '../../data/packing/precision.ts';
+import { antialias } from '../../gpu/effects/antialias/antialias.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
 import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
 import { compactSplats } from '../../gpu/stages/compact-splats.ts';
-import { cullChunks } from '../../gpu/stages/cull-chunks.ts';
+import { cullChunks, cullLevels } from '../../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../../gpu/stages/cull-splats.ts';
+import { cutCells } from '../../gpu/stages/cut-cells.ts';
+import { cutSplats } from '../../gpu/stages/cut-splats.ts';
 import { dispatchAtMost, dispatchSize } from '../../gpu/stages/dispatch.ts';
 import { planCull } from '../../gpu/stages/plan-cull.ts';
 import { planProject } from '../../gpu/stages/plan-project.ts';
 import { PrefixScan, prefixScanStages } from '../../gpu/stages/prefix-scan.ts';
 import { project } from '../../gpu/stages/project.ts';
+import { CutBuffers } from '../cut-buffers.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import {
   type FramePage,
@@ -79,9 +84,13 @@ interface Held {
 const FRAME_STAGES = [compactChunks, planCull, planProject, compactSplats] as const;
 
 interface Groups {
+  /** By cloud; null for clouds without a cut. */
+  readonly cuts: readonly (GPUBindGroup | null)[];
   readonly frame: ReadonlyMap<StageDefinition, GPUBindGroup>;
   readonly pages: readonly {
     readonly cullChunks: GPUBindGroup;
+    /** Null on pages without a cut. */
+    readonly cutSplats: GPUBindGroup | null;
     readonly cullSplats: GPUBindGroup;
     readonly project: GPUBindGroup;
   }[];
@@ -93,17 +102,28 @@ const cloudStages = perShape((shape) =>
     const { accuracy, shortensKeys } = shape;
     // Inputs of variants have one name everywhere; planes at hand may differ from the settings'.
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
-    return {
-      cullSplats: cullSplats(variant),
+    const stagesOf = (own: typeof variant & { readonly isDilated?: boolean }) => ({
+      cullChunks: cloud.levels ? cullLevels : cullChunks,
+      cullSplats: cullSplats({ ...own, hasLevels: cloud.levels !== null }),
       project: project({
-        ...variant,
+        ...own,
         shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
         maxColor: maxColor(accuracy),
         storedShDegree: cloud.cloud.shDegree,
       }),
-    };
+    });
+    const splats = stagesOf(variant);
+    if (!cloud.levels) return { splats, blobs: splats };
+    const isDilated = !cloud.effects.effects.includes(antialias.effect);
+    return { splats, blobs: stagesOf({ ...variant, ...BLOB_PRECISION, isDilated }) };
   }),
 );
+
+/** The stages of one page. */
+function stagesOf(shape: FrameShape, { cloudIndex, isBlobs }: FramePage) {
+  const { splats, blobs } = cloudStages(shape)[cloudIndex];
+  return isBlobs ? blobs : splats;
+}
 
 /** Finds the visible splats, lists them in storage order, and writes their records and keys. */
 export class Preprocess implements FramePart<OrderRecording> {
@@ -111,6 +131,7 @@ export class Preprocess implements FramePart<OrderRecording> {
   /** Memory of `#held`. */
   readonly #memory: GpuMemory;
   readonly #effects: EffectBuffers;
+  readonly #cuts: CutBuffers;
   #held: Held | null = null;
   #pageContents = new ArrayBuffer(0);
   #groups: Groups | null = null;
@@ -119,11 +140,15 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#context = context;
     this.#memory = context.memory.part();
     this.#effects = new EffectBuffers(context.memory, context.device.queue);
+    this.#cuts = new CutBuffers(context.memory, context.device.queue);
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
-    const clouds = cloudStages(shape).flatMap(({ cullSplats, project }) => [cullSplats, project]);
-    return [...FRAME_STAGES, cullChunks, ...prefixScanStages, ...clouds];
+    const clouds = cloudStages(shape).flatMap(({ splats, blobs }) =>
+      [splats, blobs].flatMap(({ cullChunks, cullSplats, project }) => [cullChunks, cullSplats, project]),
+    );
+    const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
+    return [...FRAME_STAGES, ...cuts, ...prefixScanStages, ...clouds];
   }
 
   /** Bytes of one cloud's selection bits. */
@@ -152,22 +177,30 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { pipelines, shared } = this.#context;
     const { buffers } = shared;
     this.#effects.fit(shape);
-    const stages = cloudStages(shape);
+    this.#cuts.fit(shape);
     this.#groups = {
+      cuts: shape.clouds.map((_, i) => {
+        const bindings = this.#cuts.bindingsOf(i);
+        return bindings && pipelines.bindGroup(cutCells, bindings);
+      }),
       frame: new Map(FRAME_STAGES.map((stage) => [stage, pipelines.bindGroup(stage, buffers)])),
-      pages: pagesOf(shape).map(({ chunks, geometry, shRest, cloudIndex }, index) => {
+      pages: pagesOf(shape).map((framePage, index) => {
+        const { chunks, geometry, shRest, links, cloudIndex } = framePage;
+        const stages = stagesOf(shape, framePage);
         const own = {
           ...buffers,
           page: { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes },
           chunks,
           geometry,
           ...(shRest && { shRest }),
+          ...(links && { links, ...this.#cuts.bindingsOf(cloudIndex) }),
           ...this.#effects.bindingsOf(index, cloudIndex),
         };
         return {
-          cullChunks: pipelines.bindGroup(cullChunks, own),
-          cullSplats: pipelines.bindGroup(stages[cloudIndex].cullSplats, own),
-          project: pipelines.bindGroup(stages[cloudIndex].project, own),
+          cullChunks: pipelines.bindGroup(stages.cullChunks, own),
+          cutSplats: links && pipelines.bindGroup(cutSplats, own),
+          cullSplats: pipelines.bindGroup(stages.cullSplats, own),
+          project: pipelines.bindGroup(stages.project, own),
         };
       }),
     };
@@ -183,6 +216,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     // Deno 2.9 ends at a write of no bytes.
     if (bytes > 0) queue.writeBuffer(pageUniforms, 0, this.#pageContents);
     this.#effects.write(plan);
+    this.#cuts.write(plan);
   }
 
   record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
@@ -196,10 +230,10 @@ export class Preprocess implements FramePart<OrderRecording> {
       this.#useOnce(pass, planProject);
       pass.dispatchWorkgroups(1);
     }
-    const stages = cloudStages(shape);
     let stage: StageDefinition | null = null;
-    for (const [index, { cloudIndex, chunkCount }] of pages.entries()) {
-      stage = this.#usePipeline(pass, stages[cloudIndex].project, stage);
+    for (const [index, framePage] of pages.entries()) {
+      const { chunkCount } = framePage;
+      stage = this.#usePipeline(pass, stagesOf(shape, framePage).project, stage);
       pass.setBindGroup(0, this.#groups!.pages[index].project);
       const indirect = { buffer: this.#held!.buffers.projectDispatches, offset: 12 * index };
       dispatchAtMost(pass, projectWorkgroups(chunkCount), shape.dispatchRow, indirect);
@@ -211,13 +245,18 @@ export class Preprocess implements FramePart<OrderRecording> {
   #recordCulling(pass: GPUComputePassEncoder, shape: FrameShape, pages: readonly FramePage[]): void {
     const { buffers, scans } = this.#held!;
     const groups = this.#groups!;
-    const stages = cloudStages(shape);
     // At least one workgroup: Dawn warns about empty dispatches.
     const chunkWorkgroups = (chunks: number) =>
       dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), shape.dispatchRow);
+    for (const [i, { levels }] of shape.clouds.entries()) {
+      if (!levels) continue;
+      useCompute(pass, this.#context.pipelines, cutCells, groups.cuts[i]!);
+      pass.dispatchWorkgroups(...chunkWorkgroups(levels.cellCount));
+    }
     let stage: StageDefinition | null = null;
-    for (const [index, { chunkCount }] of pages.entries()) {
-      stage = this.#usePipeline(pass, cullChunks, stage);
+    for (const [index, framePage] of pages.entries()) {
+      const { chunkCount } = framePage;
+      stage = this.#usePipeline(pass, stagesOf(shape, framePage).cullChunks, stage);
       pass.setBindGroup(0, groups.pages[index].cullChunks);
       pass.dispatchWorkgroups(...chunkWorkgroups(chunkCount));
     }
@@ -227,10 +266,17 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#useOnce(pass, planCull);
     pass.dispatchWorkgroups(1);
     stage = null;
-    for (const [index, { cloudIndex, chunkCount }] of pages.entries()) {
-      stage = this.#usePipeline(pass, stages[cloudIndex].cullSplats, stage);
-      pass.setBindGroup(0, groups.pages[index].cullSplats);
+    for (const [index, framePage] of pages.entries()) {
+      const { chunkCount } = framePage;
       const indirect = { buffer: buffers.cullDispatches, offset: 12 * index };
+      const cut = groups.pages[index].cutSplats;
+      if (cut) {
+        stage = this.#usePipeline(pass, cutSplats, stage);
+        pass.setBindGroup(0, cut);
+        dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
+      }
+      stage = this.#usePipeline(pass, stagesOf(shape, framePage).cullSplats, stage);
+      pass.setBindGroup(0, groups.pages[index].cullSplats);
       dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
     }
     scans.splats.record(pass);

@@ -1,3 +1,4 @@
+import type { LEVEL_TEXTS } from './level-texts.ts';
 import type { LaterTexts } from './link-shader.ts';
 import type { RARE_TEXTS } from './rare-texts.ts';
 import type { TILE_TEXTS } from './tile-texts.ts';
@@ -22,5 +23,16 @@ export function rareSource(stage: keyof typeof RARE_TEXTS): () => Promise<LaterT
   return async () => {
     const { RARE_TEXTS, RARE_LIBRARIES: libraries } = await import('./rare-texts.ts');
     return { source: RARE_TEXTS[stage], libraries };
+  };
+}
+
+/** Returns a function that loads the text of a stage that makes or draws levels of detail. */
+export function levelSource(stage: keyof typeof LEVEL_TEXTS): () => Promise<LaterTexts> {
+  return async () => {
+    const [{ LEVEL_TEXTS, LEVEL_LIBRARIES: libraries }, { LEVEL_STRUCTS: structs }] = await Promise.all([
+      import('./level-texts.ts'),
+      import('../../data/layout/level-structs.ts'),
+    ]);
+    return { source: LEVEL_TEXTS[stage], libraries, structs };
   };
 }

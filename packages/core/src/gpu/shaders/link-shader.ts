@@ -11,7 +11,7 @@ const files = import.meta.glob<string>(
   [
     '../../../../../shaders/{lib,stages}/*.wgsl',
     '!../../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
-    '!../../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,layer-rounding,level-link,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
+    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,layer-rounding,level-link,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
 );
@@ -34,6 +34,7 @@ function moduleName(file: string): string {
 export interface LaterTexts {
   readonly source: string;
   readonly libraries?: ShaderVariant['libraries'];
+  readonly structs?: ShaderVariant['structs'];
 }
 
 /** A shader to link; code whose condition is not met is not in its text. */
@@ -111,7 +112,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   CONTRIBUTIONS: false,
   UPPER: false,
   LEVELS: false,
-  BLOBS: false,
+  DILATED: false,
 };
 
 /** Returns the WGSL of one stage with everything that it imports. */

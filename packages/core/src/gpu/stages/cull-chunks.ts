@@ -1,7 +1,17 @@
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
+import { levelSource } from '../shaders/later-source.ts';
 
 /** Tests each chunk of a page against the frustum. */
 export const cullChunks: StageDefinition = {
   stage: 'cull-chunks',
   entryPoint: 'cullChunks',
+};
+
+/** The same for a page with levels, whose chunks are drawn where the cut goes through them. */
+export const cullLevels: StageDefinition = {
+  ...cullChunks,
+  source: levelSource('cull-chunks'),
+  conditions: { LEVELS: true },
+  constants: LEVEL_CONSTANTS,
 };

@@ -2,6 +2,7 @@ import type { Culling, Extent } from '../../data/accuracy/accuracy.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { StageDefinition } from '../pipelines.ts';
+import { levelSource } from '../shaders/later-source.ts';
 
 /** Variant of the cull-splats stage to link. */
 export interface CullSplatsVariant {
@@ -17,6 +18,10 @@ export interface CullSplatsVariant {
   readonly isIsotropic?: boolean;
   /** Whether splats may be merged ones, with opacities above 1; default false. */
   readonly isStacked?: boolean;
+  /** Whether a cut decides which splats are drawn; default false. */
+  readonly hasLevels?: boolean;
+  /** Whether splats are blobs whose opacity follows dilation; default false. */
+  readonly isDilated?: boolean;
 }
 
 /** Tests each splat of a page's visible chunks. */
@@ -27,6 +32,7 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
   const isPacked = variant.geometryPrecision === 'packed';
   return {
     stage: 'cull-splats',
+    ...(variant.isDilated && { source: levelSource('cull-splats') }),
     entryPoint: 'cullSplats',
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
@@ -36,6 +42,8 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       ISOTROPIC: variant.isIsotropic === true,
       FIXED_EXTENT: culling !== 'frustum' && extent === 'fixed',
       STACKED: culling !== 'frustum' && variant.isStacked === true,
+      LEVELS: variant.hasLevels === true,
+      DILATED: variant.isDilated === true,
       SPLAT_EFFECTS: hasHook(acting, 'splat'),
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },

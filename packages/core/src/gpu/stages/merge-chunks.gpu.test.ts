@@ -132,10 +132,12 @@ describe('merge-chunks', () => {
     },
     'colours far beyond white and black': ({ colorDc }, i) => colorDc.set([-900, 0, 900], 3 * i),
     'a scene of 1e-9': ({ positions, logScales }, i) => {
-      for (const at of [3 * i, 3 * i + 1, 3 * i + 2]) [positions[at], logScales[at]] = [positions[at] * 1e-9, logScales[at] - 20];
+      for (const at of [3 * i, 3 * i + 1, 3 * i + 2])
+        [positions[at], logScales[at]] = [positions[at] * 1e-9, logScales[at] - 20];
     },
     'a scene of 1e9': ({ positions, logScales }, i) => {
-      for (const at of [3 * i, 3 * i + 1, 3 * i + 2]) [positions[at], logScales[at]] = [positions[at] * 1e9, logScales[at] + 20];
+      for (const at of [3 * i, 3 * i + 1, 3 * i + 2])
+        [positions[at], logScales[at]] = [positions[at] * 1e9, logScales[at] + 20];
     },
   };
   for (const [name, change] of Object.entries(hard)) {

@@ -55,7 +55,10 @@ describe('merge-harmonics', () => {
   gpuTest('a fault is noticed', async () => {
     const [find, replace] = ['(weight0 + weight1)', '(weight0 + 1.1 * weight1)'];
     const pipelines = new Pipelines(gpu.device, { file: 'stages/merge-harmonics', find, replace });
-    const packed = packSet(randomSplats({ count: 300, shDegree: 1 }), { geometryPrecision: 'f32', shPrecision: 'f32' });
+    const packed = packSet(randomSplats({ count: 300, shDegree: 1 }), {
+      geometryPrecision: 'f32',
+      shPrecision: 'f32',
+    });
     const cells = await madeLevels(gpu, packed, { pipelines });
     expect(() => {
       for (const cell of cells) expectAveraged(cell);

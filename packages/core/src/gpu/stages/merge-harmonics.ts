@@ -1,28 +1,19 @@
-import source from '../../../../../shaders/stages/merge-harmonics.wgsl?raw';
-import { LEVEL_CONSTANTS, LEVEL_STRUCTS } from '../../data/layout/level-structs.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../../data/packing/harmonics.ts';
-import type { CloudPrecision } from '../../data/packing/precision.ts';
+import { BLOB_PRECISION, type CloudPrecision } from '../../data/packing/precision.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
 import type { StageDefinition } from '../pipelines.ts';
-import { LEVEL_LIBRARIES } from './level-libraries.ts';
-import { PACKING_LIBRARIES } from './packing-libraries.ts';
-
-/** Precision of blobs' harmonics: what merging loses is far more than a byte does. */
-export const BLOB_SH_PRECISION = 'u8';
+import { levelSource } from '../shaders/later-source.ts';
 
 /** Averages the harmonics of what `mergeChunks` has merged; `degree` is above 0. */
 export function mergeHarmonics(degree: ShDegree, from: CloudPrecision | 'upper'): StageDefinition {
   const isUpper = from === 'upper';
-  const { geometryPrecision, shPrecision } = isUpper
-    ? ({ geometryPrecision: 'f32', shPrecision: BLOB_SH_PRECISION } as const)
-    : from;
+  const { geometryPrecision, shPrecision } = isUpper ? BLOB_PRECISION : from;
   const isPalette = shPrecision === 'palette';
   const stored = isPalette ? ENTRY_PRECISION : shPrecision;
   return {
     stage: 'merge-harmonics',
-    source,
-    structs: LEVEL_STRUCTS,
-    libraries: { ...PACKING_LIBRARIES, ...LEVEL_LIBRARIES },
+    source: levelSource('merge-harmonics'),
     entryPoint: 'mergeHarmonics',
     conditions: {
       GEOMETRY_F32: geometryPrecision === 'f32',
@@ -36,7 +27,7 @@ export function mergeHarmonics(degree: ShDegree, from: CloudPrecision | 'upper')
       ...LEVEL_CONSTANTS,
       SH_VALUES: coefficientsPerSplat(degree),
       SH_WORDS: shWordsPerSplat(degree, stored),
-      MERGED_SH_WORDS: shWordsPerSplat(degree, BLOB_SH_PRECISION),
+      MERGED_SH_WORDS: shWordsPerSplat(degree, BLOB_PRECISION.shPrecision),
     },
   };
 }

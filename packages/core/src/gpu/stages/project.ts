@@ -4,6 +4,7 @@ import type { GeometryPrecision, ShPrecision } from '../../data/packing/precisio
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import { type EffectSet, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { StageDefinition } from '../pipelines.ts';
+import { levelSource } from '../shaders/later-source.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Variant of the project stage to link. */
@@ -26,6 +27,8 @@ export interface ProjectVariant {
   readonly effects?: EffectSet;
   /** Whether all splats are balls, even after effects; default false. */
   readonly isIsotropic?: boolean;
+  /** Whether splats are blobs whose opacity follows dilation; default false. */
+  readonly isDilated?: boolean;
 }
 
 /** Writes the record and the sort key of each visible splat of a page. */
@@ -35,6 +38,7 @@ export function project(variant: ProjectVariant): StageDefinition {
   const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
   return {
     stage: 'project',
+    ...(variant.isDilated && { source: levelSource('project') }),
     entryPoint: 'project',
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
@@ -50,6 +54,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_U8: shDegree >= 1 && shPrecision === 'u8',
       SH_PALETTE: isPalette,
       ISOTROPIC: variant.isIsotropic === true,
+      DILATED: variant.isDilated === true,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
       OPACITY_EFFECTS: hasHook(effects, 'opacity'),
       COLOR_EFFECTS: hasHook(effects, 'color'),

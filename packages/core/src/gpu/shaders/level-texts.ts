@@ -1,0 +1,30 @@
+import dilatedBlob from '../../../../../shaders/lib/dilated-blob.wgsl?raw';
+import levelLink from '../../../../../shaders/lib/level-link.wgsl?raw';
+import mergedSplat from '../../../../../shaders/lib/merged-splat.wgsl?raw';
+import cullChunks from '../../../../../shaders/stages/cull-chunks.wgsl?raw';
+import cullSplats from '../../../../../shaders/stages/cull-splats.wgsl?raw';
+import cutCells from '../../../../../shaders/stages/cut-cells.wgsl?raw';
+import cutSplats from '../../../../../shaders/stages/cut-splats.wgsl?raw';
+import mergeChunks from '../../../../../shaders/stages/merge-chunks.wgsl?raw';
+import mergeHarmonics from '../../../../../shaders/stages/merge-harmonics.wgsl?raw';
+import project from '../../../../../shaders/stages/project.wgsl?raw';
+import { PACKING_LIBRARIES } from '../stages/packing-libraries.ts';
+
+/** Texts of the stages that make or draw levels of detail. */
+export const LEVEL_TEXTS = {
+  'cull-chunks': cullChunks,
+  'cull-splats': cullSplats,
+  'cut-cells': cutCells,
+  'cut-splats': cutSplats,
+  'merge-chunks': mergeChunks,
+  'merge-harmonics': mergeHarmonics,
+  project,
+} as const;
+
+/** Texts of what they import and the engine’s own stages do not. */
+export const LEVEL_LIBRARIES = {
+  ...PACKING_LIBRARIES,
+  'lib/dilated-blob': dilatedBlob,
+  'lib/level-link': levelLink,
+  'lib/merged-splat': mergedSplat,
+} as const;

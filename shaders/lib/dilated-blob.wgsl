@@ -1,0 +1,30 @@
+// Opacity of a blob where splats are dilated: dilation adds the more light the smaller they are, so
+// the blob is as opaque as its splats together would be at this distance. Used by cull-splats and
+// project where nothing removes the light that dilation adds. Reference: reference/dilated-blob.ts.
+import layout::View;
+import package::lib::merged_splat::{meanArea, rimLength};
+import package::lib::packing::Splat;
+
+/// A blob as opaque as its dilated splats. `words` are the blob's geometry, whose last ones are the
+/// sums of its splats; `linear` and `translation` take it to view space.
+fn dilatedBlob(view: View, linear: mat3x3f, translation: vec3f, words: array<vec4u, 4>, blob: Splat) -> Splat {
+  // Of a length in the cloud, on average over its directions.
+  let stretch = pow(abs(determinant(linear)), 1.0 / 3.0);
+  @if(ORTHOGRAPHIC) let depth = 1.0;
+  @if(!ORTHOGRAPHIC) let depth = max(-(linear * blob.position + translation).z, 1e-30);
+  let pxPerUnit = sqrt(abs(view.focalPx.x * view.focalPx.y)) * stretch / depth;
+  let area = meanArea(blob.scale);
+  let sums = bitcast<vec2f>(vec2u(words[2].w, words[3].w));
+  var dilated = blob;
+  dilated.opacity = dilatedOpacity(blob.opacity, area, rimLength(blob.scale, area), sums, sqrt(view.dilationPx2), pxPerUnit);
+  return dilated;
+}
+
+/// A blob of mean area `area` and rim `rim` (lib/merged-splat.wgsl), cloud units: the light of its
+/// dilated splats over its own dilated area. `sums` are those of its splats; `deviationPx` is the
+/// dilation's standard deviation in pixels and `pxPerUnit` the size of the cloud's unit there.
+fn dilatedOpacity(opacity: f32, area: f32, rim: f32, sums: vec2f, deviationPx: f32, pxPerUnit: f32) -> f32 {
+  let dilation = deviationPx / pxPerUnit;
+  let light = opacity * area + dilation * (sums.x + dilation * sums.y);
+  return light / (area + dilation * (rim + dilation));
+}

@@ -1,0 +1,28 @@
+// Finds the threshold of each cell of a cloud: errors up to it are not seen, from where the camera
+// is. Reads bounds of cells; writes thresholds. One thread per cell. A cell lies within its parent,
+// each step here rounds larger numbers to larger or equal ones, and all cells take the same steps:
+// a parent's threshold is never more than its children's. So where a cell is drawn, its parent's
+// other cells know, and nothing has to be traversed.
+import constants::CHUNK_WORKGROUP;
+import layout::CutParameters;
+import layout::LevelCell;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::level_link::threshold;
+
+@group(0) @binding(0) var<uniform> parameters: CutParameters;
+@group(0) @binding(1) var<storage, read> cells: array<LevelCell>;
+@group(0) @binding(2) var<storage, read_write> thresholds: array<u32>;
+
+/// Squares of longer distances leave float32's range.
+const FARTHEST = 1e18;
+
+@compute @workgroup_size(CHUNK_WORKGROUP)
+fn cutCells(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let index = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_WORKGROUP + lane;
+  if (index >= parameters.cellCount) { return; }
+  let before = cells[index].minPosition - parameters.camera;
+  let behind = parameters.camera - cells[index].maxPosition;
+  let apart = clamp(max(before, behind) - parameters.margin, vec3f(0.0), vec3f(FARTHEST));
+  let distance2 = dot(apart, apart);
+  thresholds[index] = threshold(distance2 * parameters.squaredPerDistance + parameters.squaredEverywhere);
+}
