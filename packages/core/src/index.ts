@@ -83,7 +83,7 @@ export type {
   SetAccuracyOptions,
 } from './engine.ts';
 export type { HostPass } from './frame/frame-part.ts';
-export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
+export type { CloudInstance, Detail, FrameRequest } from './frame/frame-request.ts';
 export type { EffectEntry } from './frame/ledger/ledger.ts';
 export type { EmbeddedImage } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';

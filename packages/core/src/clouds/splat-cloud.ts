@@ -134,6 +134,7 @@ export class SplatCloud {
   readonly uploaded: Promise<void>;
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
   #levelsMade: Promise<void> | null = null;
+  #levelsLack: Error | null = null;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isUploaded = false;
   #lack: Error | null = null;
@@ -275,9 +276,22 @@ export class SplatCloud {
   makeLevels(): Promise<void> {
     this.#levelsMade ??= this.#madeLevels().catch((error) => {
       this.#levelsMade = null;
+      this.#levelsLack = error;
       throw error;
     });
     return this.#levelsMade;
+  }
+
+  /** @internal Whether frames are to wait for levels: not if making them has failed. */
+  get mayHaveLevels(): boolean {
+    return (
+      this.#makeLevels !== undefined && !this.isPreview && this.editing === null && this.#levelsLack === null
+    );
+  }
+
+  /** Why frames with less than full detail draw all splats nevertheless, if levels failed; else null. */
+  get levelsLack(): Error | null {
+    return this.#levelsLack;
   }
 
   async #madeLevels(): Promise<void> {
@@ -288,6 +302,7 @@ export class SplatCloud {
     if (this.isDestroyed) levels.destroy();
     this.checkUsable();
     this.levels = levels;
+    this.#levelsLack = null;
   }
 
   /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */

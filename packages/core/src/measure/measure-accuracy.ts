@@ -39,6 +39,8 @@ export interface MeasureAccuracyOptions {
    * Default `auto`.
    */
   readonly sortBy?: FrameRequest['sortBy'];
+  /** As in a frame request: settings are compared at this detail. */
+  readonly detail?: FrameRequest['detail'];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
   /** Names of the settings to change; default all. */
@@ -417,8 +419,8 @@ class Measurement {
   }
 
   #frame(camera: Camera, accuracy: AccuracySettings): FrameRequest {
-    const { clouds, widthPx, heightPx, sortBy } = this.#options;
-    return { camera, clouds, widthPx, heightPx, sortBy, accuracy };
+    const { clouds, widthPx, heightPx, sortBy, detail } = this.#options;
+    return { camera, clouds, widthPx, heightPx, sortBy, detail, accuracy };
   }
 
   /** Notes about precisions in `settings` that the clouds do not hold. */

@@ -53,7 +53,7 @@ const DEFAULT_FRAMES = 15;
  */
 export async function measureEffects(
   engine: MeasuredEngine,
-  frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy'>,
+  frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy' | 'detail'>,
   options: MeasureEffectsOptions = {},
 ): Promise<EffectCost[]> {
   const { frames = DEFAULT_FRAMES, signal, onProgress } = given(options);

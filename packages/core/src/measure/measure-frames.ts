@@ -15,7 +15,7 @@ import { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts
 
 /** Scene and repetitions of `measureFrames`. */
 export interface MeasureFramesOptions
-  extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'sortBy'> {
+  extends Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'sortBy' | 'detail'> {
   /** One camera per measured frame, each unlike the one before: see `orbitCameras`. */
   readonly cameras: readonly Camera[];
   /** Default the engine's; under a target, the engine's settings. */
@@ -174,6 +174,7 @@ async function drawFrames(
     widthPx,
     heightPx,
     sortBy,
+    detail,
     accuracy = engine.accuracy,
     signal,
     onProgress,
@@ -190,7 +191,7 @@ async function drawFrames(
   };
   let { settings } = asked;
   const frame = (camera: Camera): FrameRequest => ({
-    ...{ camera, clouds, widthPx, heightPx, sortBy },
+    ...{ camera, clouds, widthPx, heightPx, sortBy, detail },
     accuracy: settings,
     force: true,
   });

@@ -36,7 +36,7 @@ export interface TargetOptions {
 export async function measureTarget(
   engine: MeasuredEngine,
   target: AccuracyTarget,
-  { camera, clouds, widthPx, heightPx, sortBy }: FrameRequest,
+  { camera, clouds, widthPx, heightPx, sortBy, detail }: FrameRequest,
   { previous, signal, onProgress }: TargetOptions,
 ): Promise<AccuracyChoice> {
   const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
@@ -46,6 +46,7 @@ export async function measureTarget(
     widthPx,
     heightPx,
     sortBy,
+    detail,
     base: DEFAULT_ACCURACY,
     settings: isSoftware ? SOFTWARE_SETTINGS : SETTINGS,
     ablations: false,

@@ -12,7 +12,7 @@ import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
-  extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy'> {
+  extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy' | 'detail'> {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**

@@ -7,6 +7,11 @@ import type { Pipelines } from '../gpu/pipelines.ts';
 /** Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts. */
 export type WaitReason = 'shaders' | 'memory' | 'parts';
 
+/** Whether a frame's detail needs levels that are still to be made. */
+export function awaitsLevels({ detail = 'full', clouds }: FrameRequest): boolean {
+  return detail !== 'full' && clouds.some(({ cloud }) => cloud.mayHaveLevels && !cloud.levels);
+}
+
 interface Wait {
   /** The newest request. */
   request: FrameRequest;
@@ -55,10 +60,13 @@ export class FrameWait {
     return isReady;
   }
 
-  /** Resolves when the shaders of `plan` are compiled, and its clouds uploaded. */
+  /** Resolves when the shaders of `plan` are compiled, and its clouds uploaded and in levels. */
   async whenReady({ shape, request }: FramePlan): Promise<void> {
     const uploads = request.clouds.map(({ cloud }) => cloud.uploaded);
     await Promise.all([this.#pipelines.prepare(frameStages(shape)), ...uploads]);
+    // Where they cannot be made, the cloud tells, and is drawn in full.
+    if (awaitsLevels(request))
+      await Promise.allSettled(request.clouds.map(({ cloud }) => cloud.makeLevels()));
   }
 
   /**
