@@ -38,6 +38,8 @@ import package::lib::packing::unpackSplat;
 @if(!GEOMETRY_F32) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
 const NODE_WORDS = 13u;
+/// Those in which a node looks for another, with its own.
+const PLACES = 2u * MERGED_RADIUS + 1u;
 /// Squares of longer lengths leave float32's range.
 const FARTHEST = 1.8e19;
 
@@ -145,7 +147,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     }
     if (merges && lane == first) {
       setNode(lane, blob);
-      write(blobChunk, own.slot, packed(blob, own.sums, unit, cell));
+      writeBlob(blobChunk, own.slot, packed(blob, own.sums, unit, cell));
       atomicMax(&leastErrors[1], ~error);
     }
     made += pairs;
@@ -163,7 +165,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     link(splatChunk, blobChunk, lane, own, linkOf(own.error, error, own.slot));
     own.isSplat = false;
     own.error = error;
-    write(blobChunk, own.slot, packed(nodeOf(lane), own.sums, unit, cell));
+    writeBlob(blobChunk, own.slot, packed(nodeOf(lane), own.sums, unit, cell));
     atomicMax(&leastErrors[1], ~error);
   }
   made += countBelow(CHUNK_SPLATS, true);
@@ -239,12 +241,13 @@ fn countBelow(lane: u32, ofCounted: bool) -> u32 {
 
 fn nearestTo(lane: u32, rank: u32, count: u32) -> u32 {
   let node = nodeOf(lane);
-  let last = min(rank + MERGED_RADIUS, count - 1u);
   var least = 1e38;
   var found = lane;
   // Ascending: of equal costs the first counts, from both sides.
-  for (var place = max(rank, MERGED_RADIUS) - MERGED_RADIUS; place <= last; place++) {
-    if (place == rank) { continue; }
+  for (var step = 0u; step < PLACES; step++) {
+    // Places before the first wrap around to more than any.
+    let place = rank + step - MERGED_RADIUS;
+    if (place == rank || place >= count) { continue; }
     let other = order[place];
     // The operands' order must not depend on the side.
     var cost = 0.0;
@@ -293,7 +296,7 @@ fn packed(blob: Merged, sums: vec2f, unit: f32, cell: u32) -> array<vec4u, 4> {
   );
 }
 
-fn write(chunk: u32, slot: u32, blob: array<vec4u, 4>) {
+fn writeBlob(chunk: u32, slot: u32, blob: array<vec4u, 4>) {
   @if(!UPPER) blobs[chunk * CHUNK_SPLATS + slot] = blob;
   @if(UPPER) upper[chunk * CHUNK_SPLATS + slot] = blob;
 }

@@ -100,9 +100,10 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
     if (workgroupUniformLoad(&openBlobs) == 0u) { break; }
   }
 
+  let last = deepest;
   var averaged: array<f32, GROUPS * GROUP>;
   for (var group = 0u; group < GROUPS; group++) {
-    for (var step = 1u; step <= deepest; step++) {
+    for (var step = 1u; step <= last; step++) {
       if (depth == step) {
         for (var i = 0u; i < GROUP; i++) {
           let value = averageOf(own, splatChunk, group * GROUP + i, i);
@@ -129,7 +130,7 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
       let i = 4u * word + part;
       if (i >= 2u && i < SH_VALUES + 2u) { bits = insertBits(bits, byteOf(averaged[i - 2u], scale), 8u * part, 8u); }
     }
-    write((blobChunk * CHUNK_SPLATS + lane) * MERGED_SH_WORDS + word, bits);
+    writeWord((blobChunk * CHUNK_SPLATS + lane) * MERGED_SH_WORDS + word, bits);
     if (isPromoted) { upperSh[(above * CHUNK_SPLATS + slotAbove) * MERGED_SH_WORDS + word] = bits; }
   }
 }
@@ -169,7 +170,7 @@ fn rootsBelow(slot: u32) -> u32 {
   return count;
 }
 
-fn write(at: u32, bits: u32) {
+fn writeWord(at: u32, bits: u32) {
   @if(!UPPER) blobSh[at] = bits;
   @if(UPPER) upperSh[at] = bits;
 }

@@ -73,17 +73,20 @@ export class CloudLevels {
   readonly splatLinks: readonly GPUBuffer[];
   /** Blobs of the chunks, by page of the cloud; then the leaves and blobs of all upper levels. */
   readonly blobPages: readonly BlobPage[];
+  /** Cells of each level, from that of the chunks on. */
+  readonly counts: readonly number[];
   readonly #memory: GpuMemory;
 
   private constructor(
     memory: GpuMemory,
-    made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages'>,
+    made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>,
   ) {
     this.#memory = memory;
     this.cellCount = made.cellCount;
     this.cells = made.cells;
     this.splatLinks = made.splatLinks;
     this.blobPages = made.blobPages;
+    this.counts = made.counts;
   }
 
   /** Stages that making the levels of a cloud takes. */
@@ -127,7 +130,9 @@ function make(
   context: DispatchContext,
   cloud: LevelSource,
   precision: CloudPrecision,
-  finish: (made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages'>) => CloudLevels,
+  finish: (
+    made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>,
+  ) => CloudLevels,
 ): CloudLevels {
   const { memory } = context;
   const { name, planes } = cloud;
@@ -207,6 +212,7 @@ function make(
   dispatches.submit(`${name} levels`);
   return finish({
     cellCount,
+    counts,
     cells,
     splatLinks,
     blobPages: counts.length > 1 ? [...ofChunks, upper] : ofChunks,

@@ -48,14 +48,25 @@ export function totalChunks(pages: readonly FramePage[]): number {
   return pages.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
 }
 
+/** Place of a splat of a frame. */
+export interface FrameSplat {
+  readonly cloudIndex: number;
+  /** Index in storage; for a blob, behind all splats of the cloud: pages of blobs follow theirs. */
+  readonly storedIndex: number;
+  /** Where the splat is a blob: the page of the cloud's blobs, and the chunk and slot there. */
+  readonly blob: { readonly page: number; readonly chunk: number; readonly slot: number } | null;
+}
+
 /** Finds the cloud of splat `number`, counted through the frame's chunks, and its storage index. */
-export function locateSplat(
-  pages: readonly FramePage[],
-  number: number,
-): { readonly cloudIndex: number; readonly storedIndex: number } {
+export function locateSplat(pages: readonly FramePage[], number: number): FrameSplat {
   const chunk = Math.floor(number / CHUNK_SPLATS);
-  const { cloudIndex } = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
+  const found = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
+  const { cloudIndex } = found;
   // Only the last page of a cloud may have a partial chunk, so its pages are one run of splats.
   const { chunkStart } = pages.find((page) => page.cloudIndex === cloudIndex)!;
-  return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart };
+  const blobPages = pages.filter((page) => page.cloudIndex === cloudIndex && page.isBlobs);
+  const blob = found.isBlobs
+    ? { page: blobPages.indexOf(found), chunk: chunk - found.chunkStart, slot: number % CHUNK_SPLATS }
+    : null;
+  return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart, blob };
 }

@@ -1,35 +1,256 @@
-import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
+import { cellCounts, cellsOf } from '../clouds/cloud-levels.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
-import type { Camera } from '../data/camera/camera.ts';
+import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import { type Camera, orthographicCamera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
+import { cloudView } from '../data/camera/cloud-view.ts';
+import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
+import { identity4 } from '../data/math/mat4.ts';
+import { chunkCountOf } from '../data/packing/chunks.ts';
+import { packSet } from '../data/packing/pack-set.ts';
+import { SplatSelection } from '../data/splats/splat-selection.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
+import { antialias } from '../gpu/effects/antialias/antialias.ts';
+import { highlight } from '../gpu/effects/highlight/highlight.ts';
+import { cellThreshold } from '../reference/cut-cells.ts';
+import { dilatedOpacity } from '../reference/dilated-blob.ts';
+import { compareImages, renderReference } from '../reference/index.ts';
+import { isDrawnAt } from '../reference/level-link.ts';
+import { meanArea, rimLength } from '../reference/merged-splat.ts';
+import { childCell, isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/made-levels.ts';
 import { randomSplats } from '../testing/random-splats.ts';
-import { testCameras } from '../testing/test-cameras.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { testGpu } from '../testing/test-gpu.ts';
 import type { Detail } from './frame-request.ts';
+import { type LevelCut, levelCut } from './level-cut.ts';
 
-const SIZE = { widthPx: 160, heightPx: 120 };
-const set = randomSplats({ count: 20000, seed: 7, shDegree: 1, logScales: [-6, -4] });
-let engine: SplatEngine;
-beforeAll(async () => {
-  engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'reference' });
+const SIZE = { widthPx: 96, heightPx: 64 };
+const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
+/** Faint and small, so that blobs stay below an opacity of 1, which float64 sets cannot hold. */
+const faint = randomSplats({
+  count: 9000,
+  seed: 7,
+  shDegree: 1,
+  logScales: [-6, -4],
+  opacityLogits: [-5, -3],
+});
+const gpu = testGpu();
+
+const camera = (distance: number): Camera =>
+  perspectiveCamera({
+    position: [0.4 * distance, 0.3 * distance, distance],
+    target: [0, 0, 0],
+    fovYDegrees: 40,
+    aspect: 1.5,
+  });
+
+/** Nodes that a cut through these cells draws, as the stages of the cut are documented. */
+function drawnNodes(cells: readonly MadeCell[], chunks: ArrayBuffer, cut: LevelCut): MadeNode[] {
+  const contents = cellsOf(new Float32Array(chunks));
+  const floats = new Float32Array(contents);
+  const words = new Uint32Array(contents);
+  const at = (cell: number, field: keyof typeof LevelCell.offsets) =>
+    (cell * LevelCell.bytes + LevelCell.offsets[field]) / 4;
+  const limits = cells.map((_, cell) =>
+    cellThreshold(
+      {
+        min: floats.subarray(at(cell, 'minPosition'), at(cell, 'minPosition') + 3),
+        max: floats.subarray(at(cell, 'maxPosition'), at(cell, 'maxPosition') + 3),
+      },
+      cut,
+    ),
+  );
+  return cells.flatMap(({ leaves, blobs, blobHead }, cell) => {
+    const parent = words[at(cell, 'parent')];
+    const isOpen = parent === LEVEL_CONSTANTS.NO_CELL || limits[parent] < blobHead[1];
+    if (!isOpen) return [];
+    return [...leaves, ...blobs].filter((node) => node && isDrawnAt(node.link, limits[cell])) as MadeNode[];
+  });
+}
+
+/** How often each splat of a cloud is drawn: by itself, or by a blob that stands for it. */
+function timesDrawn(cells: readonly MadeCell[], count: number, drawn: readonly MadeNode[]): Uint32Array {
+  const counts = cellCounts(chunkCountOf(count));
+  const times = new Uint32Array(count);
+  const visit = (node: MadeNode): void => {
+    const { leaves, blobs } = cells[node.cell];
+    if (node.isBlob) {
+      for (const other of [...leaves, ...blobs])
+        if (other && other !== node && !isRoot(other) && other.link >>> 24 === node.slot) visit(other);
+    } else if (node.cell < counts[0]) times[node.cell * 256 + node.slot]++;
+    else {
+      const below = cells[childCell(counts, node.cell, node.slot)];
+      visit(below.blobs.filter((blob) => blob && isRoot(blob))[node.slot % LEVEL_CONSTANTS.CELL_ROOTS]!);
+    }
+  };
+  for (const node of drawn) visit(node);
+  return times;
+}
+
+describe('a cut', () => {
+  gpuTest('draws each splat once, by itself or by one blob, from anywhere and at any error', async () => {
+    const random = seededRandom(5);
+    const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
+    const packed = packSet(set, FINEST);
+    const cells = await madeLevels(gpu, packed);
+    let merged = 0;
+    for (let run = 0; run < 40; run++) {
+      const cut = {
+        camera: [0, 1, 2].map(() => 4 * random() - 2) as [number, number, number],
+        squaredPerDistance: 10 ** (-8 * random()),
+        squaredEverywhere: run % 4 === 0 ? 10 ** (-6 * random()) : 0,
+        margin: run % 5 === 0 ? 0.5 : 0,
+      };
+      const drawn = drawnNodes(cells, packed.chunks, cut);
+      if (drawn.length < set.count) merged++;
+      expect(
+        timesDrawn(cells, set.count, drawn).every((times) => times === 1),
+        `run ${run}`,
+      ).toBe(true);
+    }
+    expect(merged).toBeGreaterThan(20);
+  });
 });
 
-describe('levels', () => {
-  gpuTest('trial', async () => {
-    const cloud = engine.add(set);
+describe('frames with less than full detail', () => {
+  let engine: SplatEngine;
+  let cloud: SplatCloud;
+  beforeAll(async () => {
+    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'reference' });
+    cloud = engine.add(faint);
+  });
+
+  async function draw(detail: Detail, seen: Camera, isAntialiased = false, drawnCloud = cloud) {
     const view = engine.createView();
-    const camera = testCameras(1).perspective;
-    const draw = async (detail: Detail) => {
-      view.render({ camera, clouds: [{ cloud }], ...SIZE, detail });
-      const { data } = await view.readPixels();
-      return { data, visible: view.statistics?.visibleSplats };
+    const clouds = [{ cloud: drawnCloud, effects: [antialias(isAntialiased)] }];
+    view.render({ camera: seen, clouds, ...SIZE, detail });
+    const { data } = await view.readPixels();
+    const levels = view.effects().find(({ name }) => name === 'levels')!;
+    view.destroy();
+    return { data, levels };
+  }
+
+  /** The splats and blobs of a cut, for the reference renderer. */
+  function asSet(nodes: readonly MadeNode[], seen: Camera, isDilated: boolean): SplatSet {
+    const { focalPx, isOrthographic } = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
+    const { viewMatrix: v } = seen;
+    const opacities = nodes.map(({ isBlob, cell, splat, merged }) => {
+      const isMerged = isBlob || cell >= chunkCountOf(faint.count);
+      if (!isDilated || !isMerged) return splat.opacity;
+      const [x, y, z] = splat.position;
+      const depth = isOrthographic ? 1 : -(v[2] * x + v[6] * y + v[10] * z + v[14]);
+      const pxPerUnit = Math.sqrt(Math.abs(focalPx[0] * focalPx[1])) / depth;
+      const [area, rim] = [meanArea(splat.scale), rimLength(splat.scale)];
+      return dilatedOpacity(splat.opacity, area, rim, merged.sums, Math.sqrt(DILATION_PX2), pxPerUnit);
+    });
+    expect(Math.max(...opacities)).toBeLessThan(1);
+    return {
+      count: nodes.length,
+      origin: [0, 0, 0],
+      positions: Float32Array.from(nodes.flatMap(({ splat }) => splat.position)),
+      logScales: Float32Array.from(nodes.flatMap(({ splat }) => splat.scale.map(Math.log))),
+      rotations: Float32Array.from(nodes.flatMap(({ splat }) => splat.rotation)),
+      opacityLogits: Float32Array.from(opacities, (opacity) => Math.log(opacity / (1 - opacity))),
+      colorDc: Float32Array.from(nodes.flatMap(({ splat }) => splat.colorDc)),
+      harmonics: {
+        degree: 1,
+        coefficients: Float32Array.from(nodes.flatMap(({ coefficients }) => [...coefficients])),
+      },
+      fileIndices: Uint32Array.from(nodes, (_, i) => i),
+      dropped: {},
     };
-    const full = await draw('full');
-    await cloud.makeLevels();
-    for (const maxErrorPx of [0, 0.1, 0.5, 1, 2, 4, 100]) {
-      const { data, visible } = await draw({ maxErrorPx });
-      let sum = 0;
-      for (const [i, value] of data.entries()) sum += (value - full.data[i]) ** 2;
-      console.log(maxErrorPx, visible, -10 * Math.log10(sum / data.length));
+  }
+
+  const parallel = orthographicCamera({ position: [0.5, 0.4, 3], target: [0, 0, 0], height: 3, aspect: 1.5 });
+  for (const [name, seen, maxErrorPx] of [
+    ['near', camera(2.5), 1],
+    ['far', camera(12), 0.5],
+    ['from inside', camera(0.2), 2],
+    ['along parallel rays', parallel, 1.5],
+  ] as const) {
+    for (const isAntialiased of [false, true]) {
+      gpuTest(`${name}${isAntialiased ? ', antialiased' : ''}: as float64 draws the same cut`, async () => {
+        const packed = packSet(faint, FINEST);
+        const cells = await madeLevels(gpu, packed);
+        const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
+        const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
+        const still = { displacement: 0, growth: 1 };
+        const cut = levelCut({ levels: {} } as SplatCloud, { maxErrorPx }, view, projection, still)!;
+        const nodes = drawnNodes(cells, packed.chunks, cut);
+        expect(nodes.length).toBeLessThan(0.95 * faint.count);
+        const clouds = [{ set: asSet(nodes, seen, !isAntialiased), effects: [antialias(isAntialiased)] }];
+        const expected = renderReference({ clouds, camera: seen, ...SIZE });
+        const { data } = await draw({ maxErrorPx }, seen, isAntialiased);
+        const { psnrDb } = compareImages(data, expected.data, SIZE);
+        // Blobs have bytes of harmonics.
+        expect(psnrDb).toBeGreaterThan(70);
+      });
     }
+  }
+
+  gpuTest('full detail is the same image, bit for bit, with levels and without', async () => {
+    const alone = engine.add(faint);
+    const before = await draw('full', camera(3), false, alone);
+    const { bytes } = alone;
+    expect(before.levels).toMatchObject({ isOn: false, reason: 'full detail is asked for' });
+    await alone.makeLevels();
+    expect(alone.bytes).toBeGreaterThan(bytes);
+    expect((await draw('full', camera(3), false, alone)).data).toEqual(before.data);
+    expect((await draw({ maxErrorPx: 0 }, camera(3), false, alone)).data).toEqual(before.data);
+    const held = engine.memory().totalBytes;
+    alone.destroy();
+    expect(held - engine.memory().totalBytes).toBeGreaterThan(bytes);
+  });
+
+  gpuTest('the same cut is the same image every time', async () => {
+    const [first, second] = [
+      await draw({ maxErrorPx: 1 }, camera(5)),
+      await draw({ maxErrorPx: 1 }, camera(5)),
+    ];
+    expect(second.data).toEqual(first.data);
+    expect(first.levels).toMatchObject({ isOn: true, reason: 'errors up to 1 px are allowed' });
+  });
+
+  gpuTest('a cloud whose selection is shown is drawn in full, and the ledger says why', async () => {
+    const view = engine.createView();
+    const selection = new SplatSelection();
+    selection.add(Uint32Array.of(1, 2));
+    const effects = [highlight({ selection, color: [1, 0, 0], strength: 1 })];
+    view.render({ camera: camera(5), clouds: [{ cloud, effects }], ...SIZE, detail: { maxErrorPx: 2 } });
+    await view.readPixels();
+    const levels = view.effects().find(({ name }) => name === 'levels')!;
+    expect(levels).toMatchObject({ isOn: false, reason: 'an effect shows a selection of splats' });
+    view.destroy();
+  });
+
+  gpuTest('a pick tells a splat that the blob stands for, at any level', async () => {
+    for (const [distance, maxErrorPx] of [
+      [3, 2],
+      [3, 12],
+      [12, 8],
+    ]) {
+      const view = engine.createView();
+      view.render({ camera: camera(distance), clouds: [{ cloud }], ...SIZE, detail: { maxErrorPx } });
+      await view.readPixels();
+      const pick = (await view.pick(48, 32))!;
+      expect(pick.splatIndex).toBe(cloud.fileIndices[pick.storedIndex]);
+      const { positions } = faint;
+      const place = positions.subarray(3 * pick.splatIndex, 3 * pick.splatIndex + 3);
+      // Within the blob, which is about as large as its error.
+      const away = Math.hypot(...[0, 1, 2].map((axis) => place[axis] - pick.point[axis]));
+      expect(away).toBeLessThan(0.6 * distance);
+      view.destroy();
+    }
+  });
+
+  gpuTest('an unknown detail is an error that says what it takes', () => {
+    const view = engine.createView();
+    for (const detail of ['low', 0.5, {}, { maxErrorPx: -1 }, { maxErrorPx: Number.NaN }])
+      expect(() =>
+        view.render({ camera: camera(5), clouds: [{ cloud }], ...SIZE, detail: detail as Detail }),
+      ).toThrow(/detail.*maxErrorPx: 0.5/);
+    view.destroy();
   });
 });

@@ -134,6 +134,7 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
   const whole: FrameKind = { request, mayBeIsotropic: true };
   const comparedWith = (without: FrameKind): Comparison => ({ entry, with: whole, without });
   if (!isOn) return null;
+  if (name === 'levels') return comparedWith({ ...whole, request: { ...request, detail: 'full' } });
   if (name === 'isotropic') return comparedWith({ ...whole, mayBeIsotropic: false });
   if (name === 'harmonics') {
     const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));

@@ -13,6 +13,10 @@ export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
     bindings: ['shRest'],
   },
   isotropic: { conditions: ['ISOTROPIC'], bindings: [] },
+  levels: {
+    conditions: ['LEVELS', 'DILATED', 'STACKED'],
+    bindings: ['links', 'thresholds'],
+  },
   transform: { conditions: [], bindings: [] },
   orthographic: { conditions: ['ORTHOGRAPHIC'], bindings: [] },
   'distance-order': { conditions: ['DISTANCE_ORDER'], bindings: [] },

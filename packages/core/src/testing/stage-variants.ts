@@ -1,4 +1,4 @@
-import type { OwnShPrecision } from '../data/packing/precision.ts';
+import { BLOB_PRECISION, type OwnShPrecision } from '../data/packing/precision.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { loadVariant } from '../gpu/shaders/link-shader.ts';
@@ -9,13 +9,17 @@ import { compose } from '../gpu/stages/compose.ts';
 import { composite, compositeInCompute } from '../gpu/stages/composite.ts';
 import { copyWords } from '../gpu/stages/copy-words.ts';
 import { coverPoints } from '../gpu/stages/cover-points.ts';
-import { cullChunks } from '../gpu/stages/cull-chunks.ts';
+import { cullChunks, cullLevels } from '../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../gpu/stages/cull-splats.ts';
+import { cutCells } from '../gpu/stages/cut-cells.ts';
+import { cutSplats } from '../gpu/stages/cut-splats.ts';
 import { ingestChunks } from '../gpu/stages/ingest-chunks.ts';
 import { ingestGather } from '../gpu/stages/ingest-gather.ts';
 import { ingestKeys } from '../gpu/stages/ingest-keys.ts';
 import { ingestRows } from '../gpu/stages/ingest-rows.ts';
 import { ingestScatter } from '../gpu/stages/ingest-scatter.ts';
+import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
+import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import { pick } from '../gpu/stages/pick.ts';
 import { planCull } from '../gpu/stages/plan-cull.ts';
 import { planProject } from '../gpu/stages/plan-project.ts';
@@ -156,6 +160,18 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ingestGather,
     ingestScatter,
     repackGeometry,
+    cullLevels,
+    cutCells,
+    cutSplats,
+    ...(['f32', 'packed', 'upper'] as const).map(mergeChunks),
+    ...DEGREES.slice(1).flatMap((degree) => [
+      mergeHarmonics(degree, 'upper'),
+      ...GEOMETRY.flatMap((geometryPrecision) =>
+        [...SH_PRECISIONS, 'palette' as const].map((shPrecision) =>
+          mergeHarmonics(degree, { geometryPrecision, shPrecision }),
+        ),
+      ),
+    ]),
     ...DEGREES.slice(1).flatMap((degree) => [
       repackSh({ degree, from: 'f32', to: 'f16' }),
       repackSh({ degree, from: 'f32', to: 'u8' }),
@@ -181,6 +197,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
             cullSplats(variant),
             cullSplats({ ...variant, isIsotropic: true }),
             cullSplats({ ...variant, isStacked: true }),
+            cullSplats({ ...variant, isStacked: true, hasLevels: true }),
             ...(isOrthographic ? [] : [cullSplats({ ...variant, sortsByDistance: true })]),
           );
         }
@@ -212,6 +229,15 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
     stages.push(project({ ...frame, ...precisions, ...degrees, isIsotropic: true }));
     stages.push(project({ ...frame, ...precisions, ...degrees, sortsByDistance: true }));
+  }
+  for (const isOrthographic of BOTH) {
+    const frame = { isOrthographic, shortKeyBits: null, maxColor: 65504, isDilated: true } as const;
+    const culled = { extent: 'opacity', culling: 'bounding-box', hasLevels: true, isStacked: true } as const;
+    stages.push(cullSplats({ ...frame, ...culled, ...BLOB_PRECISION }));
+    for (const degree of DEGREES) {
+      const degrees = { storedShDegree: degree, shDegree: degree };
+      stages.push(project({ ...frame, ...BLOB_PRECISION, ...degrees, recordPrecision: 'f16' }));
+    }
   }
   for (const shortKeyBits of SHORT_KEYS) {
     const precisions = { geometryPrecision: 'packed', recordPrecision: 'f16', shPrecision: 'u8' } as const;

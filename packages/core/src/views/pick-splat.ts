@@ -13,6 +13,7 @@ import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { pick } from '../gpu/stages/pick.ts';
+import { firstSplatOf } from './first-splat-of.ts';
 
 /** The stage that finds splats in frames of this plan. */
 export function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition {
@@ -24,7 +25,7 @@ export interface SplatPick {
   /** Index in the frame's list of clouds. */
   readonly cloudIndex: number;
   readonly cloud: SplatCloud;
-  /** Row of the splat in its cloud's file. */
+  /** Row of the splat in its cloud's file; for a blob, of the first splat that it stands for. */
   readonly splatIndex: number;
   /** Place of the splat in storage order. */
   readonly storedIndex: number;
@@ -60,7 +61,8 @@ interface PickContext {
  * @param plan the plan of that frame.
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
- * @returns null if no splat reaches the cutoff at the pixel, and for splats of previews.
+ * @returns null if no splat reaches the cutoff at the pixel, for splats of previews, and for blobs
+ *   of a cloud that is destroyed before the answer.
  * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking,
  *   DestroyedError if engine or device end before the result is read.
  */
@@ -85,10 +87,13 @@ export async function pickSplat(
   const found = heaviestOf(blocks);
   if (!found) return null;
   const { splat, ...shares } = found;
-  const { cloudIndex, storedIndex } = locateSplat(pages, splat);
-  const cloud = shape.clouds[cloudIndex].cloud;
+  const located = locateSplat(pages, splat);
+  const { cloudIndex, blob } = located;
+  const { cloud, levels } = shape.clouds[cloudIndex];
   // Its rows are known when it has loaded.
   if (cloud.isPreview) return null;
+  const storedIndex = blob ? await firstSplatOf(context.device, cloud, levels!, blob) : located.storedIndex;
+  if (storedIndex === null) return null;
   const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
   return {
     ...shares,

@@ -10,9 +10,20 @@ import { withoutConditions } from '../../testing/without-conditions.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 /** Stages that exist for one effect, and never run without it. */
-const OWN_STAGES: Readonly<Record<string, string>> = { 'depth-test': 'resolve-depth' };
-/** They pack harmonics or answer what is asked of a frame, and are no stages of one. */
-const BESIDE_FRAMES: readonly string[] = ['ingest-rows', 'repack-sh', 'cover-points'];
+const OWN_STAGES: Readonly<Record<string, readonly string[]>> = {
+  'depth-test': ['resolve-depth'],
+  levels: ['cut-cells', 'cut-splats'],
+};
+/** They pack or merge splats or answer what is asked of a frame, and are no stages of one. */
+const BESIDE_FRAMES: readonly string[] = [
+  'ingest-rows',
+  'repack-sh',
+  'merge-chunks',
+  'merge-harmonics',
+  'pick',
+  'cover-points',
+  'tile-costs',
+];
 /** Conditions of code that is linked only together with an effect. */
 const IMPLYING: Readonly<Record<string, readonly string[]>> = { 'depth-test': ['DEPTH_LAYER'] };
 
@@ -21,9 +32,9 @@ const variants = await allStageVariants();
 /** Hundreds are linked twice for each effect: the short run takes some of each stage. */
 const LINKED_EACH = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 12;
 
-function variantsWithout(conditions: readonly string[], ownStage: string | undefined): StageDefinition[] {
+function variantsWithout(conditions: readonly string[], own: readonly string[] = []): StageDefinition[] {
   const without = variants.filter(
-    ({ stage, conditions: met = {} }) => stage !== ownStage && !conditions.some((name) => met[name]),
+    ({ stage, conditions: met = {} }) => !own.includes(stage) && !conditions.some((name) => met[name]),
   );
   return spreadByStage(without, LINKED_EACH);
 }
@@ -78,7 +89,7 @@ describe('automatic features', () => {
         ({ stage, conditions: met = {} }) =>
           conditions.some((each) => met[each]) && !BESIDE_FRAMES.includes(stage),
       );
-      const own = OWN_STAGES[name] ? [OWN_STAGES[name]] : [];
+      const own = OWN_STAGES[name] ?? [];
       expect(new Set([...asking.map(({ stage }) => stage), ...own])).toEqual(new Set(stages));
     });
   }

@@ -4,6 +4,7 @@ import { depthWrite } from './features/depth-write.ts';
 import { distanceOrder } from './features/distance-order.ts';
 import { harmonics } from './features/harmonics.ts';
 import { isotropic } from './features/isotropic.ts';
+import { levels } from './features/levels.ts';
 import { orthographic } from './features/orthographic.ts';
 import { tiles } from './features/tiles.ts';
 import { transform } from './features/transform.ts';
@@ -12,6 +13,7 @@ import { transform } from './features/transform.ts';
 export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
   harmonics,
   isotropic,
+  levels,
   transform,
   orthographic,
   distanceOrder,

@@ -1,0 +1,35 @@
+import type { DrawnCloud, FeatureOfCloud } from '../automatic-feature.ts';
+
+/** Blobs instead of splats that are too small to tell apart. */
+export const levels: FeatureOfCloud = {
+  of: 'cloud',
+  name: 'levels',
+  label: 'Levels of detail',
+  about: 'Draws blobs that stand for several splats, where these are too small to tell apart.',
+  stages: [
+    'cut-cells',
+    'cull-chunks',
+    'cut-splats',
+    'cull-splats',
+    'project',
+    'tile-count',
+    'tile-emit',
+    'tile-masks',
+    'tile-rasterize',
+    'rasterize',
+  ],
+  calledFor: ({ plan, shape }) => {
+    const { detail = 'full' } = plan.request;
+    return shape.levels && detail !== 'full' ? `errors up to ${detail.maxErrorPx} px are allowed` : null;
+  },
+  offReason,
+};
+
+function offReason({ plan, shape, cloud }: DrawnCloud): string {
+  if ((plan.request.detail ?? 'full') === 'full') return 'full detail is asked for';
+  if (shape.cloud.isPreview) return 'the cloud is loading';
+  if (shape.cloud.editing) return 'the cloud is edited';
+  if (shape.cloud.levelsLack) return shape.cloud.levelsLack.message;
+  if (!shape.cloud.levels) return 'they are being made';
+  return cloud.view.inverse ? 'an effect shows a selection of splats' : 'the cloud has no extent';
+}

@@ -1,0 +1,84 @@
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { expect } from 'vitest';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { ChunkLinks, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import { Page, PagePlan, View } from '../../data/layout/structs.ts';
+import { cutSplats as reference } from '../../reference/cut-splats.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import { cutSplats } from './cut-splats.ts';
+
+const gpu = testGpu();
+const { MASK_WORDS } = SHADER_CONSTANTS;
+const CHUNKS = 9;
+/** Chunks of the frame before those of the page, and visible ones before those of the page. */
+const CHUNK_START = 5;
+const SLOT_START = 2;
+
+gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and for no other', async () => {
+  const random = seededRandom(3);
+  const below = (end: number) => Math.floor(random() * end);
+  const links = Array.from({ length: CHUNKS }, () =>
+    Array.from({ length: CHUNK_SPLATS }, () => {
+      const [error, parentError] = [below(40), below(4) === 0 ? LEVEL_CONSTANTS.ERROR_BOUNDLESS : below(40)];
+      return below(10) === 0 ? 0 : error + parentError * 2 ** 12 + below(256) * 2 ** 24;
+    }),
+  );
+  const cells = Array.from({ length: CHUNKS }, (_, i) => CHUNKS - 1 - i);
+  const thresholds = Array.from({ length: CHUNKS }, () => below(40));
+  const words = links.flatMap((own, chunk) => [cells[chunk], 0, 0, 0, 0, 0, ...own]);
+  expect(words.length).toBe(CHUNKS * ChunkLinks.words);
+  const visible = [0, 2, 3, 7, 8];
+  const plan = { chunkStart: CHUNK_START, chunkEnd: CHUNK_START + CHUNKS, visibleStart: 0, visibleCount: 0 };
+  const masks = gpu.storage([], 4 * MASK_WORDS * (SLOT_START + visible.length));
+  const bindings = {
+    view: gpu.uniform(
+      View.pack({
+        sizePx: [1, 1],
+        focalPx: [1, 1],
+        centerPx: [0, 0],
+        clampX: [0, 0],
+        clampY: [0, 0],
+        near: 0,
+        far: 1,
+        alphaCutoff: 0,
+        dilationPx2: 0,
+        dispatchRow: 2,
+      }),
+    ),
+    page: gpu.uniform(
+      Page.pack({
+        linear: new Array(9).fill(0),
+        translation: [0, 0, 0],
+        camera: [0, 0, 0],
+        cameraWeight: 0,
+        direction: [0, 0, 0],
+        frustum: new Array(24).fill(0),
+        frustumReach: new Array(24).fill(0),
+        index: 0,
+        chunkStart: CHUNK_START,
+        chunkCount: CHUNKS,
+        splatCount: CHUNKS * CHUNK_SPLATS,
+      }),
+    ),
+    pagePlans: gpu.storage(
+      new Uint32Array(PagePlan.pack({ ...plan, slotStart: SLOT_START, slotCount: visible.length })),
+    ),
+    visibleChunks: gpu.storage([1, 1, ...visible.map((chunk) => CHUNK_START + chunk)]),
+    links: gpu.storage(words),
+    thresholds: gpu.storage(thresholds),
+    visibilityMasks: masks,
+  };
+  // A workgroup more than there are visible chunks.
+  await gpu.run(cutSplats, bindings, [2, 3, 1]);
+  const bits = await gpu.read(masks);
+  for (const [i, chunk] of visible.entries()) {
+    const expected = reference(links[chunk], thresholds[cells[chunk]]);
+    const drawn = expected.map((_, lane) => {
+      const word = bits[(SLOT_START + i) * MASK_WORDS + Math.floor(lane / 32)];
+      return ((word >>> (lane % 32)) & 1) === 1;
+    });
+    expect(drawn, `chunk ${chunk}`).toEqual(expected);
+  }
+  expect(bits.subarray(0, SLOT_START * MASK_WORDS)).toEqual(new Uint32Array(SLOT_START * MASK_WORDS));
+});
