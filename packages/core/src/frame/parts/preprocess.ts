@@ -145,7 +145,7 @@ export class Preprocess implements FramePart<OrderRecording> {
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
     const clouds = cloudStages(shape).flatMap(({ splats, blobs }) =>
-      [splats, blobs].flatMap(({ cullChunks, cullSplats, project }) => [cullChunks, cullSplats, project]),
+      [...new Set([splats, blobs])].flatMap((own) => [own.cullChunks, own.cullSplats, own.project]),
     );
     const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
     return [...FRAME_STAGES, ...cuts, ...prefixScanStages, ...clouds];
