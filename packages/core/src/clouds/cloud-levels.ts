@@ -9,9 +9,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
 import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
-import type { CloudPage } from './cloud-planes.ts';
+import type { CloudPage, CloudPlanes } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
-import type { SplatCloud } from './splat-cloud.ts';
 
 const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 /** Chunks of a cell of an upper level: its leaves and its blobs. */
@@ -63,7 +62,13 @@ export function cellsOf(chunks: Float32Array): ArrayBuffer {
 }
 
 /** The parts of a cloud that its levels are made of. */
-export type LevelSource = Pick<SplatCloud, 'name' | 'count' | 'chunks' | 'planes'>;
+export interface LevelSource {
+  readonly name: string;
+  readonly count: number;
+  /** One `Chunk` struct per chunk. */
+  readonly chunks: ArrayBuffer;
+  readonly planes: CloudPlanes;
+}
 
 /** The levels of detail of a cloud, on the GPU: blobs that stand for its splats. */
 export class CloudLevels {
