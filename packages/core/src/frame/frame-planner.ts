@@ -158,7 +158,10 @@ export class FramePlanner {
       return { ...instance, shDegree, opacity, effects: before };
     });
     const { sortBy, detail } = last.request;
-    return this.plan({ ...request, clouds, sortBy, detail, force: false }, { accuracy, depth, faster: rasterizer });
+    return this.plan(
+      { ...request, clouds, sortBy, detail, force: false },
+      { accuracy, depth, faster: rasterizer },
+    );
   }
 
   /** Takes a frame for which there is room, and which is about to be drawn, at `nowMs`. */

@@ -12,7 +12,10 @@ import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
-  extends Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy' | 'detail'> {
+  extends Pick<
+    FrameRequest,
+    'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy' | 'detail'
+  > {
   /** How the host stores depth; absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**
