@@ -631,6 +631,26 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
   expect(await countersOf(page)).toMatchObject({ uploads: 1, cloudsDestroyed: 0 });
 });
 
+it('takes another detail while it draws, and draws no frame for an equal one', async () => {
+  const onDemand = { ...canvas({ background: 'black' }), frameloop: 'demand' as const };
+  const page = await open(onDemand);
+  await waitForLog(page, 'a firstframe');
+  const full = await imageAtRest(page);
+  const coarse = { ...onDemand, detail: { maxErrorPx: 50 } };
+  await show(page, coarse);
+  await expect.poll(async () => changedPart(full, await image(page))).toBeGreaterThan(0.01);
+  const framesDrawn = async () => {
+    await imageAtRest(page);
+    return page.evaluate(() => window.page.engine('canvas').counters().framesDrawn);
+  };
+  const before = await framesDrawn();
+  await show(page, { ...coarse, detail: { maxErrorPx: 50 } });
+  expect(await framesDrawn()).toBe(before);
+  // Its own detail, not the Canvas's.
+  await show(page, { ...coarse, splats: [{ ...SPLATS, detail: 'full' }] });
+  await expect.poll(async () => changedPart(full, await image(page))).toBe(0);
+});
+
 it('aborts the fetch of what is unmounted', async () => {
   const endless = [{ id: 'a', src: 'endless.ply' }];
   const page = await openShared({ splats: [] });

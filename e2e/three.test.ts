@@ -815,6 +815,7 @@ describe('three 0.187', () => {
         opacity: [expect.stringMatching(/^InvalidArgumentError: .*opacity/)],
         accuracy: [expect.stringMatching(/^InvalidArgumentError: .*slow/)],
         target: [expect.stringMatching(/^InvalidArgumentError: .*maxFrameMs/)],
+        detail: [expect.stringMatching(/^InvalidArgumentError: .*detail/)],
         shDegree: [expect.stringMatching(/^InvalidArgumentError: .*shDegree is 7/)],
         twice: [expect.stringMatching(/^InvalidArgumentError: .*tint is used twice/)],
       });

@@ -3,6 +3,7 @@ import { Canvas, type RootState, useLoader, useThree } from '@react-three/fiber'
 import {
   type AccuracyRequest,
   createSplatRenderer,
+  type Detail,
   type FrameStatistics,
   type RevealAnimation,
   SplatCanvas,
@@ -35,6 +36,7 @@ export interface SplatsDescription {
   readonly reveal?: RevealAnimation;
   readonly tint?: string;
   readonly accuracy?: AccuracyRequest;
+  readonly detail?: Detail;
   readonly visible?: boolean;
   /** Read by `useSplats`, or by `useLoader` for the Canvas's renderer, and handed on. */
   readonly handedOnBy?: 'useSplats' | 'useLoader';
@@ -60,6 +62,8 @@ export interface CanvasDescription {
   readonly background?: string;
   /** Of a `splats` Canvas. */
   readonly accuracy?: AccuracyRequest;
+  /** Of a `splats` Canvas. */
+  readonly detail?: Detail;
   /** Of a `splats` Canvas. */
   readonly antialias?: boolean;
   /** Physical pixels per CSS pixel, default 1. */
@@ -147,6 +151,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     isFitted,
     frameloop,
     accuracy,
+    detail,
     dpr = 1,
     hasSuspense = true,
     antialias,
@@ -217,6 +222,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
       <SplatCanvas
         {...canvasProps}
         accuracy={accuracy}
+        detail={detail}
         gl={antialias === undefined ? undefined : { antialias }}
       >
         {children}

@@ -554,6 +554,7 @@ export const cases = {
       opacity: { opacity: 2 },
       accuracy: { accuracy: 'slow' },
       target: { accuracy: { maxFrameMs: -1 } },
+      detail: { detail: { maxErrorPx: -1 } },
       shDegree: { shDegree: 7 },
       twice: { effects: [tint([1, 1, 0]), tint([1, 0, 0])] },
     };

@@ -113,7 +113,7 @@ describe('the report', () => {
   });
 
   test('is JSON with null for images that are equal', () => {
-    const parsed = JSON.parse(accuracyJson(table(), ['garden']));
+    const parsed = JSON.parse(accuracyJson(table(), { scenes: ['garden'], detail: 'full' }));
     expect(parsed.points[1].error.psnrDb).toBeNull();
     expect(parsed.points[0].timeMs.total.median).toBe(6.2);
   });

@@ -3,10 +3,11 @@ import {
   ACCURACY_SETTINGS,
   type AccuracyPreset,
   DEFAULT_ACCURACY,
+  type Detail,
   type SortBy,
 } from '@websplatter/core';
 import { UsageError, wrongValue } from './input-error.ts';
-import { parseFrames, parseSize, parseSortBy, parseStrictly } from './render-options.ts';
+import { parseDetail, parseFrames, parseSize, parseSortBy, parseStrictly } from './render-options.ts';
 
 /** Arguments of `websplatter accuracy`. */
 export interface AccuracyOptions {
@@ -15,6 +16,7 @@ export interface AccuracyOptions {
   readonly widthPx: number;
   readonly heightPx: number;
   readonly sortBy: SortBy;
+  readonly detail: Detail;
   readonly base: AccuracyPreset;
   /** Names of the settings to change; undefined means all. */
   readonly settings: readonly string[] | undefined;
@@ -30,6 +32,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
     camera: { type: 'string' },
     size: { type: 'string' },
     'sort-by': { type: 'string', default: 'auto' },
+    detail: { type: 'string', default: 'full' },
     base: { type: 'string', default: DEFAULT_ACCURACY },
     settings: { type: 'string' },
     frames: { type: 'string', default: '15' },
@@ -47,6 +50,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
     widthPx,
     heightPx,
     sortBy: parseSortBy(values['sort-by']),
+    detail: parseDetail(values.detail),
     base: parseBase(values.base),
     settings: parseNames(values.settings),
     frames: parseFrames(values.frames),

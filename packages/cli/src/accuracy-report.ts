@@ -1,5 +1,6 @@
 import { alignedColumns } from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable, TimeSpread } from '@websplatter/core/measure';
+import type { AccuracyOptions } from './accuracy-options.ts';
 
 type Column = readonly [heading: string, cell: (point: AccuracyPoint, table: AccuracyTable) => string];
 
@@ -60,9 +61,12 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
 }
 
 /** Formats all measurements as JSON; `psnrDb` is null where the image equals the reference. */
-export function accuracyJson(table: AccuracyTable, scenes: readonly string[]): string {
+export function accuracyJson(
+  table: AccuracyTable,
+  { scenes, detail }: Pick<AccuracyOptions, 'scenes' | 'detail'>,
+): string {
   const finite = (_key: string, value: unknown) => (value === Number.POSITIVE_INFINITY ? null : value);
-  return `${JSON.stringify({ scenes, ...table }, finite, 2)}\n`;
+  return `${JSON.stringify({ scenes, detail, ...table }, finite, 2)}\n`;
 }
 
 function decibels(psnrDb: number): string {

@@ -24,7 +24,7 @@ export async function accuracy(args: readonly string[], console: Console): Promi
   const table = await measure(options, scenes, console);
   const title = printable(options.scenes.join(', '));
   // Format everything before writing anything, so that an interrupted run leaves no partial file.
-  const text = options.isJson ? accuracyJson(table, options.scenes) : accuracyText(table, title);
+  const text = options.isJson ? accuracyJson(table, options) : accuracyText(table, title);
   await writeFiles(
     outputs.map((output) => ({ ...output, content: accuracyChart(table, title) })),
     filesRead(),
@@ -37,7 +37,7 @@ async function measure(
   scenes: readonly SceneSource[],
   console: Console,
 ): Promise<AccuracyTable> {
-  const { widthPx, heightPx, sortBy, base, settings, frames } = options;
+  const { widthPx, heightPx, sortBy, detail, base, settings, frames } = options;
   const camera = await readCameraFile(options.camera, widthPx / heightPx);
   const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
   const { engine, notice, checkGpuErrors } = session;
@@ -50,6 +50,7 @@ async function measure(
       widthPx,
       heightPx,
       sortBy,
+      detail,
       base,
       settings,
       frames,

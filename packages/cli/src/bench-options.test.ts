@@ -10,6 +10,7 @@ test('the shortest commands have the defaults', () => {
     orbitDegrees: 15,
     accuracy: ACCURACY_PRESETS.balanced,
     accuracyLabel: 'balanced',
+    detail: 'full',
     isJson: false,
   };
   expect(parseBenchArguments(['scene.ply', '--camera', 'cam.json'])).toEqual({
@@ -38,12 +39,15 @@ test('numbers of splats have units, and settings change a preset', () => {
     '0',
     '--seed',
     '7',
+    '--detail',
+    'maxErrorPx=1',
     '--json',
   ];
   expect(parseBenchArguments(['--synthetic', '10k', ...options])).toMatchObject({
     scene: { shDegree: 0, seed: 7 },
     accuracy: { ...ACCURACY_PRESETS.fast, rasterizer: 'tiles' },
     accuracyLabel: 'fast rasterizer=tiles',
+    detail: { maxErrorPx: 1 },
     isJson: true,
   });
 });
@@ -64,6 +68,7 @@ test.each([
   [['--synthetic', '10k', '--orbit', '0'], '--orbit is 0; it must be degrees above 0 and up to 360'],
   [['--synthetic', '10k', '--orbit', '400'], '--orbit is 400'],
   [['--synthetic', '10k', '--frames', '0'], '--frames is 0'],
+  [['--synthetic', '10k', '--detail', 'low'], '--detail low: takes full'],
   [['--synthetic', '10k', '--size', 'big'], '--size is big'],
   [['--synthetic', '10k', '--accuracy', 'best'], 'There is no accuracy preset "best"'],
 ])('%j is refused', (args, message) => {

@@ -1,9 +1,10 @@
-import type { AccuracySettings } from '@websplatter/core';
+import type { AccuracySettings, Detail } from '@websplatter/core';
 import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
 import { UsageError, wrongValue } from './input-error.ts';
 import {
   parseAccuracy,
   parseDegree,
+  parseDetail,
   parseFrames,
   parseSeed,
   parseSize,
@@ -26,6 +27,7 @@ export interface BenchOptions {
   readonly accuracy: AccuracySettings;
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
+  readonly detail: Detail;
   readonly isJson: boolean;
 }
 
@@ -44,6 +46,7 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
     orbit: { type: 'string', default: '15' },
     accuracy: { type: 'string' },
     set: { type: 'string', multiple: true, default: [] },
+    detail: { type: 'string', default: 'full' },
     json: { type: 'boolean', default: false },
   });
   const { synthetic } = values;
@@ -71,6 +74,7 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
     frames: parseFrames(values.frames),
     orbitDegrees: parseOrbit(values.orbit),
     ...parseAccuracy(values.accuracy, values.set),
+    detail: parseDetail(values.detail),
     isJson: values.json,
   };
 }

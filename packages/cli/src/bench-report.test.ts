@@ -53,6 +53,7 @@ const REPORT: BenchReport = {
   isMade: false,
   shDegree: 2,
   accuracyLabel: 'balanced',
+  detail: 'full',
   orbitDegrees: 15,
   load: { readMs: 100, packMs: 50.4, uploadMs: 3 },
   measurement: MEASUREMENT,
@@ -99,6 +100,12 @@ test('without timestamps it says so, and has only the wall clock', () => {
   expect(text).toContain('whole, wall clock');
   for (const absent of ['pre-process', 'whole, GPU', 'cull-splats', 'pairs', 'NaN', 'null'])
     expect(text).not.toContain(absent);
+});
+
+test('says how much is drawn where that is less than all', () => {
+  expect(benchText({ ...REPORT, detail: { maxErrorPx: 0.5 } })).toContain(
+    'detail      about 0.5 px of error at most: 50,000 splats and blobs drawn for 200,000 splats\n',
+  );
 });
 
 test('says that a scene was made while it was read', () => {

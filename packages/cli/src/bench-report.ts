@@ -1,8 +1,9 @@
 import { alignedColumns, frameFacts, passTable, timeNotes, timeTable } from '@websplatter/charts';
-import { printable, type ShDegree } from '@websplatter/core';
+import { type Detail, printable, type ShDegree } from '@websplatter/core';
 import type { FrameMeasurement } from '@websplatter/core/measure';
 import type { LoadTimes } from './bench-scene.ts';
 import type { describeMachine } from './machine.ts';
+import { detailText } from './render-options.ts';
 
 /** Everything that one run of `websplatter bench` found. */
 export interface BenchReport {
@@ -13,6 +14,7 @@ export interface BenchReport {
   readonly shDegree: ShDegree;
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
+  readonly detail: Detail;
   readonly orbitDegrees: number;
   readonly load: LoadTimes;
   readonly measurement: FrameMeasurement;
@@ -31,6 +33,7 @@ export function benchText(report: BenchReport): string {
   const { passes, copyBytesPerSecond } = measurement;
   const { cpu, cpuCount, memoryGiB, system, node } = machine;
   const { image, visible, memory, copies } = frameFacts(report, measurement);
+  const detail = detailText(report.detail, measurement.visibleSplats.median, measurement.loadedSplats);
   const splats = measurement.loadedSplats.toLocaleString('en');
   return [
     `${printable(report.scene)}: ${splats} splats, spherical harmonics of degree ${report.shDegree}`,
@@ -42,6 +45,7 @@ export function benchText(report: BenchReport): string {
         ['image', image],
         ['loading', loadText(report)],
         ['visible', visible],
+        ...(detail === null ? [] : [['detail', detail]]),
         ['GPU memory', memory],
         ['copies', copies],
       ],

@@ -18,7 +18,7 @@ export async function bench(args: readonly string[], console: Console): Promise<
 }
 
 async function measure(options: BenchOptions, console: Console): Promise<BenchReport> {
-  const { widthPx, heightPx, frames, orbitDegrees, accuracy, accuracyLabel } = options;
+  const { widthPx, heightPx, frames, orbitDegrees, accuracy, accuracyLabel, detail } = options;
   const scene = await findBenchScene(options.scene);
   await checkOutputs([], options.camera === undefined ? scene.files : [options.camera, ...scene.files]);
   const camera = await cameraOf(options);
@@ -30,6 +30,7 @@ async function measure(options: BenchOptions, console: Console): Promise<BenchRe
       cameras: orbitCameras(camera, cloud.robustBounds, { count: frames, sweepDegrees: orbitDegrees }),
       widthPx,
       heightPx,
+      detail,
       onProgress: tenthsOf(console),
     });
     checkGpuErrors();
@@ -38,6 +39,7 @@ async function measure(options: BenchOptions, console: Console): Promise<BenchRe
       isMade: scene.isMade,
       shDegree: cloud.shDegree,
       accuracyLabel,
+      detail,
       orbitDegrees,
       load,
       measurement,

@@ -36,12 +36,12 @@ async function renderFrames(
   clouds: readonly SplatCloud[],
   models: readonly Float64Array[],
   camera: Camera,
-  { sortBy, widthPx, heightPx, frames, timings }: RenderOptions,
+  { sortBy, detail, widthPx, heightPx, frames, timings }: RenderOptions,
 ): Promise<Omit<Rendered, 'splatsPerScene' | 'label' | 'notices'>> {
   const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
   const statistics: FrameStatistics[] = [];
   const draw = () => {
-    view.render({ camera, clouds: placed, sortBy, widthPx, heightPx, force: true });
+    view.render({ camera, clouds: placed, sortBy, detail, widthPx, heightPx, force: true });
     return view.readPixels();
   };
   // The first frame also pays for compiling shaders, which is not to be measured.

@@ -17,6 +17,7 @@ test('the shortest command has the defaults', () => {
     accuracy: ACCURACY_PRESETS.balanced,
     accuracyLabel: 'balanced',
     sortBy: 'auto',
+    detail: 'full',
     background: [0, 0, 0],
     frames: 1,
     timings: undefined,
@@ -44,6 +45,13 @@ test('settings change a preset, and a number may be a fraction', () => {
   });
 });
 
+test('detail has an error in pixels', () => {
+  const of = (...args: string[]) => parseRenderArguments([...MINIMUM, ...args]).detail;
+  expect(of('--detail', 'full')).toBe('full');
+  expect(of('--detail', 'maxErrorPx=0.5')).toEqual({ maxErrorPx: 0.5 });
+  expect(of('--detail', 'full', '--renderer', 'reference')).toBe('full');
+});
+
 test.each([
   [['--camera', 'c', '--size', '1x1', '--out', 'o'], 'render needs a SCENE'],
   [['s', '--size', '1x1', '--out', 'o'], 'render needs --camera'],
@@ -55,6 +63,11 @@ test.each([
   [['--background', '255,0,0'], '--background is 255,0,0; it must be r,g,b, each 0 to 1'],
   [['--background', '1,,0'], '--background is 1,,0'],
   [['--sort-by', 'z'], '--sort-by is z; it must be auto or depth or distance'],
+  [['--detail', 'low'], '--detail low: takes full, or maxErrorPx=0.5, in pixels'],
+  [['--detail', '0.5'], '--detail 0.5: takes full'],
+  [['--detail', 'maxErrorPx='], '--detail maxErrorPx=: takes full'],
+  [['--detail', 'maxErrorPx=-1'], '--detail maxErrorPx=-1: takes full'],
+  [['--detail', 'maxErrorPx=1', '--renderer', 'reference'], '--renderer reference draws every splat'],
   [['--frames', '0'], '--frames is 0'],
   [['--frames', '1.5'], '--frames is 1.5'],
   [['--renderer', 'cpu'], '--renderer is cpu; it must be gpu or reference'],

@@ -4,6 +4,7 @@ import {
   type Accuracy,
   type AccuracySettings,
   DEFAULT_ACCURACY,
+  type Detail,
   resolveAccuracy,
   type ShDegree,
   SORTED_BY,
@@ -27,6 +28,7 @@ export interface RenderOptions {
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
   readonly sortBy: SortBy;
+  readonly detail: Detail;
   /** sRGB, 0…1. */
   readonly background: Vec3;
   readonly frames: number;
@@ -48,6 +50,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     accuracy: { type: 'string' },
     set: { type: 'string', multiple: true, default: [] },
     'sort-by': { type: 'string', default: 'auto' },
+    detail: { type: 'string', default: 'full' },
     background: { type: 'string', default: '0,0,0' },
     frames: { type: 'string', default: '1' },
     timings: { type: 'string' },
@@ -67,6 +70,12 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   if (renderer !== 'gpu' && renderer !== 'reference') {
     throw wrongValue('--renderer', renderer, 'gpu or reference');
   }
+  const detail = parseDetail(values.detail);
+  if (renderer === 'reference' && detail !== 'full') {
+    const message =
+      '--renderer reference draws every splat, for it has no levels of detail; leave --detail out';
+    throw new UsageError('--detail', message);
+  }
   const [widthPx, heightPx] = parseSize(values.size);
   return {
     scenes: positionals,
@@ -79,6 +88,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     renderer,
     ...parseAccuracy(values.accuracy, values.set),
     sortBy: parseSortBy(values['sort-by']),
+    detail,
     background: parseBackground(values.background),
     frames: parseFrames(values.frames),
     timings: values.timings,
@@ -128,6 +138,22 @@ export function parseSortBy(text: string): SortBy {
   const sortBy = SORTED_BY.find((each) => each === text);
   if (sortBy) return sortBy;
   throw wrongValue('--sort-by', text, SORTED_BY.join(' or '));
+}
+
+/** Parses how much of the scenes to show. */
+export function parseDetail(text: string): Detail {
+  if (text === 'full') return text;
+  const [name, value = ''] = splitOnce(text, '=');
+  const maxErrorPx = value.trim() === '' ? Number.NaN : Number(value);
+  if (name === 'maxErrorPx' && maxErrorPx >= 0 && Number.isFinite(maxErrorPx)) return { maxErrorPx };
+  throw new UsageError('--detail', `--detail ${text}: takes full, or maxErrorPx=0.5, in pixels`);
+}
+
+/** The line about frames of less than full detail; null for others. */
+export function detailText(detail: Detail, drawnSplats: number, loadedSplats: number): string | null {
+  if (detail === 'full') return null;
+  const [drawn, loaded] = [drawnSplats, loadedSplats].map((count) => count.toLocaleString('en'));
+  return `about ${detail.maxErrorPx} px of error at most: ${drawn} splats and blobs drawn for ${loaded} splats`;
 }
 
 function parseBackground(text: string): Vec3 {

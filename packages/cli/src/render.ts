@@ -5,7 +5,7 @@ import { readModelFile } from './model-file.ts';
 import { checkOutputs, type Output, type OutputFile, reportBeside, writeFiles } from './output-files.ts';
 import { encodePng, encodeRaw } from './png.ts';
 import { renderOnGpu } from './render-gpu.ts';
-import { parseRenderArguments, type RenderOptions } from './render-options.ts';
+import { detailText, parseRenderArguments, type RenderOptions } from './render-options.ts';
 import { renderOnReference } from './render-reference.ts';
 import type { Rendered } from './rendered.ts';
 import { findScene } from './scene-source.ts';
@@ -40,8 +40,9 @@ export async function render(args: readonly string[], console: Console): Promise
     );
   }
   const splats = rendered.splatsPerScene.reduce((sum, count) => sum + count, 0);
+  const detail = detailText(options.detail, rendered.visibleSplats, splats);
   report(
-    `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n`,
+    `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n${detail === null ? '' : `detail: ${detail}\n`}`,
   );
 }
 

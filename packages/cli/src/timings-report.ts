@@ -24,6 +24,7 @@ export function timingsReport(options: RenderOptions, rendered: Rendered) {
     visibleSplats: rendered.visibleSplats,
     widthPx: options.widthPx,
     heightPx: options.heightPx,
+    detail: options.detail,
     renderer: options.renderer,
     adapter: rendered.label,
     accuracy:

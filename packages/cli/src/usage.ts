@@ -18,6 +18,7 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
   --sort-by auto         or depth, distance: what splats are sorted by; auto: distance where a scene's file asks for it
+  --detail full          or maxErrorPx=0.5: draws blobs instead of splats wherever that moves light by less than so many pixels
   --background 0,0,0     r,g,b, each 0 to 1, in the image's sRGB space
   --frames 1             renders this many times; fails if two frames differ in any bit
   --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames, and
@@ -47,6 +48,7 @@ websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   --svg chart.svg        writes a chart of error over time, with the front marked
   --base balanced        the preset from which settings are changed, one at a time
   --sort-by auto         as for render
+  --detail full          as for render: settings are compared at this detail
   --settings a,b         only these settings, e.g. alphaCutoff,colorTarget; default all
   --frames 15            measured frames per setting
 
@@ -60,7 +62,8 @@ websplatter bench SCENE|--synthetic N [options]
   --size 1920x1080       in pixels
   --frames 100           measured frames
   --orbit 15             degrees that the camera covers in all of them, up to 360, with --camera in the middle
-  --accuracy, --set      as for render
+  --accuracy, --set, --detail
+                         as for render
   --json                 prints everything that was measured, instead of tables
 
 websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]

@@ -7,6 +7,7 @@ export {
   type AccuracyRequest,
   type AccuracyTarget,
   CodeUnavailableError,
+  type Detail,
   type FrameStatistics,
   GpuLimitError,
   RecoveryPace,
@@ -32,6 +33,7 @@ export {
   SplatsPassError,
   SplatsPrecisionError,
   SplatsUnsupportedRendererError,
+  setSplatDetail,
   splatEngineOf,
   ThreeInternalsError,
 } from '@websplatter/three';

@@ -3,23 +3,28 @@ import {
   type AccuracyRequest,
   DEFAULT_ACCURACY,
   DestroyedError,
+  type Detail,
   foreseeEngine,
   RecoveryPace,
   setWorkerUrl,
   WebGpuUnavailableError,
 } from '@websplatter/core';
-import { onDeviceLost, splatEngineOf } from '@websplatter/three';
+import { onDeviceLost, setSplatDetail, splatEngineOf } from '@websplatter/three';
 import { type ReactNode, useEffect, useRef, useState } from 'react';
 import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
+import { isSameValue } from './effect-props.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
+import { useSame } from './use-same.ts';
 
 /** Props of `<SplatCanvas>`. */
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   /** Accuracy of splats: settings, or a target like `{ minPsnrDb: 45 }`; default `balanced`. */
   accuracy?: AccuracyRequest;
+  /** How much of the clouds to show: `full`, the default, or `{ maxErrorPx: 0.5 }`. */
+  detail?: Detail;
   /** Further options of `createSplatRenderer`, read when the renderer is made. */
-  gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas'>;
+  gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas' | 'detail'>;
   /**
    * Where the page hosts `@websplatter/core/load-worker`, for bundlers that leave workers out; as
    * `setWorkerUrl`, and so for the whole page. Read when the renderer is made.
@@ -51,6 +56,7 @@ interface Life {
  */
 export function SplatCanvas({
   accuracy = DEFAULT_ACCURACY,
+  detail = 'full',
   gl: parameters,
   workerUrl,
   children,
@@ -79,7 +85,7 @@ export function SplatCanvas({
         if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error();
       }
       if (workerUrl) setWorkerUrl(workerUrl);
-      const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy });
+      const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy, detail });
       canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
       onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));
       return renderer;
@@ -103,6 +109,7 @@ export function SplatCanvas({
       }}
     >
       <EngineAccuracy accuracy={accuracy} />
+      <CanvasDetail detail={detail} />
       {children}
     </Canvas>
   );
@@ -127,5 +134,17 @@ function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode 
       if (!(error instanceof DestroyedError)) throw error;
     }
   }, [renderer, key, invalidate]);
+  return null;
+}
+
+/** Passes `detail` on to the renderer of the Canvas when it changes. */
+function CanvasDetail({ detail }: { detail: Detail }): ReactNode {
+  const renderer = useCanvasRenderer()!;
+  const invalidate = useThree((state) => state.invalidate);
+  const same = useSame(detail, isSameValue);
+  useEffect(() => {
+    setSplatDetail(renderer, same);
+    invalidate();
+  }, [renderer, same, invalidate]);
   return null;
 }

@@ -404,6 +404,19 @@ it('changes accuracy without reading or suspending, and reports the choice for a
   expect(before.accuracy).toBeNull();
 });
 
+it('passes on detail, and equal detail only once', async () => {
+  const a = splatData('a');
+  await show(splats({ src: a, detail: { maxErrorPx: 0.5 } }));
+  const { detail } = object();
+  expect(detail).toEqual({ maxErrorPx: 0.5 });
+  await show(splats({ src: a, detail: { maxErrorPx: 0.5 } }));
+  expect(object().detail).toBe(detail);
+  await show(splats({ src: a, detail: 'full' }));
+  expect(object().detail).toBe('full');
+  await show(splats({ src: a }));
+  expect(object().detail).toBeNull();
+});
+
 it('shows splats in memory without suspending, and reports the first frame', async () => {
   const [onLoad, onFirstFrame] = [vi.fn(), vi.fn()];
   const a = splatData('a');

@@ -3,6 +3,7 @@ import {
   type AccuracyChoice,
   type AccuracyRequest,
   checkAccuracy,
+  type Detail,
   type SourceOptions,
 } from '@websplatter/core';
 import {
@@ -52,6 +53,7 @@ export interface SplatsProps
       | 'attach'
       | 'castShadow'
       | 'data'
+      | 'detail'
       | 'effects'
       | 'onError'
       | 'receiveShadow'
@@ -71,6 +73,12 @@ export interface SplatsProps
    * background, only for a finer precision than it was packed for.
    */
   accuracy?: AccuracyRequest | null;
+  /**
+   * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
+   * light by less than about `{ maxErrorPx: 0.5 }`; default: the Canvas's. Clouds in view share one
+   * frame, which has the finest detail that any of them asks for.
+   */
+  detail?: Detail | null;
   /** Limits of reading `src`, and of fetching an address; the first request for a file decides. */
   sourceOptions?: SourceOptions;
   /** The object in the scene. */
@@ -139,6 +147,7 @@ function Cloud({
   renderer,
   src,
   accuracy = null,
+  detail = null,
   sourceOptions,
   ref,
   onLoad,
@@ -157,6 +166,7 @@ function Cloud({
 
   const effectProps = takeEffectProps(objectProps);
   const uses = useSame(usesOfProps(effectProps), isSameUses);
+  const sameDetail = useSame(detail, isSameValue);
   const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
   const { splats, load } = useSource(src || null, renderer, accuracy, sourceOptions, onProgress);
@@ -225,6 +235,7 @@ function Cloud({
     <CloudElement
       {...objectProps}
       accuracy={accuracy}
+      detail={sameDetail}
       effects={uses}
       reveal={animation}
       ref={object}

@@ -5,6 +5,7 @@ import { expectTypeOf, it } from 'vitest';
 import {
   type AccuracyRequest,
   createSplatRenderer,
+  type Detail,
   type EffectUse,
   type RevealAnimation,
   type SplatCloudObject,
@@ -26,6 +27,7 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatCloudObject> | undefined>();
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();
   expectTypeOf<SplatsProps['accuracy']>().toEqualTypeOf<AccuracyRequest | null | undefined>();
+  expectTypeOf<SplatsProps['detail']>().toEqualTypeOf<Detail | null | undefined>();
   expectTypeOf<SplatsProps['opacity']>().toEqualTypeOf<number | undefined>();
   expectTypeOf<SplatsProps['fog']>().toEqualTypeOf<boolean | undefined>();
   expectTypeOf<SplatsProps['effects']>().toEqualTypeOf<readonly EffectUse[] | undefined>();

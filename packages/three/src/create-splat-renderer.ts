@@ -1,4 +1,4 @@
-import { type AccuracyRequest, SplatEngine } from '@websplatter/core';
+import { type AccuracyRequest, type Detail, SplatEngine } from '@websplatter/core';
 import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { hasWebGpuBackend } from './three-bridge.ts';
@@ -10,6 +10,8 @@ export interface SplatRendererParameters
   readonly requiredLimits?: Readonly<Record<string, number>>;
   /** How exactly and how fast to draw splats, or a target for an outcome; default `balanced`. */
   readonly accuracy?: AccuracyRequest;
+  /** How much of the clouds to show; default `full`. `setSplatDetail` changes it. */
+  readonly detail?: Detail;
   readonly powerPreference?: GPUPowerPreference | 'default';
   /** Entry point of WebGPU; default `navigator.gpu`. */
   readonly gpu?: GPU;
@@ -17,6 +19,7 @@ export interface SplatRendererParameters
 
 interface RendererState {
   readonly engine: SplatEngine;
+  detail: Detail;
   readonly lostListeners: Set<(info: GPUDeviceLostInfo) => void>;
   isDisposed: boolean;
 }
@@ -34,6 +37,7 @@ const states = new WeakMap<object, RendererState>();
  */
 export async function createSplatRenderer({
   accuracy,
+  detail = 'full',
   gpu,
   powerPreference,
   requiredLimits,
@@ -53,7 +57,7 @@ export async function createSplatRenderer({
     if (!hasWebGpuBackend(renderer)) {
       throw new SplatsUnsupportedRendererError('three fell back to WebGL 2; the console says why.');
     }
-    attach(renderer, engine);
+    attach(renderer, engine, detail);
     return renderer;
   } catch (error) {
     engine.destroy();
@@ -68,6 +72,21 @@ export async function createSplatRenderer({
  */
 export function splatEngineOf(renderer: object): SplatEngine {
   return stateOf(renderer).engine;
+}
+
+/**
+ * Changes how much of the clouds `renderer` shows from its next frame on, where they have no
+ * `detail` of their own. Clouds report an invalid one when they are drawn.
+ *
+ * @throws SplatsUnsupportedRendererError as `splatEngineOf`.
+ */
+export function setSplatDetail(renderer: object, detail: Detail): void {
+  stateOf(renderer).detail = detail;
+}
+
+/** Returns the detail of clouds that have none of their own. */
+export function splatDetailOf(renderer: object): Detail {
+  return stateOf(renderer).detail;
 }
 
 /**
@@ -92,8 +111,8 @@ export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.g
   }
 }
 
-function attach(renderer: WebGPURenderer, engine: SplatEngine): void {
-  const state: RendererState = { engine, lostListeners: new Set(), isDisposed: false };
+function attach(renderer: WebGPURenderer, engine: SplatEngine, detail: Detail): void {
+  const state: RendererState = { engine, detail, lostListeners: new Set(), isDisposed: false };
   states.set(renderer, state);
   void engine.lost.then((info) => {
     if (!state.isDisposed) for (const listener of [...state.lostListeners]) listener(info);

@@ -5,6 +5,7 @@ export {
   isSupported,
   onDeviceLost,
   type SplatRendererParameters,
+  setSplatDetail,
   splatEngineOf,
 } from './create-splat-renderer.ts';
 export { clipVolumeOf, encodedColor } from './effect-options.ts';

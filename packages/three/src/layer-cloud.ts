@@ -2,6 +2,7 @@ import type {
   AccuracyChoice,
   AccuracyRequest,
   AccuracySettings,
+  Detail,
   ShDegree,
   SplatCloud,
   SplatEngine,
@@ -16,6 +17,7 @@ export interface LayerCloud extends Object3D {
   readonly shDegree: ShDegree;
   readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;
+  readonly detail: Detail | null;
   /** Empty except for the bounds of the cloud, in its own space. */
   readonly geometry: BufferGeometry;
   readonly worldBounds: Box3;

@@ -399,14 +399,15 @@ describe('data', () => {
     cloud.opacity = 0.5;
     cloud.depthWrite = true;
     cloud.accuracy = 'high';
+    cloud.detail = { maxErrorPx: 1 };
     cloud.shDegree = 1;
     cloud.effects = [brightness(2)];
     cloud.fog = false;
     cloud.reveal = { from: 'camera', durationMs: 100 };
     cloud.position.x = 2;
-    const { data, effects, reveal } = cloud;
+    const { data, effects, reveal, detail } = cloud;
     expect(cloud.clone()).toMatchObject({ data, opacity: 0.5, depthWrite: true, accuracy: 'high' });
-    expect(cloud.clone()).toMatchObject({ shDegree: 1, effects, fog: false, reveal });
+    expect(cloud.clone()).toMatchObject({ shDegree: 1, effects, fog: false, reveal, detail });
     expect(cloud.clone().position.x).toBe(2);
     expect(cloud.toJSON().object.type).toBe('SplatCloudObject');
   });

@@ -4,6 +4,7 @@ import {
   type AccuracySettings,
   type ChooseAccuracyOptions,
   DestroyedError,
+  type Detail,
   GpuLimitError,
   InvalidArgumentError,
   type ShDegree,
@@ -95,6 +96,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * planes on the GPU follow in the background; the old image stays until they are ready.
    */
   accuracy: AccuracyRequest | null = null;
+  /**
+   * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
+   * light by less than about `{ maxErrorPx: 0.5 }`; null: the renderer's detail, which is `full`
+   * unless `createSplatRenderer` was told otherwise. All clouds in view with the same `renderOrder`
+   * share one frame, which has the finest detail that any of them asks for. The old image stays
+   * until the clouds' levels are made.
+   */
+  detail: Detail | null = null;
   /**
    * Called once for each error that keeps the cloud from being drawn, or from being drawn as
    * exactly as requested (a SplatsPrecisionError). Without a listener, errors go to the console.
@@ -218,8 +227,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
-    const { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy } = source;
-    return Object.assign(this, { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy });
+    const { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail } = source;
+    const drawn = { opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail };
+    return Object.assign(this, { data, ...drawn });
   }
 
   /**

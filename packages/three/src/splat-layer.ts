@@ -24,8 +24,9 @@ import {
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
-import { splatEngineOf } from './create-splat-renderer.ts';
+import { splatDetailOf, splatEngineOf } from './create-splat-renderer.ts';
 import type { LayerCloud } from './layer-cloud.ts';
+import { layerDetail } from './layer-detail.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
 import type { LayerOutputs } from './layer-outputs.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
@@ -208,6 +209,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
           hasOccluders: pass.hasOccluders,
           writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
           accuracy: accuracyOf(clouds.keys()),
+          detail: layerDetail(clouds.keys()) ?? splatDetailOf(renderer),
         });
       const prepare = (objects: readonly LayerCloud[]) => {
         const settings = planesFor(objects, engine);

@@ -1,0 +1,46 @@
+import type { Detail, EmbeddedFrameRequest, SplatEngine } from '@websplatter/core';
+import { expect, test, vi } from 'vitest';
+import { layerDetail } from './layer-detail.ts';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+import { layersAround } from './splat-layer.ts';
+import { fakeEngine } from './testing/fake-engine.ts';
+import { camera, fakeRenderer, scene } from './testing/fake-renderer.ts';
+import { splatDataAt } from './testing/test-clouds.ts';
+
+const renderers = vi.hoisted(() => ({ engine: {} as SplatEngine, detail: 'full' as Detail }));
+vi.mock('./create-splat-renderer.ts', () => ({
+  splatEngineOf: () => renderers.engine,
+  splatDetailOf: () => renderers.detail,
+}));
+
+test('the finest detail that a cloud asks for is that of all', () => {
+  const of = (...details: (Detail | null)[]) => layerDetail(details.map((detail) => ({ detail })));
+  expect(of(null, null)).toBeNull();
+  expect(of(null, { maxErrorPx: 2 }, { maxErrorPx: 0.5 })).toEqual({ maxErrorPx: 0.5 });
+  expect(of({ maxErrorPx: 2 }, 'full')).toBe('full');
+});
+
+test('frames have the detail of their clouds, else the renderer’s', async () => {
+  const { renderer, fields } = fakeRenderer();
+  fields.getMRT = () => null;
+  let prepared: Detail | undefined;
+  const prepare = ({ clouds, detail }: EmbeddedFrameRequest) => {
+    if (clouds.length > 0) prepared = detail;
+    return false;
+  };
+  renderers.engine = Object.assign(fakeEngine().engine, { createEmbeddedView: () => ({ prepare }) as never });
+  const cloud = new SplatCloudObject(splatDataAt([0, 0, -1]));
+  scene.add(cloud);
+  scene.updateMatrixWorld();
+  const [layer] = layersAround(cloud);
+  const drawnDetail = () => {
+    layer.onBeforeRender(renderer, scene, camera);
+    return prepared;
+  };
+  // The first frames wait for the upload.
+  await expect.poll(drawnDetail).toBe('full');
+  renderers.detail = { maxErrorPx: 1 };
+  expect(drawnDetail()).toEqual({ maxErrorPx: 1 });
+  cloud.detail = { maxErrorPx: 0.25 };
+  expect(drawnDetail()).toEqual({ maxErrorPx: 0.25 });
+});
