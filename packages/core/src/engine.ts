@@ -602,9 +602,13 @@ export class SplatEngine {
 
   async #makeLevels(cloud: SplatCloud): Promise<CloudLevels> {
     const { CloudLevels, FINEST } = await import('./clouds/cloud-levels.ts');
-    await this.#pipelines.prepare(CloudLevels.stages(cloud, FINEST));
-    this.#checkUsable();
-    cloud.checkUsable();
+    for (let held = null; held !== cloud.planes.held; ) {
+      // Leases may change the planes while stages compile.
+      held = cloud.planes.held;
+      await this.#pipelines.prepare(CloudLevels.stages(cloud, FINEST));
+      this.#checkUsable();
+      cloud.checkUsable();
+    }
     const context = {
       device: this.device,
       pipelines: this.#pipelines,

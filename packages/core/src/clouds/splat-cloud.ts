@@ -135,6 +135,7 @@ export class SplatCloud {
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
   #levelsMade: Promise<void> | null = null;
   #levelsLack: Error | null = null;
+  #levelsVersion = 0;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isUploaded = false;
   #lack: Error | null = null;
@@ -282,11 +283,15 @@ export class SplatCloud {
     return this.#levelsMade;
   }
 
+  /** @internal Whether the splats are those that the levels were made of: edits change them. */
+  get areLevelsCurrent(): boolean {
+    return this.levels !== null && this.editing === null && this.version === this.#levelsVersion;
+  }
+
   /** @internal Whether frames are to wait for levels: not if making them has failed. */
   get mayHaveLevels(): boolean {
-    return (
-      this.#makeLevels !== undefined && !this.isPreview && this.editing === null && this.#levelsLack === null
-    );
+    const isWhole = this.isPreview || this.editing !== null || this.count === 0;
+    return this.#makeLevels !== undefined && !isWhole && this.#levelsLack === null;
   }
 
   /** Why frames with less than full detail draw all splats nevertheless, if levels failed; else null. */
@@ -298,10 +303,14 @@ export class SplatCloud {
     if (!this.#makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
     await this.uploaded;
+    // Nothing stands for no splats.
+    if (this.count === 0) return;
+    const { version } = this;
     const levels = await this.#makeLevels(this);
     if (this.isDestroyed) levels.destroy();
     this.checkUsable();
     this.levels = levels;
+    this.#levelsVersion = version;
     this.#levelsLack = null;
   }
 

@@ -85,7 +85,7 @@ export function planCloud(
   }));
   const effects = effectSetOf(acting);
   // Rows of blobs are not known, and edits leave blobs as they were.
-  const isWhole = cloud.editing !== null || takesSelection(effects, ['splat', 'color']);
+  const isWhole = !cloud.areLevelsCurrent || takesSelection(effects, ['splat', 'color']);
   const cut = isWhole ? null : levelCut(cloud, detail, view, projection, reach);
   return {
     instance: {

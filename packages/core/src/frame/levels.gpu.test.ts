@@ -1,5 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
+import { followEdits } from '../clouds/cloud-editor.ts';
 import { cellCounts, cellsOf } from '../clouds/cloud-levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -10,6 +11,7 @@ import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 import { identity4 } from '../data/math/mat4.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { packSet } from '../data/packing/pack-set.ts';
+import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { SplatSelection } from '../data/splats/splat-selection.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
@@ -202,6 +204,21 @@ describe('frames with less than full detail', () => {
     const held = engine.memory().totalBytes;
     alone.destroy();
     expect(held - engine.memory().totalBytes).toBeGreaterThan(bytes);
+  });
+
+  gpuTest('an empty cloud, and one that is edited, are drawn in full', async () => {
+    const none = engine.add(randomSplats({ count: 0, shDegree: 0 }));
+    const empty = await draw({ maxErrorPx: 1 }, camera(3), false, none);
+    expect(empty.data.every((value) => value === 0)).toBe(true);
+    const edited = engine.add(faint);
+    await edited.makeLevels();
+    const edits = new SplatEdits();
+    edits.set({ first: 0, count: 10 }, { visible: false });
+    await followEdits(edited, edits);
+    const { levels } = await draw({ maxErrorPx: 1 }, camera(3), false, edited);
+    expect(levels).toMatchObject({ isOn: false, reason: 'the cloud was edited' });
+    none.destroy();
+    edited.destroy();
   });
 
   gpuTest('the same cut is the same image every time', async () => {
