@@ -208,18 +208,20 @@ fn normalizedRotation(row: u32) -> vec4f {
   if (largest == 0u) { return vec4f(1.0, 0.0, 0.0, 0.0); }
   // Scaled first, so that neither 1e-20 nor 1e20 leaves the range when squared.
   let values = vec4f(
-    fromSmall(bits.x, largest),
-    fromSmall(bits.y, largest),
-    fromSmall(bits.z, largest),
-    fromSmall(bits.w, largest),
+    inRange(bits.x, largest),
+    inRange(bits.y, largest),
+    inRange(bits.z, largest),
+    inRange(bits.w, largest),
   );
   let scaled = values / max(max(abs(values.x), abs(values.y)), max(abs(values.z), abs(values.w)));
   return scaled / sqrt(dot(scaled, scaled));
 }
 
 /// The float of these bits; times 2¹⁴⁹ if `largest`, the magnitude of the largest beside it, is
-/// below 2⁻⁶⁰, so that no subnormal number takes part.
-fn fromSmall(bits: u32, largest: u32) -> f32 {
+/// below 2⁻⁶⁰, so that no subnormal number takes part; times 2⁻¹⁰⁰ from 2¹⁰⁰ on, since devices may
+/// divide by numbers beyond 2¹²⁶ as by infinity.
+fn inRange(bits: u32, largest: u32) -> f32 {
+  if (largest >= 0x71800000u) { return bitcast<f32>(bits) * 7.888609052210118e-31; }
   if (largest >= 0x21800000u) { return bitcast<f32>(bits); }
   let size = bits & MAGNITUDE_BITS;
   // A subnormal number has its mantissa's value times 2⁻¹⁴⁹.
