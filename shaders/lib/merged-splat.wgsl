@@ -36,14 +36,14 @@ fn weightOf(opacity: f32, axes: vec3f) -> f32 {
   return max(opacity, LEAST_OPACITY) * meanArea(axes);
 }
 
-fn mergedOf(splat: Splat, unit: f32) -> Merged {
+fn mergedOf(splat: Splat, perUnit: f32) -> Merged {
   let rotation = rotationMatrix(splat.rotation);
-  let axes = splat.scale / unit;
+  let axes = splat.scale * perUnit;
   let x = rotation[0] * axes.x;
   let y = rotation[1] * axes.y;
   let z = rotation[2] * axes.z;
   return Merged(
-    splat.position / unit,
+    splat.position * perUnit,
     weightOf(splat.opacity, axes),
     x * x + y * y + z * z,
     x.yxx * x.zzy + y.yxx * y.zzy + z.yxx * z.zzy,
@@ -76,7 +76,8 @@ fn merge(a: Merged, b: Merged) -> Merged {
   let apart = a.center - b.center;
   let moved = share * rest;
   return Merged(
-    share * a.center + rest * b.center,
+    // Coordinates that both share stay as they are, however far out.
+    a.center - rest * apart,
     weight,
     share * a.variance + rest * b.variance + moved * apart * apart,
     share * a.covariance + rest * b.covariance + moved * apart.yxx * apart.zzy,

@@ -92,9 +92,11 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   // A power of two.
   let largest = max(max(halfSize.x, max(halfSize.y, halfSize.z)), bitcast<f32>(atomicLoad(&largestScale[0])));
   let unit = bitcast<f32>(clamp(bitcast<u32>(largest) & 0x7f800000u, 0x10000000u, 0x6f800000u));
+  // Its inverse: devices may round when they divide.
+  let perUnit = bitcast<f32>(0x7f000000u - bitcast<u32>(unit));
   if (own.isActive) {
-    setNode(lane, mergedOf(splat, unit));
-    @if(!UPPER) let axes = splat.scale / unit;
+    setNode(lane, mergedOf(splat, perUnit));
+    @if(!UPPER) let axes = splat.scale * perUnit;
     @if(!UPPER) own.sums = splat.opacity * vec2f(unit * rimLength(axes, meanArea(axes)), 1.0);
     @if(UPPER) own.sums = sumsOf(splatChunk, lane);
     atomicMax(&leastErrors[0], ~own.error);
