@@ -1,6 +1,7 @@
 // Opacity of a blob where splats are dilated: dilation adds the more light the smaller they are, so
 // the blob is as opaque as its splats together would be at this distance. Used by cull-splats and
 // project where nothing removes the light that dilation adds. Reference: reference/dilated-blob.ts.
+import constants::MOST_OPACITY;
 import layout::View;
 import package::lib::merged_splat::{meanArea, rimLength};
 import package::lib::packing::Splat;
@@ -16,7 +17,9 @@ fn dilatedBlob(view: View, linear: mat3x3f, translation: vec3f, words: array<vec
   let area = meanArea(blob.scale);
   let sums = bitcast<vec2f>(vec2u(words[2].w, words[3].w));
   var dilated = blob;
-  dilated.opacity = dilatedOpacity(blob.opacity, area, rimLength(blob.scale, area), sums, sqrt(view.dilationPx2), pxPerUnit);
+  let opacity = dilatedOpacity(blob.opacity, area, rimLength(blob.scale, area), sums, sqrt(view.dilationPx2), pxPerUnit);
+  // From afar it tends to the number of splats, which no record holds.
+  dilated.opacity = min(opacity, MOST_OPACITY);
   return dilated;
 }
 

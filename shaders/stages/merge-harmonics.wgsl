@@ -85,7 +85,8 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
   workgroupBarrier();
 
   // Each blob needs those of its children first.
-  let own = children[lane];
+  // In order, since either may have come first: sums must be the same every time.
+  let own = array<u32, 2>(min(children[lane][0], children[lane][1]), max(children[lane][0], children[lane][1]));
   var depth = 0u;
   var deepest = 0u;
   for (var step = 1u; step <= CHUNK_SPLATS; step++) {
@@ -136,7 +137,6 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
 }
 
 fn adopt(parent: u32, child: u32) {
-  // The order of both makes no difference to their sum.
   children[parent][atomicAdd(&childCounts[parent], 1u)] = child;
 }
 

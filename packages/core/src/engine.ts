@@ -17,7 +17,7 @@ import {
   type PossibleAccuracy,
 } from './data/accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyTarget, internTarget } from './data/accuracy/accuracy-target.ts';
-import { DestroyedError, GpuLimitError } from './data/errors.ts';
+import { CodeUnavailableError, DestroyedError, GpuLimitError } from './data/errors.ts';
 import { CLOUD, given } from './data/given.ts';
 import type { Harmonics } from './data/packing/harmonics.ts';
 import { packSet } from './data/packing/pack-set.ts';
@@ -143,7 +143,11 @@ export interface EngineMemory extends GpuMemoryReport {
   /** Loaded clouds. */
   readonly scene: {
     readonly totalBytes: number;
-    readonly clouds: readonly (CloudMemory & { readonly name: string })[];
+    readonly clouds: readonly (CloudMemory & {
+      readonly name: string;
+      /** Of levels of detail, if there are any. */
+      readonly levelsBytes?: number;
+    })[];
   };
   /** Memory of drawing; most of it follows the visible splats. */
   readonly frames: {
@@ -407,7 +411,11 @@ export class SplatEngine {
 
   /** GPU memory that the engine holds now. */
   memory(): EngineMemory {
-    const clouds = [...this.#clouds].map(({ name, planes }) => ({ name, ...planes.memory() }));
+    const clouds = [...this.#clouds].map((cloud) => ({
+      name: cloud.name,
+      ...cloud.planes.memory(),
+      ...(cloud.levels && { levelsBytes: cloud.levels.bytes, totalBytes: cloud.bytes }),
+    }));
     const views = [...this.#views].map((view) => view.memory);
     return {
       ...this.#memory.report(),
@@ -601,7 +609,9 @@ export class SplatEngine {
   }
 
   async #makeLevels(cloud: SplatCloud): Promise<CloudLevels> {
-    const { CloudLevels, FINEST } = await import('./clouds/cloud-levels.ts');
+    const { CloudLevels, FINEST } = await import('./clouds/cloud-levels.ts').catch((cause) => {
+      throw new CodeUnavailableError('levels of detail', { cause });
+    });
     for (let held = null; held !== cloud.planes.held; ) {
       // Leases may change the planes while stages compile.
       held = cloud.planes.held;

@@ -271,16 +271,17 @@ export class SplatCloud {
    * by themselves, and keep their last image until it is done.
    *
    * @returns resolves when frames can use them. Rejects with a GpuLimitError if memory is lacking,
-   *   a SplatSourceError for a preview, a DestroyedError if cloud, engine or device end first.
+   *   a SplatSourceError for a preview and for a cloud that is edited, a DestroyedError if cloud, engine or device end first.
    *   Nothing has changed then, and it may be called again.
    */
-  makeLevels(): Promise<void> {
+  async makeLevels(): Promise<void> {
+    this.checkUsable();
     this.#levelsMade ??= this.#madeLevels().catch((error) => {
       this.#levelsMade = null;
       this.#levelsLack = error;
       throw error;
     });
-    return this.#levelsMade;
+    await this.#levelsMade;
   }
 
   /** @internal Whether the splats are those that the levels were made of: edits change them. */
@@ -306,12 +307,23 @@ export class SplatCloud {
     // Nothing stands for no splats.
     if (this.count === 0) return;
     const { version } = this;
+    this.#checkUnedited();
     const levels = await this.#makeLevels(this);
-    if (this.isDestroyed) levels.destroy();
-    this.checkUsable();
+    try {
+      this.checkUsable();
+      this.#checkUnedited();
+    } catch (error) {
+      levels.destroy();
+      throw error;
+    }
     this.levels = levels;
     this.#levelsVersion = version;
     this.#levelsLack = null;
+  }
+
+  #checkUnedited(): void {
+    if (this.editing === null) return;
+    throw new SplatSourceError(this.name, 'it is edited, which levels of detail would not show.');
   }
 
   /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */

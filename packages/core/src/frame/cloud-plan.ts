@@ -4,6 +4,7 @@ import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
 import { type FrustumSide, frustumSides, type SplatReach } from '../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
+import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
@@ -13,7 +14,7 @@ import { CLOUD_EFFECTS, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
 import type { CloudInstance, Detail } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
-import { type LevelCut, levelCut, MOST_OPACITY } from './level-cut.ts';
+import { type LevelCut, levelCut } from './level-cut.ts';
 
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
@@ -65,7 +66,7 @@ export function planCloud(
   instance: CloudInstance,
   camera: Camera,
   projection: Projection,
-  { alphaCutoff }: AccuracySettings,
+  { alphaCutoff, recordPrecision }: AccuracySettings,
   detail: Detail = 'full',
 ): CloudPlan {
   const { cloud } = instance;
@@ -84,8 +85,10 @@ export function planCloud(
     selectionVersion: use.selection?.version,
   }));
   const effects = effectSetOf(acting);
-  // Rows of blobs are not known, and edits leave blobs as they were.
-  const isWhole = !cloud.areLevelsCurrent || takesSelection(effects, ['splat', 'color']);
+  // Rows of blobs are not known, edits leave blobs as they were, and records as in the paper hold no
+  // opacity above 1.
+  const isWhole =
+    !cloud.areLevelsCurrent || takesSelection(effects, ['splat', 'color']) || recordPrecision === 'paper';
   const cut = isWhole ? null : levelCut(cloud, detail, view, projection, reach);
   return {
     instance: {
@@ -100,7 +103,14 @@ export function planCloud(
     parameters: packParameters(effects, uses),
     reach,
     view,
-    sides: frustumSides(view, projection, alphaCutoff, DILATION_PX2, reach, cut ? MOST_OPACITY : 1),
+    sides: frustumSides(
+      view,
+      projection,
+      alphaCutoff,
+      DILATION_PX2,
+      reach,
+      cut ? LEVEL_CONSTANTS.MOST_OPACITY : 1,
+    ),
     cut,
   };
 }

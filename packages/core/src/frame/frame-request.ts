@@ -54,7 +54,8 @@ export interface FrameRequest {
   readonly sortBy?: SortBy;
   /**
    * Default `full`. Less needs the clouds' levels (`SplatCloud.makeLevels`): the first such frame
-   * has them made, and until then the view keeps its last image. Clouds that are
+   * has them made, and until then the same clouds are drawn as the last
+   * frame drew them, and without one nothing is. Clouds that are
    * loading or edited, whose selections effects show, or whose levels find no memory, are drawn in
    * full.
    */

@@ -5,9 +5,6 @@ import type { SplatReach } from '../data/camera/frustum.ts';
 import { stretchBound } from '../data/math/mat4.ts';
 import type { Detail } from './frame-request.ts';
 
-/** Largest opacity of a blob: MOST_OPACITY of `LEVEL_CONSTANTS`, without the code of levels. */
-export const MOST_OPACITY = 1000;
-
 /** The thresholds of a cut through a cloud's levels: fields of `CutParameters`. */
 export interface LevelCut {
   readonly camera: readonly [number, number, number];
@@ -32,14 +29,19 @@ export function levelCut(
   const radians = detail.maxErrorPx / Math.max(Math.abs(focalPx[0]), Math.abs(focalPx[1])) / growth / largest;
   if (!camera)
     return isOrthographic
-      ? { camera: [0, 0, 0], squaredPerDistance: 0, squaredEverywhere: radians ** 2, margin: 0 }
+      ? { camera: [0, 0, 0], squaredPerDistance: 0, squaredEverywhere: squared(radians), margin: 0 }
       : null;
   return {
     camera,
-    squaredPerDistance: (radians * smallest) ** 2,
+    squaredPerDistance: squared(radians * smallest),
     squaredEverywhere: 0,
     margin: displacement,
   };
+}
+
+/** Within float32's range. */
+function squared(value: number): number {
+  return Math.min(value ** 2, 1e37);
 }
 
 /** How much a linear map stretches lengths, at most and at least. Exact where that is the same. */

@@ -7,6 +7,7 @@ import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { type Camera, orthographicCamera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
 import { cloudView } from '../data/camera/cloud-view.ts';
+import { DestroyedError, SplatSourceError } from '../data/errors.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 import { identity4 } from '../data/math/mat4.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
@@ -217,8 +218,49 @@ describe('frames with less than full detail', () => {
     await followEdits(edited, edits);
     const { levels } = await draw({ maxErrorPx: 1 }, camera(3), false, edited);
     expect(levels).toMatchObject({ isOn: false, reason: 'the cloud was edited' });
-    none.destroy();
-    edited.destroy();
+    const others = engine.add(faint);
+    await followEdits(others, new SplatEdits());
+    await expect(others.makeLevels()).rejects.toThrow(SplatSourceError);
+    for (const each of [none, edited, others]) each.destroy();
+    await expect(edited.makeLevels()).rejects.toThrow(DestroyedError);
+  });
+
+  gpuTest('records as in the paper are drawn in full', async () => {
+    const view = engine.createView();
+    view.render({
+      camera: camera(3),
+      clouds: [{ cloud }],
+      ...SIZE,
+      accuracy: 'paper',
+      detail: { maxErrorPx: 1 },
+    });
+    await view.readPixels();
+    const levels = view.effects().find(({ name }) => name === 'levels')!;
+    expect(levels).toMatchObject({ isOn: false, reason: 'records of 24 bytes hold no opacity above 1' });
+    view.destroy();
+  });
+
+  gpuTest('more splats in one pixel than a float16 holds are one opaque blob', async () => {
+    const count = 70_000;
+    const many = engine.add(
+      randomSplats({ count, shDegree: 0, halfExtent: 1e-3, logScales: [-12, -11], opacityLogits: [8, 9] }),
+    );
+    const view = engine.createView();
+    const accuracy = { preset: 'balanced', rasterizer: 'quads' } as const;
+    view.render({
+      camera: camera(100),
+      clouds: [{ cloud: many }],
+      ...SIZE,
+      accuracy,
+      detail: { maxErrorPx: 4 },
+    });
+    const { data } = await view.readPixels();
+    expect(data.every(Number.isFinite)).toBe(true);
+    const alphas = data.filter((_, i) => i % 4 === 3);
+    expect(Math.max(...alphas)).toBeGreaterThan(0.95);
+    expect(alphas.filter((alpha) => alpha > 0).length).toBeLessThan(40);
+    view.destroy();
+    many.destroy();
   });
 
   gpuTest('the same cut is the same image every time', async () => {

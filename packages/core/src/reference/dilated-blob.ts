@@ -1,3 +1,5 @@
+import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
+
 /** Reference of shaders/lib/dilated-blob.wgsl, in float64. */
 export function dilatedOpacity(
   opacity: number,
@@ -9,5 +11,5 @@ export function dilatedOpacity(
 ): number {
   const dilation = deviationPx / pxPerUnit;
   const light = opacity * area + dilation * rims + dilation ** 2 * opacities;
-  return light / (area + dilation * rim + dilation ** 2);
+  return Math.min(light / (area + dilation * rim + dilation ** 2), LEVEL_CONSTANTS.MOST_OPACITY);
 }

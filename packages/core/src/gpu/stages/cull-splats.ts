@@ -1,4 +1,5 @@
 import type { Culling, Extent } from '../../data/accuracy/accuracy.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { StageDefinition } from '../pipelines.ts';
@@ -48,5 +49,6 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },
     effects: acting,
+    ...(variant.isDilated && { constants: { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY } }),
   };
 }

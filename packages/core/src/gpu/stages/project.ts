@@ -1,4 +1,5 @@
 import type { RecordPrecision, SortKeyBits } from '../../data/accuracy/accuracy.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
@@ -62,6 +63,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     effects,
     constants: {
       MAX_COLOR: variant.maxColor,
+      ...(variant.isDilated && { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY }),
       ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
       ...(shDegree >= 1 && { SH_WORDS: shWordsPerSplat(variant.storedShDegree, shPrecision) }),
     },

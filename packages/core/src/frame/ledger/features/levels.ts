@@ -28,8 +28,10 @@ export const levels: FeatureOfCloud = {
 function offReason({ plan, shape, cloud }: DrawnCloud): string {
   if ((plan.request.detail ?? 'full') === 'full') return 'full detail is asked for';
   if (shape.cloud.isPreview) return 'the cloud is loading';
+  if (shape.cloud.count === 0) return 'the cloud has no splats';
+  if (shape.cloud.editing) return 'the cloud was edited';
   if (shape.cloud.levelsLack) return shape.cloud.levelsLack.message;
   if (!shape.cloud.levels) return 'they are being made';
-  if (!shape.cloud.areLevelsCurrent) return 'the cloud was edited';
+  if (plan.shape.accuracy.recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
   return cloud.view.inverse ? 'an effect shows a selection of splats' : 'the cloud has no extent';
 }
