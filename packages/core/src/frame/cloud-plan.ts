@@ -89,7 +89,7 @@ export function planCloud(
   // opacity above 1.
   const isWhole =
     !cloud.areLevelsCurrent || takesSelection(effects, ['splat', 'color']) || recordPrecision === 'paper';
-  const cut = isWhole ? null : levelCut(cloud, detail, view, projection, reach);
+  const cut = isWhole ? null : levelCut(cloud.levels, detail, view, projection, reach);
   return {
     instance: {
       ...instance,

@@ -1,4 +1,4 @@
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import type { CloudLevels } from '../clouds/cloud-levels.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { SplatReach } from '../data/camera/frustum.ts';
@@ -18,7 +18,7 @@ export interface LevelCut {
  * null for full detail, for clouds without levels, and where the cloud has no place in space.
  */
 export function levelCut(
-  { levels }: SplatCloud,
+  levels: CloudLevels | null,
   detail: Detail,
   { linear, inverse, camera }: CloudView,
   { isOrthographic, focalPx }: Projection,

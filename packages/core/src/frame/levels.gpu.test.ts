@@ -1,7 +1,7 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
-import { cellCounts, cellsOf } from '../clouds/cloud-levels.ts';
+import { type CloudLevels, cellCounts, cellsOf } from '../clouds/cloud-levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
@@ -180,7 +180,7 @@ describe('frames with less than full detail', () => {
         const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
         const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };
-        const cut = levelCut({ levels: {} } as SplatCloud, { maxErrorPx }, view, projection, still)!;
+        const cut = levelCut({} as CloudLevels, { maxErrorPx }, view, projection, still)!;
         const nodes = drawnNodes(cells, packed.chunks, cut);
         expect(nodes.length).toBeLessThan(0.95 * faint.count);
         const clouds = [{ set: asSet(nodes, seen, !isAntialiased), effects: [antialias(isAntialiased)] }];
