@@ -16,6 +16,8 @@ export interface CullSettings {
   readonly dilationPx2: number;
   /** References of the cloud's effects, in the order in which they act; default none. */
   readonly effects?: readonly EffectReference[];
+  /** See `VisibleSplat`. */
+  readonly isStacked?: boolean;
   /** Default `opacity`. */
   readonly extent?: Extent;
   /** Default `bounding-box`. */
@@ -30,6 +32,8 @@ export interface VisibleSplat {
   readonly covariance: ScreenCovariance;
   /** Peak opacity, 0…1; of a merged splat, the number of opaque ones that it stands for. */
   readonly opacity: number;
+  /** Whether one above 1 is that of a merged splat, as in frames with a cut; default false. */
+  readonly isStacked?: boolean;
   /** Half extents, px, of the box of pixels where the opacity, or one of 1, reaches the cutoff. */
   readonly extentPx: readonly [number, number];
 }
@@ -70,7 +74,10 @@ export function cullSplat(
   if (opacity < alphaCutoff) return null;
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of
   // Σ's diagonal times that.
-  const reach = Math.sqrt(2 * reachSquared(extent === 'fixed' ? Math.max(1, opacity) : opacity, alphaCutoff));
+  const { isStacked = false } = settings;
+  const reach = isStacked
+    ? Math.sqrt(2 * reachSquared(extent === 'fixed' ? Math.max(1, opacity) : opacity, alphaCutoff))
+    : Math.sqrt(2 * Math.log((extent === 'fixed' ? 1 : opacity) / alphaCutoff));
   const extentPx = [reach * Math.sqrt(covariance.a), reach * Math.sqrt(covariance.c)] as const;
   const isInside =
     settings.culling === 'frustum'
@@ -79,7 +86,9 @@ export function cullSplat(
         centerPx[0] - extentPx[0] < projection.widthPx &&
         centerPx[1] + extentPx[1] > 0 &&
         centerPx[1] - extentPx[1] < projection.heightPx;
-  return isInside ? { depthView, centerPx, covariance, opacity, extentPx, splat, centerView } : null;
+  return isInside
+    ? { depthView, centerPx, covariance, opacity, isStacked, extentPx, splat, centerView }
+    : null;
 }
 
 /** Returns splat `index` after effects. */

@@ -66,7 +66,7 @@ export function noteMedianDepth(
 /** Calls `visit` with each pixel where the splat's opacity reaches the cutoff, and that opacity. */
 function visitPixels(
   { widthPx, heightPx }: SizePx,
-  { centerPx, covariance: { a, b, c, determinant }, opacity, extentPx }: VisibleSplat,
+  { centerPx, covariance: { a, b, c, determinant }, opacity, isStacked, extentPx }: VisibleSplat,
   alphaCutoff: number,
   visit: (pixel: number, alpha: number) => void,
 ): void {
@@ -79,7 +79,9 @@ function visitPixels(
     for (let column = left; column <= right; column++) {
       const x = column + 0.5 - centerPx[0];
       const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / determinant;
-      const alpha = Math.min(MAX_FRAGMENT_ALPHA, stackedAlpha(opacity, Math.exp(-0.5 * distance2)));
+      const gaussian = Math.exp(-0.5 * distance2);
+      const blended = isStacked ? stackedAlpha(opacity, gaussian) : opacity * gaussian;
+      const alpha = Math.min(MAX_FRAGMENT_ALPHA, blended);
       if (alpha >= alphaCutoff) visit(row * widthPx + column, alpha);
     }
   }

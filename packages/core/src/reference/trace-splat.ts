@@ -7,7 +7,6 @@ import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { screenAxes } from './covariance.ts';
 import { cullSplat } from './cull-splats.ts';
 import { splatColor } from './project.ts';
-import { reachSquared } from './stacked-opacity.ts';
 
 /** The frame that a splat is traced in. */
 export interface TraceOptions {
@@ -53,7 +52,7 @@ export function traceSplat(
   const { depthView, centerPx, opacity, covariance } = seen;
   const { majorPx, minorPx } = screenAxes(covariance);
   // Axes end where the Gaussian has fallen to 1/e.
-  const reach = Math.sqrt(reachSquared(opacity, alphaCutoff));
+  const reach = Math.sqrt(Math.log(opacity / alphaCutoff));
   const scaled = ([x, y]: readonly [number, number]) => [reach * x, reach * y] as const;
   const colors = Array.from({ length: set.harmonics.degree + 1 }, (_, degree) =>
     splatColor(set, index, view, degree as ShDegree, seen),

@@ -15,6 +15,7 @@ export function visibleSplatOf(record: DecodedRecord): VisibleSplat {
       determinant: (x * minorY - y * minorX) ** 2 / 4,
     },
     opacity: color[3],
+    isStacked: true,
     // The whole image: the cutoff decides.
     extentPx: [1e9, 1e9],
   };

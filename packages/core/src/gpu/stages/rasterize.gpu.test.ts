@@ -96,6 +96,7 @@ function drawByReference(splat: DrawnSplat, widthPx: number, heightPx: number) {
     centerPx: [Math.fround(splat.centerPx[0]), Math.fround(splat.centerPx[1])],
     covariance,
     opacity: Math.fround(splat.opacity),
+    isStacked: true,
     // The whole image, so that pixels that the GPU's quad misses are found.
     extentPx: [1e9, 1e9],
   };
