@@ -8,7 +8,6 @@
 // Meister and Bittner 2018, with Ward's cost). A node stays with its thread; the first of a pair
 // takes the blob. Costs of a pair are the same from both sides, and equal ones go by place, so
 // there is a pair in each round, and the result is the same every time.
-import constants::CELL_CHILDREN;
 import constants::CELL_ROOTS;
 import constants::CHUNK_SPLATS;
 import constants::ERROR_BOUNDLESS;
@@ -21,6 +20,7 @@ import layout::LevelCell;
 import layout::MergeParameters;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::level_link::{blobError, errorOf, linkOf};
+import package::lib::merged_cell::{countBitsBefore, leafAbove};
 import package::lib::merged_splat::{Merged, meanArea, merge, mergeCost, mergedOf, rimLength, shapeOf};
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
@@ -182,11 +182,11 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   workgroupBarrier();
   let ownError = atomicLoad(&cellError);
   if (own.isActive && parameters.hasNextLevel == 1u) {
-    let place = cell - parameters.levelStart;
-    let above = 2u * (parameters.nextLevelStart + place / CELL_CHILDREN - parameters.upperStart);
-    let slot = CELL_ROOTS * (place % CELL_CHILDREN) + countBelow(own.slot, true);
-    upper[above * CHUNK_SPLATS + slot] = packed(nodeOf(lane), own.sums, unit, cell);
-    upperLinks[above].links[slot] = linkOf(ownError, 0u, 0u);
+    let leaf = leafAbove(parameters, cell, countBelow(own.slot, true));
+    let root = blobChunk * CHUNK_SPLATS + own.slot;
+    @if(!UPPER) upper[leaf.x * CHUNK_SPLATS + leaf.y] = blobs[root];
+    @if(UPPER) upper[leaf.x * CHUNK_SPLATS + leaf.y] = upper[root];
+    upperLinks[leaf.x].links[leaf.y] = linkOf(ownError, 0u, 0u);
   }
   if (lane == 0u) { setHeads(splatChunk, blobChunk, cell, ownError, made); }
 }
@@ -235,8 +235,7 @@ fn countBelow(lane: u32, ofCounted: bool) -> u32 {
   var count = 0u;
   for (var word = 0u; word < MASK_WORDS; word++) {
     let bits = select(atomicLoad(&holders[word]), atomicLoad(&counted[word]), ofCounted);
-    let below = clamp(lane, 32u * word, 32u * word + 32u) - 32u * word;
-    count += countOneBits(extractBits(bits, 0u, below));
+    count += countBitsBefore(bits, word, lane);
   }
   return count;
 }

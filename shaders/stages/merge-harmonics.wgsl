@@ -2,8 +2,6 @@
 // geometry that merge-chunks has written, and the harmonics of splats; writes those of blobs and of
 // the next level's leaves, a byte each. One workgroup per cell, one thread per slot. With UPPER the
 // splats are roots of the level below, in the buffer that blobs go to.
-import constants::CELL_CHILDREN;
-import constants::CELL_ROOTS;
 import constants::CHUNK_SPLATS;
 import constants::ERROR_BOUNDLESS;
 import constants::MASK_WORDS;
@@ -18,6 +16,7 @@ import package::lib::harmonics_packing::byteOf;
 import package::lib::harmonics_packing::scaleBitsOf;
 import package::lib::harmonics_packing::scaleOf;
 import package::lib::level_link::{parentErrorOf, parentSlotOf};
+import package::lib::merged_cell::{countBitsBefore, leafAbove};
 import package::lib::merged_splat::weightOf;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::unpackSplat;
@@ -121,9 +120,7 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
   for (var i = 0u; i < SH_VALUES; i++) { largest = max(largest, abs(averaged[i])); }
   let scaleBits = scaleBitsOf(largest);
   let scale = scaleOf(scaleBits);
-  let place = cell - parameters.levelStart;
-  let above = 2u * (parameters.nextLevelStart + place / CELL_CHILDREN - parameters.upperStart);
-  let slotAbove = CELL_ROOTS * (place % CELL_CHILDREN) + rootsBelow(lane);
+  let leaf = leafAbove(parameters, cell, rootsBelow(lane));
   let isPromoted = parentErrorOf(blobLink) == ERROR_BOUNDLESS && parameters.hasNextLevel == 1u;
   for (var word = 0u; word < MERGED_SH_WORDS; word++) {
     var bits = select(0u, scaleBits, word == 0u);
@@ -132,7 +129,7 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
       if (i >= 2u && i < SH_VALUES + 2u) { bits = insertBits(bits, byteOf(averaged[i - 2u], scale), 8u * part, 8u); }
     }
     writeWord((blobChunk * CHUNK_SPLATS + lane) * MERGED_SH_WORDS + word, bits);
-    if (isPromoted) { upperSh[(above * CHUNK_SPLATS + slotAbove) * MERGED_SH_WORDS + word] = bits; }
+    if (isPromoted) { upperSh[(leaf.x * CHUNK_SPLATS + leaf.y) * MERGED_SH_WORDS + word] = bits; }
   }
 }
 
@@ -164,8 +161,7 @@ fn childValue(child: u32, splatChunk: u32, k: u32, i: u32) -> f32 {
 fn rootsBelow(slot: u32) -> u32 {
   var count = 0u;
   for (var word = 0u; word < MASK_WORDS; word++) {
-    let below = clamp(slot, 32u * word, 32u * word + 32u) - 32u * word;
-    count += countOneBits(extractBits(atomicLoad(&roots[word]), 0u, below));
+    count += countBitsBefore(atomicLoad(&roots[word]), word, slot);
   }
   return count;
 }

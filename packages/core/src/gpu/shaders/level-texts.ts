@@ -1,5 +1,6 @@
 import dilatedBlob from '../../../../../shaders/lib/dilated-blob.wgsl?raw';
 import levelLink from '../../../../../shaders/lib/level-link.wgsl?raw';
+import mergedCell from '../../../../../shaders/lib/merged-cell.wgsl?raw';
 import mergedSplat from '../../../../../shaders/lib/merged-splat.wgsl?raw';
 import cullChunks from '../../../../../shaders/stages/cull-chunks.wgsl?raw';
 import cullSplats from '../../../../../shaders/stages/cull-splats.wgsl?raw';
@@ -26,5 +27,6 @@ export const LEVEL_LIBRARIES = {
   ...PACKING_LIBRARIES,
   'lib/dilated-blob': dilatedBlob,
   'lib/level-link': levelLink,
+  'lib/merged-cell': mergedCell,
   'lib/merged-splat': mergedSplat,
 } as const;

@@ -11,7 +11,7 @@ const files = import.meta.glob<string>(
   [
     '../../../../../shaders/{lib,stages}/*.wgsl',
     '!../../../../../shaders/stages/{compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,pick,repack-*,resolve-depth,tile-*,upscale}.wgsl',
-    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,layer-rounding,level-link,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
+    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,layer-rounding,level-link,merged-cell,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
 );
