@@ -4,6 +4,7 @@ import type { CloudLevels } from './clouds/cloud-levels.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
+import type { DispatchContext } from './clouds/ingest/dispatches.ts';
 import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
@@ -509,16 +510,19 @@ export class SplatEngine {
     return !isSoftwareAdapter(this.device.adapterInfo);
   }
 
-  /** Takes the rows of one file to the GPU. */
-  #rowsTo(options: RowIngestOptions) {
-    const context = {
+  get #dispatchContext(): DispatchContext {
+    return {
       device: this.device,
       pipelines: this.#pipelines,
       memory: this.#memory,
       dispatchRow: this.#dispatchRow,
     };
+  }
+
+  /** Takes the rows of one file to the GPU. */
+  #rowsTo(options: RowIngestOptions) {
     return {
-      sink: new LazyIngest(context, options),
+      sink: new LazyIngest(this.#dispatchContext, options),
       files: rowFilesFor(this.device.limits, this.#ingestMinRows),
     };
   }
@@ -609,23 +613,17 @@ export class SplatEngine {
   }
 
   async #makeLevels(cloud: SplatCloud): Promise<CloudLevels> {
-    const { CloudLevels, FINEST } = await import('./clouds/cloud-levels.ts').catch((cause) => {
+    const { CloudLevels } = await import('./clouds/cloud-levels.ts').catch((cause) => {
       throw new CodeUnavailableError('levels of detail', { cause });
     });
     for (let held = null; held !== cloud.planes.held; ) {
       // Leases may change the planes while stages compile.
       held = cloud.planes.held;
-      await this.#pipelines.prepare(CloudLevels.stages(cloud, FINEST));
+      await this.#pipelines.prepare(CloudLevels.stages(cloud));
       this.#checkUsable();
       cloud.checkUsable();
     }
-    const context = {
-      device: this.device,
-      pipelines: this.#pipelines,
-      memory: this.#memory,
-      dispatchRow: this.#dispatchRow,
-    };
-    const make = () => CloudLevels.make(context, cloud, FINEST);
+    const make = () => CloudLevels.make(this.#dispatchContext, cloud);
     const advice = 'Draw it in full detail, or load fewer splats.';
     const { result, checked } = this.#memory.guard(`${cloud.name} in levels`, advice, make);
     try {
@@ -659,11 +657,8 @@ export class SplatEngine {
   async #loadPlaneMaker(): Promise<PlaneMaker> {
     const { PlaneMaker } = await import('./clouds/plane-maker.ts');
     return new PlaneMaker({
-      device: this.device,
-      memory: this.#memory,
-      pipelines: this.#pipelines,
+      ...this.#dispatchContext,
       counting: this.#counting,
-      dispatchRow: this.#dispatchRow,
       destroyedBecause: () => this.#destroyedBecause,
       compileFor: (cloud, precision) => this.#compilePlanes(cloud, precision),
       openRowPlanes: (options) => this.#rowsTo(options),

@@ -18,7 +18,7 @@ const UPPER_CHUNKS = 2;
 const LINKS_BYTES = 4 * ChunkLinks.words;
 
 /** Levels are made of the finest planes that a cloud holds. */
-export const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
+const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 
 /** One page of blobs, with the links of its slots. */
 export interface BlobPage extends CloudPage {
@@ -70,6 +70,8 @@ export interface LevelSource {
   readonly planes: CloudPlanes;
 }
 
+type MadeLevels = Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>;
+
 /** The levels of detail of a cloud, on the GPU: blobs that stand for its splats. */
 export class CloudLevels {
   readonly cellCount: number;
@@ -82,10 +84,7 @@ export class CloudLevels {
   readonly counts: readonly number[];
   readonly #memory: GpuMemory;
 
-  private constructor(
-    memory: GpuMemory,
-    made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>,
-  ) {
+  private constructor(memory: GpuMemory, made: MadeLevels) {
     this.#memory = memory;
     this.cellCount = made.cellCount;
     this.cells = made.cells;
@@ -95,9 +94,9 @@ export class CloudLevels {
   }
 
   /** Stages that making the levels of a cloud takes. */
-  static stages({ planes }: LevelSource, precision: CloudPrecision): readonly StageDefinition[] {
+  static stages({ planes }: LevelSource): readonly StageDefinition[] {
     const { shDegree } = planes;
-    const { geometryPrecision, shPrecision } = planes.pagesFor(precision);
+    const { geometryPrecision, shPrecision } = planes.pagesFor(FINEST);
     return [
       mergeChunks(geometryPrecision),
       mergeChunks('upper'),
@@ -108,14 +107,14 @@ export class CloudLevels {
   }
 
   /**
-   * Makes the levels of `cloud` of its planes nearest to `precision`, by stages that are compiled.
+   * Makes the levels of `cloud`, by stages that are compiled.
    *
    * @throws GpuLimitError if the device has no room for them; nothing is left allocated then.
    */
-  static make(context: DispatchContext, cloud: LevelSource, precision: CloudPrecision): CloudLevels {
+  static make(context: DispatchContext, cloud: LevelSource): CloudLevels {
     const memory = context.memory.part();
     try {
-      return make({ ...context, memory }, cloud, precision, (made) => new CloudLevels(memory, made));
+      return new CloudLevels(memory, makeLevels({ ...context, memory }, cloud));
     } catch (error) {
       memory.destroyAll();
       throw error;
@@ -131,19 +130,12 @@ export class CloudLevels {
   }
 }
 
-function make(
-  context: DispatchContext,
-  cloud: LevelSource,
-  precision: CloudPrecision,
-  finish: (
-    made: Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>,
-  ) => CloudLevels,
-): CloudLevels {
+function makeLevels(context: DispatchContext, cloud: LevelSource): MadeLevels {
   const { memory } = context;
   const { name, planes } = cloud;
   const { shDegree } = planes;
-  const { pages } = planes.pagesFor(precision);
-  const [mergeSplats, mergeUpper, mergeSh, mergeUpperSh] = CloudLevels.stages(cloud, precision);
+  const { pages } = planes.pagesFor(FINEST);
+  const [mergeSplats, mergeUpper, mergeSh, mergeUpperSh] = CloudLevels.stages(cloud);
   const contents = cellsOf(new Float32Array(cloud.chunks));
   const cells = memory.createFilledBuffer(`${name} cells`, new Uint32Array(contents));
   const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
@@ -215,11 +207,6 @@ function make(
     levelStart += count;
   }
   dispatches.submit(`${name} levels`);
-  return finish({
-    cellCount,
-    counts,
-    cells,
-    splatLinks,
-    blobPages: counts.length > 1 ? [...ofChunks, upper] : ofChunks,
-  });
+  const blobPages = counts.length > 1 ? [...ofChunks, upper] : ofChunks;
+  return { cellCount, counts, cells, splatLinks, blobPages };
 }

@@ -268,11 +268,11 @@ export class SplatCloud {
    * Makes the levels of detail that frames with a `detail` of less than `full` draw, once: blobs
    * that stand for several splats, on the GPU, of the planes at hand. They take about 135 bytes per
    * splat of the cloud at degree 3, and 81 at degree 0. Views that are asked for such frames do this
-   * by themselves, and keep their last image until it is done.
+   * by themselves, and draw the same clouds as their last frame did until it is done.
    *
    * @returns resolves when frames can use them. Rejects with a GpuLimitError if memory is lacking,
-   *   a SplatSourceError for a preview and for a cloud that is edited, a DestroyedError if cloud, engine or device end first.
-   *   Nothing has changed then, and it may be called again.
+   *   a SplatSourceError for a preview and for a cloud that is edited, a DestroyedError if cloud,
+   *   engine or device end first. Nothing has changed then, and it may be called again.
    */
   async makeLevels(): Promise<void> {
     this.checkUsable();

@@ -22,10 +22,11 @@ import { dilatedOpacity } from '../reference/dilated-blob.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { isDrawnAt } from '../reference/level-link.ts';
 import { meanArea, rimLength } from '../reference/merged-splat.ts';
-import { childCell, isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/made-levels.ts';
+import { isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/made-levels.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testGpu } from '../testing/test-gpu.ts';
+import { childCell } from '../views/first-splat-of.ts';
 import type { Detail } from './frame-request.ts';
 import { type LevelCut, levelCut } from './level-cut.ts';
 
@@ -84,7 +85,7 @@ function timesDrawn(cells: readonly MadeCell[], count: number, drawn: readonly M
         if (other && other !== node && !isRoot(other) && other.link >>> 24 === node.slot) visit(other);
     } else if (node.cell < counts[0]) times[node.cell * 256 + node.slot]++;
     else {
-      const below = cells[childCell(counts, node.cell, node.slot)];
+      const below = cells[childCell(counts, node)];
       visit(below.blobs.filter((blob) => blob && isRoot(blob))[node.slot % LEVEL_CONSTANTS.CELL_ROOTS]!);
     }
   };
@@ -120,9 +121,12 @@ describe('a cut', () => {
 describe('frames with less than full detail', () => {
   let engine: SplatEngine;
   let cloud: SplatCloud;
+  const packed = packSet(faint, FINEST);
+  let cells: MadeCell[];
   beforeAll(async () => {
     engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'reference' });
     cloud = engine.add(faint);
+    cells = await madeLevels(gpu, packed);
   });
 
   async function draw(detail: Detail, seen: Camera, isAntialiased = false, drawnCloud = cloud) {
@@ -175,8 +179,6 @@ describe('frames with less than full detail', () => {
   ] as const) {
     for (const isAntialiased of [false, true]) {
       gpuTest(`${name}${isAntialiased ? ', antialiased' : ''}: as float64 draws the same cut`, async () => {
-        const packed = packSet(faint, FINEST);
-        const cells = await madeLevels(gpu, packed);
         const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
         const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };

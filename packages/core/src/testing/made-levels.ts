@@ -14,8 +14,6 @@ import { type Merged, mergedOf } from '../reference/merged-splat.ts';
 import { type UnpackedSplat, unpackSplat } from '../reference/packing.ts';
 import type { TestGpu } from './test-gpu.ts';
 
-const { CELL_CHILDREN } = LEVEL_CONSTANTS;
-
 /** A splat, or a blob, as the GPU has linked it. */
 export interface MadeNode {
   readonly cell: number;
@@ -52,9 +50,8 @@ export async function madeLevels(
   const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize };
   const planes = CloudPlanes.upload(memory, limits, packed, 'cloud');
   const cloud = { name: 'cloud', count: packed.count, chunks: packed.chunks, planes };
-  const precision = { geometryPrecision: packed.geometry.precision, shPrecision: packed.harmonics.precision };
-  await pipelines.prepare(CloudLevels.stages(cloud, precision));
-  const levels = CloudLevels.make({ device, pipelines, memory, dispatchRow }, cloud, precision);
+  await pipelines.prepare(CloudLevels.stages(cloud));
+  const levels = CloudLevels.make({ device, pipelines, memory, dispatchRow }, cloud);
   const links = await Promise.all(levels.splatLinks.map((buffer) => gpu.read(buffer)));
   const splatLinks = links.flatMap((words) => Array.from(words));
   const blobs = await Promise.all(
@@ -130,13 +127,4 @@ export function childrenOf({ leaves, blobs }: MadeCell): ReadonlyMap<MadeNode, r
 
 export function isRoot({ link }: MadeNode): boolean {
   return linkParts(link).parentError === LEVEL_CONSTANTS.ERROR_BOUNDLESS;
-}
-
-/** The cell of the level below whose root is leaf `slot` of `cell`. */
-export function childCell(counts: readonly number[], cell: number, slot: number): number {
-  let [level, start] = [0, 0];
-  while (cell >= start + counts[level]) start += counts[level++];
-  return (
-    start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / LEVEL_CONSTANTS.CELL_ROOTS)
-  );
 }

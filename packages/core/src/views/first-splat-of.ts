@@ -40,7 +40,7 @@ export async function firstSplatOf(
     : { cell: before + chunk, slot, isLeaf: false };
   for (;;) {
     if (node.isLeaf && node.cell < chunkCount) return node.cell * CHUNK_SPLATS + node.slot;
-    const cell: number = node.isLeaf ? childOf(counts, node) : node.cell;
+    const cell: number = node.isLeaf ? childCell(counts, node) : node.cell;
     if (cloud.isDestroyed) return null;
     const { leaves, blobs } = await readLinks(device, levels, cell);
     const blob: number = node.isLeaf ? rootSlots(blobs)[node.slot % CELL_ROOTS] : node.slot;
@@ -49,7 +49,7 @@ export async function firstSplatOf(
 }
 
 /** The cell of the level below whose root is a leaf of this one. */
-function childOf(counts: readonly number[], { cell, slot }: Node): number {
+export function childCell(counts: readonly number[], { cell, slot }: Omit<Node, 'isLeaf'>): number {
   let [level, start] = [0, 0];
   while (cell >= start + counts[level]) start += counts[level++];
   return start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / CELL_ROOTS);

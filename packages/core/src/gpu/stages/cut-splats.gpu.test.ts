@@ -2,8 +2,9 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import { Page, PagePlan, View } from '../../data/layout/structs.ts';
+import { Page, PagePlan } from '../../data/layout/structs.ts';
 import { cutSplats as reference } from '../../reference/cut-splats.ts';
+import { packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { cutSplats } from './cut-splats.ts';
@@ -32,20 +33,7 @@ gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and
   const plan = { chunkStart: CHUNK_START, chunkEnd: CHUNK_START + CHUNKS, visibleStart: 0, visibleCount: 0 };
   const masks = gpu.storage([], 4 * MASK_WORDS * (SLOT_START + visible.length));
   const bindings = {
-    view: gpu.uniform(
-      View.pack({
-        sizePx: [1, 1],
-        focalPx: [1, 1],
-        centerPx: [0, 0],
-        clampX: [0, 0],
-        clampY: [0, 0],
-        near: 0,
-        far: 1,
-        alphaCutoff: 0,
-        dilationPx2: 0,
-        dispatchRow: 2,
-      }),
-    ),
+    view: gpu.uniform(packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: 2 })),
     page: gpu.uniform(
       Page.pack({
         linear: new Array(9).fill(0),

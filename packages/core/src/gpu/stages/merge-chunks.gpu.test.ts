@@ -9,9 +9,10 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { blobError, linkParts } from '../../reference/level-link.ts';
 import { mergeCell } from '../../reference/merge-chunks.ts';
 import { blobOpacity, type Merged, merge, mergeCost } from '../../reference/merged-splat.ts';
-import { childCell, childrenOf, isRoot, type MadeCell, madeLevels } from '../../testing/made-levels.ts';
+import { childrenOf, isRoot, type MadeCell, madeLevels } from '../../testing/made-levels.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
+import { childCell } from '../../views/first-splat-of.ts';
 import { Pipelines } from '../pipelines.ts';
 
 const { CELL_ROOTS } = LEVEL_CONSTANTS;
@@ -73,7 +74,7 @@ function expectPromoted(cells: readonly MadeCell[], count: number): void {
     if (i < counts[0]) continue;
     for (const leaf of cell.leaves) {
       if (!leaf) continue;
-      const below = cells[childCell(counts, i, leaf.slot)];
+      const below = cells[childCell(counts, leaf)];
       const root = below.blobs.filter((blob) => blob && isRoot(blob))[leaf.slot % CELL_ROOTS]!;
       expect(leaf.splat).toEqual(root.splat);
       expect(linkParts(leaf.link).error).toBe(below.blobHead[1]);
