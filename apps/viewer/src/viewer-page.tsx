@@ -1,5 +1,6 @@
 import type { FileDropDecision } from './file-drop/file-drop.ts';
-import { followDrop, hasOpenedFile } from './file-drop/follow-drop.ts';
+import { followDrop } from './file-drop/follow-drop.ts';
+import { hasOpenedFile } from './file-drop/opened-file.ts';
 import { keepHud } from './hud/kept-hud.ts';
 import { linkedStart } from './links/linked-start.ts';
 import { addressedScene } from './scene/addressed-scene.ts';

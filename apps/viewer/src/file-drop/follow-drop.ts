@@ -2,6 +2,7 @@ import type { SceneSource } from '../scene/scene-source.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { FileDropDecision } from './file-drop.ts';
+import { noteOpenedFile } from './opened-file.ts';
 
 /**
  * Opens dropped or chosen files as the settings among them say, remembers them to be offered again,
@@ -19,19 +20,11 @@ export function followDrop(
     if (isAdded) viewer.scenes.add(...sources);
     else viewer.scenes.open(...sources);
     viewer.files.remember({ names: opened.map(({ name }) => name), handles }, isAdded);
-    // Kept by this entry of the history: a reload offers the file under any address.
-    history.replaceState({ ...history.state, [OPENED_FILE]: true }, '');
+    noteOpenedFile();
   }
   if (settings)
     void import('../supersplat/follow-settings.ts').then(({ followDroppedSettings }) =>
       followDroppedSettings(settings, replaced, store, viewer),
     );
   if (notice) store.setState({ notice });
-}
-
-const OPENED_FILE = 'openedFile';
-
-/** Whether a file was opened here before the page was reloaded. */
-export function hasOpenedFile(): boolean {
-  return history.state?.[OPENED_FILE] === true;
 }
