@@ -1,25 +1,29 @@
+import { addressedScene } from '../scene/addressed-scene.ts';
+
 const KEY = 'websplatter opened file';
 
 /**
- * Notes that a file was opened in this tab, whatever address it shows. It is no state of the
- * history's entry: Chromium 156 loses that in one of fifty reloads on a busy machine.
+ * Notes that a file was opened in this tab, in place of the scene that the page's address asks for.
+ * It is no state of the history's entry: Chromium 156 loses that where the address changes while
+ * the page is reloaded, and then reloads the address from before.
  */
 export function noteOpenedFile(): void {
   try {
-    sessionStorage.setItem(KEY, '');
+    sessionStorage.setItem(KEY, askedScene());
   } catch {
     // Where nothing may be stored, no file is kept to be offered either.
   }
 }
 
-/** Whether a file was opened here before the page was reloaded, or left and come back to. */
+/** Whether a file was opened in this tab in place of the scene that the page's address asks for. */
 export function hasOpenedFile(): boolean {
-  const [load] = performance.getEntriesByType('navigation') as PerformanceNavigationTiming[];
   try {
-    // A link or a person has asked for this address since.
-    if (load?.type === 'navigate') sessionStorage.removeItem(KEY);
-    return sessionStorage.getItem(KEY) !== null;
+    return sessionStorage.getItem(KEY) === askedScene();
   } catch {
     return false;
   }
+}
+
+function askedScene(): string {
+  return JSON.stringify(addressedScene(new URLSearchParams(location.search)));
 }
