@@ -6,6 +6,7 @@
 // Reference: reference/level-link.ts.
 import constants::ERROR_BOUNDLESS;
 import constants::ERROR_SHIFT;
+import constants::SHIFT_NONE;
 
 /// Error of a blob: rounded up, at least 1, so that a splat's own error, 0, is less.
 fn blobError(squaredLength: f32) -> u32 {
@@ -16,6 +17,11 @@ fn blobError(squaredLength: f32) -> u32 {
 /// The threshold below which errors are not seen: rounded down.
 fn threshold(squaredLength: f32) -> u32 {
   return min(bitcast<u32>(squaredLength) >> ERROR_SHIFT, ERROR_BOUNDLESS - 1u);
+}
+
+/// A threshold as a budget shifts it: sixteen codes are a factor of two.
+fn shifted(limit: u32, shift: u32) -> u32 {
+  return u32(clamp(i32(limit + shift) - SHIFT_NONE, 0, i32(ERROR_BOUNDLESS) - 1));
 }
 
 fn linkOf(error: u32, parentError: u32, parentSlot: u32) -> u32 {

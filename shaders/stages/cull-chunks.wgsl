@@ -10,6 +10,7 @@ import layout::Page;
 @if(LEVELS) import layout::ChunkLinks;
 @if(LEVELS) import layout::LevelCell;
 @if(LEVELS) import constants::NO_CELL;
+import package::lib::chunk_frustum::reachesPast;
 import package::lib::dispatch::linearWorkgroup;
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -19,10 +20,6 @@ import package::lib::dispatch::linearWorkgroup;
 @if(LEVELS) @group(0) @binding(4) var<storage, read> links: array<ChunkLinks>;
 @if(LEVELS) @group(0) @binding(5) var<storage, read> cells: array<LevelCell>;
 @if(LEVELS) @group(0) @binding(6) var<storage, read> thresholds: array<u32>;
-
-/// Float32 rounding of the test against a side of the frustum, relative to its largest term; far
-/// above 6e-8 times the few operations.
-const ROUNDING_SLACK = 1e-5;
 
 @compute @workgroup_size(CHUNK_WORKGROUP)
 fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -59,11 +56,7 @@ fn reachesIn(minPosition: vec3f, maxPosition: vec3f, maxScale: f32) -> bool {
   let center = 0.5 * (minPosition + maxPosition);
   let halfExtent = 0.5 * (maxPosition - minPosition);
   for (var i = 0u; i < 6u; i++) {
-    let plane = page.frustum[i];
-    // How far a splat at the box's best corner still reaches past this side of the frustum.
-    let reach = dot(abs(plane.xyz), halfExtent) + page.frustumReach[i].x * maxScale;
-    let slack = ROUNDING_SLACK * (dot(abs(plane.xyz), abs(center)) + reach + abs(plane.w));
-    if (dot(plane.xyz, center) + plane.w + reach + slack < 0.0) { return false; }
+    if (!reachesPast(page.frustum[i], page.frustumReach[i].x * maxScale, center, halfExtent)) { return false; }
   }
   return true;
 }

@@ -2,16 +2,19 @@
 // is. Reads bounds of cells; writes thresholds. One thread per cell. A cell lies within its parent,
 // each step here rounds larger numbers to larger or equal ones, and all cells take the same steps:
 // a parent's threshold is never more than its children's. So where a cell is drawn, its parent's
-// other cells know, and nothing has to be traversed.
+// other cells know, and nothing has to be traversed. With SHIFTED a budget moves all thresholds.
 import constants::CHUNK_WORKGROUP;
 import layout::CutParameters;
+@if(SHIFTED) import layout::CutPlan;
 import layout::LevelCell;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::level_link::threshold;
+@if(SHIFTED) import package::lib::level_link::shifted;
 
 @group(0) @binding(0) var<uniform> parameters: CutParameters;
 @group(0) @binding(1) var<storage, read> cells: array<LevelCell>;
 @group(0) @binding(2) var<storage, read_write> thresholds: array<u32>;
+@if(SHIFTED) @group(0) @binding(3) var<storage, read> cutPlan: CutPlan;
 
 /// Squares of longer distances leave float32's range.
 const FARTHEST = 1e18;
@@ -24,5 +27,7 @@ fn cutCells(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   let behind = parameters.camera - cells[index].maxPosition;
   let apart = clamp(max(before, behind) - parameters.margin, vec3f(0.0), vec3f(FARTHEST));
   let distance2 = dot(apart, apart);
-  thresholds[index] = threshold(distance2 * parameters.squaredPerDistance + parameters.squaredEverywhere);
+  let limit = threshold(distance2 * parameters.squaredPerDistance + parameters.squaredEverywhere);
+  @if(!SHIFTED) thresholds[index] = limit;
+  @if(SHIFTED) thresholds[index] = shifted(limit, cutPlan.shift);
 }

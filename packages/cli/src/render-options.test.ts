@@ -45,10 +45,13 @@ test('settings change a preset, and a number may be a fraction', () => {
   });
 });
 
-test('detail has an error in pixels', () => {
+test('detail has an error in pixels, a number of splats, or both', () => {
   const of = (...args: string[]) => parseRenderArguments([...MINIMUM, ...args]).detail;
   expect(of('--detail', 'full')).toBe('full');
   expect(of('--detail', 'maxErrorPx=0.5')).toEqual({ maxErrorPx: 0.5 });
+  expect(of('--detail', 'maxSplats=1000')).toEqual({ maxSplats: 1000 });
+  const both = { maxErrorPx: 2, maxSplats: 1e6 };
+  expect(of('--detail', 'maxErrorPx=2,maxSplats=1e6')).toEqual(both);
   expect(of('--detail', 'full', '--renderer', 'reference')).toBe('full');
 });
 
@@ -63,8 +66,11 @@ test.each([
   [['--background', '255,0,0'], '--background is 255,0,0; it must be r,g,b, each 0 to 1'],
   [['--background', '1,,0'], '--background is 1,,0'],
   [['--sort-by', 'z'], '--sort-by is z; it must be auto or depth or distance'],
-  [['--detail', 'low'], '--detail low: takes full, or maxErrorPx=0.5, in pixels'],
+  [['--detail', 'low'], '--detail low: takes full, maxErrorPx=0.5, in pixels'],
   [['--detail', '0.5'], '--detail 0.5: takes full'],
+  [['--detail', 'maxSplats=0'], '--detail maxSplats=0: takes full'],
+  [['--detail', 'maxSplats=9.5'], '--detail maxSplats=9.5: takes full'],
+  [['--detail', 'maxErrorPx=1,low=2'], '--detail maxErrorPx=1,low=2: takes full'],
   [['--detail', 'maxErrorPx='], '--detail maxErrorPx=: takes full'],
   [['--detail', 'maxErrorPx=-1'], '--detail maxErrorPx=-1: takes full'],
   [['--detail', 'maxErrorPx=1', '--renderer', 'reference'], '--renderer reference draws every splat'],

@@ -140,20 +140,38 @@ export function parseSortBy(text: string): SortBy {
   throw wrongValue('--sort-by', text, SORTED_BY.join(' or '));
 }
 
-/** Parses how much of the scenes to show. */
+/** Parses how much of the scenes to show: `full`, `maxErrorPx=0.5`, `maxSplats=100000`, or both. */
 export function parseDetail(text: string): Detail {
   if (text === 'full') return text;
-  const [name, value = ''] = splitOnce(text, '=');
-  const maxErrorPx = value.trim() === '' ? Number.NaN : Number(value);
-  if (name === 'maxErrorPx' && maxErrorPx >= 0 && Number.isFinite(maxErrorPx)) return { maxErrorPx };
-  throw new UsageError('--detail', `--detail ${text}: takes full, or maxErrorPx=0.5, in pixels`);
+  const given = new Map(text.split(',').map((part) => splitOnce(part, '=')));
+  const [error, count] = ['maxErrorPx', 'maxSplats'].map((name) => numberIn(given.get(name)));
+  const isError = error === undefined || (error >= 0 && Number.isFinite(error));
+  const isCount = count === undefined || (count > 0 && Number.isSafeInteger(count));
+  const areKnown = [...given.keys()].every((name) => name === 'maxErrorPx' || name === 'maxSplats');
+  const maxSplats = count === undefined ? {} : { maxSplats: count };
+  if (areKnown && isError && isCount) {
+    if (error !== undefined) return { maxErrorPx: error, ...maxSplats };
+    if (count !== undefined) return { maxSplats: count };
+  }
+  const expected = 'takes full, maxErrorPx=0.5, in pixels, maxSplats=100000, or both with a comma between';
+  throw new UsageError('--detail', `--detail ${text}: ${expected}`);
+}
+
+/** NaN for what is no number; undefined where nothing is given. */
+function numberIn(text: string | undefined): number | undefined {
+  return text === undefined ? undefined : text.trim() === '' ? Number.NaN : Number(text);
 }
 
 /** The line about frames of less than full detail; null for others. */
 export function detailText(detail: Detail, drawnSplats: number, loadedSplats: number): string | null {
   if (detail === 'full') return null;
-  const [drawn, loaded] = [drawnSplats, loadedSplats].map((count) => count.toLocaleString('en'));
-  return `about ${detail.maxErrorPx} px of error at most: ${drawn} splats and blobs drawn for ${loaded} splats`;
+  const written = (count: number) => count.toLocaleString('en');
+  const { maxErrorPx, maxSplats } = detail;
+  const asked = [
+    ...(maxErrorPx === undefined ? [] : [`about ${maxErrorPx} px of error at most`]),
+    ...(maxSplats === undefined ? [] : [`at most ${written(maxSplats)} splats`]),
+  ].join(', ');
+  return `${asked}: ${written(drawnSplats)} splats and blobs drawn for ${written(loadedSplats)} splats`;
 }
 
 function parseBackground(text: string): Vec3 {

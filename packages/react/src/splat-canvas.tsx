@@ -21,7 +21,7 @@ import { useSame } from './use-same.ts';
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   /** Accuracy of splats: settings, or a target like `{ minPsnrDb: 45 }`; default `balanced`. */
   accuracy?: AccuracyRequest;
-  /** How much of the clouds to show: `full`, the default, or `{ maxErrorPx: 0.5 }`. */
+  /** How much of the clouds to show: `full`, the default, `{ maxErrorPx: 0.5 }` or `{ maxSplats: 1e6 }`. */
   detail?: Detail;
   /** Further options of `createSplatRenderer`, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas' | 'detail'>;

@@ -75,8 +75,9 @@ export interface SplatsProps
   accuracy?: AccuracyRequest | null;
   /**
    * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
-   * light by less than about `{ maxErrorPx: 0.5 }`; default: the Canvas's. Clouds in view share one
-   * frame, which has the finest detail that any of them asks for.
+   * light by less than about `{ maxErrorPx: 0.5 }`, or where more than `{ maxSplats: 1e6 }` are in
+   * sight; default: the Canvas's. Clouds in view share one frame, which has the finest detail that
+   * any of them asks for.
    */
   detail?: Detail | null;
   /** Limits of reading `src`, and of fetching an address; the first request for a file decides. */

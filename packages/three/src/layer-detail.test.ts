@@ -18,6 +18,11 @@ test('the finest detail that a cloud asks for is that of all', () => {
   expect(of(null, null)).toBeNull();
   expect(of(null, { maxErrorPx: 2 }, { maxErrorPx: 0.5 })).toEqual({ maxErrorPx: 0.5 });
   expect(of({ maxErrorPx: 2 }, 'full')).toBe('full');
+  expect(of({ maxSplats: 1000 }, { maxSplats: 5000 })).toEqual({ maxSplats: 5000 });
+  expect(of({ maxSplats: 1000 }, { maxErrorPx: 2 })).toEqual({ maxErrorPx: 2 });
+  const both = { maxErrorPx: 1, maxSplats: 1000 };
+  expect(of(both, { maxSplats: 500 })).toEqual({ maxSplats: 1000 });
+  expect(of(both, { maxErrorPx: 2, maxSplats: 10 })).toEqual(both);
 });
 
 test('frames have the detail of their clouds, else the renderer’s', async () => {

@@ -98,8 +98,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   accuracy: AccuracyRequest | null = null;
   /**
    * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
-   * light by less than about `{ maxErrorPx: 0.5 }`; null: the renderer's detail, which is `full`
-   * unless `createSplatRenderer` was told otherwise. All clouds in view with the same `renderOrder`
+   * light by less than about `{ maxErrorPx: 0.5 }`, or where more than `{ maxSplats: 1e6 }` are in
+   * sight; null: the renderer's detail, which is `full` unless `createSplatRenderer` was told
+   * otherwise. All clouds in view with the same `renderOrder`
    * share one frame, which has the finest detail that any of them asks for. The old image stays
    * until the clouds' levels are made.
    */

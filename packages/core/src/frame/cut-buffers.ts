@@ -1,5 +1,5 @@
 import type { CloudLevels } from '../clouds/cloud-levels.ts';
-import { CutParameters } from '../data/layout/level-structs.ts';
+import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
 import type { FramePlan } from './frame-plan.ts';
@@ -17,6 +17,7 @@ interface Cut {
 export class CutBuffers {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
+  #budget: { readonly cutPlan: GPUBuffer; readonly cutCounts: GPUBuffer } | null = null;
   /** By cloud of the frame. */
   #cuts: readonly (Cut | null)[] = [];
 
@@ -26,7 +27,8 @@ export class CutBuffers {
   }
 
   /** Makes room for the cuts of this shape, and frees the rest. */
-  fit({ clouds }: FrameShape): void {
+  fit({ clouds, isBudgeted }: FrameShape): void {
+    if (isBudgeted !== (this.#budget !== null)) this.#fitBudget();
     const kept = clouds.map(({ levels }, i) =>
       levels === (this.#cuts[i]?.levels ?? null) ? this.#cuts[i] : null,
     );
@@ -39,16 +41,38 @@ export class CutBuffers {
     const cut = this.#cuts[cloudIndex];
     if (!cut) return null;
     const { levels, parameters, thresholds } = cut;
-    return { parameters, cells: levels.cells, thresholds };
+    return { parameters, cells: levels.cells, thresholds, ...this.#budget };
   }
 
-  write({ clouds, shape }: FramePlan): void {
+  /** Bindings of the frame's budget; null without one. */
+  get budgetBindings(): Bindings | null {
+    return this.#budget;
+  }
+
+  write({ clouds, shape, budget }: FramePlan): void {
+    if (this.#budget && budget) {
+      const { leastShift: shift, splats } = budget;
+      const values = { base: shift, step: LEVEL_CONSTANTS.SHIFT_STEP, shift, budget: splats };
+      this.#queue.writeBuffer(this.#budget.cutPlan, 0, CutPlan.pack(values));
+    }
     for (const [i, cut] of this.#cuts.entries()) {
       if (!cut) continue;
       const { cellCount } = cut.levels;
       const values = { ...clouds[i].cut!, cellCount, dispatchRow: shape.dispatchRow };
       this.#queue.writeBuffer(cut.parameters, 0, CutParameters.pack(values));
     }
+  }
+
+  #fitBudget(): void {
+    const { STORAGE, COPY_DST, COPY_SRC } = GPUBufferUsage;
+    const usage = STORAGE | COPY_DST | COPY_SRC;
+    if (this.#budget) for (const buffer of Object.values(this.#budget)) this.#memory.destroy(buffer);
+    this.#budget = this.#budget
+      ? null
+      : {
+          cutPlan: this.#memory.createBuffer('frame cut plan', CutPlan.bytes, usage),
+          cutCounts: this.#memory.createBuffer('frame cut counts', 4 * LEVEL_CONSTANTS.CUT_BINS, usage),
+        };
   }
 
   #make(levels: CloudLevels): Cut {

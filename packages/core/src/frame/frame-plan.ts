@@ -3,6 +3,7 @@ import type { Camera, Projection } from '../data/camera/camera.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import type { FrameShape } from './frame-shape.ts';
+import type { CutBudget } from './level-cut.ts';
 
 /**
  * Everything that follows from a frame request, worked out once per frame and never changed. The
@@ -21,6 +22,8 @@ export interface FramePlan {
   /** In the request's order. */
   readonly clouds: readonly CloudPlan[];
   readonly shape: FrameShape;
+  /** Budget of the clouds' cuts; null without one. */
+  readonly budget: CutBudget | null;
   readonly needs: FrameNeeds;
   /** Whether the last frame shows the same, so that there is nothing to draw. */
   readonly stands: boolean;

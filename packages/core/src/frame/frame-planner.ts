@@ -14,6 +14,7 @@ import { type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape } from './frame-shape.ts';
 import { keyBitsFor } from './key-bits.ts';
+import { cutBudget, detailOf } from './level-cut.ts';
 import { isSameColors, isSameOrder } from './plan-difference.ts';
 import { RecentNeeds } from './recent-needs.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
@@ -72,18 +73,21 @@ export class FramePlanner {
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     const { isOrthographic } = projection;
     const sortsByDistance = !isOrthographic && asksForDistance(request);
+    const detail = detailOf(request);
     const clouds = request.clouds.map((instance) =>
-      planCloud(instance, camera, projection, accuracy, request.detail),
+      planCloud(instance, camera, projection, accuracy, detail),
     );
+    const counts = clouds.map(({ cut, instance }) => ({ cut, count: instance.cloud.count }));
+    const budget = cutBudget(detail, counts);
     const needs = {
-      visibleSplats: mostVisibleSplats(clouds),
+      visibleSplats: mostVisibleSplats(clouds, budget),
       depthBits: keyBitsFor(camera, clouds, sortsByDistance),
     };
     const isSameScene = last !== null && showsClouds(last, request.clouds);
     const recent = isSameScene ? this.#needs.value : { visibleSplats: 0, depthBits: 0 };
     const capacity = visibleCapacity(
       needs.visibleSplats,
-      mostDrawnSplats(clouds),
+      mostDrawnSplats(clouds, budget),
       isSameScene ? last.shape.visibleCapacity : 0,
       recent.visibleSplats,
     );
@@ -98,6 +102,7 @@ export class FramePlanner {
         isOrthographic,
         sortsByDistance,
         isStacked: shapes.some(({ levels }) => levels !== null),
+        isBudgeted: budget !== null,
         accuracy,
         dispatchRow,
         sortDevice,
@@ -113,7 +118,7 @@ export class FramePlanner {
     };
     const asked = shapeBy(accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer);
     const isSame =
-      last !== null && !request.force && isSameOrder(last, { request, camera, clouds, shape: asked });
+      last !== null && !request.force && isSameOrder(last, { request, camera, clouds, budget, shape: asked });
     const stands = isSame && hasSameFields(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
     const mayStay = last !== null && accuracy.rasterizer === 'auto' && !stands;
     const isOther = mayStay && last.shape.rasterizer !== asked.rasterizer;
@@ -124,6 +129,7 @@ export class FramePlanner {
       layer,
       projection,
       clouds,
+      budget,
       needs,
       shape,
       stands,

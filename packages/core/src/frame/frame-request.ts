@@ -15,9 +15,14 @@ import { checkVector } from '../gpu/effects/option-checks.ts';
  * How much of the clouds a frame shows. `full`: every splat. `maxErrorPx`: blobs that each stand for
  * several splats, wherever that moves their light by less than about so many pixels of the layer in
  * the middle of the image. At 0.5, pictures of captures are 30 to 55 dB from full ones; what that
- * saves grows with the distance (docs/detail.md).
+ * saves grows with the distance (docs/detail.md). `maxSplats`: blobs wherever more splats than that
+ * are in sight, with the least error that keeps the number. Both: errors of at least the first, and
+ * larger ones where the second asks for it.
  */
-export type Detail = 'full' | { readonly maxErrorPx: number };
+export type Detail =
+  | 'full'
+  | { readonly maxErrorPx: number; readonly maxSplats?: number }
+  | { readonly maxErrorPx?: undefined; readonly maxSplats: number };
 
 /** A cloud, its place and how to draw it. */
 export interface CloudInstance {
@@ -79,9 +84,14 @@ function checkCamera(camera: Camera): void {
 /** @throws InvalidArgumentError */
 function checkDetail(detail: Detail = 'full'): void {
   if (detail === 'full') return;
-  const { maxErrorPx } = Object(detail) as Partial<{ maxErrorPx: number }>;
-  if (typeof maxErrorPx === 'number' && maxErrorPx >= 0 && Number.isFinite(maxErrorPx)) return;
-  throw wrongArgument('detail', detail, "'full' or { maxErrorPx: 0.5 }, in pixels from 0 on");
+  const { maxErrorPx, maxSplats } = Object(detail) as Partial<Record<string, number>>;
+  const isError = Number.isFinite(maxErrorPx) && maxErrorPx! >= 0;
+  const isCount = Number.isSafeInteger(maxSplats) && maxSplats! > 0;
+  const isGiven = maxErrorPx !== undefined || maxSplats !== undefined;
+  if (isGiven && (isError || maxErrorPx === undefined) && (isCount || maxSplats === undefined)) return;
+  const expected =
+    "'full', { maxErrorPx: 0.5 }, in pixels from 0 on, { maxSplats: 1e6 }, a whole number from 1 on, or both";
+  throw wrongArgument('detail', detail, expected);
 }
 
 /**

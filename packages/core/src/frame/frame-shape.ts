@@ -45,6 +45,8 @@ export interface FrameShape {
   readonly sortsByDistance: boolean;
   /** Whether merged splats are drawn, whose opacity may exceed 1. */
   readonly isStacked: boolean;
+  /** Whether a budget shifts the thresholds of the cuts. */
+  readonly isBudgeted: boolean;
   readonly accuracy: AccuracySettings;
   /** Most workgroups in one dimension of a dispatch. */
   readonly dispatchRow: number;

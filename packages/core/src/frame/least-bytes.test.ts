@@ -17,6 +17,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): F
     isOrthographic: false,
     sortsByDistance: false,
     isStacked: false,
+    isBudgeted: false,
     accuracy: internAccuracy({ preset: 'balanced', rasterizer, resolutionScale: 0.5 }),
     dispatchRow: 65_535,
     sortDevice: { workgroupBytes: WORKGROUP_BYTES, isNarrow: false, ballots: null },

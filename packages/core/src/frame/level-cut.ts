@@ -2,8 +2,9 @@ import type { CloudLevels } from '../clouds/cloud-levels.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { SplatReach } from '../data/camera/frustum.ts';
+import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { stretchBound } from '../data/math/mat4.ts';
-import type { Detail } from './frame-request.ts';
+import type { Detail, FrameRequest } from './frame-request.ts';
 
 /** The thresholds of a cut through a cloud's levels: fields of `CutParameters`. */
 export interface LevelCut {
@@ -11,6 +12,38 @@ export interface LevelCut {
   readonly squaredPerDistance: number;
   readonly squaredEverywhere: number;
   readonly margin: number;
+}
+
+/** Most splats and blobs that a frame's cuts may draw, in all clouds with a cut. */
+export interface CutBudget {
+  readonly splats: number;
+  /** The least shift of thresholds. */
+  readonly leastShift: number;
+}
+
+/** Error of cuts that only a budget limits, before it shifts them. */
+const UNSHIFTED_ERROR_PX = 1;
+
+/** The detail of a frame: full where all splats are within its budget. */
+export function detailOf({ detail = 'full', clouds }: Pick<FrameRequest, 'detail' | 'clouds'>): Detail {
+  if (detail === 'full' || detail.maxErrorPx !== undefined) return detail;
+  const total = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+  return detail.maxSplats! >= total ? 'full' : detail;
+}
+
+/** Returns the budget of a frame's cuts; null where none limits them, or there are none. */
+export function cutBudget(
+  detail: Detail,
+  clouds: readonly { readonly cut: LevelCut | null; readonly count: number }[],
+): CutBudget | null {
+  if (detail === 'full' || detail.maxSplats === undefined || !clouds.some(({ cut }) => cut)) return null;
+  const total = clouds.reduce((sum, { count }) => sum + count, 0);
+  if (total <= detail.maxSplats) return null;
+  const inFull = clouds.reduce((sum, { cut, count }) => (cut ? sum : sum + count), 0);
+  return {
+    splats: Math.max(0, detail.maxSplats - inFull),
+    leastShift: detail.maxErrorPx === undefined ? 0 : LEVEL_CONSTANTS.SHIFT_NONE,
+  };
 }
 
 /**
@@ -26,7 +59,8 @@ export function levelCut(
 ): LevelCut | null {
   if (!levels || detail === 'full' || !inverse) return null;
   const { largest, smallest } = scaleRange(linear, inverse);
-  const radians = detail.maxErrorPx / Math.max(Math.abs(focalPx[0]), Math.abs(focalPx[1])) / growth / largest;
+  const { maxErrorPx = UNSHIFTED_ERROR_PX } = detail;
+  const radians = maxErrorPx / Math.max(Math.abs(focalPx[0]), Math.abs(focalPx[1])) / growth / largest;
   if (!camera)
     return isOrthographic
       ? { camera: [0, 0, 0], squaredPerDistance: 0, squaredEverywhere: squared(radians), margin: 0 }

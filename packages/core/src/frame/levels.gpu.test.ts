@@ -18,10 +18,12 @@ import type { SplatSet } from '../data/splats/splat-set.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { highlight } from '../gpu/effects/highlight/highlight.ts';
 import { cellThreshold } from '../reference/cut-cells.ts';
+import { shifted } from '../reference/cut-count.ts';
 import { dilatedOpacity } from '../reference/dilated-blob.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { isDrawnAt } from '../reference/level-link.ts';
 import { meanArea, rimLength } from '../reference/merged-splat.ts';
+import { planCut } from '../reference/plan-cut.ts';
 import { isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/made-levels.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -51,19 +53,27 @@ const camera = (distance: number): Camera =>
   });
 
 /** Nodes that a cut through these cells draws, as the stages of the cut are documented. */
-function drawnNodes(cells: readonly MadeCell[], chunks: ArrayBuffer, cut: LevelCut): MadeNode[] {
+function drawnNodes(
+  cells: readonly MadeCell[],
+  chunks: ArrayBuffer,
+  cut: LevelCut,
+  shift: number = LEVEL_CONSTANTS.SHIFT_NONE,
+): MadeNode[] {
   const contents = cellsOf(new Float32Array(chunks));
   const floats = new Float32Array(contents);
   const words = new Uint32Array(contents);
   const at = (cell: number, field: keyof typeof LevelCell.offsets) =>
     (cell * LevelCell.bytes + LevelCell.offsets[field]) / 4;
   const limits = cells.map((_, cell) =>
-    cellThreshold(
-      {
-        min: floats.subarray(at(cell, 'minPosition'), at(cell, 'minPosition') + 3),
-        max: floats.subarray(at(cell, 'maxPosition'), at(cell, 'maxPosition') + 3),
-      },
-      cut,
+    shifted(
+      cellThreshold(
+        {
+          min: floats.subarray(at(cell, 'minPosition'), at(cell, 'minPosition') + 3),
+          max: floats.subarray(at(cell, 'maxPosition'), at(cell, 'maxPosition') + 3),
+        },
+        cut,
+      ),
+      shift,
     ),
   );
   return cells.flatMap(({ leaves, blobs, blobHead }, cell) => {
@@ -195,6 +205,58 @@ describe('frames with less than full detail', () => {
     }
   }
 
+  for (const [name, seen] of [
+    ['near', camera(4)],
+    ['far', camera(12)],
+    ['along parallel rays', parallel],
+  ] as const) {
+    for (const maxSplats of [4000, 1000, 100]) {
+      gpuTest(`${name}, at most ${maxSplats} splats: as float64 draws the finest such cut`, async () => {
+        const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
+        const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
+        const still = { displacement: 0, growth: 1 };
+        const cut = levelCut({} as CloudLevels, { maxSplats }, view, projection, still)!;
+        const nodesAt = (shift: number) => drawnNodes(cells, packed.chunks, cut, shift);
+        const nodes = nodesAt(planCut((shift) => nodesAt(shift).length, 0, maxSplats));
+        expect(nodes.length).toBeGreaterThan(0.8 * maxSplats);
+        const clouds = [{ set: asSet(nodes, seen, true), effects: [antialias(false)] }];
+        const expected = renderReference({ clouds, camera: seen, ...SIZE });
+        const drawn = await draw({ maxSplats }, seen);
+        expect(drawn.levels).toMatchObject({ isOn: true, reason: /at most .* splats are asked for/ });
+        expect(compareImages(drawn.data, expected.data, SIZE).psnrDb).toBeGreaterThan(65);
+      });
+    }
+  }
+
+  gpuTest('a budget that holds all splats is full detail, without levels', async () => {
+    const alone = engine.add(faint);
+    const full = await draw('full', camera(3), false, alone);
+    const budget = await draw({ maxSplats: faint.count }, camera(3), false, alone);
+    expect(budget.data).toEqual(full.data);
+    expect(budget.levels).toMatchObject({ isOn: false, reason: 'all splats are within the budget' });
+    expect(alone.levels).toBeNull();
+    alone.destroy();
+  });
+
+  gpuTest('a view follows its detail from frame to frame', async () => {
+    const view = engine.createView();
+    const clouds = [{ cloud, effects: [antialias(false)] }, { cloud }];
+    const seen = { camera: camera(6), clouds, ...SIZE };
+    const drawn = async (detail: Detail) => {
+      view.render({ ...seen, detail });
+      return (await view.readPixels()).data;
+    };
+    const details: Detail[] = [{ maxSplats: 2000 }, { maxErrorPx: 1 }, { maxSplats: 500 }, 'full'];
+    const first: Float32Array[] = [];
+    for (const detail of details) first.push(await drawn(detail));
+    expect(new Set(first.map((data) => data.join())).size).toBe(details.length);
+    for (const [i, detail] of [...details.entries()].reverse()) expect(await drawn(detail)).toEqual(first[i]);
+    // An error that draws fewer than the budget is all that counts.
+    expect(await drawn({ maxErrorPx: 1, maxSplats: 17_000 })).toEqual(first[1]);
+    expect(await drawn({ maxErrorPx: 0.01, maxSplats: 500 })).not.toEqual(first[1]);
+    view.destroy();
+  });
+
   gpuTest('full detail is the same image, bit for bit, with levels and without', async () => {
     const alone = engine.add(faint);
     const before = await draw('full', camera(3), false, alone);
@@ -308,7 +370,15 @@ describe('frames with less than full detail', () => {
 
   gpuTest('an unknown detail is an error that says what it takes', () => {
     const view = engine.createView();
-    for (const detail of ['low', 0.5, {}, { maxErrorPx: -1 }, { maxErrorPx: Number.NaN }])
+    for (const detail of [
+      'low',
+      0.5,
+      {},
+      { maxErrorPx: -1 },
+      { maxErrorPx: Number.NaN },
+      { maxSplats: 0 },
+      { maxSplats: 2.5 },
+    ])
       expect(() =>
         view.render({ camera: camera(5), clouds: [{ cloud }], ...SIZE, detail: detail as Detail }),
       ).toThrow(/detail.*maxErrorPx: 0.5/);

@@ -1,11 +1,12 @@
 import type { Camera } from '../data/camera/camera.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
 import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
 import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { LevelCut } from './level-cut.ts';
 
 /** The parts of plans that tell whether they draw the same splats in the same order. */
-type PlannedOrder = Pick<FramePlan, 'request' | 'camera' | 'clouds' | 'shape'>;
+type PlannedOrder = Pick<FramePlan, 'request' | 'camera' | 'clouds' | 'shape' | 'budget'>;
 
 /** Whether both frames show the same splats in the same places and order, by any rasteriser. */
 export function isSameOrder(a: PlannedOrder, b: PlannedOrder): boolean {
@@ -29,6 +30,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
     a.request.heightPx === b.request.heightPx &&
     a.shape.accuracy === b.shape.accuracy &&
     a.shape.sortsByDistance === b.shape.sortsByDistance &&
+    hasSameFields(a.budget, b.budget) &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];

@@ -57,6 +57,18 @@ describe('mostVisibleSplats', () => {
     expect(mostVisibleSplats(cloudsOf(away))).toBe(set.count);
   });
 
+  test('is a budget, with blobs of each cloud at their coarsest, and all of clouds without a cut', () => {
+    const [drawn] = cloudsOf(CAMERA);
+    const cut = { camera: [0, 0, 0], squaredPerDistance: 1, squaredEverywhere: 0, margin: 0 } as const;
+    const budget = { splats: 5000, leastShift: 0 };
+    expect(mostVisibleSplats([{ ...drawn, cut }], budget)).toBe(5000 + 256);
+    const both = [{ ...drawn, cut }, drawn];
+    expect(mostVisibleSplats(both, { ...budget, splats: 300_000 })).toBeLessThanOrEqual(
+      300_000 + 256 + set.count,
+    );
+    expect(mostDrawnSplats(both, budget)).toBe(5000 + 256 + set.count);
+  });
+
   test('is all splats for small scenes', () => {
     const small = packed(randomSplats({ count: 1000, shDegree: 0 }));
     const [planned] = cloudsOf(CAMERA);

@@ -1,6 +1,7 @@
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { countChunksInFrustum } from './chunk-groups.ts';
 import type { CloudPlan } from './cloud-plan.ts';
+import type { CutBudget } from './level-cut.ts';
 import { LEAST_USE } from './recent-peak.ts';
 
 /** Up to this count, room for all splats (about 15 MB) is cheaper than counting visible ones. */
@@ -8,10 +9,18 @@ const ALWAYS_ROOM_FOR = 1 << 18;
 /** Spare room, so that a moving camera does not need larger buffers every frame. */
 const HEADROOM = 1.25;
 
-type SidedCloud = Pick<CloudPlan, 'instance' | 'sides'> & Partial<Pick<CloudPlan, 'cut'>>;
+type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut'>>;
+type SidedCloud = CutCloud & Pick<CloudPlan, 'sides'>;
+
+/** Splats of a cloud that are drawn whatever its budget: no cut is coarser than sixteen blobs. */
+const LEAST_OF_CLOUD = CHUNK_SPLATS;
 
 /** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
-export function mostDrawnSplats(clouds: readonly Pick<CloudPlan, 'instance'>[]): number {
+export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget | null = null): number {
+  if (budget) {
+    const most = clouds.map(({ cut, instance }) => (cut ? LEAST_OF_CLOUD : instance.cloud.count));
+    return most.reduce((sum, count) => sum + count, budget.splats);
+  }
   const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
   // Beside others, the splats left out might be theirs.
   return clouds.length === 1 ? Math.min(total, clouds[0].instance.cloud.visibleLimit) : total;
@@ -22,8 +31,8 @@ export function mostDrawnSplats(clouds: readonly Pick<CloudPlan, 'instance'>[]):
  * tests the chunks as the GPU will, so nothing has to be read back, and no image ever lacks splats
  * for lack of room.
  */
-export function mostVisibleSplats(clouds: readonly SidedCloud[]): number {
-  const total = mostDrawnSplats(clouds);
+export function mostVisibleSplats(clouds: readonly SidedCloud[], budget: CutBudget | null = null): number {
+  const total = mostDrawnSplats(clouds, budget);
   // Blobs may reach into the image where none of their splats does.
   if (total <= ALWAYS_ROOM_FOR || clouds.some(({ cut }) => cut)) return total;
   const chunks = clouds.reduce(

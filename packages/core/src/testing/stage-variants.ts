@@ -11,7 +11,8 @@ import { copyWords } from '../gpu/stages/copy-words.ts';
 import { coverPoints } from '../gpu/stages/cover-points.ts';
 import { cullChunks, cullLevels } from '../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../gpu/stages/cull-splats.ts';
-import { cutCells } from '../gpu/stages/cut-cells.ts';
+import { cutCells, shiftCells } from '../gpu/stages/cut-cells.ts';
+import { cutCount } from '../gpu/stages/cut-count.ts';
 import { cutSplats } from '../gpu/stages/cut-splats.ts';
 import { ingestChunks } from '../gpu/stages/ingest-chunks.ts';
 import { ingestGather } from '../gpu/stages/ingest-gather.ts';
@@ -22,6 +23,7 @@ import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
 import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import { pick } from '../gpu/stages/pick.ts';
 import { planCull } from '../gpu/stages/plan-cull.ts';
+import { planCut } from '../gpu/stages/plan-cut.ts';
 import { planProject } from '../gpu/stages/plan-project.ts';
 import { prefixScanStages } from '../gpu/stages/prefix-scan.ts';
 import { project } from '../gpu/stages/project.ts';
@@ -163,6 +165,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     cullLevels,
     cutCells,
     cutSplats,
+    shiftCells,
+    cutCount,
+    planCut,
     ...(['f32', 'packed', 'upper'] as const).map(mergeChunks),
     ...DEGREES.slice(1).flatMap((degree) => [
       mergeHarmonics(degree, 'upper'),

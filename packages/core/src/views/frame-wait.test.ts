@@ -11,6 +11,7 @@ const shape: FrameShape = {
   isOrthographic: false,
   sortsByDistance: false,
   isStacked: false,
+  isBudgeted: false,
   accuracy: internAccuracy({ preset: 'balanced', rasterizer: 'quads' }),
   dispatchRow: 65_535,
   sortDevice: { workgroupBytes: 16_384, isNarrow: false, ballots: null },

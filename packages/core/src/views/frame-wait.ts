@@ -2,14 +2,17 @@ import { frameStages } from '../frame/frame.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
+import { detailOf } from '../frame/level-cut.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 
 /** Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts. */
 export type WaitReason = 'shaders' | 'memory' | 'parts';
 
 /** Whether a frame's detail needs levels that are still to be made. */
-export function awaitsLevels({ detail = 'full', clouds }: FrameRequest): boolean {
-  return detail !== 'full' && clouds.some(({ cloud }) => cloud.mayHaveLevels && !cloud.levels);
+export function awaitsLevels(request: FrameRequest): boolean {
+  return (
+    detailOf(request) !== 'full' && request.clouds.some(({ cloud }) => cloud.mayHaveLevels && !cloud.levels)
+  );
 }
 
 interface Wait {

@@ -44,6 +44,16 @@ export const CutParameters = gpuStruct('CutParameters', {
   dispatchRow: 'u32',
 });
 
+/** How far a frame's budget shifts the thresholds of its cuts: `shift` codes beyond SHIFT_NONE. */
+export const CutPlan = gpuStruct('CutPlan', {
+  /** Shifts that are counted: the first, and from one to the next. */
+  base: 'u32',
+  step: 'u32',
+  shift: 'u32',
+  /** Most splats and blobs to draw, in all clouds with levels. */
+  budget: 'u32',
+});
+
 /** Constants of stages that know levels. */
 export const LEVEL_CONSTANTS = {
   /** Cells of a level in one of the level above. */
@@ -57,6 +67,12 @@ export const LEVEL_CONSTANTS = {
   ERROR_BOUNDLESS: 0xfff,
   /** Places to either side in which a node looks for one to merge with. */
   MERGED_RADIUS: 4,
+  /** Shift of thresholds that leaves them as they are; 0 takes all to 0. */
+  SHIFT_NONE: 4096,
+  /** Codes from one shift to the next, before shifts of one code are counted. */
+  SHIFT_STEP: 64,
+  /** Shifts that are counted at once. */
+  CUT_BINS: 128,
   /** Most splats that may lie on top of each other in one blob. */
   MOST_OPACITY: 1000,
 } as const;
@@ -82,4 +98,10 @@ export const ChunkLinks: ShaderStruct & { readonly words: number } = {
 };
 
 /** Structs of the stages that know levels. */
-export const LEVEL_STRUCTS: readonly ShaderStruct[] = [LevelCell, MergeParameters, CutParameters, ChunkLinks];
+export const LEVEL_STRUCTS: readonly ShaderStruct[] = [
+  LevelCell,
+  MergeParameters,
+  CutParameters,
+  CutPlan,
+  ChunkLinks,
+];

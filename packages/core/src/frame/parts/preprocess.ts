@@ -9,10 +9,12 @@ import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
 import { compactSplats } from '../../gpu/stages/compact-splats.ts';
 import { cullChunks, cullLevels } from '../../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../../gpu/stages/cull-splats.ts';
-import { cutCells } from '../../gpu/stages/cut-cells.ts';
+import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
+import { cutCount } from '../../gpu/stages/cut-count.ts';
 import { cutSplats } from '../../gpu/stages/cut-splats.ts';
 import { dispatchAtMost, dispatchSize } from '../../gpu/stages/dispatch.ts';
 import { planCull } from '../../gpu/stages/plan-cull.ts';
+import { planCut } from '../../gpu/stages/plan-cut.ts';
 import { planProject } from '../../gpu/stages/plan-project.ts';
 import { PrefixScan, prefixScanStages } from '../../gpu/stages/prefix-scan.ts';
 import { project } from '../../gpu/stages/project.ts';
@@ -86,11 +88,15 @@ const FRAME_STAGES = [compactChunks, planCull, planProject, compactSplats] as co
 interface Groups {
   /** By cloud; null for clouds without a cut. */
   readonly cuts: readonly (GPUBindGroup | null)[];
+  /** Of the frame's budget; null without one. */
+  readonly budget: { readonly plan: GPUBindGroup; readonly shifts: readonly (GPUBindGroup | null)[] } | null;
   readonly frame: ReadonlyMap<StageDefinition, GPUBindGroup>;
   readonly pages: readonly {
     readonly cullChunks: GPUBindGroup;
     /** Null on pages without a cut. */
     readonly cutSplats: GPUBindGroup | null;
+    /** Null without a budget, too. */
+    readonly cutCount: GPUBindGroup | null;
     readonly cullSplats: GPUBindGroup;
     readonly project: GPUBindGroup;
   }[];
@@ -148,7 +154,8 @@ export class Preprocess implements FramePart<OrderRecording> {
       [...new Set([splats, blobs])].flatMap((own) => [own.cullChunks, own.cullSplats, own.project]),
     );
     const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
-    return [...FRAME_STAGES, ...cuts, ...prefixScanStages, ...clouds];
+    const budget = shape.isBudgeted ? [cutCount, planCut, shiftCells] : [];
+    return [...FRAME_STAGES, ...cuts, ...budget, ...prefixScanStages, ...clouds];
   }
 
   /** Bytes of one cloud's selection bits. */
@@ -178,11 +185,15 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { buffers } = shared;
     this.#effects.fit(shape);
     this.#cuts.fit(shape);
-    this.#groups = {
-      cuts: shape.clouds.map((_, i) => {
+    const cellGroups = (stage: StageDefinition) =>
+      shape.clouds.map((_, i) => {
         const bindings = this.#cuts.bindingsOf(i);
-        return bindings && pipelines.bindGroup(cutCells, bindings);
-      }),
+        return bindings && pipelines.bindGroup(stage, bindings);
+      });
+    const budget = this.#cuts.budgetBindings;
+    this.#groups = {
+      cuts: cellGroups(cutCells),
+      budget: budget && { plan: pipelines.bindGroup(planCut, budget), shifts: cellGroups(shiftCells) },
       frame: new Map(FRAME_STAGES.map((stage) => [stage, pipelines.bindGroup(stage, buffers)])),
       pages: pagesOf(shape).map((framePage, index) => {
         const { chunks, geometry, shRest, links, cloudIndex } = framePage;
@@ -199,6 +210,7 @@ export class Preprocess implements FramePart<OrderRecording> {
         return {
           cullChunks: pipelines.bindGroup(stages.cullChunks, own),
           cutSplats: links && pipelines.bindGroup(cutSplats, own),
+          cutCount: links && budget && pipelines.bindGroup(cutCount, own),
           cullSplats: pipelines.bindGroup(stages.cullSplats, own),
           project: pipelines.bindGroup(stages.project, own),
         };
@@ -248,10 +260,17 @@ export class Preprocess implements FramePart<OrderRecording> {
     // At least one workgroup: Dawn warns about empty dispatches.
     const chunkWorkgroups = (chunks: number) =>
       dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), shape.dispatchRow);
-    for (const [i, { levels }] of shape.clouds.entries()) {
-      if (!levels) continue;
-      useCompute(pass, this.#context.pipelines, cutCells, groups.cuts[i]!);
-      pass.dispatchWorkgroups(...chunkWorkgroups(levels.cellCount));
+    const overCells = (stage: StageDefinition, own: Groups['cuts']) => {
+      for (const [i, { levels }] of shape.clouds.entries()) {
+        if (!levels) continue;
+        useCompute(pass, this.#context.pipelines, stage, own[i]!);
+        pass.dispatchWorkgroups(...chunkWorkgroups(levels.cellCount));
+      }
+    };
+    overCells(cutCells, groups.cuts);
+    if (groups.budget) {
+      for (const _ of ['by steps', 'by codes']) this.#recordBudget(pass, shape, pages, groups.budget.plan);
+      overCells(shiftCells, groups.budget.shifts);
     }
     let stage: StageDefinition | null = null;
     for (const [index, framePage] of pages.entries()) {
@@ -283,6 +302,24 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#useOnce(pass, compactSplats);
     const indirect = { buffer: buffers.cullDispatches, offset: 12 * pages.length };
     dispatchAtMost(pass, totalChunks(pages), shape.dispatchRow, indirect);
+  }
+
+  /** Counts what cuts would draw, and plans the one that the budget allows. */
+  #recordBudget(
+    pass: GPUComputePassEncoder,
+    { dispatchRow }: FrameShape,
+    pages: readonly FramePage[],
+    plan: GPUBindGroup,
+  ): void {
+    pass.setPipeline(this.#context.pipelines.compute(cutCount)!);
+    for (const [index, { chunkCount }] of pages.entries()) {
+      const group = this.#groups!.pages[index].cutCount;
+      if (!group) continue;
+      pass.setBindGroup(0, group);
+      pass.dispatchWorkgroups(...dispatchSize(chunkCount, dispatchRow));
+    }
+    useCompute(pass, this.#context.pipelines, planCut, plan);
+    pass.dispatchWorkgroups(1);
   }
 
   #useOnce(pass: GPUComputePassEncoder, stage: StageDefinition): void {

@@ -5,9 +5,11 @@ import mergedSplat from '../../../../../shaders/lib/merged-splat.wgsl?raw';
 import cullChunks from '../../../../../shaders/stages/cull-chunks.wgsl?raw';
 import cullSplats from '../../../../../shaders/stages/cull-splats.wgsl?raw';
 import cutCells from '../../../../../shaders/stages/cut-cells.wgsl?raw';
+import cutCount from '../../../../../shaders/stages/cut-count.wgsl?raw';
 import cutSplats from '../../../../../shaders/stages/cut-splats.wgsl?raw';
 import mergeChunks from '../../../../../shaders/stages/merge-chunks.wgsl?raw';
 import mergeHarmonics from '../../../../../shaders/stages/merge-harmonics.wgsl?raw';
+import planCut from '../../../../../shaders/stages/plan-cut.wgsl?raw';
 import project from '../../../../../shaders/stages/project.wgsl?raw';
 import { PACKING_LIBRARIES } from '../stages/packing-libraries.ts';
 
@@ -16,9 +18,11 @@ export const LEVEL_TEXTS = {
   'cull-chunks': cullChunks,
   'cull-splats': cullSplats,
   'cut-cells': cutCells,
+  'cut-count': cutCount,
   'cut-splats': cutSplats,
   'merge-chunks': mergeChunks,
   'merge-harmonics': mergeHarmonics,
+  'plan-cut': planCut,
   project,
 } as const;
 

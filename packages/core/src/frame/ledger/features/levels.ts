@@ -1,3 +1,4 @@
+import { detailOf } from '../../level-cut.ts';
 import type { DrawnCloud, FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Blobs instead of splats that are too small to tell apart. */
@@ -8,6 +9,8 @@ export const levels: FeatureOfCloud = {
   about: 'Draws blobs that stand for several splats, where these are too small to tell apart.',
   stages: [
     'cut-cells',
+    'cut-count',
+    'plan-cut',
     'cull-chunks',
     'cut-splats',
     'cull-splats',
@@ -20,13 +23,17 @@ export const levels: FeatureOfCloud = {
   ],
   calledFor: ({ plan, shape }) => {
     const { detail = 'full' } = plan.request;
-    return shape.levels && detail !== 'full' ? `errors up to ${detail.maxErrorPx} px are allowed` : null;
+    if (!shape.levels || detail === 'full') return null;
+    const { maxErrorPx, maxSplats } = detail;
+    if (plan.budget) return `at most ${maxSplats!.toLocaleString('en')} splats are asked for`;
+    return `errors up to ${maxErrorPx} px are allowed`;
   },
   offReason,
 };
 
 function offReason({ plan, shape, cloud }: DrawnCloud): string {
   if ((plan.request.detail ?? 'full') === 'full') return 'full detail is asked for';
+  if (detailOf(plan.request) === 'full') return 'all splats are within the budget';
   if (shape.cloud.isPreview) return 'the cloud is loading';
   if (shape.cloud.count === 0) return 'the cloud has no splats';
   if (shape.cloud.editing) return 'the cloud was edited';

@@ -1,0 +1,105 @@
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { ChunkLinks, CutPlan, LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
+import { Page } from '../../data/layout/structs.ts';
+import { type CountedChunk, cutCount as reference } from '../../reference/cut-count.ts';
+import { packFlatView } from '../../testing/flat-view.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import { cutCount } from './cut-count.ts';
+import { dispatchSize } from './dispatch.ts';
+
+const { CUT_BINS, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
+const DISPATCH_ROW = 4;
+const CHUNKS = 30;
+const gpu = testGpu();
+
+/** Chunks of cells, each below the one before it, at x = cell; every third is out of sight. */
+function randomChunks() {
+  const random = seededRandom(9);
+  const below = (end: number) => Math.floor(random() * end);
+  const limits = [0];
+  while (limits.length < CHUNKS) limits.push(limits.at(-1)! + below(100));
+  const cells = limits.map((limit, cell) => {
+    const parent = cell === 0 ? NO_CELL : cell - 1;
+    const links = Array.from({ length: CHUNK_SPLATS }, () => {
+      const error = below(3) === 0 ? 0 : below(2500);
+      const parentError = below(9) === 0 ? ERROR_BOUNDLESS : error + 1 + below(1500);
+      return below(10) === 0 ? 0 : error + parentError * 2 ** 12 + below(256) * 2 ** 24;
+    });
+    return { limit, parent, cellError: below(3000), links, isInSight: cell % 3 !== 2 };
+  });
+  return cells;
+}
+
+async function countsOf(cells: ReturnType<typeof randomChunks>, base: number, step: number) {
+  const contents = new ArrayBuffer(CHUNKS * LevelCell.bytes);
+  for (const [i, { parent, isInSight }] of cells.entries()) {
+    const y = isInSight ? 0 : -100;
+    const [minPosition, maxPosition] = [
+      [i, y, 0],
+      [i + 1, y + 1, 1],
+    ];
+    LevelCell.write(contents, { minPosition, maxPosition, parent }, i * LevelCell.bytes);
+  }
+  const words = cells.flatMap(({ cellError, links }, cell) => {
+    const used = links.filter((link) => link !== 0);
+    const leastError = Math.min(...used.map((link) => link & 0xfff));
+    const largestParentError = Math.max(...used.map((link) => (link >>> 12) & 0xfff));
+    return [cell, cellError, leastError, largestParentError, 0, used.length, ...links];
+  });
+  expect(words.length).toBe(CHUNKS * ChunkLinks.words);
+  const cutCounts = gpu.storage([], 4 * CUT_BINS);
+  const bindings = {
+    view: gpu.uniform(
+      packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: DISPATCH_ROW }),
+    ),
+    page: gpu.uniform(
+      Page.pack({
+        linear: new Array(9).fill(0),
+        translation: [0, 0, 0],
+        camera: [0, 0, 0],
+        cameraWeight: 0,
+        direction: [0, 0, 0],
+        // Six times the half-space above y = -10.
+        frustum: Array.from({ length: 24 }, (_, i) => [0, 1, 0, 10][i % 4]),
+        frustumReach: new Array(24).fill(0),
+        index: 0,
+        chunkStart: 0,
+        chunkCount: CHUNKS,
+        splatCount: CHUNKS * CHUNK_SPLATS,
+      }),
+    ),
+    links: gpu.storage(words),
+    cells: gpu.storage(new Uint32Array(contents)),
+    thresholds: gpu.storage(cells.map(({ limit }) => limit)),
+    cutPlan: gpu.storage(new Uint32Array(CutPlan.pack({ base, step, shift: 0, budget: 0 }))),
+    cutCounts,
+  };
+  await gpu.run(cutCount, bindings, dispatchSize(CHUNKS + 1, DISPATCH_ROW));
+  let sum = 0;
+  return Array.from(await gpu.read(cutCounts), (change) => {
+    sum = (sum + change) >>> 0;
+    return sum;
+  });
+}
+
+describe('cut-count', () => {
+  const cells = randomChunks();
+  const counted = cells.flatMap(({ isInSight, limit, parent, ...cell }): CountedChunk[] =>
+    isInSight ? [{ ...cell, limit, parentLimit: parent === NO_CELL ? null : cells[parent].limit }] : [],
+  );
+  for (const [base, step] of [
+    [0, SHIFT_STEP],
+    [SHIFT_NONE, SHIFT_STEP],
+    [SHIFT_NONE - 1500, 1],
+    [SHIFT_NONE + 700, 1],
+  ]) {
+    gpuTest(`counts what a cut draws at each shift from ${base} by ${step}`, async () => {
+      const expected = Array.from({ length: CUT_BINS }, (_, bin) => reference(counted, base + step * bin));
+      expect(await countsOf(cells, base, step)).toEqual(expected);
+      expect(new Set(expected).size).toBeGreaterThan(10);
+    });
+  }
+});

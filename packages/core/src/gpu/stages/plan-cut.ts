@@ -1,0 +1,11 @@
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import type { StageDefinition } from '../pipelines.ts';
+import { levelSource } from '../shaders/later-source.ts';
+
+/** Finds the least shift of a frame's thresholds that keeps its budget. */
+export const planCut: StageDefinition = {
+  stage: 'plan-cut',
+  source: levelSource('plan-cut'),
+  entryPoint: 'planCut',
+  constants: LEVEL_CONSTANTS,
+};

@@ -1,0 +1,83 @@
+// Counts the splats and blobs that cuts through a cloud would draw in the chunks in sight, by how far
+// the thresholds of its cells are shifted. Reads links, cells and their thresholds; adds to
+// cutCounts, whose first n + 1 words then sum to the number at n steps beyond the plan's base. One
+// workgroup per chunk, one thread per splat, dispatched per page.
+import constants::CHUNK_SPLATS;
+import constants::CUT_BINS;
+import constants::ERROR_BOUNDLESS;
+import constants::NO_CELL;
+import constants::SHIFT_NONE;
+import layout::ChunkLinks;
+import layout::CutPlan;
+import layout::LevelCell;
+import layout::Page;
+import layout::View;
+import package::lib::chunk_frustum::reachesPast;
+import package::lib::dispatch::linearWorkgroup;
+import package::lib::level_link::{errorOf, parentErrorOf};
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> page: Page;
+@group(0) @binding(2) var<storage, read> links: array<ChunkLinks>;
+@group(0) @binding(3) var<storage, read> cells: array<LevelCell>;
+@group(0) @binding(4) var<storage, read> thresholds: array<u32>;
+@group(0) @binding(5) var<storage, read> cutPlan: CutPlan;
+@group(0) @binding(6) var<storage, read_write> cutCounts: array<atomic<u32>, CUT_BINS>;
+
+/// Shifts before and beyond all that are possible.
+const ALWAYS = -0x10000;
+const NEVER = 0x10000;
+
+/// Of this chunk: changes of the number from bin to bin, which wrap around below 0.
+var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
+
+@compute @workgroup_size(CHUNK_SPLATS)
+fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let chunk = linearWorkgroup(workgroup, view.dispatchRow);
+  if (chunk >= page.chunkCount) { return; }
+  let cell = cells[links[chunk].cell];
+  // The shift at which the threshold of the cell is 0.
+  let zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
+  // From this shift on, the cell above is drawn instead.
+  var closed = NEVER;
+  if (cell.parent != NO_CELL) {
+    closed = SHIFT_NONE + i32(links[chunk].cellError) - i32(thresholds[cell.parent]);
+  }
+  let last = min(closed, shiftTo(links[chunk].largestParentError, zero));
+  if (last <= i32(cutPlan.base) || !isInFrustum(cell, 1.001 * links[chunk].largestScale)) { return; }
+
+  let link = links[chunk].links[lane];
+  if (link != 0u) {
+    let start = binOf(shiftTo(errorOf(link), zero));
+    let end = binOf(min(closed, shiftTo(parentErrorOf(link), zero)));
+    if (start < end && start < CUT_BINS) { atomicAdd(&bins[start], 1u); }
+    if (start < end && end < CUT_BINS) { atomicSub(&bins[end], 1u); }
+  }
+  workgroupBarrier();
+  if (lane < CUT_BINS) {
+    let change = atomicLoad(&bins[lane]);
+    if (change != 0u) { atomicAdd(&cutCounts[lane], change); }
+  }
+}
+
+/// The shift that takes a threshold, 0 at the shift `zero`, to `error`.
+fn shiftTo(error: u32, zero: i32) -> i32 {
+  if (error == 0u) { return ALWAYS; }
+  if (error == ERROR_BOUNDLESS) { return NEVER; }
+  return zero + i32(error);
+}
+
+/// The first bin whose shift is `shift` or more.
+fn binOf(shift: i32) -> u32 {
+  let beyond = u32(max(shift - i32(cutPlan.base), 0));
+  return (beyond + cutPlan.step - 1u) / cutPlan.step;
+}
+
+fn isInFrustum(cell: LevelCell, maxScale: f32) -> bool {
+  let center = 0.5 * (cell.minPosition + cell.maxPosition);
+  let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
+  for (var i = 0u; i < 6u; i++) {
+    if (!reachesPast(page.frustum[i], page.frustumReach[i].x * maxScale, center, halfExtent)) { return false; }
+  }
+  return true;
+}
