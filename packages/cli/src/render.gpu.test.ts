@@ -75,7 +75,8 @@ gpuTest('less than full detail draws fewer splats', async () => {
     /^detail: about 1 px of error at most: [\d,]+ splats and blobs drawn for 10,000 splats$/m,
   );
   expect(less.visibleSplats).toBeLessThan(full.visibleSplats);
-  const few = await visible('--detail', 'maxSplats=1000');
-  expect(few.visibleSplats).toBeLessThanOrEqual(1000);
-  expect(few.visibleSplats).toBeGreaterThan(500);
+  const few = await visible('--detail', 'maxSplats=5000');
+  expect(few.visibleSplats).toBeLessThanOrEqual(5000);
+  // Those count, too, that are found out of sight one by one: a thousand here, in full as well.
+  expect(few.visibleSplats).toBeGreaterThan(3500);
 });
