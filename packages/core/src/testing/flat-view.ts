@@ -1,5 +1,6 @@
 import type { SizePx } from '../data/accuracy/accuracy.ts';
-import { View } from '../data/layout/structs.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { Page, View } from '../data/layout/structs.ts';
 
 /** The fields of `View` that stages after `project` read. */
 export interface FlatView {
@@ -21,5 +22,27 @@ export function packFlatView({ size: { widthPx, heightPx }, alphaCutoff, dispatc
     alphaCutoff,
     dilationPx2: 0,
     dispatchRow,
+  });
+}
+
+/**
+ * Packs a `Page` for stages of levels, which read no more of it than its chunks and, of cut-count,
+ * the frustum.
+ *
+ * @param side all six sides of the frustum.
+ */
+export function packFlatPage(chunkStart: number, chunkCount: number, side: readonly number[]) {
+  return Page.pack({
+    linear: new Array(9).fill(0),
+    translation: [0, 0, 0],
+    camera: [0, 0, 0],
+    cameraWeight: 0,
+    direction: [0, 0, 0],
+    frustum: Array.from({ length: 24 }, (_, i) => side[i % 4]),
+    frustumReach: new Array(24).fill(0),
+    index: 0,
+    chunkStart,
+    chunkCount,
+    splatCount: chunkCount * CHUNK_SPLATS,
   });
 }

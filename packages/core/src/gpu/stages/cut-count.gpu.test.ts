@@ -2,9 +2,8 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { ChunkLinks, CutPlan, LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
-import { Page } from '../../data/layout/structs.ts';
 import { type CountedChunk, cutCount as reference } from '../../reference/cut-count.ts';
-import { packFlatView } from '../../testing/flat-view.ts';
+import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { cutCount } from './cut-count.ts';
@@ -55,22 +54,8 @@ async function countsOf(cells: ReturnType<typeof randomChunks>, base: number, st
     view: gpu.uniform(
       packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: DISPATCH_ROW }),
     ),
-    page: gpu.uniform(
-      Page.pack({
-        linear: new Array(9).fill(0),
-        translation: [0, 0, 0],
-        camera: [0, 0, 0],
-        cameraWeight: 0,
-        direction: [0, 0, 0],
-        // Six times the half-space above y = -10.
-        frustum: Array.from({ length: 24 }, (_, i) => [0, 1, 0, 10][i % 4]),
-        frustumReach: new Array(24).fill(0),
-        index: 0,
-        chunkStart: 0,
-        chunkCount: CHUNKS,
-        splatCount: CHUNKS * CHUNK_SPLATS,
-      }),
-    ),
+    // All sides are the half-space above y = -10.
+    page: gpu.uniform(packFlatPage(0, CHUNKS, [0, 1, 0, 10])),
     links: gpu.storage(words),
     cells: gpu.storage(new Uint32Array(contents)),
     thresholds: gpu.storage(cells.map(({ limit }) => limit)),

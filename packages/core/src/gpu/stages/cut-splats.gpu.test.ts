@@ -2,9 +2,9 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import { Page, PagePlan } from '../../data/layout/structs.ts';
+import { PagePlan } from '../../data/layout/structs.ts';
 import { cutSplats as reference } from '../../reference/cut-splats.ts';
-import { packFlatView } from '../../testing/flat-view.ts';
+import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { cutSplats } from './cut-splats.ts';
@@ -34,21 +34,7 @@ gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and
   const masks = gpu.storage([], 4 * MASK_WORDS * (SLOT_START + visible.length));
   const bindings = {
     view: gpu.uniform(packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: 2 })),
-    page: gpu.uniform(
-      Page.pack({
-        linear: new Array(9).fill(0),
-        translation: [0, 0, 0],
-        camera: [0, 0, 0],
-        cameraWeight: 0,
-        direction: [0, 0, 0],
-        frustum: new Array(24).fill(0),
-        frustumReach: new Array(24).fill(0),
-        index: 0,
-        chunkStart: CHUNK_START,
-        chunkCount: CHUNKS,
-        splatCount: CHUNKS * CHUNK_SPLATS,
-      }),
-    ),
+    page: gpu.uniform(packFlatPage(CHUNK_START, CHUNKS, [0, 0, 0, 0])),
     pagePlans: gpu.storage(
       new Uint32Array(PagePlan.pack({ ...plan, slotStart: SLOT_START, slotCount: visible.length })),
     ),
