@@ -72,12 +72,11 @@ struct Own {
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let index = linearWorkgroup(workgroup, parameters.dispatchRow);
-  if (index >= parameters.cellCount) { return; }
-  let cell = parameters.firstCell + index;
-  @if(!UPPER) let splatChunk = index;
+  let cell = parameters.firstCell + linearWorkgroup(workgroup, parameters.dispatchRow);
+  if (cell >= parameters.endCell) { return; }
+  @if(!UPPER) let splatChunk = cell - parameters.pageStart;
   @if(UPPER) let splatChunk = 2u * (cell - parameters.upperStart);
-  @if(!UPPER) let blobChunk = index;
+  @if(!UPPER) let blobChunk = splatChunk;
   @if(UPPER) let blobChunk = splatChunk + 1u;
 
   // Positions are halved first: their difference may leave float32's range.

@@ -53,12 +53,11 @@ var<workgroup> openBlobs: atomic<u32>;
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let index = linearWorkgroup(workgroup, parameters.dispatchRow);
-  if (index >= parameters.cellCount) { return; }
-  let cell = parameters.firstCell + index;
-  @if(!UPPER) let splatChunk = index;
+  let cell = parameters.firstCell + linearWorkgroup(workgroup, parameters.dispatchRow);
+  if (cell >= parameters.endCell) { return; }
+  @if(!UPPER) let splatChunk = cell - parameters.pageStart;
   @if(UPPER) let splatChunk = 2u * (cell - parameters.upperStart);
-  @if(!UPPER) let blobChunk = index;
+  @if(!UPPER) let blobChunk = splatChunk;
   @if(UPPER) let blobChunk = splatChunk + 1u;
   @if(!UPPER) let splatLink = splatLinks[splatChunk].links[lane];
   @if(UPPER) let splatLink = upperLinks[splatChunk].links[lane];

@@ -79,8 +79,8 @@ export interface EngineOptions extends DeviceOptions {
    * 250. Drivers are reset after some seconds, two on Windows, and the page freezes while the GPU
    * is kept. Frames that were measured to take longer, and those of clouds that a view has not
    * drawn before, are submitted in parts, each complete before the next; the image is the same, and
-   * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Infinity:
-   * never divide a frame.
+   * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Levels of
+   * detail are made in such parts too. Infinity: never divide any of these.
    */
   readonly submissionBudgetMs?: number;
   /**
@@ -565,7 +565,7 @@ export class SplatEngine {
       sourceOptions,
       fit,
       makePlanes: (...request) => this.#makePlanes(...request),
-      makeLevels: (cloud) => this.#makeLevels(cloud),
+      makeLevels: (...request) => this.#makeLevels(...request),
       compileStretched: (cloud) => this.#compileFor(cloud, (shape) => ({ ...shape, isIsotropic: false })),
       onWritten: (bytes) => {
         this.#counting.uploadedBytes += bytes;
@@ -612,27 +612,15 @@ export class SplatEngine {
     this.#targets.stop(new DestroyedError('This measurement', because));
   }
 
-  async #makeLevels(cloud: SplatCloud): Promise<CloudLevels> {
+  async #makeLevels(cloud: SplatCloud, check: () => void): Promise<CloudLevels> {
     const { CloudLevels } = await import('./clouds/cloud-levels.ts').catch((cause) => {
       throw new CodeUnavailableError('levels of detail', { cause });
     });
-    for (let held = null; held !== cloud.planes.held; ) {
-      // Leases may change the planes while stages compile.
-      held = cloud.planes.held;
-      await this.#pipelines.prepare(CloudLevels.stages(cloud));
+    const context = { ...this.#dispatchContext, submissionBudgetMs: this.#submissionBudgetMs };
+    return CloudLevels.make(context, cloud, () => {
       this.#checkUsable();
-      cloud.checkUsable();
-    }
-    const make = () => CloudLevels.make(this.#dispatchContext, cloud);
-    const advice = 'Draw it in full detail, or load fewer splats.';
-    const { result, checked } = this.#memory.guard(`${cloud.name} in levels`, advice, make);
-    try {
-      await checked;
-      return result;
-    } catch (error) {
-      result.destroy();
-      throw error;
-    }
+      check();
+    });
   }
 
   async #makePlanes(...request: Parameters<PlaneMaker['make']>): Promise<void> {

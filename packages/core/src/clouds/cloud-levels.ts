@@ -1,14 +1,16 @@
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import type { GpuValues } from '../data/layout/gpu-struct.ts';
 import { ChunkLinks, LEVEL_CONSTANTS, LevelCell, MergeParameters } from '../data/layout/level-structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../data/packing/harmonics.ts';
 import { BLOB_PRECISION, type CloudPrecision } from '../data/packing/precision.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { StageDefinition } from '../gpu/pipelines.ts';
+import type { Bindings, StageDefinition } from '../gpu/pipelines.ts';
 import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
 import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
+import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
 import type { CloudPage, CloudPlanes } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
 
@@ -16,6 +18,13 @@ const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 /** Chunks of a cell of an upper level: its leaves and its blobs. */
 const UPPER_CHUNKS = 2;
 const LINKS_BYTES = 4 * ChunkLinks.words;
+
+/** Time of merging the splats of a cell on the slowest devices. */
+const SLOWEST_CELL_MS = 25;
+/** All stages of merging, for the pacer of submissions. */
+const WORK = 'merge';
+/** Where there is no memory for levels. */
+const ADVICE = 'Draw it in full detail, or load fewer splats.';
 
 /** Levels are made of the finest planes that a cloud holds. */
 const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
@@ -70,6 +79,12 @@ export interface LevelSource {
   readonly planes: CloudPlanes;
 }
 
+/** The parts of an engine that levels are made with. */
+export interface LevelContext extends DispatchContext {
+  /** See `EngineOptions.submissionBudgetMs`. */
+  readonly submissionBudgetMs: number;
+}
+
 type MadeLevels = Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>;
 
 /** The levels of detail of a cloud, on the GPU: blobs that stand for its splats. */
@@ -93,28 +108,22 @@ export class CloudLevels {
     this.counts = made.counts;
   }
 
-  /** Stages that making the levels of a cloud takes. */
-  static stages({ planes }: LevelSource): readonly StageDefinition[] {
-    const { shDegree } = planes;
-    const { geometryPrecision, shPrecision } = planes.pagesFor(FINEST);
-    return [
-      mergeChunks(geometryPrecision),
-      mergeChunks('upper'),
-      ...(shDegree > 0
-        ? [mergeHarmonics(shDegree, { geometryPrecision, shPrecision }), mergeHarmonics(shDegree, 'upper')]
-        : []),
-    ];
-  }
-
   /**
-   * Makes the levels of `cloud`, by stages that are compiled.
+   * Makes the levels of `cloud`, in submissions that each keep the GPU for no longer than the
+   * budget, as far as those before tell, so that frames are drawn in between.
    *
-   * @throws GpuLimitError if the device has no room for them; nothing is left allocated then.
+   * @param check throws what is to end the work, for instance because the cloud has been destroyed.
+   * @throws GpuLimitError if the device has no room for them; what `check` throws. Nothing is left
+   *   allocated then.
    */
-  static make(context: DispatchContext, cloud: LevelSource): CloudLevels {
+  static async make(context: LevelContext, cloud: LevelSource, check: () => void): Promise<CloudLevels> {
     const memory = context.memory.part();
     try {
-      return new CloudLevels(memory, makeLevels({ ...context, memory }, cloud));
+      for (;;) {
+        const made = await makeLevels({ ...context, memory }, cloud, check);
+        if (made) return new CloudLevels(memory, made);
+        memory.destroyAll();
+      }
     } catch (error) {
       memory.destroyAll();
       throw error;
@@ -130,12 +139,94 @@ export class CloudLevels {
   }
 }
 
-function makeLevels(context: DispatchContext, cloud: LevelSource): MadeLevels {
-  const { memory } = context;
+/** Stages that merge splats, and those of upper levels: geometry, and harmonics where there are any. */
+function mergeStages({ planes }: LevelSource): readonly (readonly StageDefinition[])[] {
+  const { shDegree } = planes;
+  const { geometryPrecision, shPrecision } = planes.pagesFor(FINEST);
+  const ofSplats = [mergeChunks(geometryPrecision)];
+  const ofBlobs = [mergeChunks('upper')];
+  if (shDegree === 0) return [ofSplats, ofBlobs];
+  return [
+    [...ofSplats, mergeHarmonics(shDegree, { geometryPrecision, shPrecision })],
+    [...ofBlobs, mergeHarmonics(shDegree, 'upper')],
+  ];
+}
+
+/** Cells that are merged alike: those of a page of the cloud, or of an upper level. */
+interface CellRange {
+  readonly start: number;
+  readonly end: number;
+  readonly stages: readonly StageDefinition[];
+  readonly parameters: Omit<GpuValues<typeof MergeParameters.fields>, 'firstCell' | 'endCell'>;
+  readonly bindings: Bindings;
+}
+
+/** Returns null if the planes of the cloud have changed meanwhile. */
+async function makeLevels(
+  context: LevelContext,
+  cloud: LevelSource,
+  check: () => void,
+): Promise<MadeLevels | null> {
+  const { device, memory, pipelines } = context;
+  const { name, planes } = cloud;
+  const { held } = planes;
+  const guarded = async <Result>(work: () => Result): Promise<Result> => {
+    const { result, checked } = memory.guard(`${name} in levels`, ADVICE, work);
+    await checked;
+    return result;
+  };
+  await pipelines.prepare(mergeStages(cloud).flat());
+  check();
+  if (planes.held !== held) return null;
+  const { levels, ranges } = await guarded(() => allocate(context, cloud));
+  check();
+  const { cellCount } = levels;
+  const slowestMs = Float64Array.from({ length: cellCount + 1 }, (_, cell) => SLOWEST_CELL_MS * cell);
+  const pacer = new SubmissionPacer(context.submissionBudgetMs);
+  for (let first = 0; first < cellCount; ) {
+    if (planes.held !== held) return null;
+    const end = Math.min(first + pacer.unitsFrom(first, WORK, slowestMs), cellCount);
+    const submittedMs = performance.now();
+    await guarded(() => submitCells(context, name, ranges, first, end));
+    // A lost device is told elsewhere.
+    await device.queue.onSubmittedWorkDone().catch(() => {});
+    check();
+    pacer.take(
+      [{ stage: WORK, slowestMs: slowestMs[end] - slowestMs[first] }],
+      performance.now() - submittedMs,
+    );
+    first = end;
+  }
+  return levels;
+}
+
+/** Submits the merging of these cells, in order: each level is made of the one below. */
+function submitCells(
+  context: LevelContext,
+  name: string,
+  ranges: readonly CellRange[],
+  first: number,
+  end: number,
+): void {
+  const dispatches = new Dispatches(context);
+  for (const { start, end: rangeEnd, stages, parameters, bindings } of ranges) {
+    const [firstCell, endCell] = [Math.max(start, first), Math.min(rangeEnd, end)];
+    if (firstCell >= endCell) continue;
+    const packed = MergeParameters.pack({ ...parameters, firstCell, endCell });
+    for (const stage of stages) dispatches.add(stage, packed, bindings, endCell - firstCell);
+  }
+  dispatches.submit(`${name} levels`);
+}
+
+/** Makes room for the levels of a cloud. */
+function allocate(
+  { memory, dispatchRow }: LevelContext,
+  cloud: LevelSource,
+): { readonly levels: MadeLevels; readonly ranges: readonly CellRange[] } {
   const { name, planes } = cloud;
   const { shDegree } = planes;
   const { pages } = planes.pagesFor(FINEST);
-  const [mergeSplats, mergeUpper, mergeSh, mergeUpperSh] = CloudLevels.stages(cloud);
+  const [ofSplats, ofBlobs] = mergeStages(cloud);
   const contents = cellsOf(new Float32Array(cloud.chunks));
   const cells = memory.createFilledBuffer(`${name} cells`, new Uint32Array(contents));
   const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
@@ -165,48 +256,47 @@ function makeLevels(context: DispatchContext, cloud: LevelSource): MadeLevels {
   const ofChunks = pages.map(({ chunkCount }) => blobPage(chunkCount, 'blob'));
   const upper = blobPage(Math.max(1, UPPER_CHUNKS * (cellCount - upperStart)), 'upper blob');
 
-  const dispatches = new Dispatches(context);
-  const upperBindings = { cells, upper: upper.geometry, upperLinks: upper.links };
-  const shBindings = shDegree > 0 ? { upperSh: upper.shRest! } : null;
+  const upperBindings = {
+    cells,
+    upper: upper.geometry,
+    upperLinks: upper.links,
+    ...(shDegree > 0 && { upperSh: upper.shRest! }),
+  };
+  const ranges: CellRange[] = [];
   let levelStart = 0;
   for (const [level, count] of counts.entries()) {
-    const common = {
-      levelStart,
-      nextLevelStart: levelStart + count,
-      upperStart,
-      hasNextLevel: level + 1 < counts.length ? 1 : 0,
-      dispatchRow: context.dispatchRow,
-    };
-    const add = (
-      stages: readonly [StageDefinition, StageDefinition | undefined],
-      firstCell: number,
-      cellCount: number,
-      splatCount: number,
-      bindings: Readonly<Record<string, GPUBuffer>>,
-    ) => {
-      const parameters = MergeParameters.pack({ ...common, firstCell, cellCount, splatCount });
-      for (const stage of stages)
-        if (stage)
-          dispatches.add(stage, parameters, { ...upperBindings, ...shBindings, ...bindings }, cellCount);
-    };
-    if (level > 0) add([mergeUpper, mergeUpperSh], levelStart, count, 0, {});
-    else {
+    const nextLevelStart = levelStart + count;
+    const hasNextLevel = level + 1 < counts.length ? 1 : 0;
+    const ofLevel = { levelStart, nextLevelStart, upperStart, hasNextLevel, dispatchRow };
+    if (level > 0) {
+      const parameters = { ...ofLevel, pageStart: levelStart, splatCount: 0 };
+      ranges.push({
+        start: levelStart,
+        end: nextLevelStart,
+        stages: ofBlobs,
+        parameters,
+        bindings: upperBindings,
+      });
+    } else {
       for (const [i, page] of pages.entries()) {
-        const { geometry, shRest, chunks, splatCount } = page;
+        const { geometry, shRest, chunks, splatCount, chunkCount } = page;
         const blobs = ofChunks[i];
-        add([mergeSplats, mergeSh], planes.ranges[i].start / CHUNK_SPLATS, page.chunkCount, splatCount, {
+        const start = planes.ranges[i].start / CHUNK_SPLATS;
+        const bindings = {
+          ...upperBindings,
           splats: geometry,
           chunks,
           splatLinks: splatLinks[i],
           blobs: blobs.geometry,
           blobLinks: blobs.links,
           ...(shRest && { shRest, blobSh: blobs.shRest! }),
-        });
+        };
+        const parameters = { ...ofLevel, pageStart: start, splatCount };
+        ranges.push({ start, end: start + chunkCount, stages: ofSplats, parameters, bindings });
       }
     }
-    levelStart += count;
+    levelStart = nextLevelStart;
   }
-  dispatches.submit(`${name} levels`);
   const blobPages = counts.length > 1 ? [...ofChunks, upper] : ofChunks;
-  return { cellCount, counts, cells, splatLinks, blobPages };
+  return { levels: { cellCount, counts, cells, splatLinks, blobPages }, ranges };
 }

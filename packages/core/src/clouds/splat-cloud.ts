@@ -29,8 +29,11 @@ export interface SplatCloudOptions {
    * Without it the cloud holds only the uploaded planes.
    */
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
-  /** Makes the levels of detail of `cloud`. Without it there are none. */
-  readonly makeLevels?: (cloud: SplatCloud) => Promise<CloudLevels>;
+  /**
+   * Makes the levels of detail of `cloud`, unless `check`, called now and then, throws. Without it
+   * there are none.
+   */
+  readonly makeLevels?: (cloud: SplatCloud, check: () => void) => Promise<CloudLevels>;
   /** Whether the planes belong to a load in progress, which the cloud previews. Default false. */
   readonly isPreview?: boolean;
   /**
@@ -307,11 +310,14 @@ export class SplatCloud {
     // Nothing stands for no splats.
     if (this.count === 0) return;
     const { version } = this;
-    this.#checkUnedited();
-    const levels = await this.#makeLevels(this);
-    try {
+    const check = () => {
       this.checkUsable();
       this.#checkUnedited();
+    };
+    check();
+    const levels = await this.#makeLevels(this, check);
+    try {
+      check();
     } catch (error) {
       levels.destroy();
       throw error;

@@ -42,7 +42,13 @@ export async function madeLevels(
     pipelines = gpu.pipelines,
     bytesPerPage = Number.POSITIVE_INFINITY,
     dispatchRow = 3,
-  }: { pipelines?: Pipelines; bytesPerPage?: number; dispatchRow?: number } = {},
+    submissionBudgetMs = Number.POSITIVE_INFINITY,
+  }: {
+    pipelines?: Pipelines;
+    bytesPerPage?: number;
+    dispatchRow?: number;
+    submissionBudgetMs?: number;
+  } = {},
 ): Promise<MadeCell[]> {
   const { device } = gpu;
   const memory = new GpuMemory(device);
@@ -50,8 +56,8 @@ export async function madeLevels(
   const limits = { maxBufferSize, maxStorageBufferBindingSize: maxBufferSize };
   const planes = CloudPlanes.upload(memory, limits, packed, 'cloud');
   const cloud = { name: 'cloud', count: packed.count, chunks: packed.chunks, planes };
-  await pipelines.prepare(CloudLevels.stages(cloud));
-  const levels = CloudLevels.make({ device, pipelines, memory, dispatchRow }, cloud);
+  const context = { device, pipelines, memory, dispatchRow, submissionBudgetMs };
+  const levels = await CloudLevels.make(context, cloud, () => {});
   const links = await Promise.all(levels.splatLinks.map((buffer) => gpu.read(buffer)));
   const splatLinks = links.flatMap((words) => Array.from(words));
   const blobs = await Promise.all(

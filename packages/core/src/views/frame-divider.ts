@@ -6,8 +6,8 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { tileCount } from '../gpu/stages/tile-count.ts';
+import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
 import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
-import { SubmissionPacer } from './submission-pacer.ts';
 import type { ViewContext } from './view.ts';
 
 const { BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;

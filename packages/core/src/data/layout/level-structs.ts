@@ -14,11 +14,13 @@ export const LevelCell = gpuStruct('LevelCell', {
   maxPosition: 'vec3f',
 });
 
-/** Cells whose splats are merged by one dispatch: those of a page, or all of a level. */
+/** Cells whose splats are merged by one dispatch: some of those of a page, or of a level. */
 export const MergeParameters = gpuStruct('MergeParameters', {
-  /** First cell of the dispatch, and the number of them. */
+  /** First cell of the dispatch, and the one after its last. */
   firstCell: 'u32',
-  cellCount: 'u32',
+  endCell: 'u32',
+  /** First cell of the page. */
+  pageStart: 'u32',
   /** First cell of the level, of the next level, and of the first level above the chunks. */
   levelStart: 'u32',
   nextLevelStart: 'u32',

@@ -1,0 +1,96 @@
+import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { SplatEngine } from '../create-engine.ts';
+import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { packSet } from '../data/packing/pack-set.ts';
+import { SplatEdits } from '../data/splats/splat-edits.ts';
+import { deviceWith } from '../testing/device-with.ts';
+import { madeLevels } from '../testing/made-levels.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { testGpu } from '../testing/test-gpu.ts';
+import { followEdits } from './cloud-editor.ts';
+import type { SplatCloud } from './splat-cloud.ts';
+
+/** Less than any submission takes: all levels are made in as many as there are cells. */
+const LEAST_BUDGET_MS = 1e-3;
+const CELLS = 9;
+const SET = randomSplats({ count: 2000, seed: 3, shDegree: 1 });
+const gpu = testGpu();
+
+/** An engine on `whole` that calls `onSubmitted` after each submission that makes levels. */
+function engineOn(whole: GPUDevice, onSubmitted: (submissions: number) => void): Promise<SplatEngine> {
+  let submissions = 0;
+  const createCommandEncoder = (descriptor?: GPUCommandEncoderDescriptor) => {
+    // Submitted before any microtask runs.
+    if (descriptor?.label?.endsWith('levels')) queueMicrotask(() => onSubmitted(++submissions));
+    return whole.createCommandEncoder(descriptor);
+  };
+  const device = deviceWith(whole, { createCommandEncoder });
+  return SplatEngine.create({ device, accuracy: 'reference', submissionBudgetMs: LEAST_BUDGET_MS });
+}
+
+describe('levels that are made in parts', () => {
+  gpuTest('are those that one submission makes, bit for bit', async () => {
+    const packed = packSet(SET, { geometryPrecision: 'f32', shPrecision: 'f32' });
+    const [bytesPerPage, submissionBudgetMs] = [64 * 256 * 3, LEAST_BUDGET_MS];
+    const inParts = await madeLevels(gpu, packed, { bytesPerPage, submissionBudgetMs });
+    expect(inParts).toEqual(await madeLevels(gpu, packed));
+  });
+
+  gpuTest('let the page run before each', async () => {
+    let tasks = 0;
+    const tasksBefore: number[] = [];
+    const engine = await engineOn(gpu.device, () => {
+      tasksBefore.push(tasks);
+      setImmediate(() => tasks++);
+    });
+    await engine.add(SET).makeLevels();
+    expect(tasksBefore.length).toBe(CELLS);
+    expect(new Set(tasksBefore).size).toBe(CELLS);
+    engine.destroy();
+  });
+
+  const ends: Record<
+    string,
+    [(cloud: SplatCloud, engine: SplatEngine) => unknown, typeof DestroyedError | typeof SplatSourceError]
+  > = {
+    'the cloud is destroyed': [(cloud) => cloud.destroy(), DestroyedError],
+    'the cloud is edited': [(cloud) => followEdits(cloud, new SplatEdits()), SplatSourceError],
+    'the engine ends': [(_, engine) => engine.destroy(), DestroyedError],
+    'the device is lost': [(_, { device }) => device.destroy(), DestroyedError],
+  };
+  for (const [what, [end, error]] of Object.entries(ends)) {
+    gpuTest(`end midway where ${what}, and leave nothing`, async () => {
+      const device = await createTestDevice();
+      let ended: unknown;
+      let submissions = 0;
+      const engine = await engineOn(device, (count) => {
+        submissions = count;
+        if (count === 3) ended = end(cloud, engine);
+      });
+      const cloud = engine.add(SET);
+      const { totalBytes } = engine.memory();
+      await expect(cloud.makeLevels()).rejects.toThrow(error);
+      await ended;
+      expect(submissions).toBeLessThan(CELLS);
+      expect(cloud.levels).toBeNull();
+      expect(engine.memory().totalBytes).toBeLessThanOrEqual(totalBytes);
+      engine.destroy();
+      device.destroy();
+    });
+  }
+
+  gpuTest('are made anew where the planes that they are made of are freed', async () => {
+    let submissions = 0;
+    const engine = await engineOn(gpu.device, (count) => {
+      submissions = count;
+      if (count === 3) cloud.ownLease.release();
+    });
+    const cloud = engine.add(SET);
+    await cloud.hold({ geometryPrecision: 'packed', shPrecision: 'u8' }).met;
+    await cloud.makeLevels();
+    expect(submissions).toBe(3 + CELLS);
+    expect(cloud.precisions.geometry).toEqual(['packed']);
+    engine.destroy();
+  });
+});
