@@ -138,7 +138,6 @@ export class SplatCloud {
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
   #levelsMade: Promise<void> | null = null;
   #levelsLack: Error | null = null;
-  #levelsVersion = 0;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isUploaded = false;
   #lack: Error | null = null;
@@ -287,17 +286,6 @@ export class SplatCloud {
     await this.#levelsMade;
   }
 
-  /** @internal Whether the splats are those that the levels were made of: edits change them. */
-  get areLevelsCurrent(): boolean {
-    return this.levels !== null && this.editing === null && this.version === this.#levelsVersion;
-  }
-
-  /** @internal Whether frames are to wait for levels: not if making them has failed. */
-  get mayHaveLevels(): boolean {
-    const isWhole = this.isPreview || this.editing !== null || this.count === 0;
-    return this.#makeLevels !== undefined && !isWhole && this.#levelsLack === null;
-  }
-
   /** Why frames with less than full detail draw all splats nevertheless, if levels failed; else null. */
   get levelsLack(): Error | null {
     return this.#levelsLack;
@@ -309,7 +297,6 @@ export class SplatCloud {
     await this.uploaded;
     // Nothing stands for no splats.
     if (this.count === 0) return;
-    const { version } = this;
     const check = () => {
       this.checkUsable();
       this.#checkUnedited();
@@ -323,7 +310,6 @@ export class SplatCloud {
       throw error;
     }
     this.levels = levels;
-    this.#levelsVersion = version;
     this.#levelsLack = null;
   }
 

@@ -9,12 +9,12 @@ import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
-import { type EffectSet, effectSetOf, packParameters, takesSelection } from '../gpu/effects/effect-set.ts';
+import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
 import type { CloudInstance, Detail } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
-import { type LevelCut, levelCut } from './level-cut.ts';
+import { type LevelCut, levelCut, reasonInFull } from './level-cut.ts';
 
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
@@ -43,7 +43,9 @@ export interface CloudPlan {
   readonly view: CloudView;
   /** Sides of the frustum in the cloud's space. */
   readonly sides: readonly FrustumSide[];
-  /** The cut through the cloud's levels; null where all splats are drawn. */
+  /** Why all splats are drawn: see `reasonInFull`. */
+  readonly inFull: string | null;
+  /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
   readonly cut: LevelCut | null;
 }
 
@@ -66,7 +68,7 @@ export function planCloud(
   instance: CloudInstance,
   camera: Camera,
   projection: Projection,
-  { alphaCutoff, recordPrecision }: AccuracySettings,
+  accuracy: AccuracySettings,
   detail: Detail = 'full',
 ): CloudPlan {
   const { cloud } = instance;
@@ -85,11 +87,8 @@ export function planCloud(
     selectionVersion: use.selection?.version,
   }));
   const effects = effectSetOf(acting);
-  // Rows of blobs are not known, edits leave blobs as they were, and records as in the paper hold no
-  // opacity above 1.
-  const isWhole =
-    !cloud.areLevelsCurrent || takesSelection(effects, ['splat', 'color']) || recordPrecision === 'paper';
-  const cut = isWhole ? null : levelCut(cloud.levels, detail, view, projection, reach);
+  const inFull = reasonInFull(cloud, detail, effects, view, accuracy);
+  const cut = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
   return {
     instance: {
       ...instance,
@@ -106,11 +105,12 @@ export function planCloud(
     sides: frustumSides(
       view,
       projection,
-      alphaCutoff,
+      accuracy.alphaCutoff,
       DILATION_PX2,
       reach,
       cut ? LEVEL_CONSTANTS.MOST_OPACITY : 1,
     ),
+    inFull,
     cut,
   };
 }

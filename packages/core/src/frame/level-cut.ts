@@ -1,9 +1,12 @@
 import type { CloudLevels } from '../clouds/cloud-levels.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { SplatReach } from '../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { stretchBound } from '../data/math/mat4.ts';
+import { type EffectSet, takesSelection } from '../gpu/effects/effect-set.ts';
 import type { Detail, FrameRequest } from './frame-request.ts';
 
 /** The thresholds of a cut through a cloud's levels: fields of `CutParameters`. */
@@ -24,11 +27,34 @@ export interface CutBudget {
 /** Error of cuts that only a budget limits, before it shifts them. */
 const UNSHIFTED_ERROR_PX = 1;
 
-/** The detail of a frame: full where all splats are within its budget. */
+/** The detail of a frame: full where all splats are within its budget, or no error is allowed. */
 export function detailOf({ detail = 'full', clouds }: Pick<FrameRequest, 'detail' | 'clouds'>): Detail {
-  if (detail === 'full' || detail.maxErrorPx !== undefined) return detail;
+  if (detail === 'full' || detail.maxErrorPx) return detail;
   const total = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
-  return detail.maxSplats! >= total ? 'full' : detail;
+  const { maxSplats = total } = detail;
+  return maxSplats >= total ? 'full' : { maxSplats };
+}
+
+/**
+ * Returns why a frame draws all splats of a cloud, for people; null where it draws a cut through
+ * the cloud's levels, which are to be made if there are none.
+ */
+export function reasonInFull(
+  cloud: SplatCloud,
+  detail: Detail,
+  effects: EffectSet,
+  { inverse }: CloudView,
+  { recordPrecision }: Pick<AccuracySettings, 'recordPrecision'>,
+): string | null {
+  if (detail === 'full') return 'full detail is asked for';
+  if (cloud.isPreview) return 'the cloud is loading';
+  if (cloud.count === 0) return 'the cloud has no splats';
+  if (cloud.editing) return 'the cloud was edited';
+  if (recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
+  // Rows of blobs are not known.
+  if (takesSelection(effects, ['splat', 'color'])) return 'an effect shows a selection of splats';
+  if (!inverse) return 'the cloud has no extent';
+  return cloud.levelsLack?.message ?? null;
 }
 
 /** Returns the budget of a frame's cuts; null where none limits them, or there are none. */

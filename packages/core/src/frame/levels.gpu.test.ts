@@ -29,7 +29,7 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testGpu } from '../testing/test-gpu.ts';
 import { childCell } from '../views/first-splat-of.ts';
-import type { Detail } from './frame-request.ts';
+import type { CloudInstance, Detail, FrameRequest } from './frame-request.ts';
 import { type LevelCut, levelCut } from './level-cut.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
@@ -254,6 +254,8 @@ describe('frames with less than full detail', () => {
     // An error that draws fewer than the budget is all that counts.
     expect(await drawn({ maxErrorPx: 1, maxSplats: 17_000 })).toEqual(first[1]);
     expect(await drawn({ maxErrorPx: 0.01, maxSplats: 500 })).not.toEqual(first[1]);
+    // No error is what a budget alone begins with, whatever the distance.
+    expect(await drawn({ maxErrorPx: 0, maxSplats: 500 })).toEqual(first[2]);
     view.destroy();
   });
 
@@ -266,6 +268,10 @@ describe('frames with less than full detail', () => {
     expect(alone.bytes).toBeGreaterThan(bytes);
     expect((await draw('full', camera(3), false, alone)).data).toEqual(before.data);
     expect((await draw({ maxErrorPx: 0 }, camera(3), false, alone)).data).toEqual(before.data);
+    // Its square is 0 in float32: a cut at no error.
+    const cut = await draw({ maxErrorPx: 1e-25 }, camera(3), false, alone);
+    expect(cut.levels).toMatchObject({ isOn: true });
+    expect(cut.data).toEqual(before.data);
     const held = engine.memory().totalBytes;
     alone.destroy();
     expect(held - engine.memory().totalBytes).toBeGreaterThan(bytes);
@@ -284,25 +290,41 @@ describe('frames with less than full detail', () => {
     expect(levels).toMatchObject({ isOn: false, reason: 'the cloud was edited' });
     const others = engine.add(faint);
     await followEdits(others, new SplatEdits());
+    await draw({ maxErrorPx: 1 }, camera(3), false, others);
+    expect(others.levelsLack).toBeNull();
     await expect(others.makeLevels()).rejects.toThrow(SplatSourceError);
     for (const each of [none, edited, others]) each.destroy();
     await expect(edited.makeLevels()).rejects.toThrow(DestroyedError);
   });
 
-  gpuTest('records as in the paper are drawn in full', async () => {
-    const view = engine.createView();
-    view.render({
-      camera: camera(3),
-      clouds: [{ cloud }],
-      ...SIZE,
-      accuracy: 'paper',
-      detail: { maxErrorPx: 1 },
+  const selection = new SplatSelection();
+  selection.add(Uint32Array.of(1, 2));
+  const flat = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
+  const drawnInFull: Record<string, Partial<FrameRequest> & { instance?: Partial<CloudInstance> }> = {
+    'no error is allowed': { detail: { maxErrorPx: 0 } },
+    'records of 24 bytes hold no opacity above 1': { accuracy: 'paper' },
+    'an effect shows a selection of splats': {
+      instance: { effects: [highlight({ selection, color: [1, 0, 0], strength: 1 })] },
+    },
+    'the cloud has no extent': { instance: { modelMatrix: flat } },
+  };
+  for (const [reason, { instance, ...more }] of Object.entries(drawnInFull)) {
+    gpuTest(`${reason}: drawn in full, and no levels are made`, async () => {
+      const [alone, other] = [engine.add(faint), engine.add(faint)];
+      const view = engine.createView();
+      const request = { camera: camera(5), ...SIZE, detail: { maxErrorPx: 1 }, ...more };
+      view.render({ ...request, clouds: [{ cloud: alone, ...instance }] });
+      await view.readPixels();
+      const levels = view.effects().find(({ name }) => name === 'levels')!;
+      expect(levels).toMatchObject({ isOn: false, reason });
+      view.render({ ...request, clouds: [{ cloud: alone, ...instance }, { cloud: other }] });
+      await view.readPixels();
+      expect(other.levels !== null).toBe(instance !== undefined);
+      expect(alone.levels).toBeNull();
+      view.destroy();
+      for (const each of [alone, other]) each.destroy();
     });
-    await view.readPixels();
-    const levels = view.effects().find(({ name }) => name === 'levels')!;
-    expect(levels).toMatchObject({ isOn: false, reason: 'records of 24 bytes hold no opacity above 1' });
-    view.destroy();
-  });
+  }
 
   gpuTest('more splats in one pixel than a float16 holds are one opaque blob', async () => {
     const count = 70_000;
@@ -334,18 +356,6 @@ describe('frames with less than full detail', () => {
     ];
     expect(second.data).toEqual(first.data);
     expect(first.levels).toMatchObject({ isOn: true, reason: 'errors up to 1 px are allowed' });
-  });
-
-  gpuTest('a cloud whose selection is shown is drawn in full, and the ledger says why', async () => {
-    const view = engine.createView();
-    const selection = new SplatSelection();
-    selection.add(Uint32Array.of(1, 2));
-    const effects = [highlight({ selection, color: [1, 0, 0], strength: 1 })];
-    view.render({ camera: camera(5), clouds: [{ cloud, effects }], ...SIZE, detail: { maxErrorPx: 2 } });
-    await view.readPixels();
-    const levels = view.effects().find(({ name }) => name === 'levels')!;
-    expect(levels).toMatchObject({ isOn: false, reason: 'an effect shows a selection of splats' });
-    view.destroy();
   });
 
   gpuTest('a pick tells a splat that the blob stands for, at any level', async () => {

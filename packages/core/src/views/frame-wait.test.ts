@@ -26,7 +26,7 @@ const shape: FrameShape = {
 
 function planOf(...uploads: Promise<void>[]): FramePlan {
   const clouds = uploads.map((uploaded) => ({ cloud: { uploaded } }));
-  return { shape, request: { clouds } } as unknown as FramePlan;
+  return { shape, request: { clouds }, clouds: [] } as unknown as FramePlan;
 }
 
 const requestOf = (widthPx: number) => ({ widthPx }) as FrameRequest;

@@ -1,18 +1,17 @@
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { frameStages } from '../frame/frame.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
-import { detailOf } from '../frame/level-cut.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 
 /** Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts. */
 export type WaitReason = 'shaders' | 'memory' | 'parts';
 
-/** Whether a frame's detail needs levels that are still to be made. */
-export function awaitsLevels(request: FrameRequest): boolean {
-  return (
-    detailOf(request) !== 'full' && request.clouds.some(({ cloud }) => cloud.mayHaveLevels && !cloud.levels)
-  );
+/** Clouds whose levels a frame needs, and which are still to be made. */
+export function lackingLevels({ clouds }: FramePlan): readonly SplatCloud[] {
+  const lacking = clouds.filter(({ inFull, instance }) => inFull === null && !instance.cloud.levels);
+  return lacking.map(({ instance }) => instance.cloud);
 }
 
 interface Wait {
@@ -64,12 +63,11 @@ export class FrameWait {
   }
 
   /** Resolves when the shaders of `plan` are compiled, and its clouds uploaded and in levels. */
-  async whenReady({ shape, request }: FramePlan): Promise<void> {
-    const uploads = request.clouds.map(({ cloud }) => cloud.uploaded);
-    await Promise.all([this.#pipelines.prepare(frameStages(shape)), ...uploads]);
+  async whenReady(plan: FramePlan): Promise<void> {
+    const uploads = plan.request.clouds.map(({ cloud }) => cloud.uploaded);
+    await Promise.all([this.#pipelines.prepare(frameStages(plan.shape)), ...uploads]);
     // Where they cannot be made, the cloud tells, and is drawn in full.
-    if (awaitsLevels(request))
-      await Promise.allSettled(request.clouds.map(({ cloud }) => cloud.makeLevels()));
+    await Promise.allSettled(lackingLevels(plan).map((cloud) => cloud.makeLevels()));
   }
 
   /**

@@ -18,7 +18,7 @@ import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { PointCoverage, PointToCover } from './find-coverage.ts';
-import { awaitsLevels, FrameWait } from './frame-wait.ts';
+import { FrameWait, lackingLevels } from './frame-wait.ts';
 import { MemoryRecovery } from './memory-recovery.ts';
 import type { SplatPick } from './pick-splat.ts';
 import {
@@ -329,7 +329,8 @@ export abstract class View {
       if (this.recovery.isProbeDue) this.waiting = this.wait.begin(request, 'memory', until);
       return { plan: last, stands, status: 'lacking' };
     }
-    if ((plan.stands || (this.wait.isReady(plan.shape) && areUploaded(request))) && !awaitsLevels(request)) {
+    const isReady = plan.stands || (this.wait.isReady(plan.shape) && areUploaded(request));
+    if (isReady && lackingLevels(plan).length === 0) {
       this.wait.end();
       this.waiting = null;
       // The last frame is another one now.

@@ -31,14 +31,9 @@ export const levels: FeatureOfCloud = {
   offReason,
 };
 
-function offReason({ plan, shape, cloud }: DrawnCloud): string {
-  if ((plan.request.detail ?? 'full') === 'full') return 'full detail is asked for';
-  if (detailOf(plan.request) === 'full') return 'all splats are within the budget';
-  if (shape.cloud.isPreview) return 'the cloud is loading';
-  if (shape.cloud.count === 0) return 'the cloud has no splats';
-  if (shape.cloud.editing) return 'the cloud was edited';
-  if (shape.cloud.levelsLack) return shape.cloud.levelsLack.message;
-  if (!shape.cloud.levels) return 'they are being made';
-  if (plan.shape.accuracy.recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
-  return cloud.view.inverse ? 'an effect shows a selection of splats' : 'the cloud has no extent';
+function offReason({ plan, cloud }: DrawnCloud): string {
+  const { detail = 'full' } = plan.request;
+  if (detail !== 'full' && detailOf(plan.request) === 'full')
+    return detail.maxSplats === undefined ? 'no error is allowed' : 'all splats are within the budget';
+  return cloud.inFull ?? 'they are being made';
 }
