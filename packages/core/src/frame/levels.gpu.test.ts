@@ -24,6 +24,7 @@ import { compareImages, renderReference } from '../reference/index.ts';
 import { isDrawnAt } from '../reference/level-link.ts';
 import { meanArea, rimLength } from '../reference/merged-splat.ts';
 import { planCut } from '../reference/plan-cut.ts';
+import { deviceWith } from '../testing/device-with.ts';
 import { isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/made-levels.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
@@ -377,6 +378,32 @@ describe('frames with less than full detail', () => {
       view.destroy();
     }
   });
+
+  for (const [what, end, outcome] of [
+    ['the engine ends', (own: SplatEngine) => own.destroy(), 'an error'],
+    ['the cloud is destroyed', (_: SplatEngine, picked: SplatCloud) => picked.destroy(), 'none'],
+  ] as const) {
+    gpuTest(`a pick of a blob while ${what}: ${outcome}`, async () => {
+      let onReadBack = () => {};
+      const createCommandEncoder = (descriptor?: GPUCommandEncoderDescriptor) => {
+        if (descriptor?.label === 'read-back') queueMicrotask(onReadBack);
+        return gpu.device.createCommandEncoder(descriptor);
+      };
+      const device = deviceWith(gpu.device, { createCommandEncoder });
+      const own = await SplatEngine.create({ device });
+      const picked = own.add(faint);
+      const view = own.createView();
+      const clouds = [{ cloud: picked }];
+      view.render({ camera: camera(12), clouds, ...SIZE, detail: { maxErrorPx: 8 } });
+      await view.readPixels();
+      expect((await view.pick(48, 32))?.cloud).toBe(picked);
+      onReadBack = () => end(own, picked);
+      const pick = view.pick(48, 32);
+      if (outcome === 'none') expect(await pick).toBeNull();
+      else await expect(pick).rejects.toThrow(DestroyedError);
+      own.destroy();
+    });
+  }
 
   gpuTest('an unknown detail is an error that says what it takes', () => {
     const view = engine.createView();

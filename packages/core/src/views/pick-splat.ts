@@ -48,6 +48,8 @@ interface PickContext {
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
   readonly counting: Pick<Counting, 'readbacks'>;
+  /** Why the engine has ended, or null. */
+  readonly destroyedBecause: () => string | null;
 }
 
 /**
@@ -93,7 +95,11 @@ export async function pickSplat(
   // Its rows are known when it has loaded.
   if (cloud.isPreview) return null;
   const storedIndex = blob ? await firstSplatOf(context.device, cloud, levels!, blob) : located.storedIndex;
-  if (storedIndex === null) return null;
+  if (storedIndex === null) {
+    const reason = context.destroyedBecause();
+    if (reason !== null) throw new DestroyedError('This pick', reason);
+    return null;
+  }
   const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
   return {
     ...shares,

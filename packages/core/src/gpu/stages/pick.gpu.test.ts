@@ -45,7 +45,8 @@ function draw(scene: Scene): Promise<InspectedFrame> {
 }
 
 function pickAt(frame: InspectedFrame, xPx: number, yPx: number): Promise<SplatPick | null> {
-  return pickSplat({ device, pipelines, memory, counting }, frame.parts, frame.plan, xPx, yPx);
+  const context = { device, pipelines, memory, counting, destroyedBecause: () => null };
+  return pickSplat(context, frame.parts, frame.plan, xPx, yPx);
 }
 
 /** The frame's splats in the GPU's order, with exactly the numbers that the stage reads. */
