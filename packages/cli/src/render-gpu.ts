@@ -1,4 +1,12 @@
-import type { Camera, FrameRasterizer, FrameStatistics, SplatCloud, SplatView } from '@websplatter/core';
+import {
+  type Camera,
+  type DetailReport,
+  type FrameRasterizer,
+  type FrameRequest,
+  type FrameStatistics,
+  isFixedDetail,
+  type SplatView,
+} from '@websplatter/core';
 import { openGpuSession } from './gpu-session.ts';
 import type { RawImage } from './png.ts';
 import type { RenderOptions } from './render-options.ts';
@@ -17,11 +25,15 @@ export async function renderOnGpu(
 ): Promise<Rendered> {
   const { engine, clouds, notice, checkGpuErrors } = await openGpuSession(scenes, options.accuracy);
   try {
-    const view = engine.createView();
-    const frames = await renderFrames(view, clouds, models, camera, options);
+    const { sortBy, widthPx, heightPx, detail } = options;
+    const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
+    const asked = { camera, clouds: placed, sortBy, widthPx, heightPx, detail };
+    const { drawn, measuredPsnrDb } = await findDetail(engine.createView(), asked);
+    const frames = await renderFrames(engine.createView(), { ...asked, detail: drawn }, options);
     checkGpuErrors();
     return {
       ...frames,
+      psnrDb: measuredPsnrDb,
       splatsPerScene: clouds.map(({ count }) => count),
       label: engine.adapterLabel,
       notices: [...(notice === null ? [] : [notice]), ...engine.notices],
@@ -31,17 +43,30 @@ export async function renderOnGpu(
   }
 }
 
+/** Finds the detail of a picture that asks for an outcome; ends the view. */
+async function findDetail(
+  view: SplatView,
+  frame: FrameRequest,
+): Promise<Pick<DetailReport, 'drawn' | 'measuredPsnrDb'>> {
+  const { detail = 'full' } = frame;
+  try {
+    if (isFixedDetail(detail)) return { drawn: detail, measuredPsnrDb: null };
+    view.render(frame);
+    await view.whenComplete();
+    return view.detail!;
+  } finally {
+    view.destroy();
+  }
+}
+
 async function renderFrames(
   view: SplatView,
-  clouds: readonly SplatCloud[],
-  models: readonly Float64Array[],
-  camera: Camera,
-  { sortBy, detail, widthPx, heightPx, frames, timings }: RenderOptions,
-): Promise<Omit<Rendered, 'splatsPerScene' | 'label' | 'notices'>> {
-  const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
+  frame: FrameRequest,
+  { frames, timings }: RenderOptions,
+): Promise<Omit<Rendered, 'splatsPerScene' | 'label' | 'notices' | 'psnrDb'>> {
   const statistics: FrameStatistics[] = [];
   const draw = () => {
-    view.render({ camera, clouds: placed, sortBy, detail, widthPx, heightPx, force: true });
+    view.render({ ...frame, force: true });
     return view.readPixels();
   };
   // The first frame also pays for compiling shaders, which is not to be measured.
@@ -55,14 +80,14 @@ async function renderFrames(
   const firstBy = new Map<FrameRasterizer | undefined, RawImage>();
   let image: RawImage | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
-  for (let frame = 1; frame <= frames; frame++) {
+  for (let number = 1; number <= frames; number++) {
     image = await draw();
-    await waitUntil(() => statistics.length >= frame, STATISTICS_TIMEOUT_MS);
+    await waitUntil(() => statistics.length >= number, STATISTICS_TIMEOUT_MS);
     const rasterizer = statistics.at(-1)?.rasterizer;
     const first = firstBy.get(rasterizer) ?? image;
     firstBy.set(rasterizer, first);
     const pixels = differingPixels(first.data, image.data);
-    if (pixels > 0) firstDifference ??= { frame, pixels };
+    if (pixels > 0) firstDifference ??= { frame: number, pixels };
   }
   const drawnBy = (name: FrameRasterizer) =>
     statistics.filter(({ rasterizer }) => rasterizer === name).length;

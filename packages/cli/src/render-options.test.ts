@@ -45,13 +45,16 @@ test('settings change a preset, and a number may be a fraction', () => {
   });
 });
 
-test('detail has an error in pixels, a number of splats, or both', () => {
+test('detail has limits, or an outcome to find them by', () => {
   const of = (...args: string[]) => parseRenderArguments([...MINIMUM, ...args]).detail;
   expect(of('--detail', 'full')).toBe('full');
   expect(of('--detail', 'maxErrorPx=0.5')).toEqual({ maxErrorPx: 0.5 });
   expect(of('--detail', 'maxSplats=1000')).toEqual({ maxSplats: 1000 });
   const both = { maxErrorPx: 2, maxSplats: 1e6 };
   expect(of('--detail', 'maxErrorPx=2,maxSplats=1e6')).toEqual(both);
+  expect(of('--detail', 'maxShare=0.5')).toEqual({ maxShare: 0.5 });
+  expect(of('--detail', 'minPsnrDb=40')).toEqual({ minPsnrDb: 40 });
+  expect(of('--detail', 'auto')).toBe('auto');
   expect(of('--detail', 'full', '--renderer', 'reference')).toBe('full');
 });
 
@@ -66,7 +69,7 @@ test.each([
   [['--background', '255,0,0'], '--background is 255,0,0; it must be r,g,b, each 0 to 1'],
   [['--background', '1,,0'], '--background is 1,,0'],
   [['--sort-by', 'z'], '--sort-by is z; it must be auto or depth or distance'],
-  [['--detail', 'low'], '--detail low: takes full, maxErrorPx=0.5, in pixels'],
+  [['--detail', 'low'], '--detail low: takes full, auto, minPsnrDb=40'],
   [['--detail', '0.5'], '--detail 0.5: takes full'],
   [['--detail', 'maxSplats=0'], '--detail maxSplats=0: takes full'],
   [['--detail', 'maxSplats=9.5'], '--detail maxSplats=9.5: takes full'],

@@ -3,6 +3,7 @@ import {
   ACCURACY_SETTINGS,
   type Accuracy,
   type AccuracySettings,
+  checkDetail,
   DEFAULT_ACCURACY,
   type Detail,
   resolveAccuracy,
@@ -140,38 +141,53 @@ export function parseSortBy(text: string): SortBy {
   throw wrongValue('--sort-by', text, SORTED_BY.join(' or '));
 }
 
-/** Parses how much of the scenes to show: `full`, `maxErrorPx=0.5`, `maxSplats=100000`, or both. */
+/** Parses how much of the scenes to show: `full`, `auto`, or names and numbers: `maxSplats=100000`. */
 export function parseDetail(text: string): Detail {
-  if (text === 'full') return text;
-  const given = new Map(text.split(',').map((part) => splitOnce(part, '=')));
-  const [error, count] = ['maxErrorPx', 'maxSplats'].map((name) => numberIn(given.get(name)));
-  const isError = error === undefined || (error >= 0 && Number.isFinite(error));
-  const isCount = count === undefined || (count > 0 && Number.isSafeInteger(count));
-  const areKnown = [...given.keys()].every((name) => name === 'maxErrorPx' || name === 'maxSplats');
-  const maxSplats = count === undefined ? {} : { maxSplats: count };
-  if (areKnown && isError && isCount) {
-    if (error !== undefined) return { maxErrorPx: error, ...maxSplats };
-    if (count !== undefined) return { maxSplats: count };
+  const parts = text.split(',').map((part) => splitOnce(part, '='));
+  const detail = ['full', 'auto'].includes(text)
+    ? text
+    : Object.fromEntries(parts.map(([name, value]) => [name, value?.trim() ? Number(value) : Number.NaN]));
+  try {
+    checkDetail(detail as Detail);
+  } catch {
+    const expected =
+      'takes full, auto, minPsnrDb=40, maxFrameMs=8, or maxErrorPx=0.5, maxSplats=100000 and maxShare=0.5, with commas between';
+    throw new UsageError('--detail', `--detail ${text}: ${expected}`);
   }
-  const expected = 'takes full, maxErrorPx=0.5, in pixels, maxSplats=100000, or both with a comma between';
-  throw new UsageError('--detail', `--detail ${text}: ${expected}`);
+  return detail as Detail;
 }
 
-/** NaN for what is no number; undefined where nothing is given. */
-function numberIn(text: string | undefined): number | undefined {
-  return text === undefined ? undefined : text.trim() === '' ? Number.NaN : Number(text);
-}
-
-/** The line about frames of less than full detail; null for others. */
-export function detailText(detail: Detail, drawnSplats: number, loadedSplats: number): string | null {
+/**
+ * The line about frames of less than full detail; null for others.
+ *
+ * @param psnrDb as it was measured for the frame; null if it was not.
+ */
+export function detailText(
+  detail: Detail,
+  drawnSplats: number,
+  loadedSplats: number,
+  psnrDb: number | null = null,
+): string | null {
   if (detail === 'full') return null;
   const written = (count: number) => count.toLocaleString('en');
-  const { maxErrorPx, maxSplats } = detail;
-  const asked = [
-    ...(maxErrorPx === undefined ? [] : [`about ${maxErrorPx} px of error at most`]),
-    ...(maxSplats === undefined ? [] : [`at most ${written(maxSplats)} splats`]),
-  ].join(', ');
-  return `${asked}: ${written(drawnSplats)} splats and blobs drawn for ${written(loadedSplats)} splats`;
+  const limits: Readonly<Record<string, (value: number) => string>> = {
+    maxErrorPx: (px) => `about ${px} px of error at most`,
+    maxSplats: (count) => `at most ${written(count)} splats`,
+    maxShare: (share) => `at most ${Number((100 * share).toPrecision(3))} % of the splats in sight`,
+    minPsnrDb: (decibels) => `at least ${decibels} dB`,
+    maxFrameMs: (ms) => `moving frames within ${ms} ms`,
+  };
+  const asked =
+    detail === 'auto'
+      ? 'moving frames as quick as screens'
+      : Object.entries(detail)
+          .map(([name, value]) => limits[name](value))
+          .join(', ');
+  const measured =
+    psnrDb === null
+      ? ''
+      : `, ${psnrDb === Infinity ? 'equal to full detail' : `${psnrDb.toFixed(1)} dB measured`}`;
+  return `${asked}: ${written(drawnSplats)} splats and blobs drawn for ${written(loadedSplats)} splats${measured}`;
 }
 
 function parseBackground(text: string): Vec3 {

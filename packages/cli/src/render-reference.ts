@@ -37,6 +37,7 @@ export async function renderOnReference(
   return {
     image: image!,
     visibleSplats: image!.visibleSplats,
+    psnrDb: null,
     splatsPerScene: sets.map(({ count }) => count),
     warmUpFrames: 0,
     timings,

@@ -40,7 +40,7 @@ export async function render(args: readonly string[], console: Console): Promise
     );
   }
   const splats = rendered.splatsPerScene.reduce((sum, count) => sum + count, 0);
-  const detail = detailText(options.detail, rendered.visibleSplats, splats);
+  const detail = detailText(options.detail, rendered.visibleSplats, splats, rendered.psnrDb);
   report(
     `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n${detail === null ? '' : `detail: ${detail}\n`}`,
   );

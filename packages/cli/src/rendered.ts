@@ -6,6 +6,8 @@ export interface Rendered {
   /** The last frame. */
   readonly image: RawImage;
   readonly visibleSplats: number;
+  /** Of the detail that was found, against full detail; null if none was to be found. */
+  readonly psnrDb: number | null;
   readonly splatsPerScene: readonly number[];
   /** Number of frames drawn beforehand, neither measured nor compared. */
   readonly warmUpFrames: number;

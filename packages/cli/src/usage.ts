@@ -18,8 +18,10 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
   --sort-by auto         or depth, distance: what splats are sorted by; auto: distance where a scene's file asks for it
-  --detail full          or maxErrorPx=0.5, maxSplats=100000, or both with a comma between: draws blobs instead of splats
-                         wherever that moves light by less than so many pixels, or where more splats are in sight
+  --detail full          or limits with commas between: blobs instead of splats wherever that moves light by less than
+                         maxErrorPx=0.5 pixels, or where more than maxSplats=100000, or than maxShare=0.5 of those
+                         in sight, would be drawn; or minPsnrDb=40: the fewest splats found that reach it; or, for
+                         bench, maxFrameMs=8 or auto: as many as fit while the camera moves
   --background 0,0,0     r,g,b, each 0 to 1, in the image's sRGB space
   --frames 1             renders this many times; fails if two frames differ in any bit
   --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames, and

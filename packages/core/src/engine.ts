@@ -598,6 +598,10 @@ export class SplatEngine {
       sortDevice: sortDeviceOf(this.device, fasterBallots(this.device)),
       tileBudgetBytes: this.#tileBudgetBytes,
       submissionBudgetMs: this.#submissionBudgetMs,
+      measureDetail: async (...request) => {
+        const { chooseDetail } = await import('./measure/choose-detail.ts');
+        return chooseDetail(this, ...request);
+      },
       fasterRasterizer: rememberedRasterizer(this.adapterLabel),
       destroyedBecause: () => this.#destroyedBecause,
     };

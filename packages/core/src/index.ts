@@ -82,8 +82,15 @@ export type {
   PrecisionProblem,
   SetAccuracyOptions,
 } from './engine.ts';
+export {
+  checkDetail,
+  type Detail,
+  type DetailLimits,
+  type FixedDetail,
+  isFixedDetail,
+} from './frame/detail.ts';
 export type { HostPass } from './frame/frame-part.ts';
-export type { CloudInstance, Detail, FrameRequest } from './frame/frame-request.ts';
+export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
 export type { EffectEntry } from './frame/ledger/ledger.ts';
 export type { EmbeddedImage } from './frame/parts/compose.ts';
 export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
@@ -120,3 +127,4 @@ export type { PointCoverage, PointToCover } from './views/find-coverage.ts';
 export type { SplatPick } from './views/pick-splat.ts';
 export type { RasterizerReport } from './views/rasterizer-choice.ts';
 export type { SplatView } from './views/splat-view.ts';
+export type { DetailReport } from './views/view-detail.ts';

@@ -23,6 +23,10 @@ test('the finest detail that a cloud asks for is that of all', () => {
   const both = { maxErrorPx: 1, maxSplats: 1000 };
   expect(of(both, { maxSplats: 500 })).toEqual({ maxSplats: 1000 });
   expect(of(both, { maxErrorPx: 2, maxSplats: 10 })).toEqual(both);
+  expect(of('auto', { maxFrameMs: 8 }, { maxFrameMs: 4 })).toEqual({ maxFrameMs: 8 });
+  expect(of({ maxFrameMs: 8 }, { maxShare: 0.1 })).toEqual({ maxShare: 0.1 });
+  expect(of({ maxShare: 0.9 }, { minPsnrDb: 30 }, { minPsnrDb: 40 })).toEqual({ minPsnrDb: 40 });
+  expect(of('auto', 'auto')).toBe('auto');
 });
 
 test('frames have the detail of their clouds, else the renderer’s', async () => {

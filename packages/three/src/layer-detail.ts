@@ -2,8 +2,9 @@ import type { Detail } from '@websplatter/core';
 import type { LayerCloud } from './layer-cloud.ts';
 
 /**
- * Returns the finest detail that any of the clouds of a frame asks for; null if none does. The
- * largest of their budgets is that of all together; an error beside a budget counts alone.
+ * Returns the finest detail that any of the clouds of a frame asks for; null if none does. Full is
+ * finest, then what promises decibels, then limits, then what keeps time. The largest of budgets is
+ * that of all clouds together; an error beside a budget counts alone.
  */
 export function layerDetail(clouds: Iterable<Pick<LayerCloud, 'detail'>>): Detail | null {
   const asked = [...clouds].flatMap(({ detail }) => detail ?? []);
@@ -11,14 +12,20 @@ export function layerDetail(clouds: Iterable<Pick<LayerCloud, 'detail'>>): Detai
 }
 
 function finerOf(a: Detail, b: Detail): Detail {
-  if (a === 'full' || b === 'full') return 'full';
-  const maxErrorPx = ofBoth(Math.min, a.maxErrorPx, b.maxErrorPx);
-  const maxSplats = ofBoth(Math.max, a.maxSplats, b.maxSplats);
-  if (maxErrorPx !== undefined) return { maxErrorPx, ...(maxSplats !== undefined && { maxSplats }) };
-  if (maxSplats !== undefined) return { maxSplats };
-  return { maxErrorPx: (a.maxErrorPx ?? b.maxErrorPx)! };
+  const [first, second] = [a, b].map(rankOf);
+  if (first !== second) return first < second ? a : b;
+  if (typeof a === 'string') return a;
+  const limits = Object.entries(a).flatMap(([name, own]) => {
+    const other = (b as Record<string, number | undefined>)[name];
+    if (own === undefined || other === undefined) return [];
+    return [[name, name === 'maxErrorPx' ? Math.min(own, other) : Math.max(own, other)]];
+  });
+  if (limits.length > 0) return Object.fromEntries(limits);
+  return 'maxErrorPx' in a ? a : b;
 }
 
-function ofBoth(pick: (a: number, b: number) => number, a?: number, b?: number): number | undefined {
-  return a === undefined || b === undefined ? undefined : pick(a, b);
+function rankOf(detail: Detail): number {
+  if (detail === 'full') return 0;
+  if (detail === 'auto') return 4;
+  return 'minPsnrDb' in detail ? 1 : 'maxFrameMs' in detail ? 3 : 2;
 }

@@ -12,7 +12,8 @@ import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
-import type { CloudInstance, Detail } from './frame-request.ts';
+import type { FixedDetail } from './detail.ts';
+import type { CloudInstance } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
 import { type LevelCut, levelCut, reasonInFull } from './level-cut.ts';
 
@@ -69,7 +70,7 @@ export function planCloud(
   camera: Camera,
   projection: Projection,
   accuracy: AccuracySettings,
-  detail: Detail = 'full',
+  detail: FixedDetail = 'full',
 ): CloudPlan {
   const { cloud } = instance;
   const modelMatrix = instance.modelMatrix ? new Float64Array(instance.modelMatrix) : identity4();

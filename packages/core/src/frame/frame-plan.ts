@@ -1,6 +1,7 @@
 import type { SizePx } from '../data/accuracy/accuracy.ts';
 import type { Camera, Projection } from '../data/camera/camera.ts';
 import type { CloudPlan } from './cloud-plan.ts';
+import type { FixedDetail } from './detail.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import type { FrameShape } from './frame-shape.ts';
 import type { CutBudget } from './level-cut.ts';
@@ -22,6 +23,8 @@ export interface FramePlan {
   /** In the request's order. */
   readonly clouds: readonly CloudPlan[];
   readonly shape: FrameShape;
+  /** Detail that this frame needs, whatever a target finds for later ones. */
+  readonly detail: FixedDetail;
   /** Budget of the clouds' cuts; null without one. */
   readonly budget: CutBudget | null;
   readonly needs: FrameNeeds;

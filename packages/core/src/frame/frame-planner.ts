@@ -10,11 +10,12 @@ import { binGrid } from '../data/layout/bin-grid.ts';
 import { asksForDistance } from '../data/splats/sort-by.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
+import { type FixedDetail, isFixedDetail } from './detail.ts';
 import { type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, isSameShape } from './frame-shape.ts';
 import { keyBitsFor } from './key-bits.ts';
-import { cutBudget, detailOf } from './level-cut.ts';
+import { cutBudget, neededDetail } from './level-cut.ts';
 import { isSameColors, isSameOrder } from './plan-difference.ts';
 import { RecentNeeds } from './recent-needs.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
@@ -29,6 +30,8 @@ export interface FrameSettings {
   readonly depth: RasterizeDepth | null;
   /** The rasteriser for the setting `auto`. */
   readonly faster: FrameRasterizer;
+  /** Default that of the request, and `full` where that is to be found. */
+  readonly detail?: FixedDetail;
   /** Sizes to take instead of those that follow from the request: to inspect single stages. */
   readonly sizes?: Pick<FrameShape, 'visibleCapacity' | 'keyBits' | 'shortensKeys'>;
 }
@@ -65,7 +68,8 @@ export class FramePlanner {
    * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of
    *   callers' own effects.
    */
-  plan(request: FrameRequest, { accuracy, depth, faster, sizes }: FrameSettings): FramePlan {
+  plan(request: FrameRequest, settings: FrameSettings): FramePlan {
+    const { accuracy, depth, faster, sizes } = settings;
     const { dispatchRow, sortDevice } = this.#context;
     const last = this.#last;
     const camera = copied(request.camera);
@@ -73,12 +77,13 @@ export class FramePlanner {
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     const { isOrthographic } = projection;
     const sortsByDistance = !isOrthographic && asksForDistance(request);
-    const detail = detailOf(request);
+    const { detail: requested = 'full' } = request;
+    const given = settings.detail ?? (isFixedDetail(requested) ? requested : 'full');
+    const detail = neededDetail(given, request.clouds);
     const clouds = request.clouds.map((instance) =>
       planCloud(instance, camera, projection, accuracy, detail),
     );
-    const counts = clouds.map(({ cut, instance }) => ({ cut, count: instance.cloud.count }));
-    const budget = cutBudget(detail, counts);
+    const budget = cutBudget(detail, clouds);
     const needs = {
       visibleSplats: mostVisibleSplats(clouds, budget),
       depthBits: keyBitsFor(camera, clouds, sortsByDistance),
@@ -129,6 +134,7 @@ export class FramePlanner {
       layer,
       projection,
       clouds,
+      detail,
       budget,
       needs,
       shape,
@@ -163,10 +169,11 @@ export class FramePlanner {
       );
       return { ...instance, shDegree, opacity, effects: before };
     });
-    const { sortBy, detail } = last.request;
+    const { detail } = last;
+    const { sortBy } = last.request;
     return this.plan(
-      { ...request, clouds, sortBy, detail, force: false },
-      { accuracy, depth, faster: rasterizer },
+      { ...request, clouds, sortBy, force: false },
+      { accuracy, depth, faster: rasterizer, detail },
     );
   }
 

@@ -10,19 +10,7 @@ import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { checkVector } from '../gpu/effects/option-checks.ts';
-
-/**
- * How much of the clouds a frame shows. `full`: every splat. `maxErrorPx`: blobs that each stand for
- * several splats, wherever that moves their light by less than about so many pixels of the layer in
- * the middle of the image. At 0.5, pictures of captures are 30 to 55 dB from full ones; what that
- * saves grows with the distance (docs/detail.md). `maxSplats`: blobs wherever more splats than that
- * are in sight, with the least error that keeps the number. Both: errors of at least the first, and
- * larger ones where the second asks for it.
- */
-export type Detail =
-  | 'full'
-  | { readonly maxErrorPx: number; readonly maxSplats?: number }
-  | { readonly maxErrorPx?: undefined; readonly maxSplats: number };
+import { checkDetail, type Detail } from './detail.ts';
 
 /** A cloud, its place and how to draw it. */
 export interface CloudInstance {
@@ -79,19 +67,6 @@ function checkCamera(camera: Camera): void {
   for (const [name, matrix] of Object.entries({ viewMatrix, projectionMatrix, wholeProjectionMatrix }))
     checkMatrix(name, matrix);
   checkDepths(camera.near, camera.far);
-}
-
-/** @throws InvalidArgumentError */
-function checkDetail(detail: Detail = 'full'): void {
-  if (detail === 'full') return;
-  const { maxErrorPx, maxSplats } = Object(detail) as Partial<Record<string, number>>;
-  const isError = Number.isFinite(maxErrorPx) && maxErrorPx! >= 0;
-  const isCount = Number.isSafeInteger(maxSplats) && maxSplats! > 0;
-  const isGiven = maxErrorPx !== undefined || maxSplats !== undefined;
-  if (isGiven && (isError || maxErrorPx === undefined) && (isCount || maxSplats === undefined)) return;
-  const expected =
-    "'full', { maxErrorPx: 0.5 }, in pixels from 0 on, { maxSplats: 1e6 }, a whole number from 1 on, or both";
-  throw wrongArgument('detail', detail, expected);
 }
 
 /**

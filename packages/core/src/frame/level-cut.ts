@@ -7,7 +7,9 @@ import type { SplatReach } from '../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { stretchBound } from '../data/math/mat4.ts';
 import { type EffectSet, takesSelection } from '../gpu/effects/effect-set.ts';
-import type { Detail, FrameRequest } from './frame-request.ts';
+import type { FixedDetail } from './detail.ts';
+import type { CloudInstance } from './frame-request.ts';
+import { type SidedCloud, splatsInSight } from './splats-in-sight.ts';
 
 /** The thresholds of a cut through a cloud's levels: fields of `CutParameters`. */
 export interface LevelCut {
@@ -24,15 +26,25 @@ export interface CutBudget {
   readonly leastShift: number;
 }
 
+type CutCloud = SidedCloud & { readonly cut: LevelCut | null };
+
 /** Error of cuts that only a budget limits, before it shifts them. */
 const UNSHIFTED_ERROR_PX = 1;
 
-/** The detail of a frame: full where all splats are within its budget, or no error is allowed. */
-export function detailOf({ detail = 'full', clouds }: Pick<FrameRequest, 'detail' | 'clouds'>): Detail {
-  if (detail === 'full' || detail.maxErrorPx) return detail;
-  const total = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
-  const { maxSplats = total } = detail;
-  return maxSplats >= total ? 'full' : { maxSplats };
+/** Returns `detail`, or `full` where it limits nothing in a frame of `clouds`. */
+export function neededDetail(
+  detail: FixedDetail,
+  clouds: readonly Pick<CloudInstance, 'cloud'>[],
+): FixedDetail {
+  if (detail === 'full') return detail;
+  const { maxErrorPx, ...budget } = detail;
+  if (maxErrorPx) return detail;
+  const { maxSplats = Number.POSITIVE_INFINITY, maxShare = 1 } = budget;
+  return maxShare < 1 || maxSplats < countOf(clouds) ? budget : 'full';
+}
+
+function countOf(clouds: readonly Pick<CloudInstance, 'cloud'>[]): number {
+  return clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
 }
 
 /**
@@ -41,7 +53,7 @@ export function detailOf({ detail = 'full', clouds }: Pick<FrameRequest, 'detail
  */
 export function reasonInFull(
   cloud: SplatCloud,
-  detail: Detail,
+  detail: FixedDetail,
   effects: EffectSet,
   { inverse }: CloudView,
   { recordPrecision }: Pick<AccuracySettings, 'recordPrecision'>,
@@ -58,17 +70,19 @@ export function reasonInFull(
 }
 
 /** Returns the budget of a frame's cuts; null where none limits them, or there are none. */
-export function cutBudget(
-  detail: Detail,
-  clouds: readonly { readonly cut: LevelCut | null; readonly count: number }[],
-): CutBudget | null {
-  if (detail === 'full' || detail.maxSplats === undefined || !clouds.some(({ cut }) => cut)) return null;
-  const total = clouds.reduce((sum, { count }) => sum + count, 0);
-  if (total <= detail.maxSplats) return null;
-  const inFull = clouds.reduce((sum, { cut, count }) => (cut ? sum : sum + count), 0);
+export function cutBudget(detail: FixedDetail, clouds: readonly CutCloud[]): CutBudget | null {
+  if (detail === 'full' || !clouds.some(({ cut }) => cut)) return null;
+  const { maxErrorPx, maxSplats = Number.POSITIVE_INFINITY, maxShare = 1 } = detail;
+  const instances = clouds.map(({ instance }) => instance);
+  const limits = [
+    ...(maxSplats < countOf(instances) ? [maxSplats] : []),
+    ...(maxShare < 1 ? [Math.ceil(maxShare * splatsInSight(clouds))] : []),
+  ];
+  if (limits.length === 0) return null;
+  const inFull = countOf(clouds.filter(({ cut }) => !cut).map(({ instance }) => instance));
   return {
-    splats: Math.max(0, detail.maxSplats - inFull),
-    leastShift: detail.maxErrorPx === undefined ? 0 : LEVEL_CONSTANTS.SHIFT_NONE,
+    splats: Math.max(0, Math.min(...limits) - inFull),
+    leastShift: maxErrorPx === undefined ? 0 : LEVEL_CONSTANTS.SHIFT_NONE,
   };
 }
 
@@ -78,7 +92,7 @@ export function cutBudget(
  */
 export function levelCut(
   levels: CloudLevels | null,
-  detail: Detail,
+  detail: FixedDetail,
   { linear, inverse, camera }: CloudView,
   { isOrthographic, focalPx }: Projection,
   { displacement, growth }: SplatReach,

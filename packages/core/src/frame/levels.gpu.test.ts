@@ -30,7 +30,8 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testGpu } from '../testing/test-gpu.ts';
 import { childCell } from '../views/first-splat-of.ts';
-import type { CloudInstance, Detail, FrameRequest } from './frame-request.ts';
+import type { Detail } from './detail.ts';
+import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import { type LevelCut, levelCut } from './level-cut.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
@@ -415,6 +416,11 @@ describe('frames with less than full detail', () => {
       { maxErrorPx: Number.NaN },
       { maxSplats: 0 },
       { maxSplats: 2.5 },
+      { maxShare: 0 },
+      { minPsnrDb: -1 },
+      { maxFrameMs: Number.POSITIVE_INFINITY },
+      { minPsnrDb: 40, maxErrorPx: 1 },
+      { splats: 5 },
     ])
       expect(() =>
         view.render({ camera: camera(5), clouds: [{ cloud }], ...SIZE, detail: detail as Detail }),

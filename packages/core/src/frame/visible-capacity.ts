@@ -1,8 +1,8 @@
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import { countChunksInFrustum } from './chunk-groups.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { CutBudget } from './level-cut.ts';
 import { LEAST_USE } from './recent-peak.ts';
+import { splatsInSight } from './splats-in-sight.ts';
 
 /** Up to this count, room for all splats (about 15 MB) is cheaper than counting visible ones. */
 const ALWAYS_ROOM_FOR = 1 << 18;
@@ -35,11 +35,7 @@ export function mostVisibleSplats(clouds: readonly SidedCloud[], budget: CutBudg
   const total = mostDrawnSplats(clouds, budget);
   // Blobs may reach into the image where none of their splats does.
   if (total <= ALWAYS_ROOM_FOR || clouds.some(({ cut }) => cut)) return total;
-  const chunks = clouds.reduce(
-    (sum, { instance, sides }) => sum + countChunksInFrustum(instance.cloud.chunks, sides),
-    0,
-  );
-  return Math.min(total, CHUNK_SPLATS * chunks);
+  return Math.min(total, splatsInSight(clouds));
 }
 
 /**

@@ -7,7 +7,6 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
-import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */
@@ -37,7 +36,7 @@ export interface EmbeddedFrameRequest
  * slow devices, request a smaller `resolutionScale`, or for `{ maxFrameMs }`.
  */
 export class EmbeddedView extends View {
-  /** Called when a frame's missing shaders or accuracy have come: prepare the frame again. */
+  /** Called when a frame's missing shaders, accuracy or detail have come: prepare the frame again. */
   onReady: (() => void) | null = null;
   /** The drawn shape whose successor with occluders has its shaders. */
   #foreseen: FrameShape | null = null;
@@ -117,9 +116,8 @@ export class EmbeddedView extends View {
     if (this.end()) queueMicrotask(() => this.parts.destroy());
   }
 
-  protected override onChosen(choice: AccuracyChoice): void {
+  protected override drawAgain(): void {
     this.onReady?.();
-    this.onAccuracyChosen?.(choice);
   }
 
   /** The host may have drawn fewer clouds meanwhile, those with shaders: it has to try again. */

@@ -177,14 +177,15 @@ export class SplatView extends View {
     this.parts.destroy();
   }
 
-  protected override onChosen(choice: AccuracyChoice, request: FrameRequest): void {
+  protected override drawAgain(request: FrameRequest): void {
     try {
-      // A request that waits is drawn with the choice anyway.
+      // A request that waits is drawn with what has been found anyway.
       if (!this.wait.reason && this.canStillDraw(request)) this.#request({ ...request, force: false });
     } catch (error) {
-      console.warn(`The chosen settings could not be drawn; the image stays. ${(error as Error).message}`);
+      console.warn(
+        `The settings found could not be drawn with; the image stays. ${(error as Error).message}`,
+      );
     }
-    this.onAccuracyChosen?.(choice);
   }
 
   protected override retry(request: FrameRequest | null): Promise<void> | null {

@@ -3,6 +3,7 @@ import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
+import type { FixedDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
@@ -21,12 +22,14 @@ import type { PointCoverage, PointToCover } from './find-coverage.ts';
 import { FrameWait, lackingLevels } from './frame-wait.ts';
 import { MemoryRecovery } from './memory-recovery.ts';
 import type { SplatPick } from './pick-splat.ts';
+import type { MeasureDetail } from './psnr-promise.ts';
 import {
   RasterizerChoice,
   type RasterizerChoiceOptions,
   type RasterizerReport,
 } from './rasterizer-choice.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
+import { type DetailReport, ViewDetail } from './view-detail.ts';
 
 /** The parts of an engine that a view needs. */
 export interface ViewContext extends AccuracyContext, PlannerContext {
@@ -37,6 +40,7 @@ export interface ViewContext extends AccuracyContext, PlannerContext {
   readonly counting: Counting;
   readonly tileBudgetBytes: number;
   readonly submissionBudgetMs: number;
+  readonly measureDetail: MeasureDetail;
   /** The rasteriser that was faster on this adapter before, and where to keep that. */
   readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
   /** Returns why nothing can be drawn any more, or null. */
@@ -97,6 +101,7 @@ export abstract class View {
   protected settled = DONE;
   readonly #planner: FramePlanner;
   readonly #accuracy: ViewAccuracy;
+  readonly #detail: ViewDetail;
   /** The faster rasteriser, for the setting `auto`. */
   readonly #choice: RasterizerChoice;
   readonly #onDestroyed: () => void;
@@ -124,7 +129,16 @@ export abstract class View {
       restore: (sound) => this.#restore(sound),
       follow: (again) => this.#follow(again),
     });
-    this.#accuracy = new ViewAccuracy(context, (choice, request) => this.onChosen(choice, request));
+    this.#accuracy = new ViewAccuracy(context, (choice, request) => {
+      this.drawAgain(request);
+      this.onAccuracyChosen?.(choice);
+    });
+    this.#detail = new ViewDetail({
+      targetFor: context.targetFor,
+      measure: (minPsnrDb, request, options) =>
+        context.measureDetail(minPsnrDb, { ...request, accuracy: this.shape?.accuracy }, options),
+      redraw: (request) => this.drawAgain(request),
+    });
   }
 
   /** @internal Whether round splats may have shaders of their own; false to measure without. */
@@ -140,6 +154,24 @@ export abstract class View {
   /** The last choice for the target; null before the first, and if settings were requested. */
   get accuracyChoice(): AccuracyChoice | null {
     return this.#accuracy.choice;
+  }
+
+  /** Detail of the last frame; null before the first. */
+  get detail(): DetailReport | null {
+    return this.prepared && this.#detail.report(this.prepared);
+  }
+
+  /**
+   * Resolves when the last frame has been drawn and its picture, if nothing moves, stays: with
+   * `detail` that is to be found, pictures at rest are drawn again once it is.
+   *
+   * @throws as `whenDrawn` does.
+   */
+  async whenComplete(): Promise<void> {
+    await this.drawn;
+    await this.#detail.complete;
+    await this.drawn;
+    if (this.recovery.error) throw this.recovery.error;
   }
 
   /**
@@ -273,8 +305,8 @@ export abstract class View {
   /** Draws a frame again whose memory was freed. Settles when it is complete, memory permitting. */
   protected abstract redraw(plan: FramePlan): Promise<void>;
 
-  /** Called when settings have been chosen for a target; `request` is that of the last frame. */
-  protected abstract onChosen(choice: AccuracyChoice, request: FrameRequest): void;
+  /** Draws the last frame, of `request`, again: settings or detail have been found for it. */
+  protected abstract drawAgain(request: FrameRequest): void;
 
   /**
    * Called when a request need not wait any more.
@@ -321,7 +353,10 @@ export abstract class View {
     const last = this.prepared;
     const stands = last !== null;
     if (request.clouds.some(({ cloud }) => cloud.isHeld)) return { plan: last, stands, status: 'waiting' };
-    const plan = this.#plan(request, this.#accuracy.settingsFor(request), depths[0]);
+    const settings = this.#accuracy.settingsFor(request);
+    const plan = this.#detail.plan(request, last, (detail) =>
+      this.#plan(request, settings, depths[0], detail),
+    );
     if (!plan.stands) this.#asked = null;
     if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
       // A smaller request does not wait for memory that may not be found.
@@ -345,8 +380,14 @@ export abstract class View {
     return { plan: stopgap, stands: stopgap === last || stopgap.stands, status: 'waiting' };
   }
 
-  #plan(request: FrameRequest, accuracy: AccuracySettings, depth: RasterizeDepth | null): FramePlan {
-    return this.#planner.plan(request, { accuracy, depth, faster: this.#choice.rasterizerFor(depth) });
+  #plan(
+    request: FrameRequest,
+    accuracy: AccuracySettings,
+    depth: RasterizeDepth | null,
+    detail?: FixedDetail,
+  ): FramePlan {
+    const faster = this.#choice.rasterizerFor(depth);
+    return this.#planner.plan(request, { accuracy, depth, faster, detail });
   }
 
   /** Compiles the shaders of frames like `request`, for depths near and far. Draws none. */
@@ -380,12 +421,12 @@ export abstract class View {
   }
 
   /** Draws a sound frame again. */
-  async #restore({ request, shape }: FramePlan): Promise<void> {
+  async #restore({ request, shape, detail }: FramePlan): Promise<void> {
     // Another frame may have been drawn since.
     if (this.prepared || !this.canStillDraw(request)) return;
     const { accuracy, depth, rasterizer } = shape;
     try {
-      const again = this.#planner.plan(request, { accuracy, depth, faster: rasterizer });
+      const again = this.#planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
       if (this.wait.isReady(again.shape)) await this.redraw(again);
     } catch {
       // Then there is no memory for that either, and the view holds nothing.
@@ -423,10 +464,12 @@ export abstract class View {
   /** Call when the frame of `request` has been drawn, or was shown already. */
   protected shown(request: FrameRequest): void {
     this.#accuracy.show(request);
+    this.#detail.show(request);
   }
 
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
   protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
+    const drawn = this.prepared;
     const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const read = () => this.parts.timer.read(++this.#frameNumber, totalSplats, submittedMs);
     const { memory } = this.context;
@@ -441,6 +484,7 @@ export abstract class View {
       statistics,
       tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
     );
+    if (drawn) this.#detail.learn(drawn, statistics.timing);
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
     return statistics;
@@ -451,6 +495,7 @@ export abstract class View {
     if (this.#isDestroyed) return false;
     this.#isDestroyed = true;
     this.#accuracy.leave();
+    this.#detail.end();
     this.#onDestroyed();
     return true;
   }

@@ -1,4 +1,4 @@
-import { detailOf } from '../../level-cut.ts';
+import { type Detail, isFixedDetail } from '../../detail.ts';
 import type { DrawnCloud, FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Blobs instead of splats that are too small to tell apart. */
@@ -21,19 +21,35 @@ export const levels: FeatureOfCloud = {
     'tile-rasterize',
     'rasterize',
   ],
-  calledFor: ({ plan, shape }) => {
-    const { detail = 'full' } = plan.request;
+  calledFor: ({ plan: { detail, request }, shape }) => {
     if (!shape.levels || detail === 'full') return null;
-    const { maxErrorPx, maxSplats } = detail;
-    if (plan.budget) return `at most ${maxSplats!.toLocaleString('en')} splats are asked for`;
-    return `errors up to ${maxErrorPx} px are allowed`;
+    const { maxErrorPx, maxSplats, maxShare } = detail;
+    const limits = [
+      ...(maxErrorPx === undefined ? [] : [`errors up to ${maxErrorPx} px are allowed`]),
+      ...(maxSplats === undefined ? [] : [`at most ${maxSplats.toLocaleString('en')} splats are asked for`]),
+      ...(maxShare === undefined ? [] : [`at most ${percent(maxShare)} of the splats are asked for`]),
+    ];
+    return [...limits, ...aims(request.detail)].join(', ');
   },
   offReason,
 };
 
 function offReason({ plan, cloud }: DrawnCloud): string {
-  const { detail = 'full' } = plan.request;
-  if (detail !== 'full' && detailOf(plan.request) === 'full')
-    return detail.maxSplats === undefined ? 'no error is allowed' : 'all splats are within the budget';
-  return cloud.inFull ?? 'they are being made';
+  const { detail: asked = 'full' } = plan.request;
+  if (asked === 'full' || plan.detail !== 'full') return cloud.inFull ?? 'they are being made';
+  if (!isFixedDetail(asked)) return ['all splats are drawn', ...aims(asked)].join(', ');
+  return asked.maxSplats === undefined && asked.maxShare === undefined
+    ? 'no error is allowed'
+    : 'all splats are within the budget';
+}
+
+/** The outcome that detail is found for; none where it is given. */
+function aims(asked: Detail = 'full'): string[] {
+  if (isFixedDetail(asked)) return [];
+  if (asked === 'auto') return ['for frames as quick as screens'];
+  return ['minPsnrDb' in asked ? `for ${asked.minPsnrDb} dB` : `for frames within ${asked.maxFrameMs} ms`];
+}
+
+function percent(share: number): string {
+  return `${Number((100 * share).toPrecision(3))} %`;
 }

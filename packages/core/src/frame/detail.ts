@@ -1,0 +1,63 @@
+import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { wrongArgument } from '../data/given.ts';
+
+/**
+ * Limits to what a frame draws instead of all splats: blobs, which each stand for several. At least
+ * one is given; the tightest counts.
+ */
+export interface DetailLimits {
+  /**
+   * Blobs move the light of splats by less than about so many pixels of the layer, in the middle of
+   * the image; from 0 on. At 0.5, pictures of captures are 30 to 55 dB from full ones; what that
+   * saves grows with the distance (docs/detail.md).
+   */
+  readonly maxErrorPx?: number;
+  /** Most splats and blobs, in all clouds together; a whole number from 1 on. */
+  readonly maxSplats?: number;
+  /**
+   * Most splats and blobs, as a share of the splats in sight, above 0. About the same share has the
+   * same PSNR from any distance.
+   */
+  readonly maxShare?: number;
+}
+
+/** Detail that a frame can be drawn with as it is. */
+export type FixedDetail = 'full' | DetailLimits;
+
+/**
+ * How much of the clouds a frame shows. `full`: every splat. Limits: blobs where the limits ask for
+ * them. Else the view finds the limits by itself:
+ *
+ * - `{ maxFrameMs }`: while something moves, as many splats as the GPU draws in that time, by the
+ *   times of the frames before; the picture at rest is full.
+ * - `{ minPsnrDb }`: the fewest splats whose picture is that near to the full one by `reference`.
+ *   The picture at rest is measured, moving ones go by what was measured last.
+ * - `auto`: `{ maxFrameMs }` for 60 frames a second, or that of the frame's accuracy; so, full where
+ *   that is quick.
+ */
+export type Detail = FixedDetail | AccuracyTarget | 'auto';
+
+const LIMITS: Readonly<Record<keyof DetailLimits, (value: number) => boolean>> = {
+  maxErrorPx: (value) => value >= 0,
+  maxSplats: (value) => Number.isSafeInteger(value) && value > 0,
+  maxShare: (value) => value > 0,
+};
+const TARGETS: readonly string[] = ['minPsnrDb', 'maxFrameMs'];
+
+/** Whether a frame can be drawn with `detail` without being told more. */
+export function isFixedDetail(detail: Detail): detail is FixedDetail {
+  return detail === 'full' || (detail !== 'auto' && !TARGETS.some((name) => name in detail));
+}
+
+/** @throws InvalidArgumentError unless `detail` is one. */
+export function checkDetail(detail: Detail = 'full'): void {
+  if (detail === 'full' || detail === 'auto') return;
+  const given = Object.entries(Object(detail)).filter(([, value]) => value !== undefined);
+  const areNumbers = given.every(([, value]) => Number.isFinite(value));
+  const areLimits = given.every(([name, value]) => LIMITS[name as keyof DetailLimits]?.(value as number));
+  const isTarget = given.length === 1 && TARGETS.includes(given[0][0]) && (given[0][1] as number) > 0;
+  if (given.length > 0 && areNumbers && (areLimits || isTarget)) return;
+  const expected =
+    "'full', 'auto', { minPsnrDb: 40 }, { maxFrameMs: 8 }, or limits: { maxErrorPx: 0.5 }, in pixels from 0 on, { maxSplats: 1e6 }, a whole number from 1 on, { maxShare: 0.5 }, above 0, or several of these";
+  throw wrongArgument('detail', detail, expected);
+}

@@ -1,0 +1,188 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { SplatEngine } from '../create-engine.ts';
+import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
+import type { Detail } from '../frame/detail.ts';
+import { antialias } from '../gpu/effects/antialias/antialias.ts';
+import { compareImages } from '../reference/index.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import type { SplatView } from './splat-view.ts';
+
+const SIZE = { widthPx: 96, heightPx: 64 };
+const SET = randomSplats({ count: 9000, seed: 3, shDegree: 0, logScales: [-6, -4] });
+/** No frame is drawn in that time. */
+const NEVER_MS = 1e-6;
+
+const camera = (distance: number): Camera =>
+  perspectiveCamera({
+    position: [0.4 * distance, 0.3 * distance, distance],
+    target: [0, 0, 0],
+    fovYDegrees: 40,
+    aspect: 1.5,
+  });
+
+let engine: SplatEngine;
+let cloud: SplatCloud;
+beforeAll(async () => {
+  engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'high' });
+  cloud = engine.add(SET);
+});
+afterAll(() => engine.destroy());
+
+function draw(view: SplatView, detail: Detail, distance: number, force = false): void {
+  view.render({
+    camera: camera(distance),
+    clouds: [{ cloud, effects: [antialias(true)] }],
+    ...SIZE,
+    detail,
+    force,
+  });
+}
+
+/** Pixels of the view's last image, against the full ones that `reference` has. */
+async function decibelsOf(view: SplatView, distance: number): Promise<number> {
+  const full = engine.createView();
+  full.render({
+    camera: camera(distance),
+    clouds: [{ cloud, effects: [antialias(true)] }],
+    ...SIZE,
+    accuracy: 'reference',
+  });
+  const [actual, expected] = [await view.readPixels(), await full.readPixels()];
+  full.destroy();
+  return compareImages(actual.data, expected.data, SIZE).psnrDb;
+}
+
+describe('minPsnrDb', () => {
+  gpuTest('is kept by the picture at rest, with fewer splats than all, and told', async () => {
+    const view = engine.createView();
+    for (const [distance, minPsnrDb] of [
+      [6, 35],
+      [12, 40],
+      [24, 30],
+    ] as const) {
+      draw(view, { minPsnrDb }, distance);
+      await view.whenDrawn();
+      expect(view.detail!.isComplete).toBe(false);
+      await view.whenComplete();
+      const { asked, drawn, measuredPsnrDb, predictedPsnrDb, isComplete } = view.detail!;
+      expect({ asked, isComplete }).toEqual({ asked: { minPsnrDb }, isComplete: true });
+      expect(measuredPsnrDb).toBeGreaterThanOrEqual(minPsnrDb);
+      expect(await decibelsOf(view, distance)).toBeCloseTo(measuredPsnrDb!, 1);
+      expect(drawn).not.toBe('full');
+      expect(predictedPsnrDb).toBeCloseTo(measuredPsnrDb!, 1);
+    }
+    view.destroy();
+  });
+
+  gpuTest('draws all splats where no fewer reach it', async () => {
+    const view = engine.createView();
+    draw(view, { minPsnrDb: 200 }, 3);
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true });
+    expect(view.detail!.measuredPsnrDb).toBeGreaterThan(60);
+    view.destroy();
+  });
+
+  gpuTest('is predicted while something moves, by what was measured before', async () => {
+    const view = engine.createView();
+    draw(view, { minPsnrDb: 30 }, 20);
+    await view.whenComplete();
+    draw(view, { minPsnrDb: 30 }, 18);
+    await view.whenDrawn();
+    const { drawn, measuredPsnrDb, predictedPsnrDb } = view.detail!;
+    expect(drawn).not.toBe('full');
+    expect(measuredPsnrDb).toBeNull();
+    expect(predictedPsnrDb).toBeCloseTo(33, 5);
+    expect(Math.abs((await decibelsOf(view, 18)) - predictedPsnrDb!)).toBeLessThan(5);
+    view.destroy();
+  });
+
+  gpuTest('ends with the view: no wait is left, and nothing is drawn', async () => {
+    const view = engine.createView();
+    draw(view, { minPsnrDb: 40 }, 8);
+    await view.whenDrawn();
+    const complete = view.whenComplete();
+    view.destroy();
+    await complete;
+  });
+});
+
+describe('maxFrameMs', () => {
+  /** Draws moving frames until the view has as few splats as it may have. */
+  async function move(view: SplatView, detail: Detail): Promise<void> {
+    for (let frame = 0; frame < 60; frame++) {
+      draw(view, detail, 8 + 0.01 * frame, true);
+      await view.whenDrawn();
+      await engine.device.queue.onSubmittedWorkDone();
+      const { drawn } = view.detail!;
+      if (drawn !== 'full' && drawn.maxSplats! <= 1000) return;
+    }
+    throw new Error(`Frames stay at ${JSON.stringify(view.detail!.drawn)}.`);
+  }
+
+  gpuTest('draws fewer splats while the camera moves, and all at rest', async () => {
+    const view = engine.createView();
+    const detail = { maxFrameMs: NEVER_MS };
+    await move(view, detail);
+    const moving = await decibelsOf(view, 8);
+    expect(moving).toBeLessThan(40);
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true, measuredPsnrDb: null });
+    draw(view, detail, 9);
+    await view.whenDrawn();
+    expect(view.detail!.drawn).toEqual({ maxSplats: 1000 });
+    view.destroy();
+  });
+
+  gpuTest('draws all splats, without levels, where that is in time', async () => {
+    const own = engine.add(SET);
+    const view = engine.createView();
+    for (let frame = 0; frame < 5; frame++) {
+      const clouds = [{ cloud: own }];
+      view.render({ camera: camera(8 + frame), clouds, ...SIZE, detail: { maxFrameMs: 1e6 } });
+      await view.whenDrawn();
+      await engine.device.queue.onSubmittedWorkDone();
+      expect(view.detail!.drawn).toBe('full');
+    }
+    expect(own.levels).toBeNull();
+    view.destroy();
+    own.destroy();
+  });
+
+  gpuTest('is that of the accuracy for `auto`', async () => {
+    const view = engine.createView();
+    const request = {
+      clouds: [{ cloud }],
+      ...SIZE,
+      detail: 'auto',
+      accuracy: { maxFrameMs: NEVER_MS },
+    } as const;
+    await expect
+      .poll(async () => {
+        view.render({ ...request, camera: camera(8), force: true });
+        await view.whenDrawn();
+        return view.detail!.drawn;
+      })
+      .toEqual({ maxSplats: 1000 });
+    view.destroy();
+  });
+});
+
+describe('limits', () => {
+  gpuTest('are drawn as asked, and complete at once', async () => {
+    const view = engine.createView();
+    draw(view, { maxShare: 0.25 }, 8);
+    await view.whenComplete();
+    expect(view.detail).toEqual({
+      asked: { maxShare: 0.25 },
+      drawn: { maxShare: 0.25 },
+      predictedPsnrDb: null,
+      measuredPsnrDb: null,
+      isComplete: true,
+    });
+    await expect.poll(() => view.statistics?.visibleSplats).toBeLessThanOrEqual(SET.count / 4);
+    view.destroy();
+  });
+});

@@ -1,0 +1,186 @@
+import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
+import { type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
+import { type FramePlan, showsClouds } from '../frame/frame-plan.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
+import { splatsInSight } from '../frame/splats-in-sight.ts';
+import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
+import { FramePace } from './frame-pace.ts';
+import { type MeasureDetail, PsnrPromise } from './psnr-promise.ts';
+
+/** Detail of a view's last frame. */
+export interface DetailReport {
+  readonly asked: Detail;
+  /** What the frame was drawn with: `asked`, or what was found for it. */
+  readonly drawn: FixedDetail;
+  /** Predicted by cuts of these clouds that were measured before; null where none were, or need be. */
+  readonly predictedPsnrDb: number | null;
+  /** Measured, against the full picture by `reference`, for this very frame; null if it was not. */
+  readonly measuredPsnrDb: number | null;
+  /** Whether the picture stays like this unless something moves. */
+  readonly isComplete: boolean;
+}
+
+/** The view's part in finding detail. */
+export interface DetailContext {
+  /** Returns the target of `accuracy` (default the engine's); null for settings. */
+  readonly targetFor: (accuracy: FrameRequest['accuracy']) => AccuracyTarget | null;
+  readonly measure: MeasureDetail;
+  /** Draws the frame of a request again, whose detail has been found. */
+  readonly redraw: (request: FrameRequest) => void;
+}
+
+/** A picture is at rest when nothing has moved for this long. */
+const RESTS_AFTER_MS = 250;
+/** Time of `auto`: at 60 Hz, with room for a page's own work. */
+const AUTO: AccuracyTarget = { maxFrameMs: 12 };
+
+/** Finds the detail of frames that ask for an outcome, and tells pictures at rest from moving ones. */
+export class ViewDetail {
+  readonly #context: DetailContext;
+  #target: AccuracyTarget | null = null;
+  /** Of a target, one of these. */
+  #pace: FramePace | null = null;
+  #promise: PsnrPromise | null = null;
+  /** Of the last frame that was planned. */
+  #planned: FixedDetail = 'full';
+  #isAtRest = true;
+  /** Whether something has moved since a frame was shown. */
+  #hasMoved = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #measuring = new AbortController();
+  /** Settles when the picture is complete; null if it is. */
+  #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
+
+  constructor(context: DetailContext) {
+    this.#context = context;
+  }
+
+  /** Resolves when the picture at rest has the detail that was asked for. */
+  get complete(): Promise<void> {
+    return this.#wait?.complete ?? Promise.resolve();
+  }
+
+  /**
+   * Plans the frame of a request. Where nothing moves it has the detail of the last one, until that
+   * of the picture at rest is known.
+   *
+   * @param last the last frame; null before the first.
+   * @param planWith plans the frame with a detail; undefined: with the request's own.
+   */
+  plan(
+    request: FrameRequest,
+    last: FramePlan | null,
+    planWith: (detail: FixedDetail | undefined) => FramePlan,
+  ): FramePlan {
+    this.#take(request);
+    if (!this.#target) return planWith(undefined);
+    const again = planWith(this.#planned);
+    if (!again.stands) {
+      // The first picture of a scene is one at rest: nothing is known of its time or decibels.
+      this.#isAtRest = !last || !showsClouds(last, request.clouds);
+      this.#promise?.move(this.#isAtRest);
+      this.#restart();
+    }
+    const detail = again.stands && !this.#isAtRest ? this.#planned : this.#wanted;
+    if (isSame(detail, this.#planned)) return again;
+    this.#planned = detail;
+    return planWith(detail);
+  }
+
+  /** Call when the frame of `request` has been drawn, or was shown already. */
+  show(request: FrameRequest): void {
+    if (!this.#hasMoved) return;
+    this.#hasMoved = false;
+    this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
+  }
+
+  /** Takes the time of a frame. */
+  learn(plan: FramePlan, timing: StageTimings): void {
+    if (this.#pace)
+      this.#pace.learn({ drawn: drawnDetail(plan), inSight: splatsInSight(plan.clouds), timing });
+  }
+
+  report(plan: FramePlan): DetailReport {
+    const drawn = drawnDetail(plan);
+    return {
+      asked: plan.request.detail ?? 'full',
+      drawn,
+      predictedPsnrDb: this.#promise?.predictedPsnrDb(drawn) ?? null,
+      measuredPsnrDb: this.#promise?.measuredPsnrDb ?? null,
+      isComplete: this.#wait === null,
+    };
+  }
+
+  /** Call when the view is destroyed. */
+  end(): void {
+    this.#stop('The picture is no longer shown.');
+    this.#wait?.end();
+    this.#wait = null;
+  }
+
+  get #wanted(): FixedDetail {
+    if (!this.#isAtRest) return (this.#pace ?? this.#promise)!.moving;
+    return this.#promise?.still ?? 'full';
+  }
+
+  #take({ detail = 'full', accuracy }: FrameRequest): void {
+    const target = isFixedDetail(detail) ? null : detail === 'auto' ? this.#autoFor(accuracy) : detail;
+    if (isSame(target, this.#target)) return;
+    this.end();
+    this.#target = target;
+    this.#planned = 'full';
+    this.#pace = target && 'maxFrameMs' in target ? new FramePace(target.maxFrameMs) : null;
+    this.#promise =
+      target && 'minPsnrDb' in target ? new PsnrPromise(target.minPsnrDb, this.#context.measure) : null;
+  }
+
+  #autoFor(accuracy: FrameRequest['accuracy']): AccuracyTarget {
+    const target = this.#context.targetFor(accuracy);
+    return target && 'maxFrameMs' in target ? target : AUTO;
+  }
+
+  /** Ends what waits for a picture at rest. */
+  #stop(because: string): void {
+    clearTimeout(this.#timer);
+    this.#measuring.abort(new DOMException(because, 'AbortError'));
+    this.#hasMoved = false;
+  }
+
+  #restart(): void {
+    this.#stop('Something moves.');
+    this.#hasMoved = true;
+    if (this.#wait) return;
+    let end = () => {};
+    const complete = new Promise<void>((resolve) => {
+      end = resolve;
+    });
+    this.#wait = { complete, end };
+  }
+
+  async #rest(request: FrameRequest): Promise<void> {
+    this.#isAtRest = true;
+    this.#measuring = new AbortController();
+    const { signal } = this.#measuring;
+    if (!isSame(this.#wanted, this.#planned)) this.#context.redraw(request);
+    try {
+      await this.#promise?.rest(request, signal);
+    } catch (error) {
+      if (!signal.aborted)
+        console.warn(`A picture could not be measured; its detail stays. ${(error as Error).message}`);
+    }
+    if (signal.aborted) return;
+    if (!isSame(this.#wanted, this.#planned)) this.#context.redraw(request);
+    this.#wait?.end();
+    this.#wait = null;
+  }
+}
+
+/** The detail that a frame shows: clouds may lack levels, or may not be cut. */
+function drawnDetail({ clouds, detail }: FramePlan): FixedDetail {
+  return clouds.some(({ cut }) => cut) ? detail : 'full';
+}
+
+function isSame<Value extends FixedDetail | AccuracyTarget>(a: Value | null, b: Value | null): boolean {
+  return typeof a === 'object' && typeof b === 'object' ? hasSameFields<object>(a, b) : a === b;
+}
