@@ -79,7 +79,7 @@ export class ViewDetail {
     if (!again.stands) {
       // The first picture of a scene is one at rest: nothing is known of its time or decibels.
       this.#isAtRest = !last || !showsClouds(last, request.clouds);
-      this.#promise?.move(this.#isAtRest);
+      this.#promise?.move(again, this.#isAtRest);
       this.#restart();
     }
     const detail = again.stands && !this.#isAtRest ? this.#planned : this.#wanted;
