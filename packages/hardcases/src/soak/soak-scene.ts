@@ -6,6 +6,7 @@ import {
   type CloudInstance,
   type CloudPrecision,
   encodePly,
+  type FixedDetail,
   type FrameRasterizer,
   type FrameRequest,
   orthographicCamera,
@@ -27,6 +28,8 @@ export interface CloudRecipe {
   readonly isFile: boolean;
   /** Precisions in order: planes made from others may differ by a step from those of a file. */
   readonly precisions: readonly CloudPrecision[];
+  /** How many of these there were when its levels of detail were made; null if it has none. */
+  readonly levelsAfter: number | null;
 }
 
 /** How a cloud is drawn. */
@@ -44,6 +47,7 @@ export interface SoakView {
   camera: { readonly position: Vec3; readonly target: Vec3; readonly isOrthographic: boolean };
   readonly size: { readonly widthPx: number; readonly heightPx: number };
   accuracy: Accuracy;
+  detail: FixedDetail;
   background: Vec3;
 }
 
@@ -58,7 +62,7 @@ export function randomRecipe(chance: Chance): CloudRecipe {
   const copies = chance.whole(1, 6);
   const splats = Array.from({ length: copies }, (_, i) => resized(ordinarySplats(seed + i), 1 + 0.1 * i));
   const set = splatsOf(withRandomSh(splats.flat(), shDegree, 0.2), { shDegree });
-  return { set, isFile: chance.happens(0.5), precisions: [randomPrecision(chance)] };
+  return { set, isFile: chance.happens(0.5), precisions: [randomPrecision(chance)], levelsAfter: null };
 }
 
 export function randomPrecision(chance: Chance): CloudPrecision {
@@ -68,18 +72,19 @@ export function randomPrecision(chance: Chance): CloudPrecision {
   };
 }
 
-/** Makes the cloud, with its planes remade as often as they were before. */
+/** Makes the cloud, with its planes remade as often as they were before, and levels of the same. */
 export async function makeCloud(
   engine: SplatEngine,
-  { set, isFile, precisions }: CloudRecipe,
+  { set, isFile, precisions, levelsAfter }: CloudRecipe,
   signal?: AbortSignal,
 ): Promise<SplatCloud> {
-  const [first, ...later] = precisions;
   const cloud = isFile
-    ? await engine.load(new Blob([encodePly(set)]), { precision: first, signal, name: 'soak.ply' })
+    ? await engine.load(new Blob([encodePly(set)]), { precision: precisions[0], signal, name: 'soak.ply' })
     : engine.add(set, { name: 'soak' });
-  for (const precision of isFile ? later : precisions)
-    await engine.requestPrecision(cloud, precision, { signal });
+  for (const [i, precision] of precisions.entries()) {
+    if (i > 0 || !isFile) await engine.requestPrecision(cloud, precision, { signal });
+    if (i + 1 === levelsAfter) await cloud.makeLevels();
+  }
   return cloud;
 }
 
@@ -126,6 +131,16 @@ export function randomAccuracy(chance: Chance): Accuracy {
   };
 }
 
+export function randomDetail(chance: Chance): FixedDetail {
+  return chance.of([
+    'full',
+    { maxErrorPx: chance.within(0, 4) },
+    { maxSplats: chance.whole(1, 1000) },
+    { maxShare: chance.within(0.01, 1) },
+    { maxErrorPx: chance.within(0, 4), maxSplats: chance.whole(1, 1000) },
+  ]);
+}
+
 export function randomSize(chance: Chance): SoakView['size'] {
   return { widthPx: chance.whole(1, 96), heightPx: chance.whole(1, 96) };
 }
@@ -154,6 +169,7 @@ export function requestOf(
     clouds: clouds.map(({ cloud, placing }) => ({ cloud, ...placing })),
     ...view.size,
     accuracy: view.accuracy,
+    detail: view.detail,
     background: view.background,
   };
 }

@@ -8,6 +8,7 @@ import {
   makeCloud,
   randomAccuracy,
   randomCamera,
+  randomDetail,
   randomEffects,
   randomPlacing,
   randomPrecision,
@@ -92,6 +93,13 @@ const STEPS: readonly Step[] = [
     weight: 6,
     run: (soak, chance) => {
       soak.shown.accuracy = randomAccuracy(chance);
+    },
+  },
+  {
+    name: 'detail',
+    weight: 4,
+    run: (soak, chance) => {
+      soak.shown.detail = randomDetail(chance);
     },
   },
   {
@@ -198,6 +206,7 @@ class Soak {
       camera: randomCamera(chance),
       size: randomSize(chance),
       accuracy: randomAccuracy(chance),
+      detail: 'full',
       background: [0, 0, 0],
     };
     return new Soak(options, watched, await engineOn(watched), shown);
@@ -213,6 +222,7 @@ class Soak {
     this.#stepName = step.name;
     try {
       await step.run(this, chance);
+      if (this.shown.detail !== 'full') await this.#makeLevels();
       this.#view.render(requestOf(this.shown, this.#clouds));
       // As in a page, frames mostly follow one another before shaders of the last are compiled.
       if (chance.happens(0.3)) await this.#view.whenDrawn();
@@ -379,6 +389,15 @@ class Soak {
     this.#engine = await engineOn(this.#watched);
     this.#view = this.#engine.createView();
     for (const item of this.#clouds) item.cloud = await makeCloud(this.#engine, item.recipe);
+  }
+
+  /** Makes levels here, and not when a view needs them: they are made of the planes at hand. */
+  async #makeLevels(): Promise<void> {
+    for (const item of this.#clouds) {
+      if (item.cloud.levels) continue;
+      await item.cloud.makeLevels();
+      item.recipe = { ...item.recipe, levelsAfter: item.recipe.precisions.length };
+    }
   }
 
   async #freshPicture(): Promise<Float32Array> {
