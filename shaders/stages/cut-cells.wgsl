@@ -1,8 +1,9 @@
 // Finds the threshold of each cell of a cloud: errors up to it are not seen, from where the camera
 // is. Reads bounds of cells; writes thresholds. One thread per cell. A cell lies within its parent,
-// each step here rounds larger numbers to larger or equal ones, and all cells take the same steps:
-// a parent's threshold is never more than its children's. So where a cell is drawn, its parent's
-// other cells know, and nothing has to be traversed. With SHIFTED a budget moves all thresholds.
+// each step here rounds larger numbers to larger or equal ones, and all cells take the same steps,
+// with the same least threshold: a parent's is never more than its children's. So where a cell is
+// drawn, its parent's other cells know, and nothing has to be traversed. With SHIFTED a budget moves
+// all thresholds.
 import constants::CHUNK_WORKGROUP;
 import layout::CutParameters;
 @if(SHIFTED) import layout::CutPlan;
@@ -27,7 +28,7 @@ fn cutCells(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   let behind = parameters.camera - cells[index].maxPosition;
   let apart = clamp(max(before, behind) - parameters.margin, vec3f(0.0), vec3f(FARTHEST));
   let distance2 = dot(apart, apart);
-  let limit = threshold(distance2 * parameters.squaredPerDistance + parameters.squaredEverywhere);
+  let limit = threshold(max(distance2 * parameters.squaredPerDistance, parameters.leastSquared));
   @if(!SHIFTED) thresholds[index] = limit;
   @if(SHIFTED) thresholds[index] = shifted(limit, cutPlan.shift);
 }

@@ -1,12 +1,14 @@
-// Counts the splats and blobs that cuts through a cloud would draw in the chunks in sight, by how far
-// the thresholds of its cells are shifted. Reads links, cells and their thresholds; adds to
-// cutCounts, whose first n + 1 words then sum to the number at n steps beyond the plan's base. One
-// workgroup per chunk, one thread per splat, dispatched per page.
+// Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
+// thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
+// chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words then sum to the
+// number at n steps beyond the plan's base. One workgroup per chunk, one thread per splat,
+// dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn.
 import constants::CHUNK_SPLATS;
 import constants::CUT_BINS;
 import constants::ERROR_BOUNDLESS;
 import constants::NO_CELL;
 import constants::SHIFT_NONE;
+@if(!GEOMETRY_F32 && !FRUSTUM_CULLING) import layout::Chunk;
 import layout::ChunkLinks;
 import layout::CutPlan;
 import layout::LevelCell;
@@ -15,6 +17,8 @@ import layout::View;
 import package::lib::chunk_frustum::reachesPast;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::level_link::{errorOf, parentErrorOf};
+@if(!FRUSTUM_CULLING) import package::lib::packing::GEOMETRY_VECTORS;
+@if(!FRUSTUM_CULLING) import package::lib::packing::unpackSplat;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> page: Page;
@@ -23,6 +27,8 @@ import package::lib::level_link::{errorOf, parentErrorOf};
 @group(0) @binding(4) var<storage, read> thresholds: array<u32>;
 @group(0) @binding(5) var<storage, read> cutPlan: CutPlan;
 @group(0) @binding(6) var<storage, read_write> cutCounts: array<atomic<u32>, CUT_BINS>;
+@if(!FRUSTUM_CULLING) @group(0) @binding(7) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
+@if(!GEOMETRY_F32 && !FRUSTUM_CULLING) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
 /// Shifts before and beyond all that are possible.
 const ALWAYS = -0x10000;
@@ -44,14 +50,18 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
     closed = SHIFT_NONE + i32(links[chunk].cellError) - i32(thresholds[cell.parent]);
   }
   let last = min(closed, shiftTo(links[chunk].largestParentError, zero));
-  if (last <= i32(cutPlan.base) || !isInFrustum(cell, 1.001 * links[chunk].largestScale)) { return; }
+  let center = 0.5 * (cell.minPosition + cell.maxPosition);
+  let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
+  if (last <= i32(cutPlan.base) || !reachesIn(center, halfExtent, links[chunk].largestScale)) { return; }
 
   let link = links[chunk].links[lane];
   if (link != 0u) {
     let start = binOf(shiftTo(errorOf(link), zero));
     let end = binOf(min(closed, shiftTo(parentErrorOf(link), zero)));
-    if (start < end && start < CUT_BINS) { atomicAdd(&bins[start], 1u); }
-    if (start < end && end < CUT_BINS) { atomicSub(&bins[end], 1u); }
+    @if(!FRUSTUM_CULLING) let isCounted = start < end && start < CUT_BINS && (isWithin(center, halfExtent) || isInSight(chunk, lane));
+    @if(FRUSTUM_CULLING) let isCounted = start < end && start < CUT_BINS;
+    if (isCounted) { atomicAdd(&bins[start], 1u); }
+    if (isCounted && end < CUT_BINS) { atomicSub(&bins[end], 1u); }
   }
   workgroupBarrier();
   if (lane < CUT_BINS) {
@@ -73,11 +83,29 @@ fn binOf(shift: i32) -> u32 {
   return (beyond + cutPlan.step - 1u) / cutPlan.step;
 }
 
-fn isInFrustum(cell: LevelCell, maxScale: f32) -> bool {
-  let center = 0.5 * (cell.minPosition + cell.maxPosition);
-  let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
+/// Whether splats in a box, none larger than about `maxScale`, can reach into the image.
+fn reachesIn(center: vec3f, halfExtent: vec3f, maxScale: f32) -> bool {
   for (var i = 0u; i < 6u; i++) {
-    if (!reachesPast(page.frustum[i], page.frustumReach[i].x * maxScale, center, halfExtent)) { return false; }
+    let reach = page.frustumReach[i].x * 1.001 * maxScale;
+    if (!reachesPast(page.frustum[i], reach, center, halfExtent)) { return false; }
   }
   return true;
+}
+
+/// Whether all centres in a box are in the frustum.
+@if(!FRUSTUM_CULLING)
+fn isWithin(center: vec3f, halfExtent: vec3f) -> bool {
+  for (var i = 0u; i < 6u; i++) {
+    let side = page.frustum[i];
+    if (dot(side.xyz, center) + side.w < dot(abs(side.xyz), halfExtent)) { return false; }
+  }
+  return true;
+}
+
+@if(!FRUSTUM_CULLING)
+fn isInSight(chunk: u32, lane: u32) -> bool {
+  let words = geometry[chunk * CHUNK_SPLATS + lane];
+  @if(GEOMETRY_F32) let splat = unpackSplat(words);
+  @if(!GEOMETRY_F32) let splat = unpackSplat(words, vec2f(chunks[chunk].minLogScale, chunks[chunk].logScaleStep));
+  return reachesIn(splat.position, vec3f(0.0), max(splat.scale.x, max(splat.scale.y, splat.scale.z)));
 }

@@ -15,7 +15,7 @@ import { type SidedCloud, splatsInSight } from './splats-in-sight.ts';
 export interface LevelCut {
   readonly camera: readonly [number, number, number];
   readonly squaredPerDistance: number;
-  readonly squaredEverywhere: number;
+  readonly leastSquared: number;
   readonly margin: number;
 }
 
@@ -94,7 +94,7 @@ export function levelCut(
   levels: CloudLevels | null,
   detail: FixedDetail,
   { linear, inverse, camera }: CloudView,
-  { isOrthographic, focalPx }: Projection,
+  { isOrthographic, focalPx, near }: Projection,
   { displacement, growth }: SplatReach,
 ): LevelCut | null {
   if (!levels || detail === 'full' || !inverse) return null;
@@ -103,12 +103,13 @@ export function levelCut(
   const radians = maxErrorPx / Math.max(Math.abs(focalPx[0]), Math.abs(focalPx[1])) / growth / largest;
   if (!camera)
     return isOrthographic
-      ? { camera: [0, 0, 0], squaredPerDistance: 0, squaredEverywhere: squared(radians), margin: 0 }
+      ? { camera: [0, 0, 0], squaredPerDistance: 0, leastSquared: squared(radians), margin: 0 }
       : null;
   return {
     camera,
     squaredPerDistance: squared(radians * smallest),
-    squaredEverywhere: 0,
+    // Chunks around the camera are at no distance, but what is nearer than this is not drawn.
+    leastSquared: squared(radians * near),
     margin: displacement,
   };
 }

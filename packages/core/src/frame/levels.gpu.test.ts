@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { beforeAll, describe, expect, test } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
 import { type CloudLevels, cellCounts, cellsOf } from '../clouds/cloud-levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -21,7 +21,7 @@ import { cellThreshold } from '../reference/cut-cells.ts';
 import { shifted } from '../reference/cut-count.ts';
 import { dilatedOpacity } from '../reference/dilated-blob.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import { isDrawnAt } from '../reference/level-link.ts';
+import { isDrawnAt, threshold } from '../reference/level-link.ts';
 import { meanArea, rimLength } from '../reference/merged-splat.ts';
 import { planCut } from '../reference/plan-cut.ts';
 import { deviceWith } from '../testing/device-with.ts';
@@ -116,7 +116,7 @@ describe('a cut', () => {
       const cut = {
         camera: [0, 1, 2].map(() => 4 * random() - 2) as [number, number, number],
         squaredPerDistance: 10 ** (-8 * random()),
-        squaredEverywhere: run % 4 === 0 ? 10 ** (-6 * random()) : 0,
+        leastSquared: run % 4 === 0 ? 10 ** (-6 * random()) : 0,
         margin: run % 5 === 0 ? 0.5 : 0,
       };
       const drawn = drawnNodes(cells, packed.chunks, cut);
@@ -128,6 +128,20 @@ describe('a cut', () => {
     }
     expect(merged).toBeGreaterThan(20);
   });
+});
+
+test('around the camera a cut has the error that is allowed at the near plane', () => {
+  const seen = camera(0.1);
+  const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
+  const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], false);
+  const cut = levelCut({} as CloudLevels, { maxErrorPx: 2 }, view, projection, {
+    displacement: 0,
+    growth: 1,
+  })!;
+  const box = { min: [-1, -1, -1], max: [1, 1, 1] };
+  const error = (2 * seen.near) / Math.max(...projection.focalPx.map(Math.abs));
+  expect(cellThreshold(box, cut)).toBe(threshold(error ** 2));
+  expect(cellThreshold(box, cut)).toBeGreaterThan(0);
 });
 
 describe('frames with less than full detail', () => {

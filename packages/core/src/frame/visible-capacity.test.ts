@@ -59,7 +59,7 @@ describe('mostVisibleSplats', () => {
 
   test('is a budget, with blobs of each cloud at their coarsest, and all of clouds without a cut', () => {
     const [drawn] = cloudsOf(CAMERA);
-    const cut = { camera: [0, 0, 0], squaredPerDistance: 1, squaredEverywhere: 0, margin: 0 } as const;
+    const cut = { camera: [0, 0, 0], squaredPerDistance: 1, leastSquared: 0, margin: 0 } as const;
     const budget = { splats: 5000, leastShift: 0 };
     expect(mostVisibleSplats([{ ...drawn, cut }], budget)).toBe(5000 + 256);
     const both = [{ ...drawn, cut }, drawn];

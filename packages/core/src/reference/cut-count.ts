@@ -3,13 +3,14 @@ import { isDrawnAt } from './level-link.ts';
 
 const { ERROR_BOUNDLESS, SHIFT_NONE } = LEVEL_CONSTANTS;
 
-/** A chunk of splats or blobs that is in sight. */
+/** A chunk of splats or blobs. */
 export interface CountedChunk {
   /** Thresholds of its cell and of the cell above, before any shift; null at the top. */
   readonly limit: number;
   readonly parentLimit: number | null;
   /** Largest error of the cell's roots. */
   readonly cellError: number;
+  /** Of the splats or blobs that are in sight. */
   readonly links: readonly number[];
 }
 

@@ -166,7 +166,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     cutCells,
     cutSplats,
     shiftCells,
-    cutCount,
+    ...GEOMETRY.flatMap((geometryPrecision) =>
+      (['bounding-box', 'frustum'] as const).map((culling) => cutCount({ geometryPrecision, culling })),
+    ),
     planCut,
     ...(['f32', 'packed', 'upper'] as const).map(mergeChunks),
     ...DEGREES.slice(1).flatMap((degree) => [

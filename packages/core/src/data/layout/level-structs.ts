@@ -36,10 +36,10 @@ export const MergeParameters = gpuStruct('MergeParameters', {
 export const CutParameters = gpuStruct('CutParameters', {
   /** The camera in cloud space, about the cloud's origin. */
   camera: 'vec3f',
-  /** A cell's squared threshold is its squared distance times this and … */
+  /** A cell's squared threshold is its squared distance times this, … */
   squaredPerDistance: 'f32',
-  /** … this, in the cloud's units: one of the two is 0. */
-  squaredEverywhere: 'f32',
+  /** … and at least this, in the cloud's units: that at the near plane, or of parallel rays. */
+  leastSquared: 'f32',
   /** How far effects may move splats, in the cloud's units. */
   margin: 'f32',
   cellCount: 'u32',

@@ -95,7 +95,7 @@ interface Groups {
     readonly cullChunks: GPUBindGroup;
     /** Null on pages without a cut. */
     readonly cutSplats: GPUBindGroup | null;
-    /** Null without a budget, too. */
+    /** Null without a budget. */
     readonly cutCount: GPUBindGroup | null;
     readonly cullSplats: GPUBindGroup;
     readonly project: GPUBindGroup;
@@ -110,6 +110,7 @@ const cloudStages = perShape((shape) =>
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
     const stagesOf = (own: typeof variant & { readonly isDilated?: boolean }) => ({
       cullChunks: cloud.levels ? cullLevels : cullChunks,
+      ...(cloud.levels && shape.isBudgeted && { cutCount: cutCount(own) }),
       cullSplats: cullSplats({ ...own, hasLevels: cloud.levels !== null }),
       project: project({
         ...own,
@@ -151,10 +152,10 @@ export class Preprocess implements FramePart<OrderRecording> {
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
     const clouds = cloudStages(shape).flatMap(({ splats, blobs }) =>
-      [...new Set([splats, blobs])].flatMap((own) => [own.cullChunks, own.cullSplats, own.project]),
+      [...new Set([splats, blobs])].flatMap((own) => Object.values<CompiledStage>(own)),
     );
     const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
-    const budget = shape.isBudgeted ? [cutCount, planCut, shiftCells] : [];
+    const budget = shape.isBudgeted ? [planCut, shiftCells] : [];
     return [...FRAME_STAGES, ...cuts, ...budget, ...prefixScanStages, ...clouds];
   }
 
@@ -210,7 +211,7 @@ export class Preprocess implements FramePart<OrderRecording> {
         return {
           cullChunks: pipelines.bindGroup(stages.cullChunks, own),
           cutSplats: links && pipelines.bindGroup(cutSplats, own),
-          cutCount: links && budget && pipelines.bindGroup(cutCount, own),
+          cutCount: stages.cutCount ? pipelines.bindGroup(stages.cutCount, own) : null,
           cullSplats: pipelines.bindGroup(stages.cullSplats, own),
           project: pipelines.bindGroup(stages.project, own),
         };
@@ -307,16 +308,17 @@ export class Preprocess implements FramePart<OrderRecording> {
   /** Counts what cuts would draw, and plans the one that the budget allows. */
   #recordBudget(
     pass: GPUComputePassEncoder,
-    { dispatchRow }: FrameShape,
+    shape: FrameShape,
     pages: readonly FramePage[],
     plan: GPUBindGroup,
   ): void {
-    pass.setPipeline(this.#context.pipelines.compute(cutCount)!);
-    for (const [index, { chunkCount }] of pages.entries()) {
-      const group = this.#groups!.pages[index].cutCount;
-      if (!group) continue;
-      pass.setBindGroup(0, group);
-      pass.dispatchWorkgroups(...dispatchSize(chunkCount, dispatchRow));
+    let stage: StageDefinition | null = null;
+    for (const [index, framePage] of pages.entries()) {
+      const { cutCount } = stagesOf(shape, framePage);
+      if (!cutCount) continue;
+      stage = this.#usePipeline(pass, cutCount, stage);
+      pass.setBindGroup(0, this.#groups!.pages[index].cutCount);
+      pass.dispatchWorkgroups(...dispatchSize(framePage.chunkCount, shape.dispatchRow));
     }
     useCompute(pass, this.#context.pipelines, planCut, plan);
     pass.dispatchWorkgroups(1);

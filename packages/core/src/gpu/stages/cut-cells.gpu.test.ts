@@ -2,6 +2,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { CutParameters, LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
 import { type CutValues, cellThreshold } from '../../reference/cut-cells.ts';
+import { threshold } from '../../reference/level-link.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { cutCells } from './cut-cells.ts';
@@ -50,14 +51,15 @@ async function thresholdsOf(cells: readonly Cell[], values: CutValues): Promise<
 }
 
 describe('cut-cells', () => {
-  const perspective = { squaredPerDistance: 1e-6, squaredEverywhere: 0, margin: 0 };
+  const perspective = { squaredPerDistance: 1e-6, leastSquared: 0, margin: 0 };
   const cuts: Record<string, CutValues> = {
     'from outside': { ...perspective, camera: [30, 1, -2] },
     'from inside': { ...perspective, camera: [0.1, 0.2, 0.3] },
     'with splats that move': { ...perspective, camera: [30, 1, -2], margin: 20 },
     'at no error': { ...perspective, squaredPerDistance: 0, camera: [30, 1, -2] },
+    'from inside, with a near plane': { ...perspective, leastSquared: 1e-7, camera: [0.1, 0.2, 0.3] },
     'from very far': { ...perspective, camera: [3e30, 0, 0] },
-    'of parallel rays': { camera: [0, 0, 0], squaredPerDistance: 0, squaredEverywhere: 0.01, margin: 0 },
+    'of parallel rays': { camera: [0, 0, 0], squaredPerDistance: 0, leastSquared: 0.01, margin: 0 },
   };
   for (const [name, values] of Object.entries(cuts)) {
     for (const size of [1e-6, 10, 1e9]) {
@@ -72,6 +74,7 @@ describe('cut-cells', () => {
           );
           if (values.camera[0] < 1e18)
             expect(Math.abs(thresholds[i] - expected), `cell ${i}`).toBeLessThanOrEqual(1);
+          expect(thresholds[i]).toBeGreaterThanOrEqual(threshold(values.leastSquared));
           if (i > 0) expect(thresholds[cell.parent], `parent of ${i}`).toBeLessThanOrEqual(thresholds[i]);
         }
       });
