@@ -47,24 +47,35 @@ export function cellsOf(chunks: Float32Array): ArrayBuffer {
   const counts = cellCounts(chunks.length / words);
   const total = counts.reduce((sum, count) => sum + count, 0);
   const contents = new ArrayBuffer(total * LevelCell.bytes);
-  let below: { min: number[]; max: number[] }[] = Array.from({ length: counts[0] }, (_, chunk) => ({
-    min: Array.from(chunks.subarray(chunk * words + minPosition, chunk * words + minPosition + 3)),
-    max: Array.from(chunks.subarray(chunk * words + maxPosition, chunk * words + maxPosition + 3)),
-  }));
-  let start = 0;
-  for (const [level, count] of counts.entries()) {
-    const next = start + count;
-    for (const [i, { min, max }] of below.entries()) {
-      const parent = level + 1 < counts.length ? next + Math.floor(i / CELL_CHILDREN) : NO_CELL;
-      const cell = { minPosition: min, maxPosition: max, parent };
-      LevelCell.write(contents, cell, (start + i) * LevelCell.bytes);
+  // Word by word: objects for 25,000 cells, those of six million splats, take 100 ms.
+  const [bounds, links] = [new Float32Array(contents), new Uint32Array(contents)];
+  const stride = LevelCell.bytes / 4;
+  const [min, max, parent] = (['minPosition', 'maxPosition', 'parent'] as const).map(
+    (field) => LevelCell.offsets[field] / 4,
+  );
+  for (let chunk = 0; chunk < counts[0]; chunk++) {
+    for (let axis = 0; axis < 3; axis++) {
+      bounds[chunk * stride + min + axis] = chunks[chunk * words + minPosition + axis];
+      bounds[chunk * stride + max + axis] = chunks[chunk * words + maxPosition + axis];
     }
-    below = Array.from({ length: counts[level + 1] ?? 0 }, (_, i) => {
-      const children = below.slice(i * CELL_CHILDREN, (i + 1) * CELL_CHILDREN);
-      const along = (pick: (...values: number[]) => number, side: 'min' | 'max') =>
-        [0, 1, 2].map((axis) => pick(...children.map((child) => child[side][axis])));
-      return { min: along(Math.min, 'min'), max: along(Math.max, 'max') };
-    });
+  }
+  links[(total - 1) * stride + parent] = NO_CELL;
+  let start = 0;
+  for (const count of counts.slice(0, -1)) {
+    const next = start + count;
+    for (let i = 0; i < count; i++) {
+      const above = next + Math.floor(i / CELL_CHILDREN);
+      const from = (start + i) * stride;
+      const to = above * stride;
+      links[from + parent] = above;
+      const isFirst = i % CELL_CHILDREN === 0;
+      for (let axis = 0; axis < 3; axis++) {
+        const low = bounds[from + min + axis];
+        const high = bounds[from + max + axis];
+        bounds[to + min + axis] = isFirst ? low : Math.min(bounds[to + min + axis], low);
+        bounds[to + max + axis] = isFirst ? high : Math.max(bounds[to + max + axis], high);
+      }
+    }
     start = next;
   }
   return contents;
@@ -181,7 +192,7 @@ async function makeLevels(
   const { levels, ranges } = await guarded(() => allocate(context, cloud));
   check();
   const { cellCount } = levels;
-  const slowestMs = Float64Array.from({ length: cellCount + 1 }, (_, cell) => SLOWEST_CELL_MS * cell);
+  const slowestMs = new Float64Array(cellCount + 1).map((_, cell) => SLOWEST_CELL_MS * cell);
   const pacer = new SubmissionPacer(context.submissionBudgetMs);
   for (let first = 0; first < cellCount; ) {
     if (planes.held !== held) return null;
