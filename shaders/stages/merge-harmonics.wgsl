@@ -33,23 +33,27 @@ import package::lib::packing::unpackSplat;
 @if(!UPPER) @group(0) @binding(9) var<storage, read> shRest: array<u32>;
 @if(!GEOMETRY_F32) @group(0) @binding(10) var<storage, read> chunks: array<Chunk>;
 
-/// Coefficients that are averaged together.
-const GROUP = 8u;
+/// Coefficients that are averaged together: 9, 24 and 45 take 1, 3 and 5 rounds.
+const GROUP = 9u;
 const GROUPS = (SH_VALUES + GROUP - 1u) / GROUP;
 /// No child: a root that is a splat has one.
 const NONE = 0xffffu;
 
-/// Both nodes that a blob merges: slots of blobs, and of splats from CHUNK_SPLATS on.
-var<workgroup> children: array<array<u32, 2>, CHUNK_SPLATS>;
-var<workgroup> childCounts: array<atomic<u32>, CHUNK_SPLATS>;
+/// Both nodes that a blob merges, in order so that sums are the same every time: slots of blobs, and
+/// of splats from CHUNK_SPLATS on.
+var<workgroup> firstChildren: array<atomic<u32>, CHUNK_SPLATS>;
+var<workgroup> lastChildren: array<atomic<u32>, CHUNK_SPLATS>;
 /// Weights of blobs, then of splats.
 var<workgroup> weights: array<f32, 2u * CHUNK_SPLATS>;
-/// Steps after which a blob's children are known; 0 before that is.
-var<workgroup> depths: array<u32, CHUNK_SPLATS>;
+/// Steps after which a blob's children are known; 0 before that is. Then the ends of steps in
+/// `order`.
+var<workgroup> depths: array<atomic<u32>, CHUNK_SPLATS>;
+/// Blobs by the step that averages them.
+var<workgroup> order: array<u32, CHUNK_SPLATS>;
+var<workgroup> orderedCount: atomic<u32>;
 var<workgroup> values: array<f32, GROUP * CHUNK_SPLATS>;
 /// A bit per root.
 var<workgroup> roots: array<atomic<u32>, MASK_WORDS>;
-var<workgroup> openBlobs: atomic<u32>;
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -66,7 +70,7 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
 
   @if(!UPPER) let largestScale = max(splatLinks[splatChunk].largestScale, blobLinks[blobChunk].largestScale);
   @if(UPPER) let largestScale = max(upperLinks[splatChunk].largestScale, upperLinks[blobChunk].largestScale);
-  children[lane] = array<u32, 2>(NONE, NONE);
+  atomicStore(&firstChildren[lane], NONE);
   workgroupBarrier();
   if (splatLink != 0u) {
     adopt(parentSlotOf(splatLink), CHUNK_SPLATS + lane);
@@ -83,35 +87,44 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
   workgroupBarrier();
 
   // Each blob needs those of its children first.
-  // In order, since either may have come first: sums must be the same every time.
-  let own = array<u32, 2>(min(children[lane][0], children[lane][1]), max(children[lane][0], children[lane][1]));
-  var depth = 0u;
-  var deepest = 0u;
+  let isBlob = blobLink != 0u;
+  @if(!UPPER) let blobCount = blobLinks[blobChunk].count;
+  @if(UPPER) let blobCount = upperLinks[blobChunk].count;
+  var isOrdered = false;
+  // Of the step that this lane has the number of.
+  var end = 0u;
+  var steps = 0u;
   for (var step = 1u; step <= CHUNK_SPLATS; step++) {
-    if (lane == 0u) { atomicStore(&openBlobs, 0u); }
-    workgroupBarrier();
-    let isNext = blobLink != 0u && depth == 0u && isKnown(own[0]) && isKnown(own[1]);
-    workgroupBarrier();
-    if (isNext) { depth = step; }
-    if (isNext) { depths[lane] = step; }
-    if (blobLink != 0u && depth == 0u) { atomicStore(&openBlobs, 1u); }
-    deepest = step;
-    if (workgroupUniformLoad(&openBlobs) == 0u) { break; }
+    let count = workgroupUniformLoad(&orderedCount);
+    if (lane == steps) { end = count; }
+    if (count >= blobCount) { break; }
+    steps = step;
+    if (isBlob && !isOrdered && isKnown(firstOf(lane), step) && isKnown(secondOf(lane), step)) {
+      isOrdered = true;
+      atomicStore(&depths[lane], step);
+      order[atomicAdd(&orderedCount, 1u)] = lane;
+    }
   }
+  workgroupBarrier();
+  atomicStore(&depths[lane], end);
+  workgroupBarrier();
 
-  let last = deepest;
+  let last = steps;
+  // A thread for each coefficient of each blob of a step: threads of one blob read along its words.
   var averaged: array<f32, GROUPS * GROUP>;
   for (var group = 0u; group < GROUPS; group++) {
     for (var step = 1u; step <= last; step++) {
-      if (depth == step) {
-        for (var i = 0u; i < GROUP; i++) {
-          let value = averageOf(own, splatChunk, group * GROUP + i, i);
-          averaged[group * GROUP + i] = value;
-          values[i * CHUNK_SPLATS + lane] = value;
-        }
+      let firstItem = GROUP * atomicLoad(&depths[step - 1u]) + lane;
+      let endItem = GROUP * atomicLoad(&depths[step]);
+      for (var item = firstItem; item < endItem; item += CHUNK_SPLATS) {
+        let blob = order[item / GROUP];
+        let i = item % GROUP;
+        values[blob * GROUP + i] = averageOf(blob, splatChunk, group * GROUP + i, i);
       }
       workgroupBarrier();
     }
+    for (var i = 0u; i < GROUP; i++) { averaged[group * GROUP + i] = values[lane * GROUP + i]; }
+    workgroupBarrier();
   }
   if (blobLink == 0u) { return; }
 
@@ -133,27 +146,41 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
 }
 
 fn adopt(parent: u32, child: u32) {
-  children[parent][atomicAdd(&childCounts[parent], 1u)] = child;
+  atomicMin(&firstChildren[parent], child);
+  atomicMax(&lastChildren[parent], child);
 }
 
-fn isKnown(child: u32) -> bool {
+fn firstOf(blob: u32) -> u32 {
+  return atomicLoad(&firstChildren[blob]);
+}
+
+fn secondOf(blob: u32) -> u32 {
+  let child = atomicLoad(&lastChildren[blob]);
+  return select(child, NONE, child == firstOf(blob));
+}
+
+/// Whether a child has been averaged before this step.
+fn isKnown(child: u32, step: u32) -> bool {
   if (child >= CHUNK_SPLATS) { return true; }
-  return depths[child] > 0u;
+  let depth = atomicLoad(&depths[child]);
+  return depth > 0u && depth < step;
 }
 
 /// Coefficient `k` of a blob, which is the group's `i`: its children's, by their weights.
-fn averageOf(both: array<u32, 2>, splatChunk: u32, k: u32, i: u32) -> f32 {
+fn averageOf(blob: u32, splatChunk: u32, k: u32, i: u32) -> f32 {
   if (k >= SH_VALUES) { return 0.0; }
-  let first = childValue(both[0], splatChunk, k, i);
-  if (both[1] == NONE) { return first; }
-  let second = childValue(both[1], splatChunk, k, i);
-  let weight0 = weights[both[0]];
-  let weight1 = weights[both[1]];
+  let child0 = firstOf(blob);
+  let child1 = secondOf(blob);
+  let first = childValue(child0, splatChunk, k, i);
+  if (child1 == NONE) { return first; }
+  let second = childValue(child1, splatChunk, k, i);
+  let weight0 = weights[child0];
+  let weight1 = weights[child1];
   return (weight0 * first + weight1 * second) / (weight0 + weight1);
 }
 
 fn childValue(child: u32, splatChunk: u32, k: u32, i: u32) -> f32 {
-  if (child < CHUNK_SPLATS) { return values[i * CHUNK_SPLATS + child]; }
+  if (child < CHUNK_SPLATS) { return values[child * GROUP + i]; }
   return splatValue(splatChunk * CHUNK_SPLATS + child - CHUNK_SPLATS, k);
 }
 
