@@ -46,7 +46,7 @@ const FARTHEST = 1.8e19;
 var<workgroup> nodes: array<array<f32, NODE_WORDS>, CHUNK_SPLATS>;
 /// Per thread, the one whose node costs least to merge with.
 var<workgroup> nearest: array<u32, CHUNK_SPLATS>;
-/// The threads that have nodes, in order, and their number.
+/// The threads that have nodes, in order, and their number. While pairs merge, a thread's error.
 var<workgroup> order: array<u32, CHUNK_SPLATS>;
 var<workgroup> nodeCount: u32;
 /// A bit per thread: those that have nodes; and firsts of pairs, or others that are counted.
@@ -99,19 +99,24 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     @if(!UPPER) own.sums = splat.opacity * vec2f(unit * rimLength(axes, meanArea(axes)), 1.0);
     @if(UPPER) own.sums = sumsOf(splatChunk, lane);
     atomicMax(&leastErrors[0], ~own.error);
+    atomicOr(&holders[lane / 32u], 1u << (lane % 32u));
   }
+  workgroupBarrier();
 
   var made = 0u;
   for (var round = 0u; round < CHUNK_SPLATS; round++) {
-    let rank = listNodes(lane, own.isActive);
+    if (own.isActive) { order[countBelow(lane, false)] = lane; }
+    if (lane == 0u) { nodeCount = countBelow(CHUNK_SPLATS, false); }
     let count = workgroupUniformLoad(&nodeCount);
     if (count <= CELL_ROOTS) { break; }
-    if (own.isActive) { nearest[lane] = nearestTo(lane, rank, count); }
+    // The first threads, whichever have the nodes: the rest of the subgroups have nothing to do.
+    if (lane < count) { nearest[order[lane]] = nearestTo(lane, count); }
     workgroupBarrier();
 
     let other = nearest[lane];
     let first = min(lane, other);
     let isPair = own.isActive && other != lane && nearest[other] == lane;
+    order[lane] = own.error;
     if (isPair && lane == first) { atomicOr(&counted[lane / 32u], 1u << (lane % 32u)); }
     workgroupBarrier();
 
@@ -125,29 +130,28 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
       let a = nodeOf(first);
       let b = nodeOf(max(lane, other));
       let moved = min(sqrt(sqrt(mergeCost(a, b))) * unit, FARTHEST);
-      error = blobError(moved * moved);
+      error = max(blobError(moved * moved), max(own.error, order[other]));
       blob = merge(a, b);
     }
     workgroupBarrier();
-    // The rest of a node passes through the words of its thread.
-    if (merges) { nodes[lane][0] = f32(own.error); }
-    if (merges) { nodes[lane][1] = own.sums.x; }
-    if (merges) { nodes[lane][2] = own.sums.y; }
-    workgroupBarrier();
-    var others: vec3f;
-    if (merges) { others = vec3f(nodes[other][0], nodes[other][1], nodes[other][2]); }
-    workgroupBarrier();
+    if (lane < MASK_WORDS) { atomicStore(&counted[lane], 0u); }
     if (merges) {
-      error = max(error, max(own.error, u32(others.x)));
       link(splatChunk, blobChunk, lane, own, linkOf(own.error, error, made + pair));
       own.isActive = lane == first;
       own.isSplat = false;
       own.slot = made + pair;
       own.error = error;
-      own.sums += others.yz;
     }
+    if (merges && lane == first) { setNode(lane, blob); }
+    if (merges && lane != first) {
+      atomicAnd(&holders[lane / 32u], ~(1u << (lane % 32u)));
+      // The rest of a node passes through words that are of no use any more.
+      nodes[lane][0] = own.sums.x;
+      nodes[lane][1] = own.sums.y;
+    }
+    workgroupBarrier();
     if (merges && lane == first) {
-      setNode(lane, blob);
+      own.sums += vec2f(nodes[other][0], nodes[other][1]);
       writeBlob(blobChunk, own.slot, packed(blob, own.sums, unit, cell));
       atomicMax(&leastErrors[1], ~error);
     }
@@ -156,8 +160,6 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
 
   // A splat that nothing has merged with is a root as a blob of its own.
   let isAlone = own.isActive && own.isSplat;
-  if (lane < MASK_WORDS) { atomicStore(&counted[lane], 0u); }
-  workgroupBarrier();
   if (isAlone) { atomicOr(&counted[lane / 32u], 1u << (lane % 32u)); }
   workgroupBarrier();
   if (isAlone) {
@@ -215,20 +217,6 @@ fn sumsOf(chunk: u32, lane: u32) -> vec2f {
   return bitcast<vec2f>(vec2u(upper[index][2].w, upper[index][3].w));
 }
 
-/// Lists the nodes of all threads; returns this thread's place among them.
-fn listNodes(lane: u32, isActive: bool) -> u32 {
-  workgroupBarrier();
-  if (lane < MASK_WORDS) { atomicStore(&holders[lane], 0u); }
-  if (lane < MASK_WORDS) { atomicStore(&counted[lane], 0u); }
-  workgroupBarrier();
-  if (isActive) { atomicOr(&holders[lane / 32u], 1u << (lane % 32u)); }
-  workgroupBarrier();
-  let rank = countBelow(lane, false);
-  if (isActive) { order[rank] = lane; }
-  if (lane == 0u) { nodeCount = countBelow(CHUNK_SPLATS, false); }
-  return rank;
-}
-
 /// Threads before `lane` that have nodes, or that are counted.
 fn countBelow(lane: u32, ofCounted: bool) -> u32 {
   var count = 0u;
@@ -239,10 +227,12 @@ fn countBelow(lane: u32, ofCounted: bool) -> u32 {
   return count;
 }
 
-fn nearestTo(lane: u32, rank: u32, count: u32) -> u32 {
-  let node = nodeOf(lane);
+/// The thread whose node costs least to merge with the one that comes `rank`th of `count`; that
+/// one's own where none does.
+fn nearestTo(rank: u32, count: u32) -> u32 {
+  var found = order[rank];
+  let node = nodeOf(found);
   var least = 1e38;
-  var found = lane;
   // Ascending: of equal costs the first counts, from both sides.
   for (var step = 0u; step < PLACES; step++) {
     // Places before the first wrap around to more than any.

@@ -153,8 +153,8 @@ describe('merge-chunks', () => {
     ['lib/merged-splat', 'moved * apart * apart', '0.9 * moved * apart * apart'],
     ['lib/merged-splat', 'weight * moved * (distance2', '1.5 * weight * moved * (distance2'],
     ['lib/level-link', '((1u << ERROR_SHIFT) - 1u)', '(3u << ERROR_SHIFT)'],
-    ['stages/merge-chunks', 'max(own.error, u32(others.x))', 'own.error'],
-    ['stages/merge-chunks', 'own.sums += others.yz', 'own.sums += 0.99 * others.yz'],
+    ['stages/merge-chunks', 'max(own.error, order[other])', 'own.error'],
+    ['stages/merge-chunks', 'own.sums += vec2f', 'own.sums += 0.99 * vec2f'],
   ]) {
     gpuTest(`a fault is noticed: ${replace}`, async () => {
       const pipelines = new Pipelines(gpu.device, { file, find, replace });
