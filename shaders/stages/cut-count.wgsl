@@ -1,10 +1,11 @@
 // Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
-// chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words then sum to the
-// number at n steps beyond the plan's base. One workgroup per chunk, one thread per splat,
+// chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
+// sum to the number at n steps beyond the plan's base. One workgroup per chunk, one thread per splat,
 // dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn.
 import constants::CHUNK_SPLATS;
 import constants::CUT_BINS;
+import constants::CUT_COPIES;
 import constants::ERROR_BOUNDLESS;
 import constants::NO_CELL;
 import constants::SHIFT_NONE;
@@ -26,7 +27,7 @@ import package::lib::level_link::{errorOf, parentErrorOf};
 @group(0) @binding(3) var<storage, read> cells: array<LevelCell>;
 @group(0) @binding(4) var<storage, read> thresholds: array<u32>;
 @group(0) @binding(5) var<storage, read> cutPlan: CutPlan;
-@group(0) @binding(6) var<storage, read_write> cutCounts: array<atomic<u32>, CUT_BINS>;
+@group(0) @binding(6) var<storage, read_write> cutCounts: array<atomic<u32>, CUT_BINS * CUT_COPIES>;
 @if(!FRUSTUM_CULLING) @group(0) @binding(7) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @if(!GEOMETRY_F32 && !FRUSTUM_CULLING) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
@@ -66,7 +67,7 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   workgroupBarrier();
   if (lane < CUT_BINS) {
     let change = atomicLoad(&bins[lane]);
-    if (change != 0u) { atomicAdd(&cutCounts[lane], change); }
+    if (change != 0u) { atomicAdd(&cutCounts[chunk % CUT_COPIES * CUT_BINS + lane], change); }
   }
 }
 

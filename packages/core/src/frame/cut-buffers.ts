@@ -13,6 +13,9 @@ interface Cut {
   readonly thresholds: GPUBuffer;
 }
 
+/** Of the words that cut-count adds to. */
+const COUNTS_BYTES = 4 * LEVEL_CONSTANTS.CUT_BINS * LEVEL_CONSTANTS.CUT_COPIES;
+
 /** What a frame's cuts through levels of detail take; nothing for clouds drawn in full. */
 export class CutBuffers {
   readonly #memory: GpuMemory;
@@ -71,7 +74,7 @@ export class CutBuffers {
       ? null
       : {
           cutPlan: this.#memory.createBuffer('frame cut plan', CutPlan.bytes, usage),
-          cutCounts: this.#memory.createBuffer('frame cut counts', 4 * LEVEL_CONSTANTS.CUT_BINS, usage),
+          cutCounts: this.#memory.createBuffer('frame cut counts', COUNTS_BYTES, usage),
         };
   }
 

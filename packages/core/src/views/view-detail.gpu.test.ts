@@ -95,7 +95,7 @@ describe('minPsnrDb', () => {
     expect(drawn).not.toBe('full');
     expect(measuredPsnrDb).toBeNull();
     // Three more, and six for each factor of two in size.
-    expect(predictedPsnrDb).toBeCloseTo(33 + 6 * Math.log2(20 / 18), 5);
+    expect(predictedPsnrDb).toBeCloseTo(33 + 6 * Math.log2(20 / 18), 3);
     expect(Math.abs((await decibelsOf(view, 18)) - predictedPsnrDb!)).toBeLessThan(5);
     view.destroy();
   });

@@ -75,6 +75,8 @@ export const LEVEL_CONSTANTS = {
   SHIFT_STEP: 64,
   /** Shifts that are counted at once. */
   CUT_BINS: 128,
+  /** Copies of the bins, which share the additions of all chunks: each waits for those to one place. */
+  CUT_COPIES: 16,
   /** Most splats that may lie on top of each other in one blob. */
   MOST_OPACITY: 1000,
 } as const;

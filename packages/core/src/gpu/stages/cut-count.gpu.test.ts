@@ -11,7 +11,7 @@ import { testGpu } from '../../testing/test-gpu.ts';
 import { cutCount } from './cut-count.ts';
 import { dispatchSize } from './dispatch.ts';
 
-const { CUT_BINS, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
+const { CUT_BINS, CUT_COPIES, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
 const DISPATCH_ROW = 4;
 const CHUNKS = 30;
 const gpu = testGpu();
@@ -61,7 +61,7 @@ async function countsOf(
     return [cell, cellError, leastError, largestParentError, 0, used.length, ...links];
   });
   expect(linkWords.length).toBe(CHUNKS * ChunkLinks.words);
-  const cutCounts = gpu.storage([], 4 * CUT_BINS);
+  const cutCounts = gpu.storage([], 4 * CUT_BINS * CUT_COPIES);
   const bindings = {
     view: gpu.uniform(
       packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: DISPATCH_ROW }),
@@ -77,9 +77,10 @@ async function countsOf(
     chunks: gpu.storage([], Chunk.bytes * CHUNKS),
   };
   await gpu.run(cutCount(variant), bindings, dispatchSize(CHUNKS + 1, DISPATCH_ROW));
+  const changes = await gpu.read(cutCounts);
   let sum = 0;
-  return Array.from(await gpu.read(cutCounts), (change) => {
-    sum = (sum + change) >>> 0;
+  return Array.from({ length: CUT_BINS }, (_, bin) => {
+    for (let copy = 0; copy < CUT_COPIES; copy++) sum = (sum + changes[copy * CUT_BINS + bin]) >>> 0;
     return sum;
   });
 }

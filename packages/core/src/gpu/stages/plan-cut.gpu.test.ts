@@ -5,7 +5,7 @@ import { planCut as reference } from '../../reference/plan-cut.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { planCut } from './plan-cut.ts';
 
-const { CUT_BINS, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
+const { CUT_BINS, CUT_COPIES, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
 const gpu = testGpu();
 
 /** Runs both steps with the counts of cut-count; returns the plan's shift. */
@@ -15,9 +15,14 @@ async function shiftFor(countAt: (shift: number) => number, leastShift: number, 
   for (let step = 0; step < 2; step++) {
     const [base, apart] = await gpu.read(cutPlan);
     const counts = Array.from({ length: CUT_BINS }, (_, bin) => countAt(base + apart * bin));
-    const cutCounts = gpu.storage(counts.map((count, bin) => (count - (counts[bin - 1] ?? 0)) >>> 0));
+    const changes = counts.map((count, bin) => (count - (counts[bin - 1] ?? 0)) >>> 0);
+    // Each copy has added an odd number besides, which the last one takes away.
+    const copies = Array.from({ length: CUT_COPIES }, (_, copy) =>
+      changes.map((change) => (copy < CUT_COPIES - 1 ? 7 : change - 7 * (CUT_COPIES - 1)) >>> 0),
+    );
+    const cutCounts = gpu.storage(copies.flat());
     await gpu.run(planCut, { cutPlan, cutCounts }, [1, 1, 1]);
-    expect(await gpu.read(cutCounts)).toEqual(new Uint32Array(CUT_BINS));
+    expect(await gpu.read(cutCounts)).toEqual(new Uint32Array(CUT_BINS * CUT_COPIES));
   }
   return (await gpu.read(cutPlan))[CutPlan.offsets.shift / 4];
 }
