@@ -1,5 +1,5 @@
 import type { Camera } from '../data/camera/camera.ts';
-import { given } from '../data/given.ts';
+import { given, wrongArgument } from '../data/given.ts';
 import { type Mat4, multiply4 } from '../data/math/mat4.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
 
@@ -28,6 +28,19 @@ export function turnedAboutPivot(
   const turned = multiply4(rotation(aboutY, aboutX), alongView(depth));
   const back = multiply4(alongView(-depth * distanceFactor), turned);
   return { ...camera, viewMatrix: multiply4(back, camera.viewMatrix) };
+}
+
+/**
+ * Moves a camera away from the scene in front of it, along its line of sight: to `distanceFactor`
+ * times its distance from the point that `orbitCameras` go around.
+ *
+ * @param bounds bounds of the scene, world space.
+ * @throws InvalidArgumentError if `distanceFactor` is not a finite number above 0.
+ */
+export function cameraAtDistance(camera: Camera, bounds: Bounds, distanceFactor: number): Camera {
+  if (!(Number.isFinite(distanceFactor) && distanceFactor > 0))
+    throw wrongArgument('distanceFactor', distanceFactor, 'a finite number above 0');
+  return turnedAboutPivot(camera, pivotDepth(camera, bounds), { aboutY: 0, distanceFactor });
 }
 
 /** Moves by `depth` along the view's z axis. */

@@ -1,12 +1,12 @@
 import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../data/accuracy/accuracy.ts';
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
-import type { Bounds } from '../data/packing/packed-cloud.ts';
-import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
 import { type MeasureProgress, measureThen } from './measure-accuracy.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { sampleCameras } from './sample-cameras.ts';
+import { worldBounds } from './world-bounds.ts';
 
 /** The fewest frames with a 95 % interval: an application waits, and draws in between. */
 const FRAMES = 6;
@@ -59,25 +59,4 @@ export async function measureTarget(
   const choice = await measureThen(engine, options, choose, ({ settings }) => settings);
   if (!isSoftware) return choice;
   return { ...choice, why: `${choice.why} Without a GPU only a few settings were measured, from one side.` };
-}
-
-/** Returns the bounds of all clouds together, in world space. */
-export function worldBounds(clouds: readonly CloudInstance[]): Bounds {
-  const min: [number, number, number] = [Infinity, Infinity, Infinity];
-  const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
-  for (const { cloud, modelMatrix: m } of clouds) {
-    if (cloud.count === 0) continue;
-    const { robustBounds } = cloud;
-    for (let corner = 0; corner < 8; corner++) {
-      const [x, y, z] = [0, 1, 2].map((axis) =>
-        corner & (1 << axis) ? robustBounds.max[axis] : robustBounds.min[axis],
-      );
-      for (const axis of [0, 1, 2] as const) {
-        const at = m ? m[axis] * x + m[4 + axis] * y + m[8 + axis] * z + m[12 + axis] : [x, y, z][axis];
-        min[axis] = Math.min(min[axis], at);
-        max[axis] = Math.max(max[axis], at);
-      }
-    }
-  }
-  return min[0] <= max[0] ? { min, max } : { min: [0, 0, 0], max: [0, 0, 0] };
 }

@@ -2,6 +2,7 @@ import { BLOB_PRECISION, type OwnShPrecision } from '../data/packing/precision.t
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { loadVariant } from '../gpu/shaders/link-shader.ts';
+import { averageSamples } from '../gpu/stages/average-samples.ts';
 import { compactChunks } from '../gpu/stages/compact-chunks.ts';
 import { compactSplats } from '../gpu/stages/compact-splats.ts';
 import { compareImages } from '../gpu/stages/compare-images.ts';
@@ -102,6 +103,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     composite,
     compositeInCompute('bgra8unorm'),
     compositeInCompute('rgba8unorm'),
+    averageSamples,
     compareImages,
     ...prefixScanStages,
     ...RECORD.flatMap((recordPrecision) =>

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { worldBounds } from './measure-target.ts';
+import { worldBounds } from './world-bounds.ts';
 
 const cloud = { count: 1, robustBounds: { min: [0, 0, 0], max: [1, 2, 3] } } as unknown as SplatCloud;
 const empty = { ...cloud, count: 0 } as SplatCloud;
