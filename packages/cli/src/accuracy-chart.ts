@@ -1,6 +1,6 @@
 import type { LabelBox } from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
-import { isInterval } from './accuracy-report.ts';
+import { isBase, isInterval, isOfLessDetail } from './accuracy-report.ts';
 import { placeLabels } from './label-placement.ts';
 
 const WIDTH = 800;
@@ -20,11 +20,14 @@ const STYLE = `
   .leader { stroke: #8b949e; stroke-width: .75; } .dot { fill: #fff; stroke: #59636e; stroke-width: 1.5; }
   .front { fill: none; stroke: #0969da; stroke-width: 2; } .dot.onFront { fill: #0969da; stroke: #0969da; }
   .dot.base { stroke: #bc4c00; stroke-width: 3; } .label.onFront { font-weight: 600; fill: #0550ae; }
+  .details { fill: none; stroke: #1a7f37; stroke-width: 1.5; stroke-dasharray: 4 3; }
+  .dot.detail { stroke: #1a7f37; } .dot.detail.onFront { fill: #1a7f37; }
   @media (prefers-color-scheme: dark) {
     svg { background: #0d1117; } text { fill: #e6edf3; stroke: #0d1117; } .quiet { fill: #9198a1; }
     .grid { stroke: #21262d; } .axis, .spread { stroke: #6e7681; } .leader { stroke: #6e7681; }
     .dot { fill: #0d1117; stroke: #9198a1; } .front { stroke: #58a6ff; }
     .dot.onFront { fill: #58a6ff; stroke: #58a6ff; } .dot.base { stroke: #f0883e; } .label.onFront { fill: #79c0ff; }
+    .details, .dot.detail { stroke: #3fb950; } .dot.detail.onFront { fill: #3fb950; }
   }`;
 
 /** Draws error over time as an SVG, 800 px wide and 500 px high or more: accurate up, fast left. */
@@ -41,6 +44,10 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
   const letters = new Map(combinations.map((point, i) => [point, String.fromCharCode(65 + i)]));
   const height = HEIGHT + (combinations.length > 0 ? KEY_ROW_PX * combinations.length + 8 : 0);
   const front = placed.filter(({ point }) => point.isOnFront).sort((a, b) => a.x - b.x);
+  const hasDetails = points.some((point) => isOfLessDetail(point, table));
+  const byDetail = placed
+    .filter(({ point }) => hasDetails && (isBase(point, table) || isOfLessDetail(point, table)))
+    .sort((a, b) => b.point.splats - a.point.splats);
   const labels = placeLabels(
     placed.map(({ point, x, y }) => ({
       x,
@@ -90,6 +97,7 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
       'middle',
     ),
     `<text class="quiet" text-anchor="middle" transform="translate(18 ${(PLOT.top + PLOT.bottom) / 2}) rotate(-90)">PSNR against the reference, dB</text>`,
+    hasDetails ? `<path class="details" d="${linePath(byDetail)}"/>` : '',
     `<path class="front" d="${stepPath(front)}"/>`,
     ...labels.map(({ leader }) => (leader ? line(...leader, 'leader') : '')),
     ...placed.map(({ point: { timeMs }, y }) =>
@@ -97,7 +105,7 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
     ),
     ...placed.map(({ point, x, y }) => dot(point, x, y, table)),
     ...labels.map(({ x, y, text: name, isFirst }) => text(x, y, name, isFirst ? 'label onFront' : 'label')),
-    ...legend(frames),
+    ...legend(frames, hasDetails),
     ...[...letters].flatMap(([{ name }, letter], i) => [
       text(PLOT.left + 3, HEIGHT + KEY_ROW_PX * i + 14, letter, 'label'),
       text(PLOT.left + 16, HEIGHT + KEY_ROW_PX * i + 14, name, 'quiet'),
@@ -113,7 +121,7 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
   ].join('\n');
 }
 
-function legend(frames: number): string[] {
+function legend(frames: number, hasDetails: boolean): string[] {
   const y = HEIGHT - 12;
   const entry = (x: number, mark: string, label: string) => [mark, text(x + 10, y + 4, label, 'quiet')];
   return [
@@ -132,15 +140,35 @@ function legend(frames: number): string[] {
       line(PLOT.left + 430, y, PLOT.left + 444, y, 'spread'),
       isInterval(frames) ? '95 % interval of the median' : 'all that was measured',
     ),
+    ...(hasDetails
+      ? entry(
+          PLOT.left + 626,
+          `<path class="dot detail" d="${diamond(PLOT.left + 626, y)}"/>`,
+          'fewer splats',
+        )
+      : []),
   ];
 }
 
 function dot(point: AccuracyPoint, x: number, y: number, table: AccuracyTable): string {
-  const names = ['dot', point.isOnFront && 'onFront', point.settings === table.base && 'base'];
+  const isDetail = isOfLessDetail(point, table);
+  const names = ['dot', isDetail && 'detail', point.isOnFront && 'onFront', isBase(point, table) && 'base'];
   const { total } = point.timeMs;
   const tip = `${point.name}: ${isEqual(point) ? 'equal' : `${point.error.psnrDb.toFixed(1)} dB`}, ${total.median.toFixed(2)} ms`;
-  const attributes = `class="${names.filter(Boolean).join(' ')}" cx="${round(x)}" cy="${round(y)}" r="${DOT_RADIUS}"`;
-  return `<circle ${attributes}><title>${escaped(tip)}</title></circle>`;
+  const title = `<title>${escaped(tip)}</title>`;
+  const classes = `class="${names.filter(Boolean).join(' ')}"`;
+  return isDetail
+    ? `<path ${classes} d="${diamond(x, y)}">${title}</path>`
+    : `<circle ${classes} cx="${round(x)}" cy="${round(y)}" r="${DOT_RADIUS}">${title}</circle>`;
+}
+
+function diamond(x: number, y: number): string {
+  const reach = DOT_RADIUS + 1;
+  return `M${round(x - reach)} ${round(y)}l${reach} ${-reach}l${reach} ${reach}l${-reach} ${reach}z`;
+}
+
+function linePath(places: readonly { readonly x: number; readonly y: number }[]): string {
+  return `M${places.map(({ x, y }) => `${round(x)} ${round(y)}`).join('L')}`;
 }
 
 /** Path of the front: flat up to the next point, then up. */

@@ -6,8 +6,19 @@ import {
   type Detail,
   type SortBy,
 } from '@websplatter/core';
+import { DETAIL_SHARES } from '@websplatter/core/measure';
 import { UsageError, wrongValue } from './input-error.ts';
-import { parseDetail, parseFrames, parseSize, parseSortBy, parseStrictly } from './render-options.ts';
+import {
+  numbersOf,
+  parseDetail,
+  parseFrames,
+  parseSize,
+  parseSortBy,
+  parseStrictly,
+} from './render-options.ts';
+
+/** Percent of the splats that are measured where no `--details` are given. */
+export const DEFAULT_DETAILS = DETAIL_SHARES.map((share) => Math.round(100 * share)).join(',');
 
 /** Arguments of `websplatter accuracy`. */
 export interface AccuracyOptions {
@@ -17,6 +28,10 @@ export interface AccuracyOptions {
   readonly heightPx: number;
   readonly sortBy: SortBy;
   readonly detail: Detail;
+  /** Shares of the splats that are measured besides, with the base's settings. */
+  readonly detailShares: readonly number[];
+  /** Moves the camera to so many times its distance from the scene. */
+  readonly distance: number;
   readonly base: AccuracyPreset;
   /** Names of the settings to change; undefined means all. */
   readonly settings: readonly string[] | undefined;
@@ -33,6 +48,8 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
     size: { type: 'string' },
     'sort-by': { type: 'string', default: 'auto' },
     detail: { type: 'string', default: 'full' },
+    details: { type: 'string' },
+    distance: { type: 'string', default: '1' },
     base: { type: 'string', default: DEFAULT_ACCURACY },
     settings: { type: 'string' },
     frames: { type: 'string', default: '15' },
@@ -44,19 +61,43 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
   if (values.camera === undefined) throw new UsageError('--camera', 'accuracy needs --camera CAM.json');
   if (values.size === undefined) throw new UsageError('--size', 'accuracy needs --size WIDTHxHEIGHT');
   const [widthPx, heightPx] = parseSize(values.size);
+  const detail = parseDetail(values.detail);
+  // Less detail is compared with the full scene, settings with the scene at their detail.
+  const detailShares = parseShares(values.details ?? (detail === 'full' ? DEFAULT_DETAILS : 'none'));
+  if (detail !== 'full' && detailShares.length > 0) {
+    const message = '--details are compared with the full scene; leave out --detail, or --details';
+    throw new UsageError('--details', message);
+  }
   return {
     scenes: positionals,
     camera: values.camera,
     widthPx,
     heightPx,
     sortBy: parseSortBy(values['sort-by']),
-    detail: parseDetail(values.detail),
+    detail,
+    detailShares,
+    distance: parseDistance(values.distance),
     base: parseBase(values.base),
     settings: parseNames(values.settings),
     frames: parseFrames(values.frames),
     isJson: values.json,
     svg: values.svg,
   };
+}
+
+function parseShares(text: string): number[] {
+  if (text === 'none') return [];
+  const percents = numbersOf(text);
+  if (percents.length > 0 && percents.every((percent) => percent > 0 && percent < 100))
+    return percents.map((percent) => percent / 100);
+  const expected = `none, or percent of the splats, each above 0 and below 100, such as ${DEFAULT_DETAILS}`;
+  throw wrongValue('--details', text, expected);
+}
+
+function parseDistance(text: string): number {
+  const distance = text.trim() === '' ? Number.NaN : Number(text);
+  if (distance > 0 && Number.isFinite(distance)) return distance;
+  throw wrongValue('--distance', text, 'a factor above 0');
 }
 
 function parseBase(text: string): AccuracyPreset {

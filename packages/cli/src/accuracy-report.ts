@@ -5,9 +5,11 @@ import type { AccuracyOptions } from './accuracy-options.ts';
 type Column = readonly [heading: string, cell: (point: AccuracyPoint, table: AccuracyTable) => string];
 
 const COLUMNS: readonly Column[] = [
-  ['', (point, table) => `${point.isOnFront ? '*' : ' '}${point.settings === table.base ? '>' : ' '}`],
+  ['', (point, table) => `${point.isOnFront ? '*' : ' '}${isBase(point, table) ? '>' : ' '}`],
   ['setting', ({ name }) => name],
+  ['splats', ({ splats }) => splats.toLocaleString('en')],
   ['PSNR dB', ({ error }) => decibels(error.psnrDb)],
+  ['filtered dB', ({ filteredPsnrDb }) => (filteredPsnrDb === null ? '–' : decibels(filteredPsnrDb))],
   ['max error', ({ error }) => eightBit(error.maxError)],
   ['99.9 %', ({ error }) => eightBit(error.p999Error)],
   ['SSIM', ({ error }) => error.ssim.toFixed(5)],
@@ -29,6 +31,16 @@ const INTERVAL_FRAMES = 6;
 /** Whether the intervals of a table with so many frames hold the median with 95 % confidence. */
 export function isInterval(frames: number): boolean {
   return frames >= INTERVAL_FRAMES;
+}
+
+/** Whether a point shows less detail than the settings that are compared. */
+export function isOfLessDetail({ detail }: AccuracyPoint, table: AccuracyTable): boolean {
+  return detail !== table.detail;
+}
+
+/** Whether a point is the one whose settings and detail are changed in the others. */
+export function isBase(point: AccuracyPoint, table: AccuracyTable): boolean {
+  return point.settings === table.base && !isOfLessDetail(point, table);
 }
 
 /** Formats the table as text, fastest first. */
@@ -53,6 +65,9 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
     '',
     '> the base   * on the front: nothing measured is both more accurate and faster',
     'Errors are against the reference; maximum and 99.9th percentile in steps of 8 bits.',
+    ...(points.some(({ filteredPsnrDb }) => filteredPsnrDb !== null)
+      ? ['Filtered is against the reference with 4×4 samples per pixel: what the eye should see.']
+      : []),
     `Times are medians of ${measured}, by ${timing === 'gpu-timestamps' ? 'GPU timestamps' : 'the wall clock'}; the interval ${isInterval(frames) ? 'holds the median with 95 %' : 'is all that was measured'}.`,
     `Measured in ${(elapsedMs / 1000).toFixed(1)} s.`,
     ...[...new Set(notes)].map((note) => `note: ${note}`),
@@ -63,10 +78,10 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
 /** Formats all measurements as JSON; `psnrDb` is null where the image equals the reference. */
 export function accuracyJson(
   table: AccuracyTable,
-  { scenes, detail }: Pick<AccuracyOptions, 'scenes' | 'detail'>,
+  { scenes, distance }: Pick<AccuracyOptions, 'scenes' | 'distance'>,
 ): string {
   const finite = (_key: string, value: unknown) => (value === Number.POSITIVE_INFINITY ? null : value);
-  return `${JSON.stringify({ scenes, detail, ...table }, finite, 2)}\n`;
+  return `${JSON.stringify({ scenes, distance, ...table }, finite, 2)}\n`;
 }
 
 function decibels(psnrDb: number): string {

@@ -11,8 +11,8 @@ const run = (folder: TestFolder, ...args: string[]) => {
 gpuTest('accuracy prints a table', async () => {
   const text = await run(new TestFolder());
   expect(text.status, text.err).toBe(0);
-  expect(text.out).toMatch(/setting +PSNR dB +max error.* drawn by/);
-  expect(text.out).toMatch(/> {2}balanced +\d+\.\d/);
+  expect(text.out).toMatch(/setting +splats +PSNR dB +filtered dB +max error.* drawn by/);
+  expect(text.out).toMatch(/> {2}balanced +3 +\d+\.\d/);
   expect(text.out).toContain('paper −RADIUS');
   expect(text.err).toContain(' %: ');
 });
@@ -35,4 +35,33 @@ gpuTest('accuracy gives its table as JSON, and a chart of all its settings', asy
   expect(chart).toContain('prefers-color-scheme: dark');
   for (const { name } of table.points) expect(chart).toContain(`>${name}</text>`);
   expect(readdirSync(folder.path).filter((file) => file.includes('.part'))).toEqual([]);
+});
+
+gpuTest('accuracy measures fewer splats, from farther, against filtered pictures', async () => {
+  const camera = new TestFolder().camera('camera.json', { position: [0, 0.5, 1.5] });
+  const common = ['accuracy', 'builtin:still-life-small', '--camera', camera, '--size', '32x24'];
+  const options = ['--frames', '1', '--settings', 'sortKeyBits', '--json', '--base', 'reference'];
+  const run = async (...args: string[]) => {
+    const { status, out, err } = await runMain(...common, ...options, ...args);
+    expect(status, err).toBe(0);
+    return JSON.parse(out);
+  };
+  const far = await run('--details', '50,6', '--distance', '4');
+  const [half, few] = far.points.slice(-2);
+  expect([half.name, few.name]).toEqual(['50 % of splats', '6 % of splats']);
+  expect(half.detail).toEqual({ maxSplats: 5000 });
+  expect(half.splats).toBeGreaterThan(few.splats);
+  expect(half.splats).toBeLessThanOrEqual(5000);
+  expect(half.error.psnrDb).toBeGreaterThan(few.error.psnrDb);
+  for (const { filteredPsnrDb, error } of far.points) {
+    expect(filteredPsnrDb).toBeGreaterThan(5);
+    expect(filteredPsnrDb).not.toBe(error.psnrDb);
+  }
+  const near = await run('--details', 'none');
+  expect([near.distance, far.distance]).toEqual([1, 4]);
+  for (const { detail, filteredPsnrDb, splats } of near.points) {
+    expect([detail, filteredPsnrDb]).toEqual(['full', null]);
+    // From farther away, more are in sight.
+    expect(splats).toBeLessThan(far.points[0].splats);
+  }
 });

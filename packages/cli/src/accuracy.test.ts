@@ -1,5 +1,6 @@
 import { existsSync } from 'node:fs';
 import { expect, test } from 'vitest';
+import { parseAccuracyArguments } from './accuracy-options.ts';
 import { runMain, TestFolder } from './testing/test-folder.ts';
 
 test('accuracy refuses bad input with one line, and writes nothing', async () => {
@@ -15,6 +16,11 @@ test('accuracy refuses bad input with one line, and writes nothing', async () =>
     [[...common, '--size', '8x8', '--settings', 'sharpness'], '“sharpness”'],
     [[...common, '--size', '8x8', '--frames', '0'], '--frames is 0'],
     [[...common, '--size', '8x8', '--sort-by', 'z'], '--sort-by is z'],
+    [[...common, '--size', '8x8', '--details', '50,100'], '--details is 50,100'],
+    [[...common, '--size', '8x8', '--details', ',50'], '--details is ,50'],
+    [[...common, '--size', '8x8', '--detail', 'maxErrorPx=1', '--details', '50'], 'leave out --detail'],
+    [[...common, '--size', '8x8', '--distance', '0'], '--distance is 0'],
+    [[...common, '--size', '8x8', '--distance', 'far'], '--distance is far'],
     [[...common, '--size', '8x8', '--svg', camera], `--svg is ${camera}, which is read too`],
   ] as const) {
     const { status, out, err } = await runMain(...args);
@@ -23,4 +29,13 @@ test('accuracy refuses bad input with one line, and writes nothing', async () =>
     expect([status, out]).toEqual([2, '']);
   }
   expect(existsSync(svg)).toBe(false);
+});
+
+test('accuracy measures less detail unless settings are compared at one', () => {
+  const sharesOf = (...args: string[]) =>
+    parseAccuracyArguments(['a.ply', '--camera', 'c.json', '--size', '8x8', ...args]).detailShares;
+  expect(sharesOf()).toEqual([0.7, 0.5, 0.25, 0.12, 0.06]);
+  expect(sharesOf('--details', '50,12.5')).toEqual([0.5, 0.125]);
+  expect(sharesOf('--details', 'none')).toEqual([]);
+  expect(sharesOf('--detail', 'maxSplats=9')).toEqual([]);
 });

@@ -1,5 +1,11 @@
 import { ACCURACY_PRESETS, printable } from '@websplatter/core';
-import { type AccuracyTable, measureAccuracy } from '@websplatter/core/measure';
+import {
+  type AccuracyTable,
+  cameraAtDistance,
+  detailsOfShares,
+  measureAccuracy,
+  worldBounds,
+} from '@websplatter/core/measure';
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
@@ -22,7 +28,8 @@ export async function accuracy(args: readonly string[], console: Console): Promi
     console,
   );
   const table = await measure(options, scenes, console);
-  const title = printable(options.scenes.join(', '));
+  const { scenes: names, distance } = options;
+  const title = `${printable(names.join(', '))}${distance === 1 ? '' : ` from ${distance} times the distance`}`;
   // Format everything before writing anything, so that an interrupted run leaves no partial file.
   const text = options.isJson ? accuracyJson(table, options) : accuracyText(table, title);
   await writeFiles(
@@ -37,7 +44,7 @@ async function measure(
   scenes: readonly SceneSource[],
   console: Console,
 ): Promise<AccuracyTable> {
-  const { widthPx, heightPx, sortBy, detail, base, settings, frames } = options;
+  const { widthPx, heightPx, sortBy, detail, detailShares, distance, base, settings, frames } = options;
   const camera = await readCameraFile(options.camera, widthPx / heightPx);
   const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
   const { engine, notice, checkGpuErrors } = session;
@@ -46,11 +53,12 @@ async function measure(
     const clouds = session.clouds.map((cloud) => ({ cloud }));
     const table = await measureAccuracy(engine, {
       clouds,
-      cameras: [camera],
+      cameras: [distance === 1 ? camera : cameraAtDistance(camera, worldBounds(clouds), distance)],
       widthPx,
       heightPx,
       sortBy,
       detail,
+      details: detailsOfShares(clouds, detailShares),
       base,
       settings,
       frames,

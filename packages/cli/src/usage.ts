@@ -1,4 +1,5 @@
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { DEFAULT_DETAILS } from './accuracy-options.ts';
 
 const listOf = (values: readonly string[]) => values.join(', ');
 
@@ -46,12 +47,16 @@ websplatter convert IN … OUT [options]
   One scene of more than 256 MiB that becomes PLY or SPZ is read several times instead of held in memory.
 
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
-  measures each accuracy setting for this scene and view: milliseconds, and error against the reference
+  measures each accuracy setting for this scene and view, and fewer splats: milliseconds, and error against the reference
   --json                 prints everything that was measured, instead of the table
   --svg chart.svg        writes a chart of error over time, with the front marked
   --base balanced        the preset from which settings are changed, one at a time
   --sort-by auto         as for render
-  --detail full          as for render: settings are compared at this detail
+  --detail full          as for render: settings are compared at this detail, without --details
+  --details ${DEFAULT_DETAILS}
+                         percent of the splats to draw at most, each measured with the base's settings, against the full scene
+                         and against that with 4x4 samples per pixel; or none
+  --distance 1           moves the camera to so many times its distance from the scene
   --settings a,b         only these settings, e.g. alphaCutoff,colorTarget; default all
   --frames 15            measured frames per setting
 

@@ -8,6 +8,8 @@ import {
 } from '../data/accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import { SH_PRECISIONS } from '../data/packing/precision.ts';
+import type { CloudInstance, Detail } from '../frame/frame-request.ts';
+import { describeDetail } from './details.ts';
 
 /** Name of one setting. */
 export type SettingName = keyof AccuracySettings;
@@ -19,6 +21,7 @@ export interface Candidate {
   readonly settings: AccuracySettings;
   /** Names of the settings that differ from the base. */
   readonly changed: readonly SettingName[];
+  readonly detail: Detail;
 }
 
 const SETTING_NAMES = Object.keys(ACCURACY_SETTINGS) as SettingName[];
@@ -42,6 +45,7 @@ const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
  * setting of `names` changed at a time. Equal settings occur once, under the first of their names.
  *
  * @param withPalettes whether harmonics as a palette are one of them.
+ * @param detail of all of them.
  * @throws InvalidArgumentError for an unknown setting.
  */
 export function singleCandidates(
@@ -49,6 +53,7 @@ export function singleCandidates(
   names: readonly string[] = SETTING_NAMES,
   withAblations = true,
   withPalettes = false,
+  detail: Detail = 'full',
 ): Candidate[] {
   const baseSettings = internAccuracy(base);
   const chosen = names.map((name) => {
@@ -58,14 +63,14 @@ export function singleCandidates(
   });
   const presets = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
   const found: Candidate[] = [
-    { name: nameOfBase(base), settings: baseSettings, changed: [] },
-    ...presets.map((name) => candidate(baseSettings, internAccuracy(name), name)),
+    { name: nameOfBase(base), settings: baseSettings, changed: [], detail },
+    ...presets.map((name) => candidate(baseSettings, detail, internAccuracy(name), name)),
     ...Object.entries(withAblations ? ABLATIONS : {}).map(([name, changes]) =>
-      candidate(baseSettings, internAccuracy({ preset: 'paper', ...changes }), name),
+      candidate(baseSettings, detail, internAccuracy({ preset: 'paper', ...changes }), name),
     ),
     ...chosen.flatMap((name) =>
       valuesTried(name, withPalettes).map((value) =>
-        candidate(baseSettings, changedTo(baseSettings, name, value)),
+        candidate(baseSettings, detail, changedTo(baseSettings, name, value)),
       ),
     ),
   ];
@@ -75,8 +80,18 @@ export function singleCandidates(
 }
 
 /** Returns the base with all of `changes` as a candidate. */
-export function combined(base: AccuracySettings, changes: Partial<AccuracySettings>): Candidate {
-  return candidate(base, internAccuracy({ ...base, ...changes }));
+export function combined({ settings, detail }: Candidate, changes: Partial<AccuracySettings>): Candidate {
+  return candidate(settings, detail, internAccuracy({ ...settings, ...changes }));
+}
+
+/** Lists the base with each of `details`. */
+export function detailCandidates(
+  base: Accuracy,
+  details: readonly Detail[],
+  clouds: readonly CloudInstance[],
+): Candidate[] {
+  const settings = internAccuracy(base);
+  return details.map((detail) => ({ name: describeDetail(detail, clouds), settings, changed: [], detail }));
 }
 
 /** Describes a setting for people: `sortKeyBits 16`, `alphaCutoff 1/128`. */
@@ -87,10 +102,15 @@ function describeSetting(settings: AccuracySettings, name: SettingName): string 
   return `${name} ${isFraction ? `1/${Number((1 / value).toPrecision(4))}` : value}`;
 }
 
-function candidate(base: AccuracySettings, settings: AccuracySettings, name?: string): Candidate {
+function candidate(
+  base: AccuracySettings,
+  detail: Detail,
+  settings: AccuracySettings,
+  name?: string,
+): Candidate {
   const changed = SETTING_NAMES.filter((setting) => settings[setting] !== base[setting]);
   const described = changed.map((setting) => describeSetting(settings, setting)).join(', ');
-  return { name: name ?? described, settings, changed };
+  return { name: name ?? described, settings, changed, detail };
 }
 
 function valuesTried(name: SettingName, withPalettes: boolean): readonly AccuracySettings[SettingName][] {

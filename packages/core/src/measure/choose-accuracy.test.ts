@@ -15,6 +15,9 @@ function table(...rows: readonly Row[]): AccuracyTable {
       name,
       settings: internAccuracy(name),
       changed: [],
+      detail: 'full',
+      splats: 1,
+      filteredPsnrDb: null,
       error: { psnrDb, maxError: 0, p999Error: 0, ssim: 1 },
       timeMs: { preprocess: null, sort: null, rasterize: null, total },
       rasterizers: ['quads'],
@@ -28,6 +31,7 @@ function table(...rows: readonly Row[]): AccuracyTable {
   return {
     points,
     base: points[0].settings,
+    detail: 'full',
     reference,
     notes: [],
     timing: 'gpu-timestamps',
@@ -39,6 +43,14 @@ function table(...rows: readonly Row[]): AccuracyTable {
 const ordinary = table(['high', 65, 9], ['balanced', 52, 6], ['fast', 40, 3]);
 
 describe('chooseFrom', () => {
+  test('chooses no point of less detail, which its settings would not draw', () => {
+    const [high, balanced, fast] = ordinary.points;
+    const points = [high, { ...balanced, detail: { maxSplats: 1 } }, fast];
+    const choice = chooseFrom({ ...ordinary, points }, { minPsnrDb: 45 });
+    expect(choice.point).toBe(high);
+    expect(choice.why).toContain('the fastest of 2 settings');
+  });
+
   test('chooses the fastest that is accurate enough', () => {
     const choice = chooseFrom(ordinary, { minPsnrDb: 45 });
     expect(choice).toMatchObject({ isMet: true, settings: internAccuracy('balanced') });

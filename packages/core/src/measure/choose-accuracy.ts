@@ -53,7 +53,8 @@ export function chooseFrom(
   previous?: AccuracyChoice,
 ): AccuracyChoice {
   checkTarget(target);
-  const { points } = table;
+  // Less detail is no setting.
+  const points = table.points.filter(({ detail }) => detail === table.detail);
   const fitting = points.filter((point) => meets(point, target));
   const isMet = fitting.length > 0;
   const candidates = isMet ? fitting : closest(points, target);

@@ -1,10 +1,12 @@
 export type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 export type { ImageDifference } from '../reference/compare-images.ts';
+export { cameraAtDistance } from './camera-pivot.ts';
 export type { SettingName } from './candidates.ts';
 export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';
 export { NonFiniteImageError } from './compare-textures.ts';
 export { compareViews } from './compare-views.ts';
 export { type CopyBandwidthOptions, measureCopyBandwidth } from './copy-bandwidth.ts';
+export { DETAIL_SHARES, detailsOfShares } from './details.ts';
 export {
   type AccuracyPoint,
   type AccuracyTable,
@@ -26,3 +28,4 @@ export type { ComparedView, MeasuredEngine, MeasuredView } from './measured-engi
 export { orbitCameras } from './orbit-cameras.ts';
 export { sampleCameras } from './sample-cameras.ts';
 export { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
+export { worldBounds } from './world-bounds.ts';

@@ -1,13 +1,17 @@
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { followEdits } from '../clouds/cloud-editor.ts';
 import { SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
+import { SplatEdits } from '../data/splats/splat-edits.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
+import { averageSamples } from '../reference/average-samples.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import { everyOf, stillLife } from '../testing/still-life.ts';
+import { cameraAtDistance } from './camera-pivot.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';
 import { compareViews } from './compare-views.ts';
 import {
@@ -19,7 +23,9 @@ import {
 } from './measure-accuracy.ts';
 import { measureTarget } from './measure-target.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
+import { drawMeasured } from './measured-frames.ts';
 import { sampleCameras } from './sample-cameras.ts';
+import { CROPS } from './supersampled-picture.ts';
 
 // Small: SwiftShader takes a second for frames of the whole scene, and hundreds are measured.
 const SIZE = { widthPx: 24, heightPx: 24 };
@@ -207,18 +213,118 @@ describe('measureAccuracy', () => {
     expect({ ...told.at(-1), elapsedMs: 0 }).toEqual({ ...table, elapsedMs: 0 });
   });
 
-  gpuTest('ends when its signal is aborted, and frees its views', async () => {
-    const before = engine.memory().totalBytes;
-    const ending = new AbortController();
-    const measuring = measureAccuracy(engine, {
-      ...common,
-      signal: ending.signal,
-      onProgress: ({ done }) => {
-        if (done === 8) ending.abort(new Error('enough'));
-      },
+  gpuTest(
+    'details are measured against the full scene, and all against what the eye should see',
+    async () => {
+      const cloud = engine.add(everyOf(await stillLife(), 4), { name: 'a quarter' });
+      const progress: MeasureProgress[] = [];
+      const camera = cameraAtDistance(common.cameras[0], cloud.robustBounds, 2);
+      const options = {
+        ...common,
+        ...{ clouds: [{ cloud }], cameras: [...common.cameras, camera] },
+        ...({ base: 'reference', frames: 1, settings: ['alphaCutoff'], ablations: false } as const),
+        details: [{ maxSplats: 1250 }, { maxErrorPx: 4 }],
+      };
+      const table = await measureAccuracy(engine, { ...options, onProgress: (each) => progress.push(each) });
+      expect(progress[0].total).toBe(countMeasureSteps(options));
+      expect(progress.at(-1)).toMatchObject({ done: progress.length - 1, total: progress.length });
+      const [base] = table.points;
+      const [half, coarse] = table.points.slice(-2);
+      expect(
+        [half, coarse].map(({ name, detail, changed, settings }) => [name, detail, changed, settings]),
+      ).toEqual([
+        ['50 % of splats', options.details[0], [], table.base],
+        ['4 px of error', options.details[1], [], table.base],
+      ]);
+      expect(table.detail).toBe('full');
+      expect(base.error.psnrDb).toBe(Number.POSITIVE_INFINITY);
+      // Its view has room for fewer splats.
+    expect(half.bytes - base.bytes).toBeGreaterThan(0.5 * cloud.levels!.bytes);
+
+      const [tested, full] = [engine.createView(), engine.createView()];
+      for (const { name, settings, detail, error, filteredPsnrDb, splats, notes } of table.points) {
+        await cloud.hold(settings).met;
+        const found = { psnrDb: Infinity, filteredPsnrDb: Infinity, splats: 0 };
+        for (const each of options.cameras) {
+          const frame = { ...common, clouds: [{ cloud }], camera: each };
+          const { visibleSplats } = await drawMeasured(engine, tested, {
+            ...frame,
+            accuracy: settings,
+            detail,
+          });
+          await drawMeasured(engine, full, { ...frame, accuracy: 'reference', force: true });
+          const fine = { widthPx: 4 * SIZE.widthPx, heightPx: 4 * SIZE.heightPx };
+          const atOnce = engine.createView();
+          atOnce.render({ ...frame, ...fine, accuracy: 'reference' });
+          const filtered = averageSamples((await atOnce.readPixels()).data, SIZE, 4);
+          atOnce.destroy();
+          const { data } = await tested.readPixels();
+          found.psnrDb = Math.min(found.psnrDb, (await compareViews(tested, full)).psnrDb);
+          const { psnrDb } = compareImages(data, filtered, SIZE);
+          found.filteredPsnrDb = Math.min(found.filteredPsnrDb, psnrDb);
+          found.splats = Math.max(found.splats, visibleSplats);
+        }
+        expect(splats, name).toBe(found.splats);
+        if (found.psnrDb === Infinity) expect(error.psnrDb, name).toBe(Infinity);
+        else expect(Math.abs(error.psnrDb - found.psnrDb), name).toBeLessThan(0.1);
+        expect(Math.abs(filteredPsnrDb! - found.filteredPsnrDb), name).toBeLessThan(0.1);
+        expect(notes.join(), name).not.toContain('All splats');
+      }
+      for (const view of [tested, full]) view.destroy();
+      expect(half.splats).toBeLessThanOrEqual(1250);
+      expect(coarse.splats).toBeLessThan(base.splats);
+      expect(half.error.psnrDb).toBeLessThan(60);
+      cloud.destroy();
+    },
+  );
+
+  gpuTest('clouds without levels have a note instead of details, and no steps for them', async () => {
+    const cloud = engine.add(everyOf(await stillLife(), 10), { name: 'edited' });
+    await followEdits(cloud, new SplatEdits());
+    const options = { ...common, clouds: [{ cloud }], frames: 1, settings: [], combinations: false };
+    const totals: number[] = [];
+    const table = await measureAccuracy(engine, {
+      ...options,
+      details: [{ maxSplats: 5 }],
+      onProgress: ({ total }) => totals.push(total),
     });
-    await expect(measuring).rejects.toThrow('enough');
-    expect(engine.memory().totalBytes).toBe(before);
+    expect(table.notes).toContainEqual(expect.stringMatching(/^Less than full detail is left out: .*edited/));
+    expect(totals[0]).toBe(countMeasureSteps(options));
+    for (const { detail, filteredPsnrDb } of table.points)
+      expect([detail, filteredPsnrDb]).toEqual(['full', null]);
+    cloud.destroy();
+  });
+
+  gpuTest('settings that draw all splats whatever the detail say so', async () => {
+    const options = { ...common, frames: 1, settings: [], combinations: false, ablations: false };
+    const { points } = await measureAccuracy(engine, {
+      ...options,
+      base: 'paper',
+      details: [{ maxSplats: 5 }],
+    });
+    expect(points.at(-1)!.splats).toBe(points[0].splats);
+    expect(points.at(-1)!.notes).toContain(
+      'All splats are drawn: records of 24 bytes hold no opacity above 1.',
+    );
+  });
+
+  gpuTest('ends when its signal is aborted, and frees its views', async () => {
+    await clouds[0].cloud.makeLevels();
+    const before = engine.memory().totalBytes;
+    // While a picture is drawn, and after that.
+    for (const last of [8, CROPS + 8]) {
+      const ending = new AbortController();
+      const measuring = measureAccuracy(engine, {
+        ...common,
+        details: [{ maxSplats: 500 }],
+        signal: ending.signal,
+        onProgress: ({ done }) => {
+          if (done === last) ending.abort(new Error('enough'));
+        },
+      });
+      await expect(measuring).rejects.toThrow('enough');
+      expect(engine.memory().totalBytes).toBe(before);
+    }
   });
 
   gpuTest('rejects invalid options', async () => {
@@ -227,6 +333,8 @@ describe('measureAccuracy', () => {
     await expect(measureAccuracy(engine, { ...common, settings: ['sharpness'] })).rejects.toThrow(
       '"sharpness"',
     );
+    const both = { ...common, detail: { maxErrorPx: 1 }, details: [{ maxSplats: 5 }] };
+    await expect(measureAccuracy(engine, both)).rejects.toThrow('details are compared with the full scene');
   });
 });
 

@@ -6,20 +6,29 @@ import {
   type FrameRasterizer,
 } from '../data/accuracy/accuracy.ts';
 import type { Camera } from '../data/camera/camera.ts';
-import { given } from '../data/given.ts';
+import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
+import { checkKind, given } from '../data/given.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
-import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
+import type { CloudInstance, Detail, FrameRequest } from '../frame/frame-request.ts';
 import type { FrameStatistics, StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
-import { type Candidate, combined, type SettingName, singleCandidates } from './candidates.ts';
+import {
+  type Candidate,
+  combined,
+  detailCandidates,
+  type SettingName,
+  singleCandidates,
+} from './candidates.ts';
 import { checkMeasured } from './check-options.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFiniteImageError } from './compare-textures.ts';
 import { compareViews } from './compare-views.ts';
+import { splatsOf } from './details.ts';
 import { leasePlanes } from './lease-planes.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
 import { paretoFront } from './pareto-front.ts';
+import { CROPS, drawSupersampled, type SupersampledPicture } from './supersampled-picture.ts';
 import { type TimeSpread, timeSpread } from './time-spread.ts';
 
 /** Scene and settings of `measureAccuracy`. */
@@ -40,7 +49,13 @@ export interface MeasureAccuracyOptions {
    */
   readonly sortBy?: FrameRequest['sortBy'];
   /** As in a frame request: settings are compared at this detail. */
-  readonly detail?: FrameRequest['detail'];
+  readonly detail?: Detail;
+  /**
+   * Details to measure besides, each with the settings of `base`; default none. `detailsOfShares`
+   * makes some. Errors are against the full scene, so `detail` is to be `full` with them; each point
+   * then also has `filteredPsnrDb`. Clouds get levels, which they keep.
+   */
+  readonly details?: readonly Detail[];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
   /** Names of the settings to change; default all. */
@@ -74,18 +89,27 @@ export interface MeasureProgress {
   readonly label: string;
 }
 
-/** Cost of one set of settings, and the error of its image. */
+/** Cost of one set of settings at one detail, and the error of its image. */
 export interface AccuracyPoint {
   /** A preset's name, or the differences from the base. */
   readonly name: string;
   readonly settings: AccuracySettings;
   /** Names of the settings that differ from the base. */
   readonly changed: readonly SettingName[];
+  readonly detail: Detail;
+  /** Splats and blobs drawn; of several cameras the most. */
+  readonly splats: number;
   /**
    * Error against the reference, over black, values clamped to 0…1; `psnrDb` is Infinity for equal
    * images.
    */
   readonly error: ImageDifference;
+  /**
+   * PSNR against the full scene by the settings of the reference with 4×4 samples per pixel: what
+   * the eye should see. The image of the reference has errors too, and that of fewer splats may have
+   * smaller ones. Null where no `details` are measured.
+   */
+  readonly filteredPsnrDb: number | null;
   readonly timeMs: {
     /** Null if only the wall clock is known. */
     readonly preprocess: TimeSpread | null;
@@ -97,16 +121,18 @@ export interface AccuracyPoint {
   readonly rasterizers: readonly FrameRasterizer[];
   /** Whether no other point is both more accurate and faster, as far as times can be told apart. */
   readonly isOnFront: boolean;
-  /** GPU memory of the clouds in these precisions and of one view. */
+  /** GPU memory of the clouds in these precisions, with levels if the detail needs them, and of one view. */
   readonly bytes: number;
   readonly notes: readonly string[];
 }
 
 /** Result of `measureAccuracy`: error, time and memory of each setting tried. */
 export interface AccuracyTable {
-  /** The base first, then presets, single changes and combinations. */
+  /** The base first, then presets, single changes, combinations and details. */
   readonly points: readonly AccuracyPoint[];
   readonly base: AccuracySettings;
+  /** Detail of the reference and of all points but those of `details`. */
+  readonly detail: Detail;
   /** The images behind the errors: preset `reference`, as far as device and clouds support it. */
   readonly reference: { readonly settings: AccuracySettings; readonly notes: readonly string[] };
   /** Notes about settings that were skipped, and about all points. */
@@ -138,7 +164,7 @@ const FRAMES_PER_VISIT = 3;
  * the memory needed does not grow with the number of points. The clouds are leased in every
  * precision that is compared, which may require reading their sources again; afterwards they hold
  * the same planes as before. Other work of the page goes on between frames; its GPU work is
- * measured with the rest.
+ * measured with the rest. With `details`, a picture per camera is held too, of 16 bytes per pixel.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the
  * reference; the reason of `signal`.
@@ -165,20 +191,22 @@ export async function measureAccuracy(
 export function countMeasureSteps(
   options: Pick<
     MeasureAccuracyOptions,
-    'clouds' | 'cameras' | 'base' | 'settings' | 'ablations' | 'combinations' | 'frames'
+    'clouds' | 'cameras' | 'base' | 'settings' | 'ablations' | 'combinations' | 'details' | 'frames'
   >,
 ): number {
-  return stepsOf(options, candidatesFor(options).length);
+  return stepsOf(options, candidatesFor(options).length, options.details?.length ?? 0);
 }
 
-/** Steps for these presets, ablations and single changes, and the most for combinations. */
+/** Steps for these presets, ablations, single changes and details, and the most for combinations. */
 function stepsOf(
   { cameras, combinations = true, frames = DEFAULT_FRAMES }: Parameters<typeof countMeasureSteps>[0],
   candidates: number,
+  details: number,
 ): number {
   const combining = combinations ? MAX_COMBINATIONS * stepsPerPoint(cameras.length, frames) : 0;
   const looking = combinations ? candidates * cameras.length : 0;
-  return candidates * stepsPerPoint(cameras.length, frames) + combining + looking;
+  const supersampling = details > 0 ? CROPS * cameras.length : 0;
+  return (candidates + details) * stepsPerPoint(cameras.length, frames) + combining + looking + supersampling;
 }
 
 /** A comparison with the reference, and rounds of timing, for each camera. */
@@ -191,9 +219,10 @@ function candidatesFor({
   base = DEFAULT_ACCURACY,
   settings,
   ablations,
-}: Parameters<typeof countMeasureSteps>[0]): Candidate[] {
+  detail,
+}: Parameters<typeof countMeasureSteps>[0] & Pick<MeasureAccuracyOptions, 'detail'>): Candidate[] {
   const withPalettes = clouds.every(({ cloud }) => cloud.facts.paletteEntries !== null);
-  return singleCandidates(base, settings, ablations, withPalettes);
+  return singleCandidates(base, settings, ablations, withPalettes, detail);
 }
 
 /**
@@ -209,8 +238,13 @@ export async function measureThen<Result>(
   conclude: (table: AccuracyTable) => Result,
   keep: (result: Result) => CloudPrecision | null,
 ): Promise<Result> {
-  const { frames = DEFAULT_FRAMES } = given(options);
+  const { frames = DEFAULT_FRAMES, detail = 'full', details = [] } = given(options);
   checkMeasured(engine, options, { frames });
+  checkKind('details', details, 'a list');
+  if (detail !== 'full' && details.length > 0) {
+    const message = 'details are compared with the full scene; leave out detail, or details.';
+    throw new InvalidArgumentError('details', message);
+  }
   const { clouds, signal } = options;
   const candidates = candidatesFor(options);
   const reference = engine.resolveAccuracy('reference');
@@ -229,12 +263,12 @@ export async function measureThen<Result>(
   }
 }
 
+/** One image of a candidate, or the worst of each kind. */
+type Comparison = Pick<AccuracyPoint, 'error' | 'filteredPsnrDb' | 'splats' | 'bytes' | 'notes'>;
+
 /** A candidate and its measurements so far. */
-interface Measured {
+interface Measured extends Comparison {
   readonly candidate: Candidate;
-  readonly error: ImageDifference;
-  readonly bytes: number;
-  readonly notes: readonly string[];
   /** Per camera. */
   readonly frames: FrameStatistics[][];
 }
@@ -246,6 +280,8 @@ class Measurement {
   readonly #reference: AccuracyTable['reference'];
   readonly #candidates: readonly Candidate[];
   readonly #notes: string[];
+  /** What the eye should see, per camera; none where no details are measured. */
+  readonly #pictures: SupersampledPicture[] = [];
   readonly #startedMs = performance.now();
   #done = 0;
   #total = 0;
@@ -266,17 +302,27 @@ class Measurement {
   }
 
   async run(): Promise<AccuracyTable> {
-    const { cameras, onTable } = this.#options;
+    try {
+      return await this.#measure();
+    } finally {
+      for (const picture of this.#pictures) picture.destroy();
+    }
+  }
+
+  async #measure(): Promise<AccuracyTable> {
+    const { cameras, base = DEFAULT_ACCURACY, clouds, details = [], onTable } = this.#options;
     const withCombinations = this.#options.combinations ?? true;
     const candidates = this.#candidates.filter((each) => this.#isPossible(each));
-    this.#total = stepsOf(this.#options, candidates.length);
+    const withLevels = details.length > 0 && (await this.#haveLevels());
+    const ofDetails = withLevels ? detailCandidates(base, details, clouds) : [];
+    this.#total = stepsOf(this.#options, candidates.length, ofDetails.length);
 
+    if (ofDetails.length > 0) await this.#drawPictures();
     const measured = await this.#measureErrors(candidates);
-    if (withCombinations) {
-      const more = await this.#findCombinations(measured);
+    const more = withCombinations ? await this.#findCombinations(measured) : [];
+    if (withCombinations)
       this.#total -= (MAX_COMBINATIONS - more.length) * stepsPerPoint(cameras.length, this.#frames);
-      measured.push(...(await this.#measureErrors(more)));
-    }
+    measured.push(...(await this.#measureErrors([...more, ...ofDetails])));
     for (const [round, frames] of visits(this.#frames).entries()) {
       // Every other round runs backwards, so that late points of one round are early in the next.
       const order = round % 2 === 0 ? measured : [...measured].reverse();
@@ -291,18 +337,19 @@ class Measurement {
 
   #tableOf(measured: readonly Measured[]): AccuracyTable {
     const engine = this.#engine;
-    const { clouds, cameras, widthPx, heightPx } = this.#options;
+    const { clouds, cameras, widthPx, heightPx, detail = 'full' } = this.#options;
     const sources = measured.flatMap(({ frames }) => frames.flat().map(({ timing }) => timing));
     return {
       points: toPoints(measured),
       base: this.#candidates[0].settings,
+      detail,
       reference: this.#reference,
       notes: [...this.#notes, ...clockNotes(sources)],
       timing: sources[0].source,
       adapter: engine.adapterLabel,
       widthPx,
       heightPx,
-      splats: clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
+      splats: splatsOf(clouds),
       views: cameras.length,
       frames: this.#frames,
       elapsedMs: performance.now() - this.#startedMs,
@@ -325,56 +372,83 @@ class Measurement {
     return true;
   }
 
+  /** Makes the levels of all clouds; if one cannot have them, a note says why. */
+  async #haveLevels(): Promise<boolean> {
+    const { clouds, signal } = this.#options;
+    for (const { cloud } of clouds) {
+      try {
+        await cloud.makeLevels();
+      } catch (error) {
+        if (error instanceof DestroyedError) throw error;
+        this.#notes.push(`Less than full detail is left out: ${(error as Error).message}`);
+        return false;
+      }
+      signal?.throwIfAborted();
+    }
+    return true;
+  }
+
+  async #drawPictures(): Promise<void> {
+    for (const camera of this.#options.cameras) {
+      const frame = this.#frame(camera, { settings: this.#reference.settings, detail: 'full' });
+      const step = () => this.#step('Drawing the reference with 4×4 samples per pixel');
+      this.#pictures.push(await drawSupersampled(this.#engine, frame, step));
+    }
+  }
+
   /** Measures the worst error of each kind over all cameras; notes and omits non-finite images. */
   async #measureErrors(candidates: readonly Candidate[]): Promise<Measured[]> {
-    const errors = new Map<Candidate, ImageDifference[]>(candidates.map((each) => [each, []]));
-    const bytes = new Map<Candidate, number>();
+    if (candidates.length === 0) return [];
+    const comparisons = new Map<Candidate, Comparison[]>(candidates.map((each) => [each, []]));
+    const { cameras, detail = 'full' } = this.#options;
     await withView(this.#engine, async (reference) => {
-      for (const camera of this.#options.cameras) {
+      for (const [index, camera] of cameras.entries()) {
         await drawMeasured(this.#engine, reference, {
-          ...this.#frame(camera, this.#reference.settings),
+          ...this.#frame(camera, { settings: this.#reference.settings, detail }),
           force: true,
         });
-        for (const candidate of [...errors.keys()]) {
+        for (const candidate of [...comparisons.keys()]) {
           this.#step(`Comparing ${candidate.name} with the reference`);
-          const found = await this.#compare(candidate, camera, reference).catch((error) => {
+          const found = await this.#compare(candidate, index, reference).catch((error) => {
             if (!(error instanceof NonFiniteImageError) || error.image !== 'actual') throw error;
             this.#notes.push(`${candidate.name} is left out: ${error.message}`);
             return null;
           });
-          if (found === null) {
-            errors.delete(candidate);
-            continue;
-          }
-          errors.get(candidate)!.push(found.error);
-          bytes.set(candidate, Math.max(found.bytes, bytes.get(candidate) ?? 0));
+          if (found === null) comparisons.delete(candidate);
+          else comparisons.get(candidate)!.push(found);
         }
       }
     });
-    return [...errors].map(([candidate, found]) => ({
+    return [...comparisons].map(([candidate, found]) => ({
+      ...worstOf(found),
       candidate,
-      error: worstOf(found),
-      bytes: bytes.get(candidate)!,
-      notes: [
-        ...this.#engine.resolveAccuracy(candidate.settings).notices,
-        ...this.#planeNotes(candidate.settings),
-      ],
-      frames: this.#options.cameras.map(() => []),
+      frames: cameras.map(() => []),
     }));
   }
 
-  async #compare({ settings }: Candidate, camera: Camera, reference: MeasuredView) {
+  async #compare(candidate: Candidate, camera: number, reference: MeasuredView): Promise<Comparison> {
     const engine = this.#engine;
+    const { settings, detail } = candidate;
+    const { cameras, detail: ofReference = 'full' } = this.#options;
     const view = engine.createView();
     try {
-      await drawMeasured(engine, view, this.#frame(camera, settings));
+      const { visibleSplats } = await drawMeasured(engine, view, this.#frame(cameras[camera], candidate));
       // Two images of the same settings may differ where a rasteriser is chosen for each view.
-      const isReference = settings === this.#reference.settings;
-      const error = await compareViews(isReference ? reference : view, reference);
+      const isReference = settings === this.#reference.settings && detail === ofReference;
+      const compared = isReference ? reference : view;
+      const error = await compareViews(compared, reference);
+      const picture = this.#pictures[camera];
+      const filtered = picture && (await compareViews(compared, picture));
+      const notes = [
+        ...engine.resolveAccuracy(settings).notices,
+        ...this.#planeNotes(settings),
+        ...(detail === ofReference ? [] : levelNotes(view)),
+      ];
       const { totalBytes } = engine.memory();
       view.destroy();
       const viewBytes = totalBytes - engine.memory().totalBytes;
-      return { error, bytes: viewBytes + this.#cloudBytes(settings) };
+      const bytes = viewBytes + this.#cloudBytes(candidate);
+      return { error, filteredPsnrDb: filtered?.psnrDb ?? null, splats: visibleSplats, bytes, notes };
     } finally {
       view.destroy();
     }
@@ -395,7 +469,7 @@ class Measurement {
     const singles = others.filter(({ candidate }) => candidate.changed.length === 1);
     const known = new Set(measured.map(({ candidate }) => candidate.settings));
     return combineChanges(base, singles)
-      .map((changes) => combined(base.candidate.settings, changes))
+      .map((changes) => combined(base.candidate, changes))
       .filter(({ settings }) => !known.has(settings));
   }
 
@@ -405,7 +479,7 @@ class Measurement {
       const drawn: FrameStatistics[][] = [];
       for (const camera of this.#options.cameras) {
         this.#step(`Timing ${candidate.name}`);
-        const frame = { ...this.#frame(camera, candidate.settings), force: true };
+        const frame = { ...this.#frame(camera, candidate), force: true };
         await drawMeasured(this.#engine, view, frame);
         const measured: FrameStatistics[] = [];
         for (let i = 0; i < frames; i++) {
@@ -418,9 +492,9 @@ class Measurement {
     });
   }
 
-  #frame(camera: Camera, accuracy: AccuracySettings): FrameRequest {
-    const { clouds, widthPx, heightPx, sortBy, detail } = this.#options;
-    return { camera, clouds, widthPx, heightPx, sortBy, detail, accuracy };
+  #frame(camera: Camera, { settings, detail }: Pick<Candidate, 'settings' | 'detail'>): FrameRequest {
+    const { clouds, widthPx, heightPx, sortBy } = this.#options;
+    return { camera, clouds, widthPx, heightPx, sortBy, detail, accuracy: settings };
   }
 
   /** Notes about precisions in `settings` that the clouds do not hold. */
@@ -436,15 +510,17 @@ class Measurement {
     });
   }
 
-  /** Bytes of the planes that are drawn with `settings`. */
-  #cloudBytes(settings: AccuracySettings): number {
-    const distinct = new Set(this.#options.clouds.map(({ cloud }) => cloud));
-    return [...distinct]
-      .flatMap((cloud) => cloud.pagesFor(settings).pages)
-      .reduce(
+  /** Bytes of the planes and levels that a candidate is drawn with. */
+  #cloudBytes({ settings, detail }: Candidate): number {
+    const distinct = [...new Set(this.#options.clouds.map(({ cloud }) => cloud))];
+    const planes = distinct.flatMap((cloud) => cloud.pagesFor(settings).pages);
+    const levels = detail === 'full' ? [] : distinct.map((cloud) => cloud.levels);
+    return (
+      planes.reduce(
         (sum, { geometry, shRest, chunks }) => sum + geometry.size + chunks.size + (shRest?.size ?? 0),
         0,
-      );
+      ) + levels.reduce((sum, each) => sum + (each?.bytes ?? 0), 0)
+    );
   }
 
   #step(label: string): void {
@@ -463,21 +539,35 @@ function isTimed({ frames }: Measured): boolean {
   return frames.every((some) => some.length > 0);
 }
 
-function worstOf(errors: readonly ImageDifference[]): ImageDifference {
+/** Says why the last frame of a view drew all splats although less detail is asked for. */
+function levelNotes(view: MeasuredView): string[] {
+  const levels = view.effects().find(({ name }) => name === 'levels')!;
+  return levels.isOn ? [] : [`All splats are drawn: ${levels.reason}.`];
+}
+
+function worstOf(comparisons: readonly Comparison[]): Comparison {
+  const errors = comparisons.map(({ error }) => error);
+  const filtered = comparisons.flatMap(({ filteredPsnrDb }) => filteredPsnrDb ?? []);
   return {
-    psnrDb: Math.min(...errors.map(({ psnrDb }) => psnrDb)),
-    maxError: Math.max(...errors.map(({ maxError }) => maxError)),
-    p999Error: Math.max(...errors.map(({ p999Error }) => p999Error)),
-    ssim: Math.min(...errors.map(({ ssim }) => ssim)),
+    error: {
+      psnrDb: Math.min(...errors.map(({ psnrDb }) => psnrDb)),
+      maxError: Math.max(...errors.map(({ maxError }) => maxError)),
+      p999Error: Math.max(...errors.map(({ p999Error }) => p999Error)),
+      ssim: Math.min(...errors.map(({ ssim }) => ssim)),
+    },
+    filteredPsnrDb: filtered.length > 0 ? Math.min(...filtered) : null,
+    splats: Math.max(...comparisons.map(({ splats }) => splats)),
+    bytes: Math.max(...comparisons.map(({ bytes }) => bytes)),
+    notes: [...new Set(comparisons.flatMap(({ notes }) => notes))],
   };
 }
 
 function toPoints(measured: readonly Measured[]): AccuracyPoint[] {
-  const points = measured.map(({ candidate, error, bytes, notes, frames }) => {
+  const points = measured.map(({ candidate, frames, ...worst }) => {
     const timeMs = slowestOf(frames.map((some) => some.map(({ timing }) => timing)));
     const rasterizers = [...new Set(frames.flat().map(({ rasterizer }) => rasterizer))];
-    const { psnrDb } = error;
-    return { ...candidate, error, timeMs, rasterizers, bytes, notes, psnrDb, totalMs: timeMs.total };
+    const { psnrDb } = worst.error;
+    return { ...candidate, ...worst, timeMs, rasterizers, psnrDb, totalMs: timeMs.total };
   });
   const front = new Set(paretoFront(points));
   return points.map((point) => {

@@ -1,0 +1,35 @@
+import type { CloudInstance, Detail } from '../frame/frame-request.ts';
+
+/** Shares of a scene's splats that are measured where no others are asked for. */
+export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];
+
+/**
+ * Returns the details, for `measureAccuracy`, by which frames draw at most these shares of the
+ * splats of all clouds: each number of splats once.
+ *
+ * @param shares above 0 and up to 1; default those of `DETAIL_SHARES`.
+ */
+export function detailsOfShares(
+  clouds: readonly CloudInstance[],
+  shares: readonly number[] = DETAIL_SHARES,
+): Detail[] {
+  const total = splatsOf(clouds);
+  const counts = new Set(shares.map((share) => Math.max(1, Math.ceil(share * total))));
+  return [...counts].map((maxSplats) => ({ maxSplats }));
+}
+
+/** Describes a detail of these clouds for people: `50 % of splats`. */
+export function describeDetail(detail: Detail, clouds: readonly CloudInstance[]): string {
+  if (detail === 'full') return 'full detail';
+  const { maxErrorPx, maxSplats } = Object(detail) as { maxErrorPx?: number; maxSplats?: number };
+  const percent = (100 * maxSplats!) / splatsOf(clouds);
+  return [
+    ...(maxErrorPx === undefined ? [] : [`${maxErrorPx} px of error`]),
+    ...(maxSplats === undefined ? [] : [`${Number(percent.toPrecision(3))} % of splats`]),
+  ].join(', ');
+}
+
+/** Splats of all clouds, as budgets count them. */
+export function splatsOf(clouds: readonly CloudInstance[]): number {
+  return clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+}
