@@ -4,7 +4,6 @@ import {
   cameraAtDistance,
   detailsOfShares,
   measureAccuracy,
-  worldBounds,
 } from '@websplatter/core/measure';
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
@@ -53,7 +52,7 @@ async function measure(
     const clouds = session.clouds.map((cloud) => ({ cloud }));
     const table = await measureAccuracy(engine, {
       clouds,
-      cameras: [distance === 1 ? camera : cameraAtDistance(camera, worldBounds(clouds), distance)],
+      cameras: [distance === 1 ? camera : cameraAtDistance(camera, clouds, distance)],
       widthPx,
       heightPx,
       sortBy,

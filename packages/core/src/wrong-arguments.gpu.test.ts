@@ -277,7 +277,7 @@ const CALLS: Record<string, Call> = {
   measureAccuracy: {
     args: () => [
       engine,
-      { cameras: [CAMERA], clouds: [{ cloud }], ...SIZE, frames: 1, candidates: [], ...WATCH },
+      { cameras: [CAMERA], clouds: [{ cloud }], ...SIZE, frames: 1, details: [], ...WATCH },
     ],
     call: measure.measureAccuracy as never,
   },
@@ -290,6 +290,8 @@ const CALLS: Record<string, Call> = {
     call: measure.orbitCameras as never,
   },
   sampleCameras: { args: () => [CAMERA, PACKED.bounds, 3], call: measure.sampleCameras as never },
+  cameraAtDistance: { args: () => [CAMERA, [{ cloud }], 2], call: measure.cameraAtDistance as never },
+  detailsOfShares: { args: () => [[{ cloud }], [0.5]], call: measure.detailsOfShares as never },
   timeSpread: { args: () => [[1, 2]], call: measure.timeSpread as never },
 };
 

@@ -2,6 +2,9 @@ import type { Camera } from '../data/camera/camera.ts';
 import { given, wrongArgument } from '../data/given.ts';
 import { type Mat4, multiply4 } from '../data/math/mat4.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
+import { checkClouds } from './check-options.ts';
+import { worldBounds } from './world-bounds.ts';
 
 /** View depth of the pivot: the middle of the bounds, at least a fifth of their extent away. */
 export function pivotDepth(camera: Camera, bounds: Bounds): number {
@@ -34,13 +37,17 @@ export function turnedAboutPivot(
  * Moves a camera away from the scene in front of it, along its line of sight: to `distanceFactor`
  * times its distance from the point that `orbitCameras` go around.
  *
- * @param bounds bounds of the scene, world space.
  * @throws InvalidArgumentError if `distanceFactor` is not a finite number above 0.
  */
-export function cameraAtDistance(camera: Camera, bounds: Bounds, distanceFactor: number): Camera {
+export function cameraAtDistance(
+  camera: Camera,
+  clouds: readonly CloudInstance[],
+  distanceFactor: number,
+): Camera {
+  checkClouds(clouds);
   if (!(Number.isFinite(distanceFactor) && distanceFactor > 0))
     throw wrongArgument('distanceFactor', distanceFactor, 'a finite number above 0');
-  return turnedAboutPivot(camera, pivotDepth(camera, bounds), { aboutY: 0, distanceFactor });
+  return turnedAboutPivot(camera, pivotDepth(camera, worldBounds(clouds)), { aboutY: 0, distanceFactor });
 }
 
 /** Moves by `depth` along the view's z axis. */

@@ -20,9 +20,15 @@ export function checkMeasured(
     checkKind(name, list, 'a list');
     if (list.length === 0) throw new InvalidArgumentError(name, `There are no ${name}; give at least one.`);
   }
+  checkClouds(clouds);
+  checkCounts({ widthPx, heightPx, ...counts });
+}
+
+/** @throws InvalidArgumentError naming the first that is no cloud on a GPU. */
+export function checkClouds(clouds: FrameRequest['clouds']): void {
+  checkKind('clouds', clouds, 'a list');
   for (const [i, instance] of clouds.entries())
     given(given(instance, {}, `clouds[${i}]`).cloud, CLOUD, `clouds[${i}].cloud`);
-  checkCounts({ widthPx, heightPx, ...counts });
 }
 
 /** @throws InvalidArgumentError naming the first that is not a whole number of at least 1. */

@@ -3,7 +3,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { DETAIL_SHARES, describeDetail, detailsOfShares } from './details.ts';
 
 const cloudsOf = (...counts: readonly number[]) =>
-  counts.map((count) => ({ cloud: { count } as unknown as SplatCloud }));
+  counts.map((count) => ({ cloud: { count, checkUsable() {} } as unknown as SplatCloud }));
 
 test('shares of all clouds together become budgets, rounded up', () => {
   expect(detailsOfShares(cloudsOf(700, 301))).toEqual(
@@ -15,6 +15,10 @@ test('shares of all clouds together become budgets, rounded up', () => {
 test('a number of splats is measured once, and there is always one', () => {
   expect(detailsOfShares(cloudsOf(3))).toEqual([{ maxSplats: 3 }, { maxSplats: 2 }, { maxSplats: 1 }]);
   expect(detailsOfShares(cloudsOf(0))).toEqual([{ maxSplats: 1 }]);
+});
+
+test.each([0, 1.01, Number.NaN, '0.5'])('a share of %s is refused', (share) => {
+  expect(() => detailsOfShares(cloudsOf(3), [share as number])).toThrow(/^shares is .* above 0 and up to 1/);
 });
 
 test('details have names that people read', () => {

@@ -1,4 +1,6 @@
+import { checkKind, wrongArgument } from '../data/given.ts';
 import type { CloudInstance, Detail } from '../frame/frame-request.ts';
+import { checkClouds } from './check-options.ts';
 
 /** Shares of a scene's splats that are measured where no others are asked for. */
 export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];
@@ -8,11 +10,17 @@ export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];
  * splats of all clouds: each number of splats once.
  *
  * @param shares above 0 and up to 1; default those of `DETAIL_SHARES`.
+ * @throws InvalidArgumentError for other shares.
  */
 export function detailsOfShares(
   clouds: readonly CloudInstance[],
   shares: readonly number[] = DETAIL_SHARES,
 ): Detail[] {
+  checkClouds(clouds);
+  checkKind('shares', shares, 'a list');
+  for (const share of shares)
+    if (!(Number.isFinite(share) && share > 0 && share <= 1))
+      throw wrongArgument('shares', share, 'a number above 0 and up to 1');
   const total = splatsOf(clouds);
   const counts = new Set(shares.map((share) => Math.max(1, Math.ceil(share * total))));
   return [...counts].map((maxSplats) => ({ maxSplats }));

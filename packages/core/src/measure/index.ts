@@ -28,4 +28,3 @@ export type { ComparedView, MeasuredEngine, MeasuredView } from './measured-engi
 export { orbitCameras } from './orbit-cameras.ts';
 export { sampleCameras } from './sample-cameras.ts';
 export { standardDeviation, type TimeSpread, timeSpread } from './time-spread.ts';
-export { worldBounds } from './world-bounds.ts';

@@ -218,7 +218,7 @@ describe('measureAccuracy', () => {
     async () => {
       const cloud = engine.add(everyOf(await stillLife(), 4), { name: 'a quarter' });
       const progress: MeasureProgress[] = [];
-      const camera = cameraAtDistance(common.cameras[0], cloud.robustBounds, 2);
+      const camera = cameraAtDistance(common.cameras[0], [{ cloud }], 2);
       const options = {
         ...common,
         ...{ clouds: [{ cloud }], cameras: [...common.cameras, camera] },
@@ -239,7 +239,7 @@ describe('measureAccuracy', () => {
       expect(table.detail).toBe('full');
       expect(base.error.psnrDb).toBe(Number.POSITIVE_INFINITY);
       // Its view has room for fewer splats.
-    expect(half.bytes - base.bytes).toBeGreaterThan(0.5 * cloud.levels!.bytes);
+      expect(half.bytes - base.bytes).toBeGreaterThan(0.5 * cloud.levels!.bytes);
 
       const [tested, full] = [engine.createView(), engine.createView()];
       for (const { name, settings, detail, error, filteredPsnrDb, splats, notes } of table.points) {
