@@ -8,7 +8,8 @@ import {
 } from '../data/accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import { SH_PRECISIONS } from '../data/packing/precision.ts';
-import type { CloudInstance, Detail } from '../frame/frame-request.ts';
+import type { Detail, FixedDetail } from '../frame/detail.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
 import { describeDetail } from './details.ts';
 
 /** Name of one setting. */
@@ -87,7 +88,7 @@ export function combined({ settings, detail }: Candidate, changes: Partial<Accur
 /** Lists the base with each of `details`. */
 export function detailCandidates(
   base: Accuracy,
-  details: readonly Detail[],
+  details: readonly FixedDetail[],
   clouds: readonly CloudInstance[],
 ): Candidate[] {
   const settings = internAccuracy(base);

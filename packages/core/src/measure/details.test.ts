@@ -29,5 +29,6 @@ test('details have names that people read', () => {
   expect(describeDetail({ maxErrorPx: 0.5, maxSplats: 4000 }, clouds)).toBe(
     '0.5 px of error, 0.8 % of splats',
   );
+  expect(describeDetail({ maxShare: 0.125 }, clouds)).toBe('12.5 % of splats in sight');
   expect(describeDetail('full', clouds)).toBe('full detail');
 });

@@ -1,5 +1,6 @@
 import { checkKind, wrongArgument } from '../data/given.ts';
-import type { CloudInstance, Detail } from '../frame/frame-request.ts';
+import type { FixedDetail } from '../frame/detail.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
 import { checkClouds } from './check-options.ts';
 
 /** Shares of a scene's splats that are measured where no others are asked for. */
@@ -15,7 +16,7 @@ export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];
 export function detailsOfShares(
   clouds: readonly CloudInstance[],
   shares: readonly number[] = DETAIL_SHARES,
-): Detail[] {
+): FixedDetail[] {
   checkClouds(clouds);
   checkKind('shares', shares, 'a list');
   for (const share of shares)
@@ -27,14 +28,18 @@ export function detailsOfShares(
 }
 
 /** Describes a detail of these clouds for people: `50 % of splats`. */
-export function describeDetail(detail: Detail, clouds: readonly CloudInstance[]): string {
+export function describeDetail(detail: FixedDetail, clouds: readonly CloudInstance[]): string {
   if (detail === 'full') return 'full detail';
-  const { maxErrorPx, maxSplats } = Object(detail) as { maxErrorPx?: number; maxSplats?: number };
-  const percent = (100 * maxSplats!) / splatsOf(clouds);
+  const { maxErrorPx, maxSplats, maxShare } = detail;
   return [
     ...(maxErrorPx === undefined ? [] : [`${maxErrorPx} px of error`]),
-    ...(maxSplats === undefined ? [] : [`${Number(percent.toPrecision(3))} % of splats`]),
+    ...(maxSplats === undefined ? [] : [`${percent(maxSplats / splatsOf(clouds))} of splats`]),
+    ...(maxShare === undefined ? [] : [`${percent(maxShare)} of splats in sight`]),
   ].join(', ');
+}
+
+function percent(share: number): string {
+  return `${Number((100 * share).toPrecision(3))} %`;
 }
 
 /** Splats of all clouds, as budgets count them. */

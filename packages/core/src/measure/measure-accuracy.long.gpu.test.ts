@@ -333,6 +333,13 @@ describe('measureAccuracy', () => {
     await expect(measureAccuracy(engine, { ...common, settings: ['sharpness'] })).rejects.toThrow(
       '"sharpness"',
     );
+    for (const wrong of ['auto', { minPsnrDb: 40 }])
+      await expect(measureAccuracy(engine, { ...common, details: [wrong as never] })).rejects.toThrow(
+        /^details is .* 'full' or limits/,
+      );
+    await expect(measureAccuracy(engine, { ...common, details: [{ maxSplats: 0 }] })).rejects.toThrow(
+      'detail is',
+    );
     const both = { ...common, detail: { maxErrorPx: 1 }, details: [{ maxSplats: 5 }] };
     await expect(measureAccuracy(engine, both)).rejects.toThrow('details are compared with the full scene');
   });

@@ -7,9 +7,10 @@ import {
 } from '../data/accuracy/accuracy.ts';
 import type { Camera } from '../data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
-import { checkKind, given } from '../data/given.ts';
+import { checkKind, given, wrongArgument } from '../data/given.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
-import type { CloudInstance, Detail, FrameRequest } from '../frame/frame-request.ts';
+import { checkDetail, type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
+import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import type { FrameStatistics, StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { ImageDifference } from '../reference/compare-images.ts';
 import {
@@ -55,7 +56,7 @@ export interface MeasureAccuracyOptions {
    * makes some. Errors are against the full scene, so `detail` is to be `full` with them; each point
    * then also has `filteredPsnrDb`. Clouds get levels, which they keep.
    */
-  readonly details?: readonly Detail[];
+  readonly details?: readonly FixedDetail[];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
   /** Names of the settings to change; default all. */
@@ -241,6 +242,11 @@ export async function measureThen<Result>(
   const { frames = DEFAULT_FRAMES, detail = 'full', details = [] } = given(options);
   checkMeasured(engine, options, { frames });
   checkKind('details', details, 'a list');
+  for (const each of details) {
+    checkDetail(each);
+    if (!isFixedDetail(each))
+      throw wrongArgument('details', each, "'full' or limits, such as { maxSplats: 1e6 }");
+  }
   if (detail !== 'full' && details.length > 0) {
     const message = 'details are compared with the full scene; leave out detail, or details.';
     throw new InvalidArgumentError('details', message);
