@@ -49,7 +49,7 @@ gpuTest('accuracy measures fewer splats, from farther, against filtered pictures
   const far = await run('--details', '50,6', '--distance', '4');
   const [half, few] = far.points.slice(-2);
   expect([half.name, few.name]).toEqual(['50 % of splats', '6 % of splats']);
-  expect(half.detail).toEqual({ maxSplats: 5000 });
+  expect(half.detail).toEqual({ maxShare: 0.5 });
   expect(half.splats).toBeGreaterThan(few.splats);
   expect(half.splats).toBeLessThanOrEqual(5000);
   expect(half.error.psnrDb).toBeGreaterThan(few.error.psnrDb);

@@ -1,10 +1,5 @@
 import { ACCURACY_PRESETS, printable } from '@websplatter/core';
-import {
-  type AccuracyTable,
-  cameraAtDistance,
-  detailsOfShares,
-  measureAccuracy,
-} from '@websplatter/core/measure';
+import { type AccuracyTable, cameraAtDistance, measureAccuracy } from '@websplatter/core/measure';
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
@@ -57,7 +52,7 @@ async function measure(
       heightPx,
       sortBy,
       detail,
-      details: detailsOfShares(clouds, detailShares),
+      details: detailShares.map((maxShare) => ({ maxShare })),
       base,
       settings,
       frames,

@@ -291,7 +291,6 @@ const CALLS: Record<string, Call> = {
   },
   sampleCameras: { args: () => [CAMERA, PACKED.bounds, 3], call: measure.sampleCameras as never },
   cameraAtDistance: { args: () => [CAMERA, [{ cloud }], 2], call: measure.cameraAtDistance as never },
-  detailsOfShares: { args: () => [[{ cloud }], [0.5]], call: measure.detailsOfShares as never },
   timeSpread: { args: () => [[1, 2]], call: measure.timeSpread as never },
 };
 

@@ -9,7 +9,6 @@ import {
 import { InvalidArgumentError } from '../data/errors.ts';
 import { SH_PRECISIONS } from '../data/packing/precision.ts';
 import type { Detail, FixedDetail } from '../frame/detail.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
 import { describeDetail } from './details.ts';
 
 /** Name of one setting. */
@@ -86,13 +85,9 @@ export function combined({ settings, detail }: Candidate, changes: Partial<Accur
 }
 
 /** Lists the base with each of `details`. */
-export function detailCandidates(
-  base: Accuracy,
-  details: readonly FixedDetail[],
-  clouds: readonly CloudInstance[],
-): Candidate[] {
+export function detailCandidates(base: Accuracy, details: readonly FixedDetail[]): Candidate[] {
   const settings = internAccuracy(base);
-  return details.map((detail) => ({ name: describeDetail(detail, clouds), settings, changed: [], detail }));
+  return details.map((detail) => ({ name: describeDetail(detail), settings, changed: [], detail }));
 }
 
 /** Describes a setting for people: `sortKeyBits 16`, `alphaCutoff 1/128`. */

@@ -6,7 +6,7 @@ export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accura
 export { NonFiniteImageError } from './compare-textures.ts';
 export { compareViews } from './compare-views.ts';
 export { type CopyBandwidthOptions, measureCopyBandwidth } from './copy-bandwidth.ts';
-export { DETAIL_SHARES, detailsOfShares } from './details.ts';
+export { DETAIL_SHARES } from './details.ts';
 export {
   type AccuracyPoint,
   type AccuracyTable,

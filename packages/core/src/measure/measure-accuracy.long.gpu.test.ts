@@ -223,7 +223,7 @@ describe('measureAccuracy', () => {
         ...common,
         ...{ clouds: [{ cloud }], cameras: [...common.cameras, camera] },
         ...({ base: 'reference', frames: 1, settings: ['alphaCutoff'], ablations: false } as const),
-        details: [{ maxSplats: 1250 }, { maxErrorPx: 4 }],
+        details: [{ maxShare: 0.5 }, { maxErrorPx: 4 }],
       };
       const table = await measureAccuracy(engine, { ...options, onProgress: (each) => progress.push(each) });
       expect(progress[0].total).toBe(countMeasureSteps(options));

@@ -24,7 +24,6 @@ import { checkMeasured } from './check-options.ts';
 import { combineChanges, type FirstLook, MAX_COMBINATIONS } from './combine-changes.ts';
 import { NonFiniteImageError } from './compare-textures.ts';
 import { compareViews } from './compare-views.ts';
-import { splatsOf } from './details.ts';
 import { leasePlanes } from './lease-planes.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { clockNotes, drawMeasured, withView } from './measured-frames.ts';
@@ -52,8 +51,8 @@ export interface MeasureAccuracyOptions {
   /** As in a frame request: settings are compared at this detail. */
   readonly detail?: Detail;
   /**
-   * Details to measure besides, each with the settings of `base`; default none. `detailsOfShares`
-   * makes some. Errors are against the full scene, so `detail` is to be `full` with them; each point
+   * Details to measure besides, each with the settings of `base`; default none: for instance
+   * `DETAIL_SHARES.map((maxShare) => ({ maxShare }))`. Errors are against the full scene, so `detail` is to be `full` with them; each point
    * then also has `filteredPsnrDb`. Clouds get levels, which they keep.
    */
   readonly details?: readonly FixedDetail[];
@@ -316,11 +315,11 @@ class Measurement {
   }
 
   async #measure(): Promise<AccuracyTable> {
-    const { cameras, base = DEFAULT_ACCURACY, clouds, details = [], onTable } = this.#options;
+    const { cameras, base = DEFAULT_ACCURACY, details = [], onTable } = this.#options;
     const withCombinations = this.#options.combinations ?? true;
     const candidates = this.#candidates.filter((each) => this.#isPossible(each));
     const withLevels = details.length > 0 && (await this.#haveLevels());
-    const ofDetails = withLevels ? detailCandidates(base, details, clouds) : [];
+    const ofDetails = withLevels ? detailCandidates(base, details) : [];
     this.#total = stepsOf(this.#options, candidates.length, ofDetails.length);
 
     if (ofDetails.length > 0) await this.#drawPictures();
@@ -355,7 +354,7 @@ class Measurement {
       adapter: engine.adapterLabel,
       widthPx,
       heightPx,
-      splats: splatsOf(clouds),
+      splats: clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
       views: cameras.length,
       frames: this.#frames,
       elapsedMs: performance.now() - this.#startedMs,
