@@ -1,9 +1,10 @@
 // Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
-// sum to the number at n steps beyond the plan's base. One workgroup per chunk, one thread per splat,
-// dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn.
+// sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
+// per splat, dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn.
 import constants::CHUNK_SPLATS;
+import constants::COUNTED_CHUNKS;
 import constants::CUT_BINS;
 import constants::CUT_COPIES;
 import constants::ERROR_BOUNDLESS;
@@ -35,13 +36,25 @@ import package::lib::level_link::{errorOf, parentErrorOf};
 const ALWAYS = -0x10000;
 const NEVER = 0x10000;
 
-/// Of this chunk: changes of the number from bin to bin, which wrap around below 0.
+/// Of these chunks: changes of the number from bin to bin, which wrap around below 0.
 var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let chunk = linearWorkgroup(workgroup, view.dispatchRow);
-  if (chunk >= page.chunkCount) { return; }
+  let index = linearWorkgroup(workgroup, view.dispatchRow);
+  for (var i = 0u; i < COUNTED_CHUNKS; i++) {
+    let chunk = index * COUNTED_CHUNKS + i;
+    if (chunk < page.chunkCount) { countChunk(chunk, lane); }
+  }
+  workgroupBarrier();
+  if (lane < CUT_BINS) {
+    let change = atomicLoad(&bins[lane]);
+    if (change != 0u) { atomicAdd(&cutCounts[index % CUT_COPIES * CUT_BINS + lane], change); }
+  }
+}
+
+/// Counts one splat or blob of a chunk.
+fn countChunk(chunk: u32, lane: u32) {
   let cell = cells[links[chunk].cell];
   // The shift at which the threshold of the cell is 0.
   let zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
@@ -56,19 +69,13 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   if (last <= i32(cutPlan.base) || !reachesIn(center, halfExtent, links[chunk].largestScale)) { return; }
 
   let link = links[chunk].links[lane];
-  if (link != 0u) {
-    let start = binOf(shiftTo(errorOf(link), zero));
-    let end = binOf(min(closed, shiftTo(parentErrorOf(link), zero)));
-    @if(!FRUSTUM_CULLING) let isCounted = start < end && start < CUT_BINS && (isWithin(center, halfExtent) || isInSight(chunk, lane));
-    @if(FRUSTUM_CULLING) let isCounted = start < end && start < CUT_BINS;
-    if (isCounted) { atomicAdd(&bins[start], 1u); }
-    if (isCounted && end < CUT_BINS) { atomicSub(&bins[end], 1u); }
-  }
-  workgroupBarrier();
-  if (lane < CUT_BINS) {
-    let change = atomicLoad(&bins[lane]);
-    if (change != 0u) { atomicAdd(&cutCounts[chunk % CUT_COPIES * CUT_BINS + lane], change); }
-  }
+  if (link == 0u) { return; }
+  let start = binOf(shiftTo(errorOf(link), zero));
+  let end = binOf(min(closed, shiftTo(parentErrorOf(link), zero)));
+  if (start >= end || start >= CUT_BINS) { return; }
+  @if(!FRUSTUM_CULLING) if (!isWithin(center, halfExtent) && !isInSight(chunk, lane)) { return; }
+  atomicAdd(&bins[start], 1u);
+  if (end < CUT_BINS) { atomicSub(&bins[end], 1u); }
 }
 
 /// The shift that takes a threshold, 0 at the shift `zero`, to `error`.

@@ -54,7 +54,9 @@ export function checkDetail(detail: Detail = 'full'): void {
   if (detail === 'full' || detail === 'auto') return;
   const given = Object.entries(Object(detail)).filter(([, value]) => value !== undefined);
   const areNumbers = given.every(([, value]) => Number.isFinite(value));
-  const areLimits = given.every(([name, value]) => LIMITS[name as keyof DetailLimits]?.(value as number));
+  const areLimits = given.every(
+    ([name, value]) => Object.hasOwn(LIMITS, name) && LIMITS[name as keyof DetailLimits](value as number),
+  );
   const isTarget = given.length === 1 && TARGETS.includes(given[0][0]) && (given[0][1] as number) > 0;
   if (given.length > 0 && areNumbers && (areLimits || isTarget)) return;
   const expected =

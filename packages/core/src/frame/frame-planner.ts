@@ -184,6 +184,11 @@ export class FramePlanner {
     this.#last = plan;
   }
 
+  /** Takes a plan that stands: its request may say the same in other words. */
+  keep(plan: FramePlan): void {
+    this.#last = plan;
+  }
+
   /** Forgets the frames before, whose buffers are gone. */
   forget(): void {
     this.#last = null;

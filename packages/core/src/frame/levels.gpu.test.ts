@@ -435,6 +435,7 @@ describe('frames with less than full detail', () => {
       { maxFrameMs: Number.POSITIVE_INFINITY },
       { minPsnrDb: 40, maxErrorPx: 1 },
       { splats: 5 },
+      { toString: 5 },
     ])
       expect(() =>
         view.render({ camera: camera(5), clouds: [{ cloud }], ...SIZE, detail: detail as Detail }),

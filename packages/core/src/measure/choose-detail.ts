@@ -3,11 +3,11 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { compareViews } from './compare-views.ts';
 import { type CutPoint, MOST_SHARE, predictShare } from './cut-curve.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
-import { withView } from './measured-frames.ts';
+import { drawMeasured, withView } from './measured-frames.ts';
 
 /** Detail chosen by measuring pictures. */
 export interface DetailChoice {
-  /** The fewest splats measured that reach the PSNR; `full` where no cut does that saves time. */
+  /** The fewest splats measured that reach the PSNR; `full` where none do, or they save no time. */
   readonly detail: FixedDetail;
   /** Of the picture with this detail, against the full one by `reference`. */
   readonly psnrDb: number;
@@ -22,6 +22,8 @@ const MOST_CUTS = 4;
 const AIM_DB = 1;
 /** … and no others are drawn once one exceeds it by no more than this. */
 const CLOSE_DB = 2;
+/** Of the cut that was found, and of the full picture: the quickest tells. */
+const TIMED_FRAMES = 3;
 
 /**
  * Chooses the fewest splats whose picture is within `minPsnrDb` of the full one by the settings
@@ -48,6 +50,15 @@ export async function chooseDetail(
         view.render({ ...full, detail });
         return (await compareViews(view, reference)).psnrDb;
       };
+      const msOf = async (detail: FixedDetail) => {
+        let leastMs = Number.POSITIVE_INFINITY;
+        for (let frame = 0; frame < TIMED_FRAMES; frame++) {
+          signal?.throwIfAborted();
+          const { timing } = await drawMeasured(engine, view, { ...full, detail });
+          leastMs = Math.min(leastMs, timing.totalMs);
+        }
+        return leastMs;
+      };
       const measured: CutPoint[] = [];
       let best: CutPoint | null = null;
       while (measured.length < MOST_CUTS) {
@@ -60,7 +71,9 @@ export async function chooseDetail(
         if (reaches && share < (best?.share ?? Number.POSITIVE_INFINITY)) best = cut;
         if (reaches && cut.psnrDb <= minPsnrDb + CLOSE_DB) break;
       }
-      if (best) return { detail: { maxShare: best.share }, psnrDb: best.psnrDb, measured };
+      const cut = best && { maxShare: best.share };
+      if (cut && (await msOf(cut)) < (await msOf('full')))
+        return { detail: cut, psnrDb: best!.psnrDb, measured };
       return { detail: 'full', psnrDb: await psnrOf('full'), measured };
     }),
   );

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
@@ -24,10 +24,31 @@ const camera = (distance: number): Camera =>
 
 let engine: SplatEngine;
 let cloud: SplatCloud;
+/** What a frame of so many splats is told to take. */
+let msOf: (splats: number) => number;
 beforeAll(async () => {
   engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'high' });
   cloud = engine.add(SET);
+  const createView = engine.createView.bind(engine);
+  engine.createView = (...options) => withTimes(createView(...options));
 });
+beforeEach(() => {
+  msOf = (splats) => splats;
+});
+
+/** A view whose statistics have the times of `msOf`: real ones of so few splats are noise. */
+function withTimes(view: SplatView): SplatView {
+  let told: SplatView['onStatistics'] = null;
+  return Object.defineProperty(view, 'onStatistics', {
+    get: () => told,
+    set: (listener: SplatView['onStatistics']) => {
+      told = (statistics) => {
+        const timing = { ...statistics.timing, totalMs: msOf(statistics.visibleSplats) };
+        listener?.({ ...statistics, timing });
+      };
+    },
+  });
+}
 afterAll(() => engine.destroy());
 
 function draw(view: SplatView, detail: Detail, distance: number, force = false): void {
@@ -73,6 +94,16 @@ describe('minPsnrDb', () => {
       expect(drawn).not.toBe('full');
       expect(predictedPsnrDb).toBeCloseTo(measuredPsnrDb!, 1);
     }
+    view.destroy();
+  });
+
+  gpuTest('draws all splats where fewer take longer', async () => {
+    msOf = (splats) => 1 / splats;
+    const view = engine.createView();
+    draw(view, { minPsnrDb: 30 }, 12);
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true });
+    expect(view.detail!.measuredPsnrDb).toBeGreaterThan(60);
     view.destroy();
   });
 

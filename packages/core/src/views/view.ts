@@ -370,7 +370,8 @@ export abstract class View {
       this.waiting = null;
       // The last frame is another one now.
       this.recovery.error = null;
-      if (!plan.stands) this.#asked = plan;
+      if (plan.stands) this.#planner.keep(plan);
+      else this.#asked = plan;
       return { plan, stands: plan.stands, status: 'ready' };
     }
     this.waiting = this.wait.begin(request, 'shaders', () => this.wait.whenReady(plan));

@@ -10,7 +10,7 @@ import { compactSplats } from '../../gpu/stages/compact-splats.ts';
 import { cullChunks, cullLevels } from '../../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
-import { cutCount } from '../../gpu/stages/cut-count.ts';
+import { countWorkgroups, cutCount } from '../../gpu/stages/cut-count.ts';
 import { cutSplats } from '../../gpu/stages/cut-splats.ts';
 import { dispatchAtMost, dispatchSize } from '../../gpu/stages/dispatch.ts';
 import { planCull } from '../../gpu/stages/plan-cull.ts';
@@ -318,7 +318,7 @@ export class Preprocess implements FramePart<OrderRecording> {
       if (!cutCount) continue;
       stage = this.#usePipeline(pass, cutCount, stage);
       pass.setBindGroup(0, this.#groups!.pages[index].cutCount);
-      pass.dispatchWorkgroups(...dispatchSize(framePage.chunkCount, shape.dispatchRow));
+      pass.dispatchWorkgroups(...dispatchSize(countWorkgroups(framePage.chunkCount), shape.dispatchRow));
     }
     useCompute(pass, this.#context.pipelines, planCut, plan);
     pass.dispatchWorkgroups(1);

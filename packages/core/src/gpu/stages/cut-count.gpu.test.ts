@@ -8,7 +8,7 @@ import { type CountedChunk, cutCount as reference } from '../../reference/cut-co
 import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { cutCount } from './cut-count.ts';
+import { countWorkgroups, cutCount } from './cut-count.ts';
 import { dispatchSize } from './dispatch.ts';
 
 const { CUT_BINS, CUT_COPIES, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
@@ -76,7 +76,7 @@ async function countsOf(
     geometry: gpu.storage(new Uint32Array(geometry.buffer)),
     chunks: gpu.storage([], Chunk.bytes * CHUNKS),
   };
-  await gpu.run(cutCount(variant), bindings, dispatchSize(CHUNKS + 1, DISPATCH_ROW));
+  await gpu.run(cutCount(variant), bindings, dispatchSize(countWorkgroups(CHUNKS) + 1, DISPATCH_ROW));
   const changes = await gpu.read(cutCounts);
   let sum = 0;
   return Array.from({ length: CUT_BINS }, (_, bin) => {

@@ -16,3 +16,8 @@ export function cutCount({
     constants: LEVEL_CONSTANTS,
   };
 }
+
+/** Workgroups for a page of so many chunks. */
+export function countWorkgroups(chunkCount: number): number {
+  return Math.ceil(chunkCount / LEVEL_CONSTANTS.COUNTED_CHUNKS);
+}
