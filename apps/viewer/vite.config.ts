@@ -25,6 +25,8 @@ const CORE = '../../packages/core';
 /** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
+/** Modules that several panels need parts of: one script is smaller than a dozen. */
+const PANEL_PARTS = /\/viewer\/src\/(ui|formatting|drawing|measurement\/measurement-runner)\b/;
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
 /** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
@@ -81,14 +83,15 @@ function isPreloaded(file: string, host: string): boolean {
 
 /**
  * The script that a module is in: one for what the viewer alone begins with, one for what other
- * pages begin with too, and one for the engine, for all pages.
+ * pages begin with too, one for the engine, for all pages, and one for what panels share.
  */
 function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
   const begins = (page: string) =>
     needsAtFirst(normalizePath(fileURLToPath(new URL(page, import.meta.url))), graph);
   if (begins(CHOICE).has(id)) return null;
   const isEarly = begins(VIEWER).has(id) && !isOnlyPacking(id, begins);
-  if (!isEarly) return begins(ENGINE_ITSELF).has(id) ? ENGINE : null;
+  if (!isEarly && begins(ENGINE_ITSELF).has(id)) return ENGINE;
+  if (!isEarly) return PANEL_PARTS.test(normalizePath(id)) ? 'panels' : null;
   return GALLERY.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
 }
 
