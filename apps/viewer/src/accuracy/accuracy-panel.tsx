@@ -10,6 +10,7 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import { AccuracyPresets } from './accuracy-presets.tsx';
 import { AccuracySettingsForm } from './accuracy-settings.tsx';
 import { AccuracyStatus } from './accuracy-status.tsx';
+import { DetailDial } from './detail-dial.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {
   measure: 'Measure',
@@ -26,6 +27,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
   const tab = useStore(store, (state) => state.accuracyTab);
   return (
     <Dock store={store} name="accuracy" title="Accuracy">
+      <DetailDial store={store} viewer={viewer} />
       <AccuracyPresets store={store} viewer={viewer} />
       <Tabs
         label="Accuracy"

@@ -1,7 +1,7 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
 import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../formatting/accuracy-words.ts';
-import { type Comparison, type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
+import type { Comparison, ComparisonSide } from '../state/comparison.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
@@ -65,7 +65,7 @@ function SideSelect({
   onChange: (side: ComparisonSide) => void;
 }) {
   const accuracy = useStore(store, (state) => state.accuracy);
-  const shown = sideAccuracy(side, accuracy);
+  const shown = side === 'current' ? accuracy : side;
   const presets = PRESET_NAMES.map((name) => ACCURACY_PRESETS[name]);
   const others = [shown, accuracy].filter((each) => !presets.some((preset) => isSameAccuracy(preset, each)));
   const kept = uniqueByWords([...presets, ...others]);

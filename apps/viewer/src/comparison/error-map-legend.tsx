@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import { describeAccuracy } from '../formatting/accuracy-words.ts';
+import { describeDrawn } from '../formatting/detail-words.ts';
 import { IconButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { ERROR_CLASSES } from './error-map.ts';
@@ -7,12 +7,12 @@ import { ERROR_CLASSES } from './error-map.ts';
 /** The meaning of the error map's colours, and the part of the image that has each. */
 export function ErrorMapLegend({ store, viewer }: PanelProps) {
   const figures = useStore(store, (state) => state.errorFigures);
-  const accuracy = useStore(store, (state) => state.accuracy);
+  const drawn = useStore(store, describeDrawn);
   return (
     <section className="panel error-legend" aria-label="Error map" data-testid="error-legend">
       <div className="spread">
         <p>
-          <b>{describeAccuracy(accuracy)}</b> against reference, in steps of 1/255
+          <b>{drawn}</b> against reference, in steps of 1/255
         </p>
         <IconButton icon="close" label="End the comparison" onClick={() => viewer.compare(null)} />
       </div>

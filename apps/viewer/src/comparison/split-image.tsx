@@ -1,7 +1,7 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import { describeAccuracy } from '../formatting/accuracy-words.ts';
-import { type Comparison, sideAccuracy } from '../state/comparison.ts';
+import { describeDrawn } from '../formatting/detail-words.ts';
+import { type Comparison, sideDrawn } from '../state/comparison.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { movedSplit, splitText } from './split-line.ts';
@@ -12,13 +12,12 @@ export function SplitImage({
   viewer,
   split,
 }: PanelProps & { split: Extract<Comparison, { kind: 'split' }> }) {
-  const accuracy = useStore(store, (state) => state.accuracy);
   const root = useRef<HTMLDivElement>(null);
   const area = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const line = useRef<HTMLDivElement>(null);
-  const left = describeAccuracy(sideAccuracy(split.left, accuracy));
-  const right = describeAccuracy(sideAccuracy(split.right, accuracy));
+  const left = useStore(store, (state) => describeDrawn(sideDrawn(split.left, state)));
+  const right = useStore(store, (state) => describeDrawn(sideDrawn(split.right, state)));
 
   useEffect(() => (canvas.current ? viewer.attachRight(canvas.current) : undefined), [viewer]);
   // The line follows a hand: React does not render each step.

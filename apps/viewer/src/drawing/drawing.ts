@@ -7,7 +7,7 @@ import type { Scenes } from '../scene/scenes.ts';
 import { cloudKeys, type ShownScene } from '../scene/shown-scene.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
-import { sideAccuracy } from '../state/comparison.ts';
+import { sideDrawn } from '../state/comparison.ts';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { awaitsViewMode, type ViewerState } from '../state/viewer-state.ts';
@@ -120,7 +120,7 @@ export class Drawing {
   }
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
-    const { widthPx, heightPx, isFlipped, requested } = this.#options.store.getState();
+    const { widthPx, heightPx, isFlipped, requested, detail } = this.#options.store.getState();
     if (requested !== this.#joined.requested) this.#joined = { requested, byCloud: new Map() };
     const keys = cloudKeys(scene);
     const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }, i) => ({
@@ -129,7 +129,7 @@ export class Drawing {
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
       effects: this.#effectsOf(keys[i]),
     }));
-    return { camera, clouds, widthPx, heightPx, background: this.#background };
+    return { camera, clouds, widthPx, heightPx, detail, background: this.#background };
   }
 
   #effectsOf(cloudKey: string): readonly EffectUse[] {
@@ -145,16 +145,12 @@ export class Drawing {
    */
   #render({ views }: Session, frame: DrawnFrame['frame']): boolean {
     const { target, accuracy: settings, comparison } = this.#options.store.getState();
-    const accuracy = target ?? settings;
-    if (comparison?.kind !== 'split') return views.main.render({ ...frame, accuracy });
-    const isLeftSubmitted = views.main.render({
-      ...frame,
-      accuracy: sideAccuracy(comparison.left, accuracy),
-    });
-    const isRightSubmitted = views.right?.render({
-      ...frame,
-      accuracy: sideAccuracy(comparison.right, accuracy),
-    });
+    const chosen = { accuracy: target ?? settings, detail: frame.detail };
+    // Views tell of the frame that they drew last: why a detail changes nothing, too.
+    const asked = { ...frame, force: frame.detail !== this.#drawn?.frame.detail };
+    if (comparison?.kind !== 'split') return views.main.render({ ...asked, ...chosen });
+    const isLeftSubmitted = views.main.render({ ...asked, ...sideDrawn(comparison.left, chosen) });
+    const isRightSubmitted = views.right?.render({ ...asked, ...sideDrawn(comparison.right, chosen) });
     return isLeftSubmitted || isRightSubmitted === true;
   }
 

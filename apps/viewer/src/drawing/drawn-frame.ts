@@ -1,4 +1,4 @@
-import type { Camera, FrameRequest, SplatEngine, TextureImage } from '@websplatter/core';
+import type { Camera, Detail, FrameRequest, SplatEngine, TextureImage } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownScene } from '../scene/shown-scene.ts';
 
@@ -6,7 +6,7 @@ import type { ShownScene } from '../scene/shown-scene.ts';
 export interface DrawnFrame {
   readonly scene: ShownScene;
   /** Everything but its accuracy. */
-  readonly frame: FrameRequest & { readonly background: Vec3 };
+  readonly frame: FrameRequest & { readonly background: Vec3; readonly detail: Detail };
   /** Its camera where no panel covers the picture. */
   readonly centred: Camera;
 }
@@ -28,7 +28,7 @@ export interface ImageOnBackground {
 
 /** All that an image depends on but accuracy, background and panels that cover it, as text. */
 export function imageKey({ scene, frame, centred }: DrawnFrame): string {
-  const { clouds, widthPx, heightPx } = frame;
+  const { clouds, widthPx, heightPx, detail } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
   const parts = scene.parts.map(({ key, look }) => [key, look.isHidden, look.opacity]);
   const effects = clouds.map((cloud) =>
@@ -41,5 +41,5 @@ export function imageKey({ scene, frame, centred }: DrawnFrame): string {
   );
   const { viewMatrix, projectionMatrix } = centred;
   const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
-  return JSON.stringify([scene.id, widthPx, heightPx, matrices, parts, effects]);
+  return JSON.stringify([scene.id, widthPx, heightPx, detail, matrices, parts, effects]);
 }

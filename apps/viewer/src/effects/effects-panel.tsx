@@ -68,7 +68,7 @@ function Cautions({
   return (
     <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
       {isStale && (
-        <p className="stale">Costs are those of another view, size, accuracy or choice of effects.</p>
+        <p className="stale">Costs are those of another view, size, accuracy, detail or choice of effects.</p>
       )}
       {timingCautions(isSoftware, source).map((caution) => (
         <p key={caution}>{caution}</p>

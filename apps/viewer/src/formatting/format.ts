@@ -10,6 +10,11 @@ export function formatCount(count: number): string {
   return Number.isFinite(count) ? wholeNumber.format(count) : UNKNOWN;
 }
 
+/** `150,000`, `1.2 million`. */
+export function formatMany(count: number): string {
+  return count < 999_950 ? formatCount(count) : `${(count / 1e6).toFixed(1)} million`;
+}
+
 /** Three significant digits at most: `0.04`, `3.1`, `118`. */
 export function formatMs(elapsedMs: number): string {
   if (!Number.isFinite(elapsedMs)) return UNKNOWN;

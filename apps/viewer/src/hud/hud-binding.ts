@@ -27,6 +27,8 @@ const TOLD: readonly (keyof ViewerState)[] = [
   'adapterLabel',
   'accuracy',
   'comparison',
+  'detail',
+  'effects',
 ];
 
 export interface HudSources {

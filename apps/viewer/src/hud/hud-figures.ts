@@ -4,6 +4,7 @@ import {
   type RasterizerReport,
   type StageTimings,
 } from '@websplatter/core';
+import { describeDetail } from '../formatting/detail-words.ts';
 import { formatCount, formatMs, formatRate, UNKNOWN } from '../formatting/format.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 
@@ -12,7 +13,10 @@ export type Figures = Readonly<Record<string, string>>;
 
 /** The state as text; without the right side where there is none. */
 export function hudText(state: ViewerState): Figures {
-  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
+  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel, comparison, effects } =
+    state;
+  const isSplit = comparison?.kind === 'split';
+  const hasLevels = effects.some(({ name, isOn }) => name === 'levels' && isOn);
   // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
   const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
   const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
@@ -22,9 +26,10 @@ export function hudText(state: ViewerState): Figures {
     // Nothing is drawn while nothing changes: a rate would be wrong.
     rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
     ...stageFigures(statistics, state.rasterizer),
-    ...(state.comparison?.kind === 'split' &&
-      figuresOf('right', stageFigures(state.rightStatistics, state.rightRasterizer))),
+    ...(isSplit && figuresOf('right', stageFigures(state.rightStatistics, state.rightRasterizer))),
     loaded: formatCount(scene?.splats ?? Number.NaN),
+    // The labels of a split image name it for each side.
+    detail: hasLevels && !isSplit ? describeDetail(state.detail) : '',
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };

@@ -1,7 +1,7 @@
 import type { EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
-import { accuracyOf } from './large-figures.ts';
+import { drawnOf } from './large-figures.ts';
 import { memoryByGroup } from './memory-groups.ts';
 import { PASSES } from './pass-names.ts';
 import { summarize } from './time-summary.ts';
@@ -53,8 +53,10 @@ export function jsonReport(recorded: Recorded): string {
 function sideReport(side: Side, { state, frames }: Recorded) {
   const of = (name: 'preprocessMs' | 'sortMs' | 'rasterizeMs' | 'totalMs') =>
     summarize(frames[side].map(({ timing }) => timing[name]));
+  const { accuracy, detail } = drawnOf(side, state);
   return {
-    accuracy: accuracyOf(side, state),
+    accuracy,
+    detail,
     rasterizer: side === 'left' ? state.rasterizer : state.rightRasterizer,
     stagesMs: {
       preprocess: of('preprocessMs'),

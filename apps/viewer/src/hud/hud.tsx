@@ -177,10 +177,11 @@ function FrameFacts({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }
         label="Visible"
         figure="visible"
         rightFigure={isSplit ? 'right.visible' : undefined}
-        title="Splats that culling kept; all of them are drawn (visibleSplats)"
+        title="Splats, and blobs in place of several, that culling kept; all of them are drawn (visibleSplats)"
         testId="visible-splats"
       />
       <HudRow label="Loaded" figure="loaded" testId="loaded-splats" />
+      <HudRow label="Detail" figure="detail" isOptional testId="detail" />
     </dl>
   );
 }

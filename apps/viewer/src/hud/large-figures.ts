@@ -1,6 +1,6 @@
-import type { AccuracySettings, EngineMemory, FrameStatistics } from '@websplatter/core';
+import type { EngineMemory, FrameStatistics } from '@websplatter/core';
 import { formatBytes, formatCount, formatMs, UNKNOWN } from '../formatting/format.ts';
-import { sideAccuracy } from '../state/comparison.ts';
+import { type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
 import { type Figures, figuresOf } from './hud-figures.ts';
@@ -11,7 +11,7 @@ import type { TimeSummary } from './time-summary.ts';
 /** Figures of one side in the largest size. Those that are empty have no row. */
 export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary): Figures {
   const statistics = side === 'left' ? state.statistics : state.rightStatistics;
-  const { sortKeyBits, resolutionScale } = accuracyOf(side, state);
+  const { sortKeyBits, resolutionScale } = drawnOf(side, state).accuracy;
   return figuresOf(side, {
     ...passFigures(statistics),
     candidates: formatCount(statistics?.candidateSplats ?? Number.NaN),
@@ -39,9 +39,10 @@ function passFigures(statistics: FrameStatistics | null): Figures {
   return Object.fromEntries(PASSES.map(([pass]) => [`pass.${pass}`, textOf(passMs[pass])]));
 }
 
-/** Settings that one side of the image is drawn with. */
-export function accuracyOf(side: Side, { comparison, accuracy }: ViewerState): AccuracySettings {
-  return comparison?.kind === 'split' ? sideAccuracy(comparison[side], accuracy) : accuracy;
+/** How one side of the image is drawn. */
+export function drawnOf(side: Side, state: ViewerState): Drawn {
+  const { comparison } = state;
+  return comparison?.kind === 'split' ? sideDrawn(comparison[side], state) : state;
 }
 
 /** CPU time of a frame: calls to the engine, and the figures themselves. */

@@ -3,6 +3,7 @@ import { subtract } from '../camera/vec3.ts';
 import type { LengthUnit, Ruler } from '../state/inspecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import { lengthScaleKey, readLengthScale, scaleFrom } from './length-scale.ts';
+import { pickSplat } from './pick-splat.ts';
 
 export interface RulersOptions extends InspectTools {
   /** Storage of scales, such as `localStorage`; asked for each time: browsers may forbid it. */
@@ -25,8 +26,8 @@ export class Rulers {
 
   /** Sets a ruler's next end to the splat seen at `xPart` and `yPart` from the image's top left. */
   async markAt(xPart: number, yPart: number): Promise<void> {
-    const { store, viewer, update } = this.#options;
-    const pick = await viewer.pickAt(xPart, yPart);
+    const { store, update } = this.#options;
+    const pick = await pickSplat(this.#options, xPart, yPart);
     if (!pick) {
       update({ problem: 'No splat is drawn there.' });
       return;

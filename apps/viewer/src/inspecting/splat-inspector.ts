@@ -1,6 +1,7 @@
 import { traceSplat } from '@websplatter/core/reference';
 import type { InspectedSplat } from '../state/inspecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
+import { pickSplat } from './pick-splat.ts';
 
 /** Finds out about one splat at a time. */
 export class SplatInspector {
@@ -12,14 +13,15 @@ export class SplatInspector {
 
   /** Inspects the splat that contributes most at `xPart`, `yPart` from the image's top left. */
   async pickAt(xPart: number, yPart: number): Promise<void> {
-    const { viewer, store, update } = this.#tools;
-    const pick = await viewer.pickAt(xPart, yPart);
+    const { store, update } = this.#tools;
+    const pick = await pickSplat(this.#tools, xPart, yPart);
     if (!pick) {
       update({ splat: null, problem: 'No splat is drawn there.' });
       return;
     }
     const { cloudIndex, splatIndex, alpha, weight, totalOpacity, rank } = pick;
-    const visible = store.getState().statistics?.visibleSplats ?? null;
+    const { statistics, detail } = store.getState();
+    const visible = (detail === 'full' && statistics?.visibleSplats) || null;
     const share = { alpha, weight, totalOpacity, rank, visible };
     await this.#take({ cloudIndex, row: splatIndex, share, set: null, seen: null });
   }

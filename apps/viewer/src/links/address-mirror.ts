@@ -39,6 +39,7 @@ export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void 
 const MIRRORED = [
   'accuracy',
   'target',
+  'detail',
   'comparison',
   'splitPart',
   'requested',

@@ -7,18 +7,20 @@ describe('the start from a link', () => {
       camera: null,
       comparison: null,
       viewMode: 'colours',
+      detail: 'full',
       looks: [],
       notice: null,
     });
   });
 
-  it('has the camera, the comparison and the view mode of the address', () => {
-    const { camera, comparison, viewMode, notice } = linkedStart(
-      new URLSearchParams('camera=0,0,0,2,0,1&compare=error&mode=centres'),
+  it('has the camera, the comparison, the detail and the view mode of the address', () => {
+    const { camera, comparison, detail, viewMode, notice } = linkedStart(
+      new URLSearchParams('camera=0,0,0,2,0,1&compare=error&detail=maxSplats:500&mode=centres'),
     );
     expect(viewMode).toBe('centres');
     expect(camera?.pose.distance).toBe(2);
     expect(comparison?.comparison.kind).toBe('error');
+    expect(detail).toEqual({ maxSplats: 500 });
     expect(notice).toBeNull();
   });
 
@@ -28,13 +30,15 @@ describe('the start from a link', () => {
   });
 
   it('leaves out what cannot be read, and says so', () => {
-    const { camera, comparison, viewMode, notice } = linkedStart(
-      new URLSearchParams('camera=near&compare=fast/high&mode=x-ray'),
+    const { camera, comparison, detail, viewMode, notice } = linkedStart(
+      new URLSearchParams('camera=near&compare=fast/high&detail=maxSplats:few&mode=x-ray'),
     );
     expect(viewMode).toBe('colours');
     expect(notice).toContain('“x-ray”; there are colours, ellipsoids,');
     expect(camera).toBeNull();
     expect(comparison?.comparison.kind).toBe('split');
     expect(notice).toContain('“near” is no number');
+    expect(detail).toBe('full');
+    expect(notice).toContain('“few” is no number');
   });
 });

@@ -1,8 +1,9 @@
-import { InvalidArgumentError } from '@websplatter/core';
+import { type Detail, InvalidArgumentError } from '@websplatter/core';
 import type { LinkedCamera } from '../camera/view-camera.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { decodeCamera } from './camera-text.ts';
 import { decodeComparison, type LinkedComparison } from './comparison-text.ts';
+import { decodeDetail } from './detail-text.ts';
 import { decodeViewMode } from './view-mode-text.ts';
 
 /** Name that the look of a file has in the page's address. */
@@ -13,6 +14,7 @@ export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
+  readonly detail: Detail;
   /** Looks of the scene's files, in their order, by `encodeLook`; none if all are as saved. */
   readonly looks: readonly string[];
   /** The unreadable parts, in words; null if none. */
@@ -36,6 +38,8 @@ export function linkedStart(query: URLSearchParams): LinkedStart {
   const camera = read('camera', decodeCamera);
   const comparison = read('compare', decodeComparison);
   const viewMode = read('mode', decodeViewMode) ?? 'colours';
+  const detail = read('detail', decodeDetail) ?? 'full';
   const looks = query.getAll(LOOK_NAME);
-  return { camera, comparison, viewMode, looks, notice: notices.length > 0 ? notices.join(' ') : null };
+  const notice = notices.length > 0 ? notices.join(' ') : null;
+  return { camera, comparison, viewMode, detail, looks, notice };
 }

@@ -23,6 +23,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     looks: [],
     camera: first,
     accuracy: resolveAccuracy(),
+    detail: 'full',
     comparison: null,
     effects: null,
     crop: null,
@@ -59,6 +60,14 @@ describe('the address of the page', () => {
       }),
     ).toBe('/?scene=hard:a,b&accuracy=high,sortKeyBits:16&compare=current/high,sortKeyBits:16/0.25#top');
     expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
+  });
+
+  it('names a detail that is less than full, as a link does', () => {
+    const detail = { maxSplats: 5000 };
+    expect(written('/', { detail })).toBe('/?detail=maxSplats:5000');
+    expect(written('/?detail=maxSplats:5000', {})).toBe('/');
+    expect(linkTo(page('/'), view({ detail }))).toContain('&detail=maxSplats:5000');
+    expect(linkTo(page('/?detail=maxSplats:5000'), view())).not.toContain('detail');
   });
 
   it('names effects that are on, and with them the scene', () => {

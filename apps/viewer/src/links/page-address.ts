@@ -1,4 +1,4 @@
-import type { AccuracySettings, AccuracyTarget } from '@websplatter/core';
+import type { AccuracySettings, AccuracyTarget, Detail } from '@websplatter/core';
 import type { LinkedCamera } from '../camera/view-camera.ts';
 import { encodeAccuracy } from '../formatting/accuracy-address.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
@@ -9,6 +9,7 @@ import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
 import { encodeCrop } from './crop-text.ts';
+import { encodeDetail } from './detail-text.ts';
 import { LOOK_NAME } from './linked-start.ts';
 import { encodeViewMode } from './view-mode-text.ts';
 
@@ -20,6 +21,7 @@ export interface LinkedView {
   readonly looks: readonly string[];
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyTarget;
+  readonly detail: Detail;
   readonly comparison: LinkedComparison | null;
   /** As `encodeEffects` writes them; null without any. */
   readonly effects: string | null;
@@ -55,6 +57,7 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
     writeSources(query, view, page, isMentioned || effects !== null || crop !== null);
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
+  write(query, 'detail', encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
   return addressWith(page, query);
@@ -72,6 +75,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   write(query, 'effects', view.effects);
   write(query, 'crop', view.crop && encodeCrop(view.crop));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
+  write(query, 'detail', encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
   return page.origin + addressWith(page, query);

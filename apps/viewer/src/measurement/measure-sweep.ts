@@ -22,9 +22,9 @@ export async function measureSweep(
   sweep: 'presets' | 'settings',
   options: Pick<MeasureAccuracyOptions, 'signal' | 'onProgress' | 'onTable'>,
 ): Promise<{ readonly table: AccuracyTable; readonly allSettingsMs: number | null }> {
-  const { camera, clouds, widthPx, heightPx, sortBy } = frame;
+  const { camera, clouds, widthPx, heightPx, sortBy, detail } = frame;
   const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
-  const image = { clouds, cameras: [camera], widthPx, heightPx, sortBy };
+  const image = { clouds, cameras: [camera], widthPx, heightPx, sortBy, detail };
   const asked = { ...image, ...sweepOptions(sweep, isSoftware) };
   const table = await measureAccuracy(engine, { ...asked, ...options });
   if (sweep === 'settings') return { table, allSettingsMs: null };

@@ -32,7 +32,7 @@ export function MeasuredResults({
   return (
     <div className="results" data-testid="results" data-stale={isStale}>
       {isStale && (
-        <p className="stale">These are the results of another view, scene or size: measure again.</p>
+        <p className="stale">These are the results of another view, scene, size or detail: measure again.</p>
       )}
       <ErrorTimeChart points={table.points} current={current} onPick={pick} onLook={setLooked} />
       {shown ? <Details point={shown} /> : <p className="details">The chosen setting was not measured.</p>}

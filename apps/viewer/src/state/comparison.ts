@@ -1,4 +1,4 @@
-import type { AccuracySettings } from '@websplatter/core';
+import type { AccuracySettings, Detail } from '@websplatter/core';
 
 /** Content of one side of a split image: `current` follows the chosen accuracy. */
 export type ComparisonSide = 'current' | AccuracySettings;
@@ -10,7 +10,14 @@ export type Comparison =
   /** The error of each pixel: how far the shown accuracy is from `reference`. */
   | { readonly kind: 'error' };
 
-/** @param current the chosen settings, or the target. */
-export function sideAccuracy<T>(side: ComparisonSide, current: T): AccuracySettings | T {
-  return side === 'current' ? current : side;
+/** How a picture is drawn. */
+export interface Drawn<Accuracy = AccuracySettings> {
+  /** Settings, or a target. */
+  readonly accuracy: Accuracy;
+  readonly detail: Detail;
+}
+
+/** How a side is drawn: as `chosen`, or with its own accuracy and all splats, to compare with. */
+export function sideDrawn<T>(side: ComparisonSide, chosen: Drawn<T>): Drawn<AccuracySettings | T> {
+  return side === 'current' ? chosen : { accuracy: side, detail: 'full' };
 }

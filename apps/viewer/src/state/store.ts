@@ -48,6 +48,7 @@ export function createViewerStore(): ViewerStore {
     target: null,
     choice: null,
     accuracyNotices: [],
+    detail: 'full',
     comparison: null,
     measuring: null,
     failedMeasurement: null,

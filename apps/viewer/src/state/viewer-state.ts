@@ -2,6 +2,7 @@ import type {
   AccuracyChoice,
   AccuracySettings,
   AccuracyTarget,
+  Detail,
   EffectEntry,
   FrameRasterizer,
   FrameStatistics,
@@ -170,6 +171,8 @@ export interface ViewerState {
   readonly choice: AccuracyChoice | null;
   /** Settings that the GPU cannot honour, in words. */
   readonly accuracyNotices: readonly string[];
+  /** How many splats are asked for. */
+  readonly detail: Detail;
   readonly comparison: Comparison | null;
   readonly measuring: RunningMeasurement | null;
   /** Why the last measurement came to nothing, if it did. */
@@ -195,7 +198,7 @@ export interface ViewerState {
   readonly adapterLabel: string;
   readonly widthPx: number;
   readonly heightPx: number;
-  /** Another number for each scene, view and size that came to rest, at any accuracy. */
+  /** Another number for each scene, view, size and detail that came to rest, at any accuracy. */
   readonly imageId: number;
   /** How many frames had been drawn when the image came to rest. */
   readonly restedFrames: number;

@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import { type ComparisonSide, sideAccuracy } from '../state/comparison.ts';
+import { type ComparisonSide, sideDrawn } from '../state/comparison.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import { IconButton } from '../ui/controls.tsx';
@@ -104,12 +104,13 @@ const css = ({ color }: RampEnd) => `rgb(${color.map(Math.round).join(' ')})`;
 function sidesOf(store: ViewerStore, viewer: Viewer): readonly PictureFacts[] {
   const frame = viewer.shownFrame?.frame;
   const bounds = viewer.camera.subjectSphere;
-  const { accuracy, comparison, scene } = store.getState();
+  const state = store.getState();
+  const { comparison, scene } = state;
   if (!frame || !bounds || !scene) return [];
   const { camera, background = [0, 0, 0] } = frame;
   const subject = { bounds, focusDistance: viewer.camera.controls.pose.distance };
   const facts = { viewMatrix: camera.viewMatrix, background, subject, shDegree: scene.shDegree };
   const sides: readonly ComparisonSide[] =
     comparison?.kind === 'split' ? [comparison.left, comparison.right] : ['current'];
-  return sides.map((side) => ({ ...facts, accuracy: sideAccuracy(side, accuracy) }));
+  return sides.map((side) => ({ ...facts, accuracy: sideDrawn(side, state).accuracy }));
 }

@@ -1,6 +1,6 @@
 import type { FrameRequest, SplatEngine } from '@websplatter/core';
 import { drawAtRest, type LayerImage } from '../drawing/draw-at-rest.ts';
-import { sideAccuracy } from '../state/comparison.ts';
+import { sideDrawn } from '../state/comparison.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isMapMode, type MapModeName } from '../state/view-mode.ts';
 import type { MapFigures } from '../state/viewer-state.ts';
@@ -48,10 +48,11 @@ async function countedMap(
   frame: FrameRequest,
   store: ViewerStore,
 ): Promise<ModeMap> {
-  const { accuracy: current, comparison, rasterizer: report, restedFrames } = store.getState();
-  const accuracy = comparison?.kind === 'split' ? sideAccuracy(comparison.left, current) : current;
+  const state = store.getState();
+  const { comparison, rasterizer: report, restedFrames } = state;
+  const { accuracy, detail } = comparison?.kind === 'split' ? sideDrawn(comparison.left, state) : state;
   const { countCosts, mapContributions, UNSEEN_PX } = await import('@websplatter/core/inspect');
-  const request = { ...frame, accuracy };
+  const request = { ...frame, accuracy, detail };
   if (mode === 'contribution') {
     const map = await mapContributions(engine, request);
     const { contributionsPx } = map;

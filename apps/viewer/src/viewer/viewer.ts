@@ -3,6 +3,7 @@ import {
   type AccuracySettings,
   type AccuracyTarget,
   type ChooseAccuracyOptions,
+  type Detail,
   InvalidArgumentError,
   isAccuracyTarget,
   isSoftwareAdapter,
@@ -26,7 +27,7 @@ import { defaultAccuracyOn } from '../session/default-accuracy.ts';
 import { Precisions } from '../session/precisions.ts';
 import type { Session } from '../session/session.ts';
 import { SessionOwner } from '../session/session-owner.ts';
-import type { Comparison } from '../state/comparison.ts';
+import type { Comparison, Drawn } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 
@@ -56,7 +57,7 @@ export class Viewer {
     this.#store = store;
     this.files = new FileMemory(store, KEPT_FILE);
     const { linked } = start;
-    if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
+    if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode, detail: linked.detail });
     if (linked?.notice) store.setState({ notice: linked.notice });
     this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
@@ -132,6 +133,12 @@ export class Viewer {
     this.#followAccuracy();
   }
 
+  /** Draws with `detail` from the next frame on. */
+  setDetail(detail: Detail): void {
+    this.#store.setState({ detail });
+    this.#drawing.request();
+  }
+
   /** Draws with `uses` from the next frame on, in place of `owner`'s last ones. */
   setEffects<Owner extends EffectOwner>(owner: Owner, uses: RequestedEffects[Owner]): void {
     this.#store.setState(({ requested }) => ({ requested: { ...requested, [owner]: uses } }));
@@ -172,6 +179,16 @@ export class Viewer {
     const choice = await view.chooseAccuracy(options);
     await view.whenDrawn();
     return choice;
+  }
+
+  /** Why all splats are drawn although fewer are asked for; null where that is not so. */
+  get fullBecause(): string | null {
+    const { detail, comparison } = this.#store.getState();
+    const levels = this.#sessions.current?.views
+      .targeting(comparison)
+      .effects()
+      .find(({ name }) => name === 'levels');
+    return detail === 'full' || !levels || levels.isOn ? null : levels.reason;
   }
 
   /** The engine; null while there is no GPU. */
@@ -222,17 +239,18 @@ export class Viewer {
   }
 
   /**
-   * Draws the frame on the screen with another accuracy, off the screen, and reads the image. One
+   * Draws the frame on the screen in another way, off the screen, and reads the image. One
    * at a time.
    *
+   * @param drawn its detail is by default that of the frame on the screen.
    * @returns null if nothing is on the screen.
    */
-  async readImage(accuracy: AccuracySettings): Promise<ImageOnBackground | null> {
+  async readImage(drawn: Pick<Drawn, 'accuracy'> & Partial<Drawn>): Promise<ImageOnBackground | null> {
     await this.#precisions.whenHeld();
     const shown = this.#drawing.shown;
     if (!shown) return null;
     const { probe } = shown.scene.session.views;
-    probe.render({ ...shown.frame, accuracy });
+    probe.render({ ...shown.frame, ...drawn });
     const image = await probe.readPixels();
     return { image, background: shown.frame.background };
   }

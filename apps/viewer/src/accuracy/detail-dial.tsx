@@ -1,0 +1,61 @@
+import type { Detail } from '@websplatter/core';
+import { useId } from 'react';
+import { useStore } from 'zustand';
+import { describeDetail } from '../formatting/detail-words.ts';
+import { formatMany } from '../formatting/format.ts';
+import { type Choice, Choices } from '../ui/choices.tsx';
+import type { PanelProps } from '../viewer/panel-props.ts';
+import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
+
+/** Details besides numbers of splats. */
+const DETAILS: readonly Choice<Detail>[] = [['full', 'Full']];
+
+/** The slider begins at this part of the scene, which is of some thousand splats or more. */
+const LEAST_PART = 1 / 1000;
+/** With fewer the slider's steps would be smaller than a splat. */
+const LEAST_SPLATS = 100;
+
+/** How much of the scene is drawn: all of it, or so many splats at most. */
+export function DetailDial({ store, viewer }: PanelProps) {
+  const id = useId();
+  const detail = useStore(store, (state) => state.detail);
+  const splats = useStore(store, (state) => state.scene?.splats ?? 0);
+  const fullBecause = useStore(store, () => viewer.fullBecause);
+  const range = { min: Math.max(LEAST_SPLATS, LEAST_PART * splats), max: splats };
+  const { maxSplats = splats } = detail === 'full' ? {} : detail;
+  const most = Math.min(maxSplats, splats);
+  const isCount = detail === 'full' || detail.maxSplats !== undefined;
+  const words = isCount ? `${formatMany(most)} of ${formatMany(splats)}` : describeDetail(detail);
+  return (
+    <div className="detail-dial" data-testid="detail-dial">
+      <div className="detail-row">
+        <label htmlFor={id}>Detail</label>
+        <Choices
+          label="Detail"
+          isChips
+          choices={DETAILS}
+          chosen={detail}
+          testId="detail-"
+          onChoose={(chosen) => viewer.setDetail(chosen)}
+        />
+        <output htmlFor={id}>{splats > 0 && words}</output>
+      </div>
+      <input
+        id={id}
+        type="range"
+        min={0}
+        max={SLIDER_STEPS}
+        disabled={splats <= LEAST_SPLATS}
+        value={splats > LEAST_SPLATS ? positionOf(Math.max(most, range.min), range) : SLIDER_STEPS}
+        aria-valuetext={`${words} splats`}
+        data-testid="detail-slider"
+        onChange={({ target: { valueAsNumber: position } }) =>
+          viewer.setDetail(
+            position < SLIDER_STEPS ? { maxSplats: Math.round(valueAt(position, range)) } : 'full',
+          )
+        }
+      />
+      {fullBecause !== null && <p role="status">All splats are drawn: {fullBecause}.</p>}
+    </div>
+  );
+}
