@@ -26,6 +26,10 @@ const harness = viewerHarness();
 const { newPage, openViewer } = harness;
 /** A measurement draws a hundred frames, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
+/** The figures and the panel beside each other. */
+const WIDE = { viewport: { width: 900, height: 500 } };
+/** A rasteriser that does not follow from times: images are compared bit for bit. */
+const DETAILED = '?scene=still-life-small&accuracy=reference,rasterizer:tiles';
 const ATTACHED = { state: 'attached' } as const;
 /** The end of a measurement. */
 const MEASURED = { state: 'attached', timeout: LONG_PATIENCE_MS } as const;
@@ -255,6 +259,79 @@ describe('accuracy in the viewer', () => {
     await shotAfter(page, () => press(page, 'preset-reference'));
     await page.getByTestId('error-max').getByText('Largest error: 0 of 255').waitFor();
     expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
+  });
+
+  it('draws as many splats as the slider says, in a link too, and tells why where it draws all', async () => {
+    const page = await openViewer(DETAILED, WIDE);
+    const full = await viewerScreenshot(page);
+    await page.keyboard.press('c');
+    const slider = page.getByTestId('detail-slider');
+    await slider.waitFor();
+    const splatsDrawn = async () => Number((await textOf(page, 'visible-splats')).replaceAll(',', ''));
+    await expect.poll(splatsDrawn).toBeGreaterThan(5000);
+    const { x, y, width, height } = (await slider.boundingBox())!;
+    await redraw(page, () => page.mouse.click(x + 0.9 * width, y + height / 2));
+    await redraw(page, () => page.keyboard.press('ArrowLeft'));
+    const dial = page.getByTestId('detail-dial');
+    expect(await dial.textContent()).toMatch(/Full\d,\d{3} of 10,000$/);
+    await expect.poll(splatsDrawn).toBeLessThan(5000);
+    await page.waitForURL(/detail=maxSplats:\d{4}$/);
+    await page
+      .getByTestId('detail')
+      .getByText(/^at most \d,\d{3} splats$/)
+      .waitFor();
+
+    // As it is embedded.
+    await redraw(page, () => page.keyboard.press('Escape'));
+    const fewer = await viewerScreenshot(page);
+    expect(psnrOf(fewer, full)).toBeGreaterThan(30);
+    expect(psnrOf(fewer, full)).toBeLessThan(60);
+    const other = await openViewer(`${new URL(page.url()).search}&noui`, WIDE);
+    expect(changedPart(await viewerScreenshot(other), fewer, 0)).toBe(0);
+
+    await redraw(page, () => page.keyboard.press('c'));
+    await redraw(page, () => press(page, 'preset-paper'));
+    await dial.getByText('Drawn in full: records of 24 bytes').waitFor();
+    await page.getByTestId('detail').waitFor({ state: 'hidden' });
+    await redraw(page, () => page.getByTestId('detail-full').click());
+    await page.waitForURL((url) => !url.search.includes('detail'));
+    const refused = await harness.open('?scene=still-life-small&detail=maxSplats:few', TINY);
+    await waitForNotice(refused, 'The detail cannot be read: “few” is no number');
+  });
+
+  it('tells that a file is drawn in full while it arrives', async () => {
+    const page = await newPage(SMALL);
+    await page.goto(`${harness.server.url}?file=/slow.ply&detail=maxSplats:200`);
+    await page.getByTestId('scene-title').getByText('slow.ply').waitFor(ATTACHED);
+    await page.keyboard.press('c');
+    const reason = page.getByTestId('detail-dial').getByText('Drawn in full: the cloud is loading.');
+    await reason.waitFor(ATTACHED);
+    harness.server.sendRestOfSlowFile();
+    await waitForScene(page, 'slow.ply');
+    await reason.waitFor({ state: 'detached' });
+  });
+
+  it('compares fewer splats with all of them', async () => {
+    const page = await openViewer(DETAILED, WIDE);
+    const full = await viewerScreenshot(page);
+    const linked = `${DETAILED}&detail=maxSplats:1000`;
+    const fewer = await viewerScreenshot(await openViewer(linked, WIDE));
+    const split = await openViewer(`${linked}&compare=current/reference,rasterizer:tiles/0.5`, WIDE);
+    expect(await textOf(split, 'split-label-left')).toMatch(/^A reference, .*, at most 1,000 splats$/);
+    const shown = await viewerScreenshot(split, WITHOUT_LINE);
+    const { widthPx } = shown;
+    const halves = [0, 1].map((side) => [(side * widthPx) / 2 + 4, ((side + 1) * widthPx) / 2 - 4] as const);
+    for (const [i, expected] of [fewer, full].entries())
+      expect(changedPart(columns(shown, ...halves[i]), columns(expected, ...halves[i]), 0), `side ${i}`).toBe(
+        0,
+      );
+
+    await split.keyboard.press('c');
+    await press(split, 'accuracy-tab-compare');
+    await press(split, 'compare-error');
+    await split.getByTestId('error-max').getByText('Largest').waitFor();
+    expect(await textOf(split, 'error-part-16+')).toMatch(/^(?!0 %)\d/);
+    expect(await textOf(split, 'error-legend')).toContain('at most 1,000 splats against reference');
   });
 
   it('ends a target that is cancelled before its measurement has chosen', async () => {

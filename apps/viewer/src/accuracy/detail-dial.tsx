@@ -3,15 +3,17 @@ import { useId } from 'react';
 import { useStore } from 'zustand';
 import { describeDetail } from '../formatting/detail-words.ts';
 import { formatMany } from '../formatting/format.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import type { Viewer } from '../viewer/viewer.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 
 /** Details besides numbers of splats. */
 const DETAILS: readonly Choice<Detail>[] = [['full', 'Full']];
 
-/** The slider begins at this part of the scene, which is of some thousand splats or more. */
-const LEAST_PART = 1 / 1000;
+/** The slider begins at this part of the scene: less is no picture. */
+const LEAST_PART = 1 / 100;
 /** With fewer the slider's steps would be smaller than a splat. */
 const LEAST_SPLATS = 100;
 
@@ -20,7 +22,7 @@ export function DetailDial({ store, viewer }: PanelProps) {
   const id = useId();
   const detail = useStore(store, (state) => state.detail);
   const splats = useStore(store, (state) => state.scene?.splats ?? 0);
-  const fullBecause = useStore(store, () => viewer.fullBecause);
+  const reason = useStore(store, (state) => whyFull(state, viewer));
   const range = { min: Math.max(LEAST_SPLATS, LEAST_PART * splats), max: splats };
   const { maxSplats = splats } = detail === 'full' ? {} : detail;
   const most = Math.min(maxSplats, splats);
@@ -55,7 +57,16 @@ export function DetailDial({ store, viewer }: PanelProps) {
           )
         }
       />
-      {fullBecause !== null && <p role="status">All splats are drawn: {fullBecause}.</p>}
+      {reason && <p role="status">Drawn in full: {reason}.</p>}
     </div>
   );
+}
+
+/** Why all splats are drawn although fewer are asked for; null where that is not so. */
+function whyFull({ detail, comparison }: ViewerState, { chosenView }: Viewer): string | null {
+  if (detail === 'full') return null;
+  if (comparison?.kind === 'split' && comparison.left !== 'current' && comparison.right !== 'current')
+    return 'neither side has the chosen accuracy';
+  const levels = chosenView?.effects().find(({ name }) => name === 'levels');
+  return levels && !levels.isOn ? levels.reason : null;
 }

@@ -51,6 +51,17 @@ describe('HUD', () => {
     expect(text.source).toBe('GPU timestamps');
   });
 
+  it('names the detail while levels are drawn, where the labels of a split image do not', () => {
+    const levels = { name: 'levels', isOn: true } as ViewerState['effects'][number];
+    const changes = { detail: { maxSplats: 1000 }, effects: [levels] };
+    expect(hudText(stateWith(MEASURED, changes)).detail).toBe('at most 1,000 splats');
+    const others = [
+      { detail: changes.detail },
+      { comparison: { kind: 'split', left: 'current', right: 'current' } as const, ...changes },
+    ];
+    for (const other of others) expect(hudText(stateWith(MEASURED, other)).detail).toBe('');
+  });
+
   it('says so where timestamps cannot be true', () => {
     const { source } = hudText(stateWith({ ...MEASURED, wallClockMs: 250 }));
     expect(source).toBe('GPU timestamps; the clock says 250 ms');

@@ -2,7 +2,7 @@ import { ACCURACY_PRESETS, type EngineMemory, type FrameStatistics } from '@webs
 import { describe, expect, it } from 'vitest';
 import { createViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
-import { cpuFigures, memoryFigures, sideFigures } from './large-figures.ts';
+import { cpuFigures, drawnOf, memoryFigures, sideFigures } from './large-figures.ts';
 import { summarize } from './time-summary.ts';
 
 const TIMES = summarize([1, 2, 30]);
@@ -55,6 +55,15 @@ describe('the largest figures', () => {
       'right.sortKeys': `${fast.sortKeyBits} bits`,
       'right.scale': '25 %',
     });
+  });
+
+  it('know the detail of each side: the chosen one, and all splats for others', () => {
+    const detail = { maxSplats: 1000 };
+    const { fast } = ACCURACY_PRESETS;
+    const state = stateWith({ detail, comparison: { kind: 'split', left: fast, right: 'current' } });
+    expect(drawnOf('left', state)).toEqual({ accuracy: fast, detail: 'full' });
+    expect(drawnOf('right', state).detail).toBe(detail);
+    expect(drawnOf('left', { ...state, comparison: null }).detail).toBe(detail);
   });
 
   it('have the CPU time of calls and their own', () => {

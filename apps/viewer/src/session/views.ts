@@ -41,7 +41,7 @@ export class Views {
     this.#right = null;
   }
 
-  /** A view that is drawn with a target's settings, not with those compared to them. */
+  /** A view that is drawn with the chosen settings or target, not with those compared to them. */
   targeting(comparison: Comparison | null): SplatView {
     if (comparison?.kind !== 'split' || comparison.left === 'current') return this.main;
     return comparison.right === 'current' && this.#right ? this.#right : this.probe;

@@ -9,6 +9,7 @@ import {
   isSoftwareAdapter,
   type SplatEngine,
   type SplatPick,
+  type SplatView,
 } from '@websplatter/core';
 import { ViewCamera } from '../camera/view-camera.ts';
 import { observeBackground } from '../drawing/background.ts';
@@ -181,14 +182,9 @@ export class Viewer {
     return choice;
   }
 
-  /** Why all splats are drawn although fewer are asked for; null where that is not so. */
-  get fullBecause(): string | null {
-    const { detail, comparison } = this.#store.getState();
-    const levels = this.#sessions.current?.views
-      .targeting(comparison)
-      .effects()
-      .find(({ name }) => name === 'levels');
-    return detail === 'full' || !levels || levels.isOn ? null : levels.reason;
+  /** The view that is drawn as chosen, not as it is compared; undefined while there is no GPU. */
+  get chosenView(): SplatView | undefined {
+    return this.#sessions.current?.views.targeting(this.#store.getState().comparison);
   }
 
   /** The engine; null while there is no GPU. */
