@@ -273,7 +273,7 @@ describe('accuracy in the viewer', () => {
     await redraw(page, () => page.mouse.click(x + 0.9 * width, y + height / 2));
     await redraw(page, () => page.keyboard.press('ArrowLeft'));
     const dial = page.getByTestId('detail-dial');
-    expect(await dial.textContent()).toMatch(/Full\d,\d{3} of 10,000$/);
+    expect(await dial.textContent()).toMatch(/Automatic\d,\d{3} of 10,000$/);
     await expect.poll(splatsDrawn).toBeLessThan(5000);
     await page.waitForURL(/detail=maxSplats:\d{4}$/);
     await page
@@ -295,8 +295,12 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('detail').waitFor({ state: 'hidden' });
     await redraw(page, () => page.getByTestId('detail-full').click());
     await page.waitForURL((url) => !url.search.includes('detail'));
+    const still = await viewerScreenshot(page);
+    await redraw(page, () => page.getByTestId('detail-auto').click());
+    await page.waitForURL(/detail=auto$/);
+    expect(changedPart(await viewerScreenshot(page), still, 0)).toBe(0);
     const refused = await harness.open('?scene=still-life-small&detail=maxSplats:few', TINY);
-    await waitForNotice(refused, 'The detail cannot be read: “few” is no number');
+    await waitForNotice(refused, '{ maxSplats: 1e6 }');
   });
 
   it('tells that a file is drawn in full while it arrives', async () => {

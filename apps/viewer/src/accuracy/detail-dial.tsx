@@ -1,4 +1,4 @@
-import type { Detail } from '@websplatter/core';
+import { type Detail, isFixedDetail } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
 import { describeDetail } from '../formatting/detail-words.ts';
@@ -10,7 +10,10 @@ import type { Viewer } from '../viewer/viewer.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 
 /** Details besides numbers of splats. */
-const DETAILS: readonly Choice<Detail>[] = [['full', 'Full']];
+const DETAILS: readonly Choice<Detail>[] = [
+  ['full', 'Full'],
+  ['auto', 'Automatic'],
+];
 
 /** The slider begins at this part of the scene: less is no picture. */
 const LEAST_PART = 1 / 100;
@@ -24,9 +27,9 @@ export function DetailDial({ store, viewer }: PanelProps) {
   const splats = useStore(store, (state) => state.scene?.splats ?? 0);
   const reason = useStore(store, (state) => whyFull(state, viewer));
   const range = { min: Math.max(LEAST_SPLATS, LEAST_PART * splats), max: splats };
-  const { maxSplats = splats } = detail === 'full' ? {} : detail;
-  const most = Math.min(maxSplats, splats);
-  const isCount = detail === 'full' || detail.maxSplats !== undefined;
+  const maxSplats = typeof detail === 'object' && 'maxSplats' in detail ? detail.maxSplats : undefined;
+  const most = Math.min(maxSplats ?? splats, splats);
+  const isCount = detail === 'full' || maxSplats !== undefined;
   const words = isCount ? `${formatMany(most)} of ${formatMany(splats)}` : describeDetail(detail);
   return (
     <div className="detail-dial" data-testid="detail-dial">
@@ -64,7 +67,8 @@ export function DetailDial({ store, viewer }: PanelProps) {
 
 /** Why all splats are drawn although fewer are asked for; null where that is not so. */
 function whyFull({ detail, comparison }: ViewerState, { chosenView }: Viewer): string | null {
-  if (detail === 'full') return null;
+  // What is found for an outcome is said to be right, whatever it is.
+  if (detail === 'full' || !isFixedDetail(detail)) return null;
   if (comparison?.kind === 'split' && comparison.left !== 'current' && comparison.right !== 'current')
     return 'neither side has the chosen accuracy';
   const levels = chosenView?.effects().find(({ name }) => name === 'levels');

@@ -3,17 +3,20 @@ import type { Drawn } from '../state/comparison.ts';
 import { describeAccuracy } from './accuracy-words.ts';
 import { formatMany } from './format.ts';
 
-/** Words for each limit that a detail may have. */
-const LIMITS: Readonly<Record<string, (limit: number) => string>> = {
+/** Words for each limit or aim that a detail may have. */
+const NUMBERS: Readonly<Record<string, (value: number) => string>> = {
   maxErrorPx: (px) => `errors up to ${px} px`,
   maxSplats: (splats) => `at most ${formatMany(splats)} splats`,
+  maxShare: (share) => `at most ${Number((100 * share).toPrecision(3))} % in sight`,
+  maxFrameMs: (ms) => `splats for ${ms} ms`,
+  minPsnrDb: (db) => `splats for ${db} dB`,
 };
 
 /** `at most 1.2 million splats`; empty for full detail. */
 export function describeDetail(detail: Detail): string {
-  if (detail === 'full') return '';
+  if (typeof detail === 'string') return detail === 'full' ? '' : 'automatic detail';
   return Object.entries(detail)
-    .map(([name, limit]) => LIMITS[name](limit))
+    .map(([name, value]) => NUMBERS[name](value))
     .join(', ');
 }
 

@@ -27,8 +27,7 @@ const TOLD: readonly (keyof ViewerState)[] = [
   'adapterLabel',
   'accuracy',
   'comparison',
-  'detail',
-  'effects',
+  'drawnDetail',
 ];
 
 export interface HudSources {

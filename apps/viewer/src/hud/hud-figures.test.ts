@@ -51,15 +51,12 @@ describe('HUD', () => {
     expect(text.source).toBe('GPU timestamps');
   });
 
-  it('names the detail while levels are drawn, where the labels of a split image do not', () => {
-    const levels = { name: 'levels', isOn: true } as ViewerState['effects'][number];
-    const changes = { detail: { maxSplats: 1000 }, effects: [levels] };
+  it('names the detail that was drawn, where the labels of a split image do not', () => {
+    const changes = { drawnDetail: { maxSplats: 1000 } };
     expect(hudText(stateWith(MEASURED, changes)).detail).toBe('at most 1,000 splats');
-    const others = [
-      { detail: changes.detail },
-      { comparison: { kind: 'split', left: 'current', right: 'current' } as const, ...changes },
-    ];
-    for (const other of others) expect(hudText(stateWith(MEASURED, other)).detail).toBe('');
+    const comparison = { kind: 'split', left: 'current', right: 'current' } as const;
+    expect(hudText(stateWith(MEASURED, { comparison, ...changes })).detail).toBe('');
+    expect(hudText(stateWith(MEASURED, { detail: 'auto' })).detail).toBe('');
   });
 
   it('says so where timestamps cannot be true', () => {

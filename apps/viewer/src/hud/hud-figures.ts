@@ -13,10 +13,9 @@ export type Figures = Readonly<Record<string, string>>;
 
 /** The state as text; without the right side where there is none. */
 export function hudText(state: ViewerState): Figures {
-  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel, comparison, effects } =
+  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel, comparison, drawnDetail } =
     state;
   const isSplit = comparison?.kind === 'split';
-  const hasLevels = effects.some(({ name, isOn }) => name === 'levels' && isOn);
   // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
   const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
   const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
@@ -29,7 +28,7 @@ export function hudText(state: ViewerState): Figures {
     ...(isSplit && figuresOf('right', stageFigures(state.rightStatistics, state.rightRasterizer))),
     loaded: formatCount(scene?.splats ?? Number.NaN),
     // The labels of a split image name it for each side.
-    detail: hasLevels && !isSplit ? describeDetail(state.detail) : '',
+    detail: isSplit ? '' : describeDetail(drawnDetail),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };

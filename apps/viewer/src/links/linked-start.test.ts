@@ -39,6 +39,6 @@ describe('the start from a link', () => {
     expect(comparison?.comparison.kind).toBe('split');
     expect(notice).toContain('“near” is no number');
     expect(detail).toBe('full');
-    expect(notice).toContain('“few” is no number');
+    expect(notice).toContain('{ maxSplats: 1e6 }');
   });
 });

@@ -158,7 +158,8 @@ export class SessionOwner {
     });
     const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
     views.main.onStatistics = (statistics) => {
-      this.#store.setState({ statistics, rasterizer: views.main.rasterizer });
+      const { rasterizer, detail } = views.main;
+      this.#store.setState({ statistics, rasterizer, drawnDetail: detail?.drawn ?? 'full' });
     };
     if (this.#rightCanvas) this.#createRight(views, this.#rightCanvas);
     return { canvas, engine, views };

@@ -48,11 +48,11 @@ export class Views {
   }
 
   /**
-   * Resolves when the frames that were asked for before this call are complete on the GPU; rejects
-   * if their shaders do not compile.
+   * Resolves when the frames that were asked for before this call are complete on the GPU, with the
+   * detail that they have at rest; rejects if their shaders do not compile.
    */
   async whenComplete(): Promise<void> {
-    await Promise.all([this.main.whenDrawn(), this.#right?.whenDrawn()]);
+    await Promise.all([this.main.whenComplete(), this.#right?.whenComplete()]);
     await this.#engine.device.queue.onSubmittedWorkDone();
   }
 

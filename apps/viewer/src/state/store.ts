@@ -69,6 +69,7 @@ export function createViewerStore(): ViewerStore {
     restedFrames: 0,
     statistics: null,
     rasterizer: null,
+    drawnDetail: 'full',
     rightStatistics: null,
     rightRasterizer: null,
     lastRender: null,

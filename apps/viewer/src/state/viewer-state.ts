@@ -4,6 +4,7 @@ import type {
   AccuracyTarget,
   Detail,
   EffectEntry,
+  FixedDetail,
   FrameRasterizer,
   FrameStatistics,
   RasterizerReport,
@@ -205,6 +206,8 @@ export interface ViewerState {
   readonly statistics: FrameStatistics | null;
   /** The rasteriser after that frame, and the facts known about both. */
   readonly rasterizer: RasterizerReport | null;
+  /** The detail that was drawn with last. */
+  readonly drawnDetail: FixedDetail;
   /** The same of the right side of a split image; null without one. */
   readonly rightStatistics: FrameStatistics | null;
   readonly rightRasterizer: RasterizerReport | null;

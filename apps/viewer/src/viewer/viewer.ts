@@ -6,6 +6,7 @@ import {
   type Detail,
   InvalidArgumentError,
   isAccuracyTarget,
+  isFixedDetail,
   isSoftwareAdapter,
   type SplatEngine,
   type SplatPick,
@@ -231,7 +232,9 @@ export class Viewer {
     const shown = this.#drawing.shown;
     if (!shown) return null;
     const { scene, frame, centred } = shown;
-    return { engine: scene.session.engine, frame, centred: { ...frame, camera: centred } };
+    const detail = this.#drawnDetail;
+    const drawn = { ...frame, detail };
+    return { engine: scene.session.engine, frame: drawn, centred: { ...drawn, camera: centred } };
   }
 
   /**
@@ -246,9 +249,15 @@ export class Viewer {
     const shown = this.#drawing.shown;
     if (!shown) return null;
     const { probe } = shown.scene.session.views;
-    probe.render({ ...shown.frame, ...drawn });
+    probe.render({ ...shown.frame, detail: this.#drawnDetail, ...drawn });
     const image = await probe.readPixels();
     return { image, background: shown.frame.background };
+  }
+
+  /** The chosen detail, or what was found for it: other views would have to find that anew. */
+  get #drawnDetail(): Detail {
+    const { detail } = this.#store.getState();
+    return isFixedDetail(detail) ? detail : (this.chosenView?.detail?.drawn ?? detail);
   }
 
   #startSession(session: Session): void {
