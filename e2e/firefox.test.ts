@@ -92,65 +92,76 @@ async function expectViewerAsReference(page: Page, set: typeof scene): Promise<D
   return drawn;
 }
 
-firefoxTest(
-  'the viewer opens, moves, resizes, opens panels, takes files, explains a splat and comes back from the loss of its device',
-  async () => {
-    const page = await open('apps/viewer', '?file=/scene.ply');
-    await waitForScene(page, 'scene.ply');
-    await adoptStyle(page, IMAGE_ALONE);
-    const before = await expectViewerAsReference(page, scene);
+/** The viewer with the scene in it, without panels or figures before the picture. */
+async function openViewer(): Promise<Page> {
+  const page = await open('apps/viewer', '?file=/scene.ply');
+  await waitForScene(page, 'scene.ply');
+  await adoptStyle(page, IMAGE_ALONE);
+  return page;
+}
 
-    await redraw(page, () => page.keyboard.press('ArrowRight'));
-    await redraw(page, async () => {
-      await page.mouse.move(100, 80);
-      await page.mouse.down();
-      await page.mouse.move(130, 75);
-      await page.mouse.up();
-    });
-    const moved = await expectViewerAsReference(page, scene);
-    expect(moved.viewMatrix).not.toEqual(before.viewMatrix);
+firefoxTest('the viewer opens a scene, moves about it and is resized', async () => {
+  const page = await openViewer();
+  const before = await expectViewerAsReference(page, scene);
+  await redraw(page, () => page.keyboard.press('ArrowRight'));
+  await redraw(page, async () => {
+    await page.mouse.move(100, 80);
+    await page.mouse.down();
+    await page.mouse.move(130, 75);
+    await page.mouse.up();
+  });
+  const moved = await expectViewerAsReference(page, scene);
+  expect(moved.viewMatrix).not.toEqual(before.viewMatrix);
 
-    await redraw(page, () => page.setViewport({ width: 160, height: 200 }));
-    const resized = await expectViewerAsReference(page, scene);
-    expect(resized.projectionMatrix[5] / resized.projectionMatrix[0]).toBeCloseTo(160 / 200);
+  await redraw(page, () => page.setViewport({ width: 160, height: 200 }));
+  const resized = await expectViewerAsReference(page, scene);
+  expect(resized.projectionMatrix[5] / resized.projectionMatrix[0]).toBeCloseTo(160 / 200);
+});
 
-    await page.keyboard.press('e');
-    await page.waitForSelector('[data-testid=effect-harmonics]');
-    // Without a clipboard, the link is in a panel.
-    await page.keyboard.press('l');
-    await page.waitForFunction(() =>
-      (window as unknown as { notices: string[] }).notices.some((notice) => /[Tt]he link/.test(notice)),
-    );
-    await page.keyboard.press('Escape');
+firefoxTest('the viewer opens panels, and shows the link where there is no clipboard', async () => {
+  const page = await openViewer();
+  await page.keyboard.press('e');
+  await page.waitForSelector('[data-testid=effect-harmonics]');
+  await page.keyboard.press('l');
+  await page.waitForFunction(() =>
+    (window as unknown as { notices: string[] }).notices.some((notice) => /[Tt]he link/.test(notice)),
+  );
+});
 
-    // The file stays: it is read again for another device.
-    const path = join(folder, 'other.ply');
-    await writeFile(path, encodePly(other));
-    const input = await (await page.$('[data-testid=file-input]'))!.toElement('input');
-    await input.uploadFile(path);
-    await waitForScene(page, 'other.ply');
-    await expectViewerAsReference(page, other);
+firefoxTest('the viewer takes a file, and reads it again for another device', async () => {
+  const page = await openViewer();
+  const path = join(folder, 'other.ply');
+  await writeFile(path, encodePly(other));
+  const input = await (await page.$('[data-testid=file-input]'))!.toElement('input');
+  await input.uploadFile(path);
+  await waitForScene(page, 'other.ply');
+  await expectViewerAsReference(page, other);
 
-    await redraw(page, () => page.evaluate(() => void dispatchEvent(new Event('lose-device'))));
-    await expectViewerAsReference(page, other);
+  await redraw(page, () => page.evaluate(() => void dispatchEvent(new Event('lose-device'))));
+  await expectViewerAsReference(page, other);
+});
 
-    await redraw(page, () => page.setViewport({ width: 320, height: 320 }));
-    await redraw(page, () => page.keyboard.press('m'));
-    await page.waitForSelector('[data-testid=mode-legend]');
-    await redraw(page, () => page.keyboard.press('i'));
-    await page.waitForSelector('[data-testid=inspect]');
-    // The middle of the area beside the panel, where the scene goes.
-    const [x, y] = await page.$eval('.free-area', (area) => {
-      const { x, y, width, height } = area.getBoundingClientRect();
-      return [x + width / 2, y + height / 2];
-    });
-    await page.mouse.click(x, y);
-    await page.waitForSelector('[data-testid=inspect-position]');
+firefoxTest('the viewer shows another mode, and explains a splat', async () => {
+  const page = await openViewer();
+  await redraw(page, () => page.setViewport({ width: 320, height: 320 }));
+  await redraw(page, () => page.keyboard.press('m'));
+  await page.waitForSelector('[data-testid=mode-legend]');
+  await redraw(page, () => page.keyboard.press('i'));
+  await page.waitForSelector('[data-testid=inspect]');
+  // The middle of the area beside the panel, where the scene goes.
+  const [x, y] = await page.$eval('.free-area', (area) => {
+    const { x, y, width, height } = area.getBoundingClientRect();
+    return [x + width / 2, y + height / 2];
+  });
+  await page.mouse.click(x, y);
+  await page.waitForSelector('[data-testid=inspect-position]');
+});
 
-    await dropFiles(page, ['a.ply', 'b.ply'], encodePly(scene));
-    await waitForScene(page, 'a.ply and b.ply');
-  },
-);
+firefoxTest('the viewer takes files that are dropped together', async () => {
+  const page = await openViewer();
+  await dropFiles(page, ['a.ply', 'b.ply'], encodePly(scene));
+  await waitForScene(page, 'a.ply and b.ply');
+});
 
 /** Drops files of these names on the picture. */
 async function dropFiles(page: Page, names: readonly string[], bytes: Uint8Array): Promise<void> {
