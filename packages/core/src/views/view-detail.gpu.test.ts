@@ -131,11 +131,31 @@ describe('minPsnrDb', () => {
     view.destroy();
   });
 
+  gpuTest('is found for a picture that rests already, and left again', async () => {
+    const view = engine.createView();
+    draw(view, 'full', 12);
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true, measuredPsnrDb: null });
+    draw(view, { minPsnrDb: 30 }, 12);
+    await view.whenComplete();
+    expect(view.detail!.drawn).not.toBe('full');
+    expect(view.detail!.measuredPsnrDb).toBeGreaterThanOrEqual(30);
+    draw(view, 'full', 12);
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({
+      asked: 'full',
+      drawn: 'full',
+      isComplete: true,
+      measuredPsnrDb: null,
+    });
+    view.destroy();
+  });
+
   gpuTest('ends with the view: no wait is left, and nothing is drawn', async () => {
     const view = engine.createView();
     draw(view, { minPsnrDb: 40 }, 8);
     await view.whenDrawn();
-    const complete = view.whenComplete();
+    const complete = Promise.allSettled([view.whenComplete()]);
     view.destroy();
     await complete;
   });

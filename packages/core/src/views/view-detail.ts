@@ -56,7 +56,12 @@ export class ViewDetail {
     this.#context = context;
   }
 
-  /** Resolves when the picture at rest has the detail that was asked for. */
+  /** Whether the picture at rest has the detail that was asked for. */
+  get isComplete(): boolean {
+    return this.#wait === null;
+  }
+
+  /** Resolves when it has. */
   get complete(): Promise<void> {
     return this.#wait?.complete ?? Promise.resolve();
   }
@@ -73,12 +78,12 @@ export class ViewDetail {
     last: FramePlan | null,
     planWith: (detail: FixedDetail | undefined) => FramePlan,
   ): FramePlan {
-    this.#take(request);
+    const isNew = this.#take(request);
     if (!this.#target) return planWith(undefined);
     const again = planWith(this.#planned);
-    if (!again.stands) {
+    if (isNew || !again.stands) {
       // The first picture of a scene is one at rest: nothing is known of its time or decibels.
-      this.#isAtRest = !last || !showsClouds(last, request.clouds);
+      this.#isAtRest = isNew || !last || !showsClouds(last, request.clouds);
       this.#promise?.move(again, this.#isAtRest);
       this.#restart();
     }
@@ -98,17 +103,19 @@ export class ViewDetail {
   /** Takes the time of a frame. */
   learn(plan: FramePlan, timing: StageTimings): void {
     if (this.#pace)
-      this.#pace.learn({ drawn: drawnDetail(plan), inSight: splatsInSight(plan.clouds), timing });
+      this.#pace.learn({
+        drawn: plan.clouds.some(({ cut }) => cut) ? plan.detail : 'full',
+        inSight: splatsInSight(plan.clouds),
+        timing,
+      });
   }
 
-  report(plan: FramePlan): DetailReport {
-    const drawn = drawnDetail(plan);
+  /** The part of the report on a frame that is known here. */
+  report({ detail }: FramePlan): Pick<DetailReport, 'predictedPsnrDb' | 'measuredPsnrDb' | 'isComplete'> {
     return {
-      asked: plan.request.detail ?? 'full',
-      drawn,
-      predictedPsnrDb: this.#promise?.predictedPsnrDb(drawn) ?? null,
+      predictedPsnrDb: this.#promise?.predictedPsnrDb(detail) ?? null,
       measuredPsnrDb: this.#promise?.measuredPsnrDb ?? null,
-      isComplete: this.#wait === null,
+      isComplete: this.isComplete,
     };
   }
 
@@ -124,15 +131,17 @@ export class ViewDetail {
     return this.#promise?.still ?? 'full';
   }
 
-  #take({ detail = 'full', accuracy }: FrameRequest): void {
+  /** Returns whether another target is asked for than before. */
+  #take({ detail = 'full', accuracy }: FrameRequest): boolean {
     const target = isFixedDetail(detail) ? null : detail === 'auto' ? this.#autoFor(accuracy) : detail;
-    if (isSame(target, this.#target)) return;
+    if (isSame(target, this.#target)) return false;
     this.end();
     this.#target = target;
     this.#planned = 'full';
     this.#pace = target && 'maxFrameMs' in target ? new FramePace(target.maxFrameMs) : null;
     this.#promise =
       target && 'minPsnrDb' in target ? new PsnrPromise(target.minPsnrDb, this.#context.measure) : null;
+    return true;
   }
 
   #autoFor(accuracy: FrameRequest['accuracy']): AccuracyTarget {
@@ -174,11 +183,6 @@ export class ViewDetail {
     this.#wait?.end();
     this.#wait = null;
   }
-}
-
-/** The detail that a frame shows: clouds may lack levels, or may not be cut. */
-function drawnDetail({ clouds, detail }: FramePlan): FixedDetail {
-  return clouds.some(({ cut }) => cut) ? detail : 'full';
 }
 
 function isSame<Value extends FixedDetail | AccuracyTarget>(a: Value | null, b: Value | null): boolean {

@@ -3,7 +3,7 @@ import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
-import type { FixedDetail } from '../frame/detail.ts';
+import { type FixedDetail, isFixedDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
@@ -29,7 +29,7 @@ import {
   type RasterizerReport,
 } from './rasterizer-choice.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
-import { type DetailReport, ViewDetail } from './view-detail.ts';
+import type { DetailReport, ViewDetail } from './view-detail.ts';
 
 /** The parts of an engine that a view needs. */
 export interface ViewContext extends AccuracyContext, PlannerContext {
@@ -101,7 +101,9 @@ export abstract class View {
   protected settled = DONE;
   readonly #planner: FramePlanner;
   readonly #accuracy: ViewAccuracy;
-  readonly #detail: ViewDetail;
+  /** Finds detail; null until a request asks for that, and its code is there. */
+  #detail: ViewDetail | null = null;
+  #detailLoading: Promise<void> | null = null;
   /** The faster rasteriser, for the setting `auto`. */
   readonly #choice: RasterizerChoice;
   readonly #onDestroyed: () => void;
@@ -133,12 +135,6 @@ export abstract class View {
       this.drawAgain(request);
       this.onAccuracyChosen?.(choice);
     });
-    this.#detail = new ViewDetail({
-      targetFor: context.targetFor,
-      measure: (minPsnrDb, request, options) =>
-        context.measureDetail(minPsnrDb, { ...request, accuracy: this.shape?.accuracy }, options),
-      redraw: (request) => this.drawAgain(request),
-    });
   }
 
   /** @internal Whether round splats may have shaders of their own; false to measure without. */
@@ -158,7 +154,18 @@ export abstract class View {
 
   /** Detail of the last frame; null before the first. */
   get detail(): DetailReport | null {
-    return this.prepared && this.#detail.report(this.prepared);
+    const plan = this.prepared;
+    if (!plan) return null;
+    const found = this.#detail?.report(plan);
+    return {
+      asked: plan.request.detail ?? 'full',
+      // Clouds may lack levels, or may not be cut.
+      drawn: plan.clouds.some(({ cut }) => cut) ? plan.detail : 'full',
+      predictedPsnrDb: null,
+      measuredPsnrDb: null,
+      isComplete: !this.#detailLoading,
+      ...found,
+    };
   }
 
   /**
@@ -168,9 +175,12 @@ export abstract class View {
    * @throws as `whenDrawn` does.
    */
   async whenComplete(): Promise<void> {
-    await this.drawn;
-    await this.#detail.complete;
-    await this.drawn;
+    do {
+      await this.#detailLoading;
+      await this.drawn;
+      await this.#detail?.complete;
+      await this.drawn;
+    } while (this.#detail?.isComplete === false);
     if (this.recovery.error) throw this.recovery.error;
   }
 
@@ -354,9 +364,9 @@ export abstract class View {
     const stands = last !== null;
     if (request.clouds.some(({ cloud }) => cloud.isHeld)) return { plan: last, stands, status: 'waiting' };
     const settings = this.#accuracy.settingsFor(request);
-    const plan = this.#detail.plan(request, last, (detail) =>
-      this.#plan(request, settings, depths[0], detail),
-    );
+    const planWith = (detail?: FixedDetail) => this.#plan(request, settings, depths[0], detail);
+    if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();
+    const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
     if (!plan.stands) this.#asked = null;
     if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
       // A smaller request does not wait for memory that may not be found.
@@ -389,6 +399,26 @@ export abstract class View {
   ): FramePlan {
     const faster = this.#choice.rasterizerFor(depth);
     return this.#planner.plan(request, { accuracy, depth, faster, detail });
+  }
+
+  /** Most views never find detail. Their pictures are full until then. */
+  async #loadDetail(): Promise<void> {
+    try {
+      const { ViewDetail } = await import('./view-detail.ts');
+      const { targetFor, measureDetail } = this.context;
+      this.#detail = new ViewDetail({
+        targetFor,
+        measure: (minPsnrDb, request, options) =>
+          measureDetail(minPsnrDb, { ...request, accuracy: this.shape?.accuracy }, options),
+        redraw: (request) => this.drawAgain(request),
+      });
+      if (this.#isDestroyed) this.#detail.end();
+      else if (this.prepared) this.drawAgain(this.prepared.request);
+    } catch (error) {
+      // The code may be there at the next attempt.
+      this.#detailLoading = null;
+      console.warn(`Pictures stay full: ${(error as Error).message}`);
+    }
   }
 
   /** Compiles the shaders of frames like `request`, for depths near and far. Draws none. */
@@ -465,7 +495,7 @@ export abstract class View {
   /** Call when the frame of `request` has been drawn, or was shown already. */
   protected shown(request: FrameRequest): void {
     this.#accuracy.show(request);
-    this.#detail.show(request);
+    this.#detail?.show(request);
   }
 
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
@@ -485,7 +515,7 @@ export abstract class View {
       statistics,
       tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
     );
-    if (drawn) this.#detail.learn(drawn, statistics.timing);
+    if (drawn) this.#detail?.learn(drawn, statistics.timing);
     this.#statistics = statistics;
     this.onStatistics?.(statistics);
     return statistics;
@@ -496,7 +526,7 @@ export abstract class View {
     if (this.#isDestroyed) return false;
     this.#isDestroyed = true;
     this.#accuracy.leave();
-    this.#detail.end();
+    this.#detail?.end();
     this.#onDestroyed();
     return true;
   }

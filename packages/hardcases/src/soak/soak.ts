@@ -394,7 +394,7 @@ class Soak {
   /** Makes levels here, and not when a view needs them: they are made of the planes at hand. */
   async #makeLevels(): Promise<void> {
     for (const item of this.#clouds) {
-      if (item.cloud.levels) continue;
+      if (item.recipe.levelsAfter !== null) continue;
       await item.cloud.makeLevels();
       item.recipe = { ...item.recipe, levelsAfter: item.recipe.precisions.length };
     }
