@@ -1,7 +1,7 @@
+import { type CutPoint, MOST_SHARE, predictShare } from '../data/accuracy/cut-curve.ts';
 import type { FixedDetail } from '../frame/detail.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { compareViews } from './compare-views.ts';
-import { type CutPoint, MOST_SHARE, predictShare } from './cut-curve.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 

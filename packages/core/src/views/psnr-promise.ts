@@ -1,8 +1,8 @@
+import { type CutPoint, MOST_SHARE, predictPsnrDb, predictShare } from '../data/accuracy/cut-curve.ts';
 import type { FixedDetail } from '../frame/detail.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { DetailChoice } from '../measure/choose-detail.ts';
-import { type CutPoint, MOST_SHARE, predictPsnrDb, predictShare } from '../measure/cut-curve.ts';
 
 /** Measures a frame, and chooses its detail: see `chooseDetail`. */
 export type MeasureDetail = (
