@@ -36,16 +36,34 @@ import package::lib::level_link::{errorOf, parentErrorOf};
 const ALWAYS = -0x10000;
 const NEVER = 0x10000;
 
+/// What all splats of a chunk have in common: found by one thread, because it takes longer than to
+/// count a splat.
+struct Head {
+  /// The shift at which the threshold of the cell is 0.
+  zero: i32,
+  /// From this shift on, the cell above is drawn instead.
+  closed: i32,
+  /// Whether something counts; and whether each splat is to be tested against the frustum.
+  isCounted: u32,
+  isTested: u32,
+}
+
+var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
 /// Of these chunks: changes of the number from bin to bin, which wrap around below 0.
 var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
 
 @compute @workgroup_size(CHUNK_SPLATS)
 fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, view.dispatchRow);
+  let first = index * COUNTED_CHUNKS;
+  if (lane < COUNTED_CHUNKS && first + lane < page.chunkCount) { heads[lane] = headOf(first + lane); }
+  workgroupBarrier();
+  // Most splats begin there, and additions to one word take turns.
+  var inFirst = 0u;
   for (var i = 0u; i < COUNTED_CHUNKS; i++) {
-    let chunk = index * COUNTED_CHUNKS + i;
-    if (chunk < page.chunkCount) { countChunk(chunk, lane); }
+    if (heads[i].isCounted != 0u) { inFirst += countSplat(heads[i], first + i, lane); }
   }
+  if (inFirst > 0u) { atomicAdd(&bins[0], inFirst); }
   workgroupBarrier();
   if (lane < CUT_BINS) {
     let change = atomicLoad(&bins[lane]);
@@ -53,12 +71,9 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   }
 }
 
-/// Counts one splat or blob of a chunk.
-fn countChunk(chunk: u32, lane: u32) {
+fn headOf(chunk: u32) -> Head {
   let cell = cells[links[chunk].cell];
-  // The shift at which the threshold of the cell is 0.
   let zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
-  // From this shift on, the cell above is drawn instead.
   var closed = NEVER;
   if (cell.parent != NO_CELL) {
     closed = SHIFT_NONE + i32(links[chunk].cellError) - i32(thresholds[cell.parent]);
@@ -66,16 +81,23 @@ fn countChunk(chunk: u32, lane: u32) {
   let last = min(closed, shiftTo(links[chunk].largestParentError, zero));
   let center = 0.5 * (cell.minPosition + cell.maxPosition);
   let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
-  if (last <= i32(cutPlan.base) || !reachesIn(center, halfExtent, links[chunk].largestScale)) { return; }
+  let isCounted = last > i32(cutPlan.base) && reachesIn(center, halfExtent, links[chunk].largestScale);
+  @if(!FRUSTUM_CULLING) let isTested = !isWithin(center, halfExtent);
+  @if(FRUSTUM_CULLING) let isTested = false;
+  return Head(zero, closed, u32(isCounted), u32(isTested));
+}
 
+/// Counts one splat or blob; returns 1 for the first bin, to which nothing is added.
+fn countSplat(head: Head, chunk: u32, lane: u32) -> u32 {
   let link = links[chunk].links[lane];
-  if (link == 0u) { return; }
-  let start = binOf(shiftTo(errorOf(link), zero));
-  let end = binOf(min(closed, shiftTo(parentErrorOf(link), zero)));
-  if (start >= end || start >= CUT_BINS) { return; }
-  @if(!FRUSTUM_CULLING) if (!isWithin(center, halfExtent) && !isInSight(chunk, lane)) { return; }
-  atomicAdd(&bins[start], 1u);
+  if (link == 0u) { return 0u; }
+  let start = binOf(shiftTo(errorOf(link), head.zero));
+  let end = binOf(min(head.closed, shiftTo(parentErrorOf(link), head.zero)));
+  if (start >= end || start >= CUT_BINS) { return 0u; }
+  @if(!FRUSTUM_CULLING) if (head.isTested != 0u && !isInSight(chunk, lane)) { return 0u; }
+  if (start > 0u) { atomicAdd(&bins[start], 1u); }
   if (end < CUT_BINS) { atomicSub(&bins[end], 1u); }
+  return select(0u, 1u, start == 0u);
 }
 
 /// The shift that takes a threshold, 0 at the shift `zero`, to `error`.

@@ -1,7 +1,7 @@
 // Decides which splats and blobs of the visible chunks the cut goes through: see
 // lib/level-link.wgsl. Reads the page's plan, its visible chunks, links and the thresholds of
-// cells; writes a bit per splat, for cull-splats. One workgroup per visible chunk, one thread per
-// splat, dispatched per page.
+// cells; writes a bit per splat, for cull-splats. One thread per 32 splats of the visible chunks, and
+// at most one workgroup per visible chunk, dispatched per page.
 import constants::CHUNK_SPLATS;
 import constants::MASK_WORDS;
 import layout::ChunkLinks;
@@ -19,18 +19,18 @@ import package::lib::level_link::isDrawnAt;
 @group(0) @binding(5) var<storage, read> thresholds: array<u32>;
 @group(0) @binding(6) var<storage, read_write> visibilityMasks: array<u32>;
 
-var<workgroup> mask: array<atomic<u32>, MASK_WORDS>;
-
 @compute @workgroup_size(CHUNK_SPLATS)
 fn cutSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let plan = pagePlans[page.index];
-  let slotInPage = linearWorkgroup(workgroup, view.dispatchRow);
-  if (slotInPage >= plan.slotCount) { return; }
-  let slot = plan.slotStart + slotInPage;
+  let word = linearWorkgroup(workgroup, view.dispatchRow) * CHUNK_SPLATS + lane;
+  if (word >= plan.slotCount * MASK_WORDS) { return; }
+  let slot = plan.slotStart + word / MASK_WORDS;
+  let first = 32u * (word % MASK_WORDS);
   let chunk = visibleChunks[slot] - page.chunkStart;
-  if (isDrawnAt(links[chunk].links[lane], thresholds[links[chunk].cell])) {
-    atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
+  let limit = thresholds[links[chunk].cell];
+  var mask = 0u;
+  for (var i = 0u; i < 32u; i++) {
+    mask |= u32(isDrawnAt(links[chunk].links[first + i], limit)) << i;
   }
-  workgroupBarrier();
-  if (lane < MASK_WORDS) { visibilityMasks[slot * MASK_WORDS + lane] = atomicLoad(&mask[lane]); }
+  visibilityMasks[plan.slotStart * MASK_WORDS + word] = mask;
 }
