@@ -188,6 +188,17 @@ describe('maxFrameMs', () => {
     view.destroy();
   });
 
+  gpuTest('makes levels as soon as a picture at rest was too slow, before anything moves', async () => {
+    const own = engine.add(SET);
+    const view = engine.createView();
+    view.render({ camera: camera(8), clouds: [{ cloud: own }], ...SIZE, detail: { maxFrameMs: NEVER_MS } });
+    await view.whenComplete();
+    await expect.poll(() => own.levels).not.toBeNull();
+    expect(view.detail!.drawn).toBe('full');
+    view.destroy();
+    own.destroy();
+  });
+
   gpuTest('draws all splats, without levels, where that is in time', async () => {
     const own = engine.add(SET);
     const view = engine.createView();

@@ -28,6 +28,8 @@ export interface DetailContext {
   readonly measure: MeasureDetail;
   /** Draws the frame of a request again, whose detail has been found. */
   readonly redraw: (request: FrameRequest) => void;
+  /** Compiles the shaders of a frame with this detail, and makes the levels that it needs. */
+  readonly foresee: (request: FrameRequest, detail: FixedDetail) => void;
 }
 
 /** A picture is at rest when nothing has moved for this long. */
@@ -102,12 +104,13 @@ export class ViewDetail {
 
   /** Takes the time of a frame. */
   learn(plan: FramePlan, timing: StageTimings): void {
-    if (this.#pace)
-      this.#pace.learn({
-        drawn: plan.clouds.some(({ cut }) => cut) ? plan.detail : 'full',
-        inSight: splatsInSight(plan.clouds),
-        timing,
-      });
+    if (!this.#pace) return;
+    const { clouds, detail, request } = plan;
+    const drawn = clouds.some(({ cut }) => cut) ? detail : 'full';
+    this.#pace.learn({ drawn, inSight: splatsInSight(clouds), timing });
+    const { moving } = this.#pace;
+    // The first frame that moves need not wait for levels then.
+    if (detail === 'full' && moving !== 'full') this.#context.foresee(request, moving);
   }
 
   /** The part of the report on a frame that is known here. */

@@ -411,6 +411,7 @@ export abstract class View {
         measure: (minPsnrDb, request, options) =>
           measureDetail(minPsnrDb, { ...request, accuracy: this.shape?.accuracy }, options),
         redraw: (request) => this.drawAgain(request),
+        foresee: (request, detail) => this.#foreseeDetail(request, detail),
       });
       if (this.#isDestroyed) this.#detail.end();
       else if (this.prepared) this.drawAgain(this.prepared.request);
@@ -419,6 +420,14 @@ export abstract class View {
       this.#detailLoading = null;
       console.warn(`Pictures stay full: ${(error as Error).message}`);
     }
+  }
+
+  #foreseeDetail(request: FrameRequest, detail: FixedDetail): void {
+    if (!this.shape || !this.canStillDraw(request)) return;
+    const { accuracy, depth, rasterizer } = this.shape;
+    const plan = this.#planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
+    // The frame itself tells what fails.
+    this.wait.whenReady(plan).catch(() => {});
   }
 
   /** Compiles the shaders of frames like `request`, for depths near and far. Draws none. */
