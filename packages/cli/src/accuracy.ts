@@ -5,6 +5,7 @@ import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
+import { findDetail } from './find-detail.ts';
 import { openGpuSession } from './gpu-session.ts';
 import { checkOutputs, type Output, reportBeside, writeFiles } from './output-files.ts';
 import { tenthsOf } from './progress-lines.ts';
@@ -39,19 +40,19 @@ async function measure(
   console: Console,
 ): Promise<AccuracyTable> {
   const { widthPx, heightPx, sortBy, detail, detailShares, distance, base, settings, frames } = options;
-  const camera = await readCameraFile(options.camera, widthPx / heightPx);
+  const near = await readCameraFile(options.camera, widthPx / heightPx);
   const session = await openGpuSession(scenes, ACCURACY_PRESETS.reference);
   const { engine, notice, checkGpuErrors } = session;
   try {
     if (notice !== null) console.err(`note: ${notice}\n`);
     const clouds = session.clouds.map((cloud) => ({ cloud }));
+    const camera = distance === 1 ? near : cameraAtDistance(near, clouds, distance);
+    const frame = { clouds, widthPx, heightPx, sortBy };
+    const { drawn } = await findDetail(engine.createView(), { ...frame, camera, detail });
     const table = await measureAccuracy(engine, {
-      clouds,
-      cameras: [distance === 1 ? camera : cameraAtDistance(camera, clouds, distance)],
-      widthPx,
-      heightPx,
-      sortBy,
-      detail,
+      ...frame,
+      cameras: [camera],
+      detail: drawn,
       details: detailShares.map((maxShare) => ({ maxShare })),
       base,
       settings,

@@ -6,6 +6,7 @@ import { type BenchReport, benchJson, benchText } from './bench-report.ts';
 import { findBenchScene, loadTimed } from './bench-scene.ts';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
+import { findDetail } from './find-detail.ts';
 import { currentCommit, describeMachine } from './machine.ts';
 import { checkOutputs } from './output-files.ts';
 import { tenthsOf } from './progress-lines.ts';
@@ -25,12 +26,15 @@ async function measure(options: BenchOptions, console: Console): Promise<BenchRe
   const { engine, cloud, load, notice, checkGpuErrors } = await loadTimed(scene, accuracy);
   try {
     if (notice !== null) console.err(`note: ${notice}\n`);
+    const clouds = [{ cloud }];
+    const frame = { camera, clouds, widthPx, heightPx, detail };
+    const { drawn } = await findDetail(engine.createView(), frame);
     const measurement = await measureFrames(engine, {
-      clouds: [{ cloud }],
+      clouds,
       cameras: orbitCameras(camera, cloud.robustBounds, { count: frames, sweepDegrees: orbitDegrees }),
       widthPx,
       heightPx,
-      detail,
+      detail: drawn,
       onProgress: tenthsOf(console),
     });
     checkGpuErrors();

@@ -1,12 +1,5 @@
-import {
-  type Camera,
-  type DetailReport,
-  type FrameRasterizer,
-  type FrameRequest,
-  type FrameStatistics,
-  isFixedDetail,
-  type SplatView,
-} from '@websplatter/core';
+import type { Camera, FrameRasterizer, FrameRequest, FrameStatistics, SplatView } from '@websplatter/core';
+import { findDetail } from './find-detail.ts';
 import { openGpuSession } from './gpu-session.ts';
 import type { RawImage } from './png.ts';
 import type { RenderOptions } from './render-options.ts';
@@ -40,22 +33,6 @@ export async function renderOnGpu(
     };
   } finally {
     engine.destroy();
-  }
-}
-
-/** Finds the detail of a picture that asks for an outcome; ends the view. */
-async function findDetail(
-  view: SplatView,
-  frame: FrameRequest,
-): Promise<Pick<DetailReport, 'drawn' | 'measuredPsnrDb'>> {
-  const { detail = 'full' } = frame;
-  try {
-    if (isFixedDetail(detail)) return { drawn: detail, measuredPsnrDb: null };
-    view.render(frame);
-    await view.whenComplete();
-    return view.detail!;
-  } finally {
-    view.destroy();
   }
 }
 

@@ -27,6 +27,13 @@ test('the finest detail that a cloud asks for is that of all', () => {
   expect(of({ maxFrameMs: 8 }, { maxShare: 0.1 })).toEqual({ maxShare: 0.1 });
   expect(of({ maxShare: 0.9 }, { minPsnrDb: 30 }, { minPsnrDb: 40 })).toEqual({ minPsnrDb: 40 });
   expect(of('auto', 'auto')).toBe('auto');
+  for (const details of [
+    [{ maxSplats: 9 }, { maxShare: 0.5 }],
+    [{ maxShare: 0.5 }, { maxSplats: 9 }],
+  ])
+    expect(of(...details)).toEqual({ maxShare: 0.5 });
+  const unset = { maxFrameMs: undefined, maxSplats: 9 } as Detail;
+  expect(of(unset, { maxFrameMs: 8 })).toEqual(unset);
 });
 
 test('frames have the detail of their clouds, else the renderer’s', async () => {

@@ -16,16 +16,23 @@ function finerOf(a: Detail, b: Detail): Detail {
   if (first !== second) return first < second ? a : b;
   if (typeof a === 'string') return a;
   const limits = Object.entries(a).flatMap(([name, own]) => {
-    const other = (b as Record<string, number | undefined>)[name];
+    const other = numberIn(b, name);
     if (own === undefined || other === undefined) return [];
     return [[name, name === 'maxErrorPx' ? Math.min(own, other) : Math.max(own, other)]];
   });
   if (limits.length > 0) return Object.fromEntries(limits);
-  return 'maxErrorPx' in a ? a : b;
+  const order = ['maxErrorPx', 'maxShare', 'maxSplats'] as const;
+  const named = order.find((name) => numberIn(a, name) !== undefined || numberIn(b, name) !== undefined)!;
+  return numberIn(a, named) === undefined ? b : a;
 }
 
 function rankOf(detail: Detail): number {
   if (detail === 'full') return 0;
   if (detail === 'auto') return 4;
-  return 'minPsnrDb' in detail ? 1 : 'maxFrameMs' in detail ? 3 : 2;
+  if (numberIn(detail, 'minPsnrDb') !== undefined) return 1;
+  return numberIn(detail, 'maxFrameMs') !== undefined ? 3 : 2;
+}
+
+function numberIn(detail: Detail, name: string): number | undefined {
+  return (detail as Partial<Record<string, number>>)[name];
 }

@@ -15,7 +15,7 @@ export interface DetailLimits {
   /** Most splats and blobs, in all clouds together; a whole number from 1 on. */
   readonly maxSplats?: number;
   /**
-   * Most splats and blobs, as a share of the splats in sight, above 0. About the same share has the
+   * Most splats and blobs, as a share of the splats in sight, above 0 and up to 1. About the same share has the
    * same PSNR from any distance.
    */
   readonly maxShare?: number;
@@ -40,13 +40,14 @@ export type Detail = FixedDetail | AccuracyTarget | 'auto';
 const LIMITS: Readonly<Record<keyof DetailLimits, (value: number) => boolean>> = {
   maxErrorPx: (value) => value >= 0,
   maxSplats: (value) => Number.isSafeInteger(value) && value > 0,
-  maxShare: (value) => value > 0,
+  maxShare: (value) => value > 0 && value <= 1,
 };
 const TARGETS: readonly string[] = ['minPsnrDb', 'maxFrameMs'];
 
 /** Whether a frame can be drawn with `detail` without being told more. */
 export function isFixedDetail(detail: Detail): detail is FixedDetail {
-  return detail === 'full' || (detail !== 'auto' && !TARGETS.some((name) => name in detail));
+  if (typeof detail === 'string') return detail === 'full';
+  return TARGETS.every((name) => (detail as Partial<Record<string, number>>)[name] === undefined);
 }
 
 /** @throws InvalidArgumentError unless `detail` is one. */
@@ -60,6 +61,6 @@ export function checkDetail(detail: Detail = 'full'): void {
   const isTarget = given.length === 1 && TARGETS.includes(given[0][0]) && (given[0][1] as number) > 0;
   if (given.length > 0 && areNumbers && (areLimits || isTarget)) return;
   const expected =
-    "'full', 'auto', { minPsnrDb: 40 }, { maxFrameMs: 8 }, or limits: { maxErrorPx: 0.5 }, in pixels from 0 on, { maxSplats: 1e6 }, a whole number from 1 on, { maxShare: 0.5 }, above 0, or several of these";
+    "'full', 'auto', { minPsnrDb: 40 }, { maxFrameMs: 8 }, or limits: { maxErrorPx: 0.5 }, in pixels from 0 on, { maxSplats: 1e6 }, a whole number from 1 on, { maxShare: 0.5 }, above 0 and up to 1, or several of these";
   throw wrongArgument('detail', detail, expected);
 }

@@ -98,6 +98,17 @@ describe('a plan', () => {
     expect(isReady).not.toHaveBeenCalled();
   });
 
+  test('that stands may be kept for its request, but not for a rasteriser that has drawn nothing', () => {
+    const { plan, draw, planner } = plannerWith();
+    draw(requestOf(3, { effects: [tint([1, 0.5, 0.5])] }), 'tiles');
+    const same = { ...requestOf(3, { effects: [tint([1, 0.5, 0.5])] }), detail: { maxSplats: 1e9 } };
+    planner.keep(plan(same, 'quads'));
+    expect(planner.last!.request.detail).toEqual({ maxSplats: 1e9 });
+    expect(planner.last!.shape.rasterizer).toBe('tiles');
+    const tinted = requestOf(3, { effects: [tint([0.5, 1, 0.5])] });
+    expect(plan(tinted, 'quads')).toMatchObject({ stands: false, keepsOrder: false });
+  });
+
   test('owns copies of objects that callers may change', () => {
     const { plan } = plannerWith();
     const request = requestOf(3, { modelMatrix: new Float64Array(16).fill(1) });

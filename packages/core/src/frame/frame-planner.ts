@@ -185,8 +185,9 @@ export class FramePlanner {
   }
 
   /** Takes a plan that stands: its request may say the same in other words. */
-  keep(plan: FramePlan): void {
-    this.#last = plan;
+  keep({ request, detail }: FramePlan): void {
+    // Its shape may be that of the other rasteriser, which has drawn nothing.
+    if (this.#last) this.#last = { ...this.#last, request, detail };
   }
 
   /** Forgets the frames before, whose buffers are gone. */

@@ -79,7 +79,7 @@ export function cutBudget(detail: FixedDetail, clouds: readonly CutCloud[]): Cut
     ...(maxShare < 1 ? [Math.ceil(maxShare * splatsInSight(clouds))] : []),
   ];
   if (limits.length === 0) return null;
-  const inFull = countOf(clouds.filter(({ cut }) => !cut).map(({ instance }) => instance));
+  const inFull = splatsInSight(clouds.filter(({ cut }) => !cut));
   return {
     splats: Math.max(0, Math.min(...limits) - inFull),
     leastShift: maxErrorPx === undefined ? 0 : LEVEL_CONSTANTS.SHIFT_NONE,

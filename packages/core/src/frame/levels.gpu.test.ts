@@ -431,6 +431,7 @@ describe('frames with less than full detail', () => {
       { maxSplats: 0 },
       { maxSplats: 2.5 },
       { maxShare: 0 },
+      { maxShare: 50 },
       { minPsnrDb: -1 },
       { maxFrameMs: Number.POSITIVE_INFINITY },
       { minPsnrDb: 40, maxErrorPx: 1 },

@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../data/errors.ts';
 import { CLOUD, checkKind, ENGINE, given, wrongArgument } from '../data/given.ts';
+import { checkDetail, isFixedDetail } from '../frame/detail.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 
@@ -11,16 +12,22 @@ import type { MeasuredEngine } from './measured-engine.ts';
  */
 export function checkMeasured(
   engine: MeasuredEngine,
-  frame: Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx'> & { readonly cameras?: readonly unknown[] },
+  frame: Pick<FrameRequest, 'clouds' | 'widthPx' | 'heightPx' | 'detail'> & {
+    readonly cameras?: readonly unknown[];
+  },
   counts: Readonly<Record<string, number>> = {},
 ): void {
   given(engine, ENGINE, 'engine');
-  const { clouds, widthPx, heightPx, cameras = [null] } = given(frame);
+  const { clouds, widthPx, heightPx, cameras = [null], detail = 'full' } = given(frame);
   for (const [name, list] of Object.entries({ cameras, clouds })) {
     checkKind(name, list, 'a list');
     if (list.length === 0) throw new InvalidArgumentError(name, `There are no ${name}; give at least one.`);
   }
   checkClouds(clouds);
+  checkDetail(detail);
+  // What views find changes from frame to frame.
+  if (!isFixedDetail(detail))
+    throw wrongArgument('detail', detail, "'full' or limits, for instance those of view.detail.drawn");
   checkCounts({ widthPx, heightPx, ...counts });
 }
 

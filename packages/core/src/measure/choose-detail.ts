@@ -11,7 +11,7 @@ export interface DetailChoice {
   readonly detail: FixedDetail;
   /** Of the picture with this detail, against the full one by `reference`. */
   readonly psnrDb: number;
-  /** The cuts that were drawn, in order. */
+  /** The cuts that were drawn, in order; none where nothing can be cut. */
   readonly measured: readonly CutPoint[];
 }
 
@@ -66,6 +66,9 @@ export async function chooseDetail(
         const share = Math.min(Math.max(wanted, LEAST_SHARE), MOST_SHARE);
         if (measured.some((cut) => cut.share === share)) break;
         const cut = { share, psnrDb: await psnrOf({ maxShare: share }) };
+        // Nothing can be cut: clouds may be edited, or show selections.
+        if (!view.shape?.clouds.some(({ levels }) => levels))
+          return { detail: 'full', psnrDb: cut.psnrDb, measured: [] };
         measured.push(cut);
         const reaches = cut.psnrDb >= minPsnrDb;
         if (reaches && share < (best?.share ?? Number.POSITIVE_INFINITY)) best = cut;

@@ -1,5 +1,6 @@
 import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../data/accuracy/accuracy.ts';
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { isFixedDetail } from '../frame/detail.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
@@ -36,7 +37,7 @@ export interface TargetOptions {
 export async function measureTarget(
   engine: MeasuredEngine,
   target: AccuracyTarget,
-  { camera, clouds, widthPx, heightPx, sortBy, detail }: FrameRequest,
+  { camera, clouds, widthPx, heightPx, sortBy, detail = 'full' }: FrameRequest,
   { previous, signal, onProgress }: TargetOptions,
 ): Promise<AccuracyChoice> {
   const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
@@ -46,7 +47,7 @@ export async function measureTarget(
     widthPx,
     heightPx,
     sortBy,
-    detail,
+    detail: isFixedDetail(detail) ? detail : 'full',
     base: DEFAULT_ACCURACY,
     settings: isSoftware ? SOFTWARE_SETTINGS : SETTINGS,
     ablations: false,

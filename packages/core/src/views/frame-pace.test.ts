@@ -51,10 +51,22 @@ describe('FramePace', () => {
     expect(grown.at(-1)).toBe(IN_SIGHT);
   });
 
-  test('never draws next to nothing, and heeds timestamps where there are some', () => {
+  test('draws all splats where fewer take as long', () => {
     const pace = new FramePace(TARGET_MS);
-    drawn(pace, 20, () => 1000);
+    drawn(pace, 60, () => 100);
+    expect(pace.moving).toBe('full');
+    // Half of the time is that of the splats, which a tenth of them reduce to little.
+    const splats = drawn(new FramePace(TARGET_MS), 60, (count) => 100 + 1e-4 * count);
+    expect(splats.at(-1)).toBeGreaterThan(300_000);
+  });
+
+  test('never draws next to nothing', () => {
+    const pace = new FramePace(TARGET_MS);
+    drawn(pace, 20, (splats) => splats);
     expect(pace.moving).toEqual({ maxSplats: 1000 });
+  });
+
+  test('heeds timestamps where there are some, and frames that show nothing', () => {
     const quick = new FramePace(TARGET_MS);
     const stages = { preprocessMs: 1, sortMs: 1, rasterizeMs: 1 };
     const timing = { ...wallClockTimings(500), source: 'gpu-timestamps', ...stages } as const;

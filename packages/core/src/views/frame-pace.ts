@@ -15,20 +15,32 @@ const AIM = 0.8;
 const GROWS_BELOW = 0.6;
 /** … by no more than this factor at once. */
 const MOST_GROWTH = 1.5;
-/** The least that a budget may be: fewer splats take hardly any less time. */
+/** Splats take at least this part of the time that a frame takes without any: fewer gain little. */
+const LEAST_PART = 0.5;
+/** The least that a budget may be. */
 const LEAST_SPLATS = 1000;
+/** The first frame may take so many times as long as others: buffers are new, and clocks low. */
+const FIRST_SLOWER = 4;
+/** Frames that differ by this factor in splats tell what a splat takes. */
+const APART = 1.25;
+
+interface Measured {
+  readonly splats: number;
+  readonly ms: number;
+}
 
 /**
  * Finds how many splats a device draws within a time, by the times of the frames before: fewer as
- * soon as two frames in a row took longer, more while frames take clearly less. A single slow frame
- * changes nothing.
+ * soon as two frames in a row took longer, more while frames take clearly less, and all where fewer
+ * would take about as long. A single slow frame changes nothing.
  */
 export class FramePace {
   readonly #maxFrameMs: number;
   /** Most splats of a frame; Infinity where all are drawn in time. */
   #budget = Number.POSITIVE_INFINITY;
-  /** Of the frame before: its time for each splat of its budget. */
-  #splatMs = Number.POSITIVE_INFINITY;
+  #last: Measured | null = null;
+  /** The last frame that was apart from that. */
+  #other: Measured | null = null;
 
   /** @param maxFrameMs time on the GPU, by its timestamps; without, from submission to the end. */
   constructor(maxFrameMs: number) {
@@ -45,16 +57,31 @@ export class FramePace {
     const { maxSplats = inSight } = drawn === 'full' ? {} : drawn;
     const splats = Math.min(maxSplats, inSight);
     if (splats === 0) return;
-    const splatMs = timeOf(timing) / splats;
-    const part = (Math.min(splatMs, this.#splatMs) * splats) / this.#maxFrameMs;
-    this.#splatMs = splatMs;
-    const isFull = splats === inSight;
-    if (part <= 1 && isFull) this.#budget = Number.POSITIVE_INFINITY;
-    else if (part > 1 || part < GROWS_BELOW) {
-      const next = Math.round(splats * Math.min(AIM / part, MOST_GROWTH));
+    const last = { splats, ms: timeOf(timing) };
+    const before = this.#last;
+    if (before && areApart(before, last)) this.#other = before;
+    this.#last = last;
+    const quicker = before ? (before.ms / before.splats) * splats : last.ms / FIRST_SLOWER;
+    const ms = Math.min(last.ms, quicker);
+    if (ms <= this.#maxFrameMs && splats === inSight) this.#budget = Number.POSITIVE_INFINITY;
+    else if (ms > this.#maxFrameMs || ms < GROWS_BELOW * this.#maxFrameMs) {
+      const next = Math.round(Math.min(this.#wantedFor({ splats, ms }), MOST_GROWTH * splats));
       this.#budget = next >= inSight ? Number.POSITIVE_INFINITY : Math.max(LEAST_SPLATS, next);
     }
   }
+
+  /** Splats that are drawn in time if a frame takes a constant time and another for each splat. */
+  #wantedFor({ splats, ms }: Measured): number {
+    const other = this.#other;
+    const slope = other ? (ms - other.ms) / (splats - other.splats) : Number.POSITIVE_INFINITY;
+    const splatMs = Math.min(Math.max(slope, 0), ms / splats);
+    const constantMs = ms - splatMs * splats;
+    return Math.max(AIM * this.#maxFrameMs - constantMs, LEAST_PART * constantMs) / splatMs;
+  }
+}
+
+function areApart(a: Measured, b: Measured): boolean {
+  return Math.max(a.splats, b.splats) > APART * Math.min(a.splats, b.splats);
 }
 
 /** The splats' own time: a host's work may lie between the passes. */

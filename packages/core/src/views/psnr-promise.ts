@@ -31,7 +31,7 @@ export class PsnrPromise {
   #knownScalePx = 0;
   #scalePx = 0;
   /** That of the picture at rest; null until it has been measured. */
-  #choice: DetailChoice | null = null;
+  #choice: { readonly detail: FixedDetail; readonly psnrDb: number | null } | null = null;
 
   constructor(minPsnrDb: number, measure: MeasureDetail) {
     this.#minPsnrDb = minPsnrDb;
@@ -58,7 +58,7 @@ export class PsnrPromise {
   }
 
   predictedPsnrDb(drawn: FixedDetail): number | null {
-    if (drawn === 'full' || drawn.maxShare === undefined) return null;
+    if (drawn === 'full' || drawn.maxShare === undefined || this.#known.length === 0) return null;
     return predictPsnrDb(this.#known, drawn.maxShare);
   }
 
@@ -69,15 +69,22 @@ export class PsnrPromise {
     if (showsOthers) this.#known = [];
   }
 
-  /** Measures the picture at rest. @throws errors of `chooseDetail` */
+  /** Measures the picture at rest, which is full if that fails. @throws errors of `chooseDetail` */
   async rest(frame: FrameRequest, signal: AbortSignal): Promise<void> {
     if (this.#choice) return;
-    const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#known, signal });
-    signal.throwIfAborted();
-    this.#choice = choice;
-    if (choice.measured.length === 0) return;
-    this.#known = choice.measured;
-    this.#knownScalePx = this.#scalePx;
+    try {
+      const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#known, signal });
+      signal.throwIfAborted();
+      this.#choice = choice;
+      // Where nothing is in sight, all pictures are equal.
+      const told = choice.measured.filter(({ psnrDb }) => Number.isFinite(psnrDb));
+      if (told.length === 0) return;
+      this.#known = told;
+      this.#knownScalePx = this.#scalePx;
+    } catch (error) {
+      if (!signal.aborted) this.#choice = { detail: 'full', psnrDb: null };
+      throw error;
+    }
   }
 }
 

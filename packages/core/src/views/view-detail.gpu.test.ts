@@ -1,10 +1,14 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterAll, beforeAll, beforeEach, describe, expect } from 'vitest';
+import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
+import { SplatSelection } from '../data/splats/splat-selection.ts';
 import type { Detail } from '../frame/detail.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
+import { highlight } from '../gpu/effects/highlight/highlight.ts';
+import { wallClockTimings } from '../gpu/timing/frame-statistics.ts';
+import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import { compareImages } from '../reference/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from './splat-view.ts';
@@ -29,27 +33,20 @@ let msOf: (splats: number) => number;
 beforeAll(async () => {
   engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'high' });
   cloud = engine.add(SET);
-  const createView = engine.createView.bind(engine);
-  engine.createView = (...options) => withTimes(createView(...options));
 });
 beforeEach(() => {
   msOf = (splats) => splats;
 });
 
-/** A view whose statistics have the times of `msOf`: real ones of so few splats are noise. */
-function withTimes(view: SplatView): SplatView {
-  let told: SplatView['onStatistics'] = null;
-  return Object.defineProperty(view, 'onStatistics', {
-    get: () => told,
-    set: (listener: SplatView['onStatistics']) => {
-      told = (statistics) => {
-        const timing = { ...statistics.timing, totalMs: msOf(statistics.visibleSplats) };
-        listener?.({ ...statistics, timing });
-      };
-    },
-  });
-}
-afterAll(() => engine.destroy());
+/** Real times of so few splats are noise. */
+const { read } = GpuTimer.prototype;
+vi.spyOn(GpuTimer.prototype, 'read').mockImplementation(async function (this: GpuTimer, ...args) {
+  const statistics = await read.apply(this, args);
+  if (!statistics) return null;
+  const timing = { ...statistics.timing, ...wallClockTimings(msOf(statistics.visibleSplats)) };
+  return { ...statistics, timing };
+});
+afterAll(() => vi.restoreAllMocks());
 
 function draw(view: SplatView, detail: Detail, distance: number, force = false): void {
   view.render({
@@ -128,6 +125,37 @@ describe('minPsnrDb', () => {
     // Three more, and six for each factor of two in size.
     expect(predictedPsnrDb).toBeCloseTo(33 + 6 * Math.log2(20 / 18), 3);
     expect(Math.abs((await decibelsOf(view, 18)) - predictedPsnrDb!)).toBeLessThan(5);
+    view.destroy();
+  });
+
+  gpuTest('is not measured where nothing can be cut, and nothing is concluded from that', async () => {
+    const selection = new SplatSelection();
+    selection.add(Uint32Array.of(1, 2));
+    const effects = [highlight({ selection, color: [1, 0, 0], strength: 1 })];
+    const view = engine.createView();
+    const request = { camera: camera(12), ...SIZE, detail: { minPsnrDb: 30 } };
+    view.render({ ...request, clouds: [{ cloud, effects }] });
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true, predictedPsnrDb: null });
+    view.render({ ...request, camera: camera(11), clouds: [{ cloud }] });
+    await view.whenDrawn();
+    expect(view.detail!.drawn).toBe('full');
+    view.destroy();
+  });
+
+  gpuTest('is full, and told, where it cannot be measured', async () => {
+    const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
+    const view = engine.createView();
+    const { createView } = engine;
+    engine.createView = () => {
+      throw new Error('There is no memory for another view.');
+    };
+    draw(view, { minPsnrDb: 30 }, 12);
+    await view.whenComplete();
+    engine.createView = createView;
+    expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true, measuredPsnrDb: null });
+    expect(warn).toHaveBeenCalledExactlyOnceWith(expect.stringContaining('no memory for another view'));
+    warn.mockRestore();
     view.destroy();
   });
 

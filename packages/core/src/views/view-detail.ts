@@ -1,6 +1,7 @@
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { DestroyedError } from '../data/errors.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
-import { type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
+import type { Detail, FixedDetail } from '../frame/detail.ts';
 import { type FramePlan, showsClouds } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { splatsInSight } from '../frame/splats-in-sight.ts';
@@ -58,14 +59,9 @@ export class ViewDetail {
     this.#context = context;
   }
 
-  /** Whether the picture at rest has the detail that was asked for. */
-  get isComplete(): boolean {
-    return this.#wait === null;
-  }
-
-  /** Resolves when it has. */
-  get complete(): Promise<void> {
-    return this.#wait?.complete ?? Promise.resolve();
+  /** Resolves when the picture at rest has the detail that was asked for; null if it has. */
+  get complete(): Promise<void> | null {
+    return this.#wait?.complete ?? null;
   }
 
   /**
@@ -87,7 +83,8 @@ export class ViewDetail {
       // The first picture of a scene is one at rest: nothing is known of its time or decibels.
       this.#isAtRest = isNew || !last || !showsClouds(last, request.clouds);
       this.#promise?.move(again, this.#isAtRest);
-      this.#restart();
+      this.#stop('Something moves.');
+      this.#hasMoved = true;
     }
     const detail = again.stands && !this.#isAtRest ? this.#planned : this.#wanted;
     if (isSame(detail, this.#planned)) return again;
@@ -100,6 +97,12 @@ export class ViewDetail {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;
     this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
+    if (this.#wait) return;
+    let end = () => {};
+    const complete = new Promise<void>((resolve) => {
+      end = resolve;
+    });
+    this.#wait = { complete, end };
   }
 
   /** Takes the time of a frame. */
@@ -118,7 +121,7 @@ export class ViewDetail {
     return {
       predictedPsnrDb: this.#promise?.predictedPsnrDb(detail) ?? null,
       measuredPsnrDb: this.#promise?.measuredPsnrDb ?? null,
-      isComplete: this.isComplete,
+      isComplete: !this.#wait && !this.#hasMoved,
     };
   }
 
@@ -136,7 +139,15 @@ export class ViewDetail {
 
   /** Returns whether another target is asked for than before. */
   #take({ detail = 'full', accuracy }: FrameRequest): boolean {
-    const target = isFixedDetail(detail) ? null : detail === 'auto' ? this.#autoFor(accuracy) : detail;
+    const { minPsnrDb, maxFrameMs } = Object(detail) as { minPsnrDb?: number; maxFrameMs?: number };
+    const target =
+      detail === 'auto'
+        ? this.#autoFor(accuracy)
+        : minPsnrDb !== undefined
+          ? { minPsnrDb }
+          : maxFrameMs !== undefined
+            ? { maxFrameMs }
+            : null;
     if (isSame(target, this.#target)) return false;
     this.end();
     this.#target = target;
@@ -159,17 +170,6 @@ export class ViewDetail {
     this.#hasMoved = false;
   }
 
-  #restart(): void {
-    this.#stop('Something moves.');
-    this.#hasMoved = true;
-    if (this.#wait) return;
-    let end = () => {};
-    const complete = new Promise<void>((resolve) => {
-      end = resolve;
-    });
-    this.#wait = { complete, end };
-  }
-
   async #rest(request: FrameRequest): Promise<void> {
     this.#isAtRest = true;
     this.#measuring = new AbortController();
@@ -178,7 +178,7 @@ export class ViewDetail {
     try {
       await this.#promise?.rest(request, signal);
     } catch (error) {
-      if (!signal.aborted)
+      if (!signal.aborted && !(error instanceof DestroyedError))
         console.warn(`A picture could not be measured; its detail stays. ${(error as Error).message}`);
     }
     if (signal.aborted) return;

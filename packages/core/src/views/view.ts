@@ -163,7 +163,7 @@ export abstract class View {
       drawn: plan.clouds.some(({ cut }) => cut) ? plan.detail : 'full',
       predictedPsnrDb: null,
       measuredPsnrDb: null,
-      isComplete: !this.#detailLoading,
+      isComplete: true,
       ...found,
     };
   }
@@ -180,7 +180,7 @@ export abstract class View {
       await this.drawn;
       await this.#detail?.complete;
       await this.drawn;
-    } while (this.#detail?.isComplete === false);
+    } while (this.#detail?.complete);
     if (this.recovery.error) throw this.recovery.error;
   }
 
@@ -416,9 +416,7 @@ export abstract class View {
       if (this.#isDestroyed) this.#detail.end();
       else if (this.prepared) this.drawAgain(this.prepared.request);
     } catch (error) {
-      // The code may be there at the next attempt.
-      this.#detailLoading = null;
-      console.warn(`Pictures stay full: ${(error as Error).message}`);
+      console.warn(`The pictures of a view stay full: ${(error as Error).message}`);
     }
   }
 

@@ -11,7 +11,7 @@ import { cullChunks, cullLevels } from '../../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
 import { countWorkgroups, cutCount } from '../../gpu/stages/cut-count.ts';
-import { cutSplats } from '../../gpu/stages/cut-splats.ts';
+import { cutSplats, cutWorkgroups } from '../../gpu/stages/cut-splats.ts';
 import { dispatchAtMost, dispatchSize } from '../../gpu/stages/dispatch.ts';
 import { planCull } from '../../gpu/stages/plan-cull.ts';
 import { planCut } from '../../gpu/stages/plan-cut.ts';
@@ -293,7 +293,7 @@ export class Preprocess implements FramePart<OrderRecording> {
       if (cut) {
         stage = this.#usePipeline(pass, cutSplats, stage);
         pass.setBindGroup(0, cut);
-        dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
+        dispatchAtMost(pass, cutWorkgroups(chunkCount), shape.dispatchRow, indirect);
       }
       stage = this.#usePipeline(pass, stagesOf(shape, framePage).cullSplats, stage);
       pass.setBindGroup(0, groups.pages[index].cullSplats);

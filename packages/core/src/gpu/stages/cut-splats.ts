@@ -9,3 +9,8 @@ export const cutSplats: StageDefinition = {
   entryPoint: 'cutSplats',
   constants: LEVEL_CONSTANTS,
 };
+
+/** Most workgroups for a page of so many chunks, all of which are visible. */
+export function cutWorkgroups(chunkCount: number): number {
+  return Math.ceil(chunkCount / 32);
+}
