@@ -270,7 +270,7 @@ describe('accuracy in the viewer', () => {
     const splatsDrawn = async () => Number((await textOf(page, 'visible-splats')).replaceAll(',', ''));
     await expect.poll(splatsDrawn).toBeGreaterThan(5000);
     const { x, y, width, height } = (await slider.boundingBox())!;
-    await redraw(page, () => page.mouse.click(x + 0.9 * width, y + height / 2));
+    await redraw(page, () => page.mouse.click(x + 0.85 * width, y + height / 2));
     await redraw(page, () => page.keyboard.press('ArrowLeft'));
     const dial = page.getByTestId('detail-dial');
     expect(await dial.textContent()).toMatch(/Automatic\d,\d{3} of 10,000$/);
