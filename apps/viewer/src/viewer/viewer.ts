@@ -4,6 +4,7 @@ import {
   type AccuracyTarget,
   type ChooseAccuracyOptions,
   type Detail,
+  type FixedDetail,
   InvalidArgumentError,
   isAccuracyTarget,
   isFixedDetail,
@@ -255,9 +256,9 @@ export class Viewer {
   }
 
   /** The chosen detail, or what was found for it: other views would have to find that anew. */
-  get #drawnDetail(): Detail {
+  get #drawnDetail(): FixedDetail {
     const { detail } = this.#store.getState();
-    return isFixedDetail(detail) ? detail : (this.chosenView?.detail?.drawn ?? detail);
+    return isFixedDetail(detail) ? detail : (this.chosenView?.detail?.drawn ?? 'full');
   }
 
   #startSession(session: Session): void {

@@ -1,4 +1,4 @@
-import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
+import { type AccuracyTarget, TARGETS } from '../data/accuracy/accuracy-target.ts';
 import { wrongArgument } from '../data/given.ts';
 
 /**
@@ -15,8 +15,8 @@ export interface DetailLimits {
   /** Most splats and blobs, in all clouds together; a whole number from 1 on. */
   readonly maxSplats?: number;
   /**
-   * Most splats and blobs, as a share of the splats in sight, above 0 and up to 1. About the same share has the
-   * same PSNR from any distance.
+   * Most splats and blobs, as a share of the splats in sight, above 0 and up to 1. From other
+   * distances, PSNR changes less with the same share than with the same error or number.
    */
   readonly maxShare?: number;
 }
@@ -42,12 +42,16 @@ const LIMITS: Readonly<Record<keyof DetailLimits, (value: number) => boolean>> =
   maxSplats: (value) => Number.isSafeInteger(value) && value > 0,
   maxShare: (value) => value > 0 && value <= 1,
 };
-const TARGETS: readonly string[] = ['minPsnrDb', 'maxFrameMs'];
 
 /** Whether a frame can be drawn with `detail` without being told more. */
 export function isFixedDetail(detail: Detail): detail is FixedDetail {
   if (typeof detail === 'string') return detail === 'full';
   return TARGETS.every((name) => (detail as Partial<Record<string, number>>)[name] === undefined);
+}
+
+/** `12.5 %`, of a share. */
+export function percentText(share: number): string {
+  return `${Number((100 * share).toPrecision(3))} %`;
 }
 
 /** @throws InvalidArgumentError unless `detail` is one. */
@@ -58,7 +62,8 @@ export function checkDetail(detail: Detail = 'full'): void {
   const areLimits = given.every(
     ([name, value]) => Object.hasOwn(LIMITS, name) && LIMITS[name as keyof DetailLimits](value as number),
   );
-  const isTarget = given.length === 1 && TARGETS.includes(given[0][0]) && (given[0][1] as number) > 0;
+  const isTarget =
+    given.length === 1 && (TARGETS as readonly string[]).includes(given[0][0]) && (given[0][1] as number) > 0;
   if (given.length > 0 && areNumbers && (areLimits || isTarget)) return;
   const expected =
     "'full', 'auto', { minPsnrDb: 40 }, { maxFrameMs: 8 }, or limits: { maxErrorPx: 0.5 }, in pixels from 0 on, { maxSplats: 1e6 }, a whole number from 1 on, { maxShare: 0.5 }, above 0 and up to 1, or several of these";

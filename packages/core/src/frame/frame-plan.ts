@@ -42,6 +42,11 @@ export interface FrameNeeds {
   readonly depthBits: number;
 }
 
+/** The detail that a frame shows: all splats where no cloud is cut, whatever it needs. */
+export function drawnDetail({ clouds, detail }: FramePlan): FixedDetail {
+  return clouds.some(({ cut }) => cut) ? detail : 'full';
+}
+
 /** Whether a frame shows these clouds, in this order. */
 export function showsClouds({ shape }: FramePlan, clouds: readonly CloudInstance[]): boolean {
   return (

@@ -1,4 +1,4 @@
-import type { FixedDetail } from '../frame/detail.ts';
+import { type FixedDetail, percentText } from '../frame/detail.ts';
 
 /** Shares of the splats in sight that are measured where no others are asked for. */
 export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];
@@ -10,6 +10,6 @@ export function describeDetail(detail: FixedDetail): string {
   return [
     ...(maxErrorPx === undefined ? [] : [`${maxErrorPx} px of error`]),
     ...(maxSplats === undefined ? [] : [`${maxSplats.toLocaleString('en')} splats`]),
-    ...(maxShare === undefined ? [] : [`${Number((100 * maxShare).toPrecision(3))} % of splats`]),
+    ...(maxShare === undefined ? [] : [`${percentText(maxShare)} of splats`]),
   ].join(', ');
 }

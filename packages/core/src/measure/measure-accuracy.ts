@@ -52,8 +52,9 @@ export interface MeasureAccuracyOptions {
   readonly detail?: Detail;
   /**
    * Details to measure besides, each with the settings of `base`; default none: for instance
-   * `DETAIL_SHARES.map((maxShare) => ({ maxShare }))`. Errors are against the full scene, so `detail` is to be `full` with them; each point
-   * then also has `filteredPsnrDb`. Clouds get levels, which they keep.
+   * `DETAIL_SHARES.map((maxShare) => ({ maxShare }))`. Errors are against the full scene, so `detail`
+   * is to be `full` with them; each point then also has `filteredPsnrDb`. Clouds get levels, which
+   * they keep.
    */
   readonly details?: readonly FixedDetail[];
   /** Settings that are changed one at a time; default `balanced`. */
@@ -121,7 +122,10 @@ export interface AccuracyPoint {
   readonly rasterizers: readonly FrameRasterizer[];
   /** Whether no other point is both more accurate and faster, as far as times can be told apart. */
   readonly isOnFront: boolean;
-  /** GPU memory of the clouds in these precisions, with levels if the detail needs them, and of one view. */
+  /**
+   * GPU memory of the clouds in these precisions, with levels if the detail needs them, and of one
+   * view.
+   */
   readonly bytes: number;
   readonly notes: readonly string[];
 }

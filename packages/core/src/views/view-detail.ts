@@ -2,7 +2,7 @@ import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import type { Detail, FixedDetail } from '../frame/detail.ts';
-import { type FramePlan, showsClouds } from '../frame/frame-plan.ts';
+import { drawnDetail, type FramePlan, showsClouds } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { splatsInSight } from '../frame/splats-in-sight.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
@@ -109,8 +109,7 @@ export class ViewDetail {
   learn(plan: FramePlan, timing: StageTimings): void {
     if (!this.#pace) return;
     const { clouds, detail, request } = plan;
-    const drawn = clouds.some(({ cut }) => cut) ? detail : 'full';
-    this.#pace.learn({ drawn, inSight: splatsInSight(clouds), timing });
+    this.#pace.learn({ drawn: drawnDetail(plan), inSight: splatsInSight(clouds), timing });
     const { moving } = this.#pace;
     // The first frame that moves need not wait for levels then.
     if (detail === 'full' && moving !== 'full') this.#context.foresee(request, moving);
@@ -179,7 +178,7 @@ export class ViewDetail {
       await this.#promise?.rest(request, signal);
     } catch (error) {
       if (!signal.aborted && !(error instanceof DestroyedError))
-        console.warn(`A picture could not be measured; its detail stays. ${(error as Error).message}`);
+        console.warn(`A picture could not be measured, and is drawn in full. ${(error as Error).message}`);
     }
     if (signal.aborted) return;
     if (!isSame(this.#wanted, this.#planned)) this.#context.redraw(request);

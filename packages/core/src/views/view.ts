@@ -6,7 +6,7 @@ import { effectsOf } from '../frame/cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import { drawnDetail, type FramePlan } from '../frame/frame-plan.ts';
 import { FramePlanner, type PlannerContext } from '../frame/frame-planner.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape } from '../frame/frame-shape.ts';
@@ -159,8 +159,7 @@ export abstract class View {
     const found = this.#detail?.report(plan);
     return {
       asked: plan.request.detail ?? 'full',
-      // Clouds may lack levels, or may not be cut.
-      drawn: plan.clouds.some(({ cut }) => cut) ? plan.detail : 'full',
+      drawn: drawnDetail(plan),
       predictedPsnrDb: null,
       measuredPsnrDb: null,
       isComplete: true,

@@ -12,7 +12,8 @@ export type AccuracyRequest =
   | { readonly minPsnrDb: number; readonly maxFrameMs?: never; readonly preset?: never }
   | { readonly maxFrameMs: number; readonly minPsnrDb?: never; readonly preset?: never };
 
-const TARGETS = ['minPsnrDb', 'maxFrameMs'] as const;
+/** Names of targets. */
+export const TARGETS = ['minPsnrDb', 'maxFrameMs'] as const;
 
 /** Whether `request` is for an outcome rather than for settings. */
 export function isAccuracyTarget(request: AccuracyRequest): request is AccuracyTarget {

@@ -1,4 +1,4 @@
-import { type Detail, isFixedDetail } from '../../detail.ts';
+import { type Detail, isFixedDetail, percentText } from '../../detail.ts';
 import type { DrawnCloud, FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Blobs instead of splats that are too small to tell apart. */
@@ -27,7 +27,7 @@ export const levels: FeatureOfCloud = {
     const limits = [
       ...(maxErrorPx === undefined ? [] : [`errors up to ${maxErrorPx} px are allowed`]),
       ...(maxSplats === undefined ? [] : [`at most ${maxSplats.toLocaleString('en')} splats are asked for`]),
-      ...(maxShare === undefined ? [] : [`at most ${percent(maxShare)} of the splats are asked for`]),
+      ...(maxShare === undefined ? [] : [`at most ${percentText(maxShare)} of the splats are asked for`]),
     ];
     return [...limits, ...aims(request.detail)].join(', ');
   },
@@ -48,8 +48,4 @@ function aims(asked: Detail = 'full'): string[] {
   if (isFixedDetail(asked)) return [];
   if (asked === 'auto') return ['for frames as quick as screens'];
   return ['minPsnrDb' in asked ? `for ${asked.minPsnrDb} dB` : `for frames within ${asked.maxFrameMs} ms`];
-}
-
-function percent(share: number): string {
-  return `${Number((100 * share).toPrecision(3))} %`;
 }
