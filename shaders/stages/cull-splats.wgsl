@@ -48,7 +48,10 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   var splatIndex = 0xffffffffu;
   if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
 
-  if (splatIndex < page.splatCount) {
+  var isCandidate = splatIndex < page.splatCount;
+  // Most splats of a cut are not in it: their geometry need not be read.
+  @if(LEVELS) isCandidate &= extractBits(visibilityMasks[slot * MASK_WORDS + lane / 32u], lane % 32u, 1u) == 1u;
+  if (isCandidate) {
     @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];
     @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
     @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
@@ -59,16 +62,11 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
     @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
     let centerView = page.linear * splat.position + page.translation;
     let depthView = -centerView.z;
-    @if(LEVELS) let isInCut = extractBits(visibilityMasks[slot * MASK_WORDS + lane / 32u], lane % 32u, 1u) == 1u;
-    @if(!LEVELS) let isCandidate = splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
-    @if(LEVELS) let isCandidate = isInCut && splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView);
-    if (isCandidate) {
-      if (isDrawn(splat, centerView)) {
-        let bits = orderedBits(sortDepth(centerView, view.near));
-        atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
-        atomicMax(&farthest, bits);
-        atomicMax(&nearestInverted, ~bits);
-      }
+    if (splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView) && isDrawn(splat, centerView)) {
+      let bits = orderedBits(sortDepth(centerView, view.near));
+      atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
+      atomicMax(&farthest, bits);
+      atomicMax(&nearestInverted, ~bits);
     }
   }
   workgroupBarrier();

@@ -3,6 +3,9 @@
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
 // sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
 // per splat, dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn.
+//
+// Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
+// drawn, as both end there: no link of a splat is read, and of blobs only the own error.
 import constants::CHUNK_SPLATS;
 import constants::COUNTED_CHUNKS;
 import constants::CUT_BINS;
@@ -43,9 +46,14 @@ struct Head {
   zero: i32,
   /// From this shift on, the cell above is drawn instead.
   closed: i32,
-  /// Whether something counts; and whether each splat is to be tested against the frustum.
-  isCounted: u32,
-  isTested: u32,
+  /// Whether links are to be read, whether all of the cell is in sight, and otherwise whether each
+  /// splat is to be tested against the frustum.
+  isCounted: bool,
+  isWhole: bool,
+  isTested: bool,
+  isBlobs: bool,
+  /// Of blobs: the first, which stand for two nodes.
+  pairs: u32,
 }
 
 var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
@@ -58,12 +66,12 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   let first = index * COUNTED_CHUNKS;
   if (lane < COUNTED_CHUNKS && first + lane < page.chunkCount) { heads[lane] = headOf(first + lane); }
   workgroupBarrier();
-  // Most splats begin there, and additions to one word take turns.
+  // Most nodes begin there, and additions to one word take turns.
   var inFirst = 0u;
   for (var i = 0u; i < COUNTED_CHUNKS; i++) {
-    if (heads[i].isCounted != 0u) { inFirst += countSplat(heads[i], first + i, lane); }
+    if (heads[i].isCounted) { inFirst += countNode(heads[i], first + i, lane); }
   }
-  if (inFirst > 0u) { atomicAdd(&bins[0], inFirst); }
+  if (inFirst != 0u) { atomicAdd(&bins[0], inFirst); }
   workgroupBarrier();
   if (lane < CUT_BINS) {
     let change = atomicLoad(&bins[lane]);
@@ -71,33 +79,52 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   }
 }
 
+/// Finds what a chunk's splats have in common; counts all splats of a cell in sight at once.
 fn headOf(chunk: u32) -> Head {
   let cell = cells[links[chunk].cell];
-  let zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
-  var closed = NEVER;
+  var head: Head;
+  head.zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
+  head.closed = NEVER;
   if (cell.parent != NO_CELL) {
-    closed = SHIFT_NONE + i32(links[chunk].cellError) - i32(thresholds[cell.parent]);
+    head.closed = shiftTo(links[chunk].cellError, SHIFT_NONE - i32(thresholds[cell.parent]));
   }
-  let last = min(closed, shiftTo(links[chunk].largestParentError, zero));
+  head.isBlobs = links[chunk].count > 0u;
+  head.pairs = links[chunk].pairs;
   let center = 0.5 * (cell.minPosition + cell.maxPosition);
   let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
-  let isCounted = last > i32(cutPlan.base) && reachesIn(center, halfExtent, links[chunk].largestScale);
-  @if(!FRUSTUM_CULLING) let isTested = !isWithin(center, halfExtent);
-  @if(FRUSTUM_CULLING) let isTested = false;
-  return Head(zero, closed, u32(isCounted), u32(isTested));
+  head.isWhole = isWithin(center, halfExtent);
+  @if(!FRUSTUM_CULLING) head.isTested = !head.isWhole;
+  let end = binOf(head.closed);
+  if (!head.isWhole) {
+    let last = min(head.closed, shiftTo(links[chunk].largestParentError, head.zero));
+    head.isCounted = binOf(last) > 0u && reachesIn(center, halfExtent, links[chunk].largestScale);
+  } else if (links[chunk].leastError > 0u) {
+    head.isCounted = binOf(shiftTo(links[chunk].leastError, head.zero)) < min(end, CUT_BINS);
+  } else if (end > 0u) {
+    let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS);
+    atomicAdd(&bins[0], count);
+    if (end < CUT_BINS) { atomicSub(&bins[end], count); }
+  }
+  return head;
 }
 
-/// Counts one splat or blob; returns 1 for the first bin, to which nothing is added.
-fn countSplat(head: Head, chunk: u32, lane: u32) -> u32 {
+/// Counts one splat or blob; returns what is to be added to the first bin.
+fn countNode(head: Head, chunk: u32, lane: u32) -> u32 {
   let link = links[chunk].links[lane];
   if (link == 0u) { return 0u; }
   let start = binOf(shiftTo(errorOf(link), head.zero));
-  let end = binOf(min(head.closed, shiftTo(parentErrorOf(link), head.zero)));
-  if (start >= end || start >= CUT_BINS) { return 0u; }
-  @if(!FRUSTUM_CULLING) if (head.isTested != 0u && !isInSight(chunk, lane)) { return 0u; }
-  if (start > 0u) { atomicAdd(&bins[start], 1u); }
-  if (end < CUT_BINS) { atomicSub(&bins[end], 1u); }
-  return select(0u, 1u, start == 0u);
+  var end = binOf(head.closed);
+  var change = 1u;
+  if (!head.isWhole) {
+    end = min(end, binOf(shiftTo(parentErrorOf(link), head.zero)));
+  } else if (head.isBlobs) {
+    change = select(0u, 0xffffffffu, lane < head.pairs);
+  }
+  if (change == 0u || start >= end || start >= CUT_BINS) { return 0u; }
+  @if(!FRUSTUM_CULLING) if (head.isTested && !isInSight(chunk, lane)) { return 0u; }
+  if (start > 0u) { atomicAdd(&bins[start], change); }
+  if (end < CUT_BINS) { atomicSub(&bins[end], change); }
+  return select(0u, change, start == 0u);
 }
 
 /// The shift that takes a threshold, 0 at the shift `zero`, to `error`.
@@ -123,7 +150,6 @@ fn reachesIn(center: vec3f, halfExtent: vec3f, maxScale: f32) -> bool {
 }
 
 /// Whether all centres in a box are in the frustum.
-@if(!FRUSTUM_CULLING)
 fn isWithin(center: vec3f, halfExtent: vec3f) -> bool {
   for (var i = 0u; i < 6u; i++) {
     let side = page.frustum[i];

@@ -159,6 +159,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
   }
 
   // A splat that nothing has merged with is a root as a blob of its own.
+  let pairs = made;
   let isAlone = own.isActive && own.isSplat;
   if (isAlone) { atomicOr(&counted[lane / 32u], 1u << (lane % 32u)); }
   workgroupBarrier();
@@ -189,7 +190,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     @if(UPPER) upper[leaf.x * CHUNK_SPLATS + leaf.y] = upper[root];
     upperLinks[leaf.x].links[leaf.y] = linkOf(ownError, 0u, 0u);
   }
-  if (lane == 0u) { setHeads(splatChunk, blobChunk, cell, ownError, made); }
+  if (lane == 0u) { setHeads(splatChunk, blobChunk, cell, ownError, made, pairs); }
 }
 
 fn ownSplat(splatChunk: u32, lane: u32) -> Own {
@@ -301,7 +302,7 @@ fn link(splatChunk: u32, blobChunk: u32, lane: u32, own: Own, bits: u32) {
 }
 
 /// Writes what the links of both chunks have in common.
-fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u32) {
+fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u32, pairs: u32) {
   let splatScale = bitcast<f32>(atomicLoad(&largestScale[0]));
   let blobScale = bitcast<f32>(atomicLoad(&largestScale[1]));
   let leastSplat = ~atomicLoad(&leastErrors[0]);
@@ -321,4 +322,5 @@ fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u
   (*ofBlobs).largestParentError = ERROR_BOUNDLESS;
   (*ofBlobs).largestScale = blobScale;
   (*ofBlobs).count = blobCount;
+  (*ofBlobs).pairs = pairs;
 }

@@ -31,7 +31,12 @@ export function packFlatView({ size: { widthPx, heightPx }, alphaCutoff, dispatc
  *
  * @param side all six sides of the frustum.
  */
-export function packFlatPage(chunkStart: number, chunkCount: number, side: readonly number[]) {
+export function packFlatPage(
+  chunkStart: number,
+  chunkCount: number,
+  side: readonly number[],
+  splatCount = chunkCount * CHUNK_SPLATS,
+) {
   return Page.pack({
     linear: new Array(9).fill(0),
     translation: [0, 0, 0],
@@ -43,6 +48,6 @@ export function packFlatPage(chunkStart: number, chunkCount: number, side: reado
     index: 0,
     chunkStart,
     chunkCount,
-    splatCount: chunkCount * CHUNK_SPLATS,
+    splatCount,
   });
 }

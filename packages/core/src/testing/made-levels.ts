@@ -14,6 +14,9 @@ import { type Merged, mergedOf } from '../reference/merged-splat.ts';
 import { type UnpackedSplat, unpackSplat } from '../reference/packing.ts';
 import type { TestGpu } from './test-gpu.ts';
 
+/** Words before the links of a chunk. */
+const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
+
 /** A splat, or a blob, as the GPU has linked it. */
 export interface MadeNode {
   readonly cell: number;
@@ -77,7 +80,7 @@ export async function madeLevels(
     const geometry = { precision: 'f32' as const, words: page.words, chunks: new Float32Array(0) };
     const floats = new Float32Array(page.words.buffer);
     const nodes = Array.from({ length: CHUNK_SPLATS }, (_, slot): MadeNode | undefined => {
-      const link = own[6 + slot];
+      const link = own[HEAD_WORDS + slot];
       if (link === 0) return undefined;
       const index = chunk * CHUNK_SPLATS + slot;
       const splat = unpackSplat(geometry, index);
@@ -86,7 +89,7 @@ export async function madeLevels(
       if (page.sh) readCoefficients(harmonicsOf(degree, page.sh), index, coefficients);
       return { cell, isBlob, slot, link, splat, merged, coefficients };
     });
-    return { head: own.subarray(0, 6), nodes };
+    return { head: own.subarray(0, HEAD_WORDS), nodes };
   };
 
   const counts = cellCounts(chunkCountOf(packed.count));
@@ -107,9 +110,17 @@ export async function madeLevels(
       const splat = unpackSplat(packed.geometry, index);
       const coefficients = new Float64Array(coefficientsPerSplat(degree));
       readCoefficients(packed.harmonics, index, coefficients);
-      return { cell, isBlob: false, slot, link: own[6 + slot], splat, merged: mergedOf(splat), coefficients };
+      return {
+        cell,
+        isBlob: false,
+        slot,
+        link: own[HEAD_WORDS + slot],
+        splat,
+        merged: mergedOf(splat),
+        coefficients,
+      };
     });
-    return { leaves, leafHead: own.subarray(0, 6), blobs: made.nodes, blobHead: made.head };
+    return { leaves, leafHead: own.subarray(0, HEAD_WORDS), blobs: made.nodes, blobHead: made.head };
   });
 }
 

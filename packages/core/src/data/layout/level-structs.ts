@@ -87,7 +87,7 @@ export const LEVEL_CONSTANTS = {
 export const ChunkLinks: ShaderStruct & { readonly words: number } = {
   name: 'ChunkLinks',
   /** 32-bit words of one. */
-  words: 6 + CHUNK_SPLATS,
+  words: 7 + CHUNK_SPLATS,
   wgsl: `struct ChunkLinks {
   cell: u32,
   /// Largest error of the cell's roots: the cell is drawn where that is more than its parent's threshold.
@@ -97,7 +97,9 @@ export const ChunkLinks: ShaderStruct & { readonly words: number } = {
   largestParentError: u32,
   /// Largest standard deviation along any axis.
   largestScale: f32,
+  /// Number of blobs, 0 for splats and leaves; and of these the first, each of which stands for two.
   count: u32,
+  pairs: u32,
   /// See lib/level-link.wgsl; 0 for slots that hold nothing.
   links: array<u32, ${CHUNK_SPLATS}>,
 }`,

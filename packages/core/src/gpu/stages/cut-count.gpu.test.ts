@@ -8,66 +8,109 @@ import { type CountedChunk, cutCount as reference } from '../../reference/cut-co
 import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
+import { Pipelines } from '../pipelines.ts';
 import { countWorkgroups, cutCount } from './cut-count.ts';
 import { dispatchSize } from './dispatch.ts';
 
-const { CUT_BINS, CUT_COPIES, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
+const { CELL_ROOTS, CUT_BINS, CUT_COPIES, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE, SHIFT_STEP } =
+  LEVEL_CONSTANTS;
 const DISPATCH_ROW = 4;
-const CHUNKS = 30;
+const CELLS = 19;
+const CHUNKS = 2 * CELLS;
+/** Splats of the last chunk. */
+const LAST_COUNT = 100;
 const gpu = testGpu();
 
+interface RandomChunk {
+  readonly links: readonly number[];
+  readonly blobCount: number;
+  readonly pairs: number;
+}
+
 /**
- * Chunks of cells, each below the one before it, at x = cell; of every three one is out of sight,
- * and of one every second node.
+ * Cells, each below the one before it, at x = cell; of every three one is out of sight, and of one
+ * every second node. Of every four one has leaves of a level above. Chunk 2i are the blobs of cell i,
+ * chunk 2i + 1 its leaves.
  */
-function randomChunks() {
+function randomCells() {
   const random = seededRandom(9);
   const below = (end: number) => Math.floor(random() * end);
-  const limits = [0];
-  while (limits.length < CHUNKS) limits.push(limits.at(-1)! + below(100));
-  const cells = limits.map((limit, cell) => {
-    const parent = cell === 0 ? NO_CELL : cell - 1;
-    const links = Array.from({ length: CHUNK_SPLATS }, () => {
-      const error = below(3) === 0 ? 0 : below(2500);
-      const parentError = below(9) === 0 ? ERROR_BOUNDLESS : error + 1 + below(1500);
-      return below(10) === 0 ? 0 : error + parentError * 2 ** 12 + below(256) * 2 ** 24;
-    });
+  let limit = 0;
+  return Array.from({ length: CELLS }, (_, cell) => {
+    limit += below(150);
+    const isUpper = cell % 4 === 3;
+    const count = cell === CELLS - 1 ? LAST_COUNT : isUpper ? 10 + below(240) : CHUNK_SPLATS;
+    const leaves = Array.from({ length: count }, () => (isUpper ? 1 + below(1000) : 0));
+    const chunks = randomTree(leaves, below);
+    const cellError = Math.max(...chunks[0].links.map((link) => (link >>> 12 === 0xfff ? link & 0xfff : 0)));
     const isInSight = (slot: number) => cell % 3 === 0 || (cell % 3 === 1 && slot % 2 === 1);
-    return { limit, parent, cellError: below(3000), links, isInSight };
+    return { limit, parent: cell === 0 ? NO_CELL : cell - 1, cellError, chunks, isInSight };
   });
-  return cells;
+}
+
+/** Blobs, two nodes each until sixteen are left, and the leaves with these errors. */
+function randomTree(leaves: readonly number[], below: (end: number) => number): [RandomChunk, RandomChunk] {
+  const leafLinks = [...leaves];
+  const blobLinks: number[] = [];
+  const roots = leaves.map((error, slot) => ({ error, slot, links: leafLinks }));
+  const put = (error: number, nodes: typeof roots) => {
+    const parent = { error: Math.max(1, error), slot: blobLinks.length, links: blobLinks };
+    for (const { links, slot } of nodes) links[slot] += parent.error * 2 ** 12 + parent.slot * 2 ** 24;
+    blobLinks.push(parent.error);
+    return parent;
+  };
+  const take = () => roots.splice(below(roots.length), 1)[0];
+  while (roots.length > CELL_ROOTS) {
+    const pair = [take(), take()];
+    roots.push(put(Math.max(...pair.map(({ error }) => error)) + below(300), pair));
+  }
+  const pairs = blobLinks.length;
+  const tops = roots.map((root) => (root.links === leafLinks ? put(root.error, [root]) : root));
+  for (const { slot } of tops) blobLinks[slot] += ERROR_BOUNDLESS * 2 ** 12;
+  const chunk = (links: readonly number[], blobCount: number): RandomChunk => ({
+    links: Array.from({ length: CHUNK_SPLATS }, (_, slot) => links[slot] ?? 0),
+    blobCount,
+    pairs: blobCount && pairs,
+  });
+  return [chunk(blobLinks, blobLinks.length), chunk(leafLinks, 0)];
 }
 
 async function countsOf(
-  cells: ReturnType<typeof randomChunks>,
+  cells: ReturnType<typeof randomCells>,
   base: number,
   step: number,
   variant: Parameters<typeof cutCount>[0],
+  pipelines?: Pipelines,
 ) {
-  const contents = new ArrayBuffer(CHUNKS * LevelCell.bytes);
+  const contents = new ArrayBuffer(CELLS * LevelCell.bytes);
   const words = GEOMETRY_WORDS[variant.geometryPrecision];
   const geometry = new Float32Array(CHUNKS * CHUNK_SPLATS * words);
-  for (const [i, { parent, isInSight }] of cells.entries()) {
+  for (const [cell, { parent, isInSight }] of cells.entries()) {
     const y = Array.from({ length: CHUNK_SPLATS }, (_, slot) => (isInSight(slot) ? 0 : -100));
-    const minPosition = [i, Math.min(...y), 0];
-    const maxPosition = [i + 1, Math.max(...y), 1];
-    LevelCell.write(contents, { minPosition, maxPosition, parent }, i * LevelCell.bytes);
-    for (const [slot, at] of y.entries()) geometry.set([i, at, 0], (i * CHUNK_SPLATS + slot) * words);
+    const minPosition = [cell, Math.min(...y), 0];
+    const maxPosition = [cell + 1, Math.max(...y), 1];
+    LevelCell.write(contents, { minPosition, maxPosition, parent }, cell * LevelCell.bytes);
+    for (const chunk of [2 * cell, 2 * cell + 1])
+      for (const [slot, at] of y.entries())
+        geometry.set([cell, at, 0], (chunk * CHUNK_SPLATS + slot) * words);
   }
-  const linkWords = cells.flatMap(({ cellError, links }, cell) => {
-    const used = links.filter((link) => link !== 0);
-    const leastError = Math.min(...used.map((link) => link & 0xfff));
-    const largestParentError = Math.max(...used.map((link) => (link >>> 12) & 0xfff));
-    return [cell, cellError, leastError, largestParentError, 0, used.length, ...links];
-  });
+  const linkWords = cells.flatMap(({ cellError, chunks }, cell) =>
+    chunks.flatMap(({ links, blobCount, pairs }) => {
+      const used = links.filter((link) => link !== 0);
+      const leastError = Math.min(...used.map((link) => link & 0xfff));
+      const largestParentError = Math.max(...used.map((link) => (link >>> 12) & 0xfff));
+      return [cell, cellError, leastError, largestParentError, 0, blobCount, pairs, ...links];
+    }),
+  );
   expect(linkWords.length).toBe(CHUNKS * ChunkLinks.words);
+  const splatCount = (CHUNKS - 1) * CHUNK_SPLATS + LAST_COUNT;
   const cutCounts = gpu.storage([], 4 * CUT_BINS * CUT_COPIES);
   const bindings = {
     view: gpu.uniform(
       packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: DISPATCH_ROW }),
     ),
     // All sides are the half-space above y = -10.
-    page: gpu.uniform(packFlatPage(0, CHUNKS, [0, 1, 0, 10])),
+    page: gpu.uniform(packFlatPage(0, CHUNKS, [0, 1, 0, 10], splatCount)),
     links: gpu.storage(linkWords),
     cells: gpu.storage(new Uint32Array(contents)),
     thresholds: gpu.storage(cells.map(({ limit }) => limit)),
@@ -76,7 +119,12 @@ async function countsOf(
     geometry: gpu.storage(new Uint32Array(geometry.buffer)),
     chunks: gpu.storage([], Chunk.bytes * CHUNKS),
   };
-  await gpu.run(cutCount(variant), bindings, dispatchSize(countWorkgroups(CHUNKS) + 1, DISPATCH_ROW));
+  await gpu.run(
+    cutCount(variant),
+    bindings,
+    dispatchSize(countWorkgroups(CHUNKS) + 1, DISPATCH_ROW),
+    pipelines,
+  );
   const changes = await gpu.read(cutCounts);
   let sum = 0;
   return Array.from({ length: CUT_BINS }, (_, bin) => {
@@ -86,22 +134,24 @@ async function countsOf(
 }
 
 describe('cut-count', () => {
-  const cells = randomChunks();
+  const cells = randomCells();
   const countedIf = (isCounted: (cell: number, slot: number) => boolean) =>
-    cells.map(
-      ({ limit, parent, cellError, links }, cell): CountedChunk => ({
-        limit,
-        parentLimit: parent === NO_CELL ? null : cells[parent].limit,
-        cellError,
-        links: links.filter((_, slot) => isCounted(cell, slot)),
-      }),
+    cells.flatMap(({ limit, parent, cellError, chunks }, cell) =>
+      chunks.map(
+        ({ links }): CountedChunk => ({
+          limit,
+          parentLimit: parent === NO_CELL ? null : cells[parent].limit,
+          cellError,
+          links: links.filter((_, slot) => isCounted(cell, slot)),
+        }),
+      ),
     );
   const inSight = countedIf((cell, slot) => cells[cell].isInSight(slot));
   const ofChunks = countedIf((cell) => cell % 3 !== 2);
   for (const [base, step] of [
     [0, SHIFT_STEP],
     [SHIFT_NONE, SHIFT_STEP],
-    [SHIFT_NONE - 1500, 1],
+    [SHIFT_NONE - 600, 1],
     [SHIFT_NONE + 700, 1],
   ]) {
     for (const [geometryPrecision, culling, counted] of [
@@ -120,5 +170,18 @@ describe('cut-count', () => {
         },
       );
     }
+  }
+
+  for (const [find, replace] of [
+    ['lane < head.pairs', 'true'],
+    ['page.splatCount - chunk * CHUNK_SPLATS', '0xffffffffu'],
+    ['head.isWhole = isWithin(center, halfExtent)', 'head.isWhole = true'],
+  ]) {
+    gpuTest(`a fault is noticed: ${replace}`, async () => {
+      const variant = { geometryPrecision: 'f32', culling: 'bounding-box' } as const;
+      const pipelines = new Pipelines(gpu.device, { file: 'stages/cut-count', find, replace });
+      const counts = await countsOf(cells, 0, SHIFT_STEP, variant, pipelines);
+      expect(counts).not.toEqual(counts.map((_, bin) => reference(inSight, SHIFT_STEP * bin)));
+    });
   }
 });
