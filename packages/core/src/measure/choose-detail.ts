@@ -19,9 +19,9 @@ const LEAST_SHARE = 1 / 512;
 /** Most cuts that are drawn; two are enough where the first is close. */
 const MOST_CUTS = 4;
 /** Cuts aim at this much more than is asked for, … */
-const AIM_DB = 1;
+const AIM_DB = 0.5;
 /** … and no others are drawn once one exceeds it by no more than this. */
-const CLOSE_DB = 2;
+const CLOSE_DB = 1;
 /** Of the cut that was found, and of the full picture: the quickest tells. */
 const TIMED_FRAMES = 3;
 
