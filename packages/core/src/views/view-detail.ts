@@ -115,12 +115,15 @@ export class ViewDetail {
     if (detail === 'full' && moving !== 'full') this.#context.foresee(request, moving);
   }
 
-  /** The part of the report on a frame that is known here. */
-  report({ detail }: FramePlan): Pick<DetailReport, 'predictedPsnrDb' | 'measuredPsnrDb' | 'isComplete'> {
+  /** The part of the report on a frame that is known here; it may have been planned before this was. */
+  report({
+    detail,
+    request,
+  }: FramePlan): Pick<DetailReport, 'predictedPsnrDb' | 'measuredPsnrDb' | 'isComplete'> {
     return {
       predictedPsnrDb: this.#promise?.predictedPsnrDb(detail) ?? null,
       measuredPsnrDb: this.#promise?.measuredPsnrDb ?? null,
-      isComplete: !this.#wait && !this.#hasMoved,
+      isComplete: !this.#wait && !this.#hasMoved && isSame(this.#targetOf(request), this.#target),
     };
   }
 
@@ -137,16 +140,8 @@ export class ViewDetail {
   }
 
   /** Returns whether another target is asked for than before. */
-  #take({ detail = 'full', accuracy }: FrameRequest): boolean {
-    const { minPsnrDb, maxFrameMs } = Object(detail) as { minPsnrDb?: number; maxFrameMs?: number };
-    const target =
-      detail === 'auto'
-        ? this.#autoFor(accuracy)
-        : minPsnrDb !== undefined
-          ? { minPsnrDb }
-          : maxFrameMs !== undefined
-            ? { maxFrameMs }
-            : null;
+  #take(request: FrameRequest): boolean {
+    const target = this.#targetOf(request);
     if (isSame(target, this.#target)) return false;
     this.end();
     this.#target = target;
@@ -155,6 +150,14 @@ export class ViewDetail {
     this.#promise =
       target && 'minPsnrDb' in target ? new PsnrPromise(target.minPsnrDb, this.#context.measure) : null;
     return true;
+  }
+
+  /** Null where nothing is to be found. */
+  #targetOf({ detail = 'full', accuracy }: FrameRequest): AccuracyTarget | null {
+    if (detail === 'auto') return this.#autoFor(accuracy);
+    const { minPsnrDb, maxFrameMs } = Object(detail) as { minPsnrDb?: number; maxFrameMs?: number };
+    if (minPsnrDb !== undefined) return { minPsnrDb };
+    return maxFrameMs === undefined ? null : { maxFrameMs };
   }
 
   #autoFor(accuracy: FrameRequest['accuracy']): AccuracyTarget {

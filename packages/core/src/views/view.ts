@@ -156,13 +156,14 @@ export abstract class View {
   get detail(): DetailReport | null {
     const plan = this.prepared;
     if (!plan) return null;
+    const { detail: asked = 'full' } = plan.request;
     const found = this.#detail?.report(plan);
     return {
-      asked: plan.request.detail ?? 'full',
+      asked,
       drawn: drawnDetail(plan),
       predictedPsnrDb: null,
       measuredPsnrDb: null,
-      isComplete: true,
+      isComplete: isFixedDetail(asked) || this.#detailLoading === DONE,
       ...found,
     };
   }
@@ -415,6 +416,7 @@ export abstract class View {
       if (this.#isDestroyed) this.#detail.end();
       else if (this.prepared) this.drawAgain(this.prepared.request);
     } catch (error) {
+      this.#detailLoading = DONE;
       console.warn(`The pictures of a view stay full: ${(error as Error).message}`);
     }
   }
