@@ -12,6 +12,7 @@ import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import { compareImages } from '../reference/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from './splat-view.ts';
+import { RESTS_AFTER_MS } from './view-detail.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
 const SET = randomSplats({ count: 9000, seed: 3, shDegree: 0, logScales: [-6, -4] });
@@ -58,6 +59,28 @@ function draw(view: SplatView, detail: Detail, distance: number, force = false):
   });
 }
 
+/** Keeps pictures from coming to rest while a test looks at one that moves, however slow the machine. */
+function holdRest(): { release(): void } {
+  const { setTimeout, clearTimeout } = globalThis;
+  const held = new Map<unknown, () => void>();
+  const set = vi.spyOn(globalThis, 'setTimeout').mockImplementation(((run: () => void, ms?: number) => {
+    if (ms !== RESTS_AFTER_MS) return setTimeout(run, ms);
+    const timer = setTimeout(() => {}, 0);
+    held.set(timer, run);
+    return timer;
+  }) as typeof setTimeout);
+  const clear = vi.spyOn(globalThis, 'clearTimeout').mockImplementation((timer) => {
+    held.delete(timer);
+    clearTimeout(timer);
+  });
+  return {
+    release: () => {
+      for (const spy of [set, clear]) spy.mockRestore();
+      for (const run of held.values()) run();
+    },
+  };
+}
+
 /** Pixels of the view's last image, against the full ones that `reference` has. */
 async function decibelsOf(view: SplatView, distance: number): Promise<number> {
   const full = engine.createView();
@@ -80,9 +103,11 @@ describe('minPsnrDb', () => {
       [12, 40],
       [24, 30],
     ] as const) {
+      const rest = holdRest();
       draw(view, { minPsnrDb }, distance);
       await view.whenDrawn();
       expect(view.detail!.isComplete).toBe(false);
+      rest.release();
       await view.whenComplete();
       const { asked, drawn, measuredPsnrDb, predictedPsnrDb, isComplete } = view.detail!;
       expect({ asked, isComplete }).toEqual({ asked: { minPsnrDb }, isComplete: true });
@@ -117,6 +142,7 @@ describe('minPsnrDb', () => {
     const view = engine.createView();
     draw(view, { minPsnrDb: 30 }, 20);
     await view.whenComplete();
+    const rest = holdRest();
     draw(view, { minPsnrDb: 30 }, 18);
     await view.whenDrawn();
     const { drawn, measuredPsnrDb, predictedPsnrDb } = view.detail!;
@@ -125,6 +151,7 @@ describe('minPsnrDb', () => {
     // Three more, and six for each factor of two in size.
     expect(predictedPsnrDb).toBeCloseTo(33 + 6 * Math.log2(20 / 18), 3);
     expect(Math.abs((await decibelsOf(view, 18)) - predictedPsnrDb!)).toBeLessThan(5);
+    rest.release();
     view.destroy();
   });
 
@@ -137,9 +164,11 @@ describe('minPsnrDb', () => {
     view.render({ ...request, clouds: [{ cloud, effects }] });
     await view.whenComplete();
     expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true, predictedPsnrDb: null });
+    const rest = holdRest();
     view.render({ ...request, camera: camera(11), clouds: [{ cloud }] });
     await view.whenDrawn();
     expect(view.detail!.drawn).toBe('full');
+    rest.release();
     view.destroy();
   });
 
@@ -205,14 +234,18 @@ describe('maxFrameMs', () => {
   gpuTest('draws fewer splats while the camera moves, and all at rest', async () => {
     const view = engine.createView();
     const detail = { maxFrameMs: NEVER_MS };
+    const rest = holdRest();
     await move(view, detail);
     const moving = await decibelsOf(view, 8);
     expect(moving).toBeLessThan(40);
+    rest.release();
     await view.whenComplete();
     expect(view.detail).toMatchObject({ drawn: 'full', isComplete: true, measuredPsnrDb: null });
+    const again = holdRest();
     draw(view, detail, 9);
     await view.whenDrawn();
     expect(view.detail!.drawn).toEqual({ maxSplats: 1000 });
+    again.release();
     view.destroy();
   });
 
@@ -250,6 +283,7 @@ describe('maxFrameMs', () => {
       detail: 'auto',
       accuracy: { maxFrameMs: NEVER_MS },
     } as const;
+    const rest = holdRest();
     await expect
       .poll(async () => {
         view.render({ ...request, camera: camera(8), force: true });
@@ -257,6 +291,7 @@ describe('maxFrameMs', () => {
         return view.detail!.drawn;
       })
       .toEqual({ maxSplats: 1000 });
+    rest.release();
     view.destroy();
   });
 });

@@ -34,7 +34,7 @@ export interface DetailContext {
 }
 
 /** A picture is at rest when nothing has moved for this long. */
-const RESTS_AFTER_MS = 250;
+export const RESTS_AFTER_MS = 250;
 /** Time of `auto`: at 60 Hz, with room for a page's own work. */
 const AUTO: AccuracyTarget = { maxFrameMs: 12 };
 
