@@ -188,7 +188,7 @@ const PEERS_REPORT = {
             {
               round: 0,
               loaded: { loadMs: 9, firstSplatsMs: 9, longestTaskMs: 0, api: 'webgpu', note: 'balanced' },
-              measured: { turnMs: [1, 2], orders: null, correctMs: [10, 15] },
+              measured: { turnMs: [1, 2], orders: null, correctMs: [10, 15], gpuMs: [] },
               state: { gpuBytes: 1e6, gpuPeakBytes: 2e6, adapter: null, figures: {}, problems: [] },
               heap: { jsBytes: 1e6 },
             },

@@ -95,6 +95,8 @@ test('a pack measures this project beside a peer that draws less, whose pictures
     const [{ loaded, measured, heap }] = rounds;
     expect(loaded.loadMs, peer).toBeGreaterThan(0);
     expect(measured.turnMs, peer).toHaveLength(3);
+    expect(measured.gpuMs, peer).toHaveLength(loaded.api === 'webgpu' ? 3 : 0);
+    if (peer === 'websplatter') expect(Math.min(...measured.gpuMs)).toBeGreaterThan(0);
     expect(measured.correctMs, peer).toHaveLength(2);
     expect(heap.jsBytes, peer).toBeGreaterThan(0);
   }

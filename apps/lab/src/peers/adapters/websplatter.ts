@@ -1,12 +1,14 @@
 import { type AccuracyPreset, perspectiveCamera, type SplatCloud, SplatEngine } from '@websplatter/core';
+import { antialias } from '@websplatter/core/effects';
 import type { SceneCamera } from '@websplatter/scenes';
 import type { LoadPeer, PeerFormats } from '../adapter.ts';
 
 export const formats: PeerFormats = 'any';
 
 /**
- * This project's engine on a canvas. `?accuracy=PRESET`; `?previews` shows what has arrived while
- * the rest loads; `?undivided` submits every frame at once, however long it may take.
+ * This project's engine on a canvas. `?accuracy=PRESET`; `?antialias`; `?maxShare=0.2` draws that
+ * share of the splats in sight; `?previews` shows what has arrived while the rest loads;
+ * `?undivided` submits every frame at once, however long it may take.
  */
 const loadWebsplatter: LoadPeer = async (host) => {
   const { canvas, options } = host;
@@ -24,14 +26,17 @@ const loadWebsplatter: LoadPeer = async (host) => {
   };
   const hasPreviews = options.has('previews');
   const cloud = await engine.load(host.file ?? host.url, hasPreviews ? { onPreview } : {});
-  const clouds = [{ cloud }];
+  const maxShare = Number(options.get('maxShare') ?? 1);
+  if (maxShare < 1) await cloud.makeLevels();
+  const clouds = [{ cloud, effects: [antialias(options.has('antialias'))] }];
+  const frame = { clouds, ...size, detail: maxShare < 1 ? { maxShare } : 'full', force: true } as const;
   return {
     note: hasPreviews ? `${accuracy}, shown while it loads` : accuracy,
     setCamera: (by) => {
       camera = cameraBy(by);
     },
     draw: () => {
-      view.render({ camera, clouds, ...size, force: true });
+      view.render({ camera, ...frame });
       return view.whenDrawn();
     },
     figures: () => ({ statistics: view.statistics, memory: engine.memory() }),

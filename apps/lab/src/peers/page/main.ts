@@ -3,6 +3,7 @@ import { ByteLedger } from './byte-ledger.ts';
 import { canvasPicture } from './canvas-picture.ts';
 import { completionOf, type Drawer } from './completion.ts';
 import { DrawnPeer } from './drawn-peer.ts';
+import { GpuTime } from './gpu-time.ts';
 import { watchLongTasks } from './longest-task.ts';
 import { measure } from './measure.ts';
 import type { BenchPage, LoadRequest } from './protocol.ts';
@@ -53,6 +54,7 @@ const page: BenchPage = {
     await peer.draw();
     const drawer = drawerOf(canvas);
     drawn = new DrawnPeer(peer, canvas, drawer, completionOf(drawer, request.wait));
+    webgpu.gpuTime = drawer.api === 'webgpu' ? GpuTime.of(drawer.device) : null;
     await drawn.completion();
     const loadMs = sinceStartMs();
     const longestTaskMs = longestTask();
@@ -60,7 +62,7 @@ const page: BenchPage = {
     return { loadMs, firstSplatsMs, longestTaskMs, api: drawer.api, note: peer.note };
   },
   async measure(request) {
-    return measure(loaded(), request);
+    return measure(loaded(), webgpu.gpuTime, request);
   },
   async pictures(cameras) {
     const pictures = [];

@@ -1,13 +1,18 @@
 import { nextTask } from '../adapter.ts';
 import { turnedCamera } from '../turned-camera.ts';
 import type { DrawnPeer } from './drawn-peer.ts';
+import type { GpuTime } from './gpu-time.ts';
 import type { Measured, MeasureRequest } from './protocol.ts';
 
 const TURN = 2 * Math.PI;
 /** The golden angle: successive jumps are far apart, and no place comes twice. */
 const JUMP = TURN * (1 - 1 / ((1 + Math.sqrt(5)) / 2));
 
-export async function measure(drawn: DrawnPeer, request: MeasureRequest): Promise<Measured> {
+export async function measure(
+  drawn: DrawnPeer,
+  gpuTime: GpuTime | null,
+  request: MeasureRequest,
+): Promise<Measured> {
   const { camera, frames, warmUpFrames, jumps } = request;
   const { peer } = drawn;
   const step = TURN / frames;
@@ -41,5 +46,12 @@ export async function measure(drawn: DrawnPeer, request: MeasureRequest): Promis
     await drawn.correctFrame(turnedCamera(camera, jump * JUMP));
     correctMs.push(performance.now() - startedMs);
   }
-  return { turnMs, orders, correctMs };
+
+  const gpuMs: number[] = [];
+  for (let frame = 1; gpuTime && frame <= frames; frame++) {
+    peer.setCamera(turnedCamera(camera, frame * step));
+    gpuMs.push(await gpuTime.timeMs(() => drawn.frame()));
+    await nextTask();
+  }
+  return { turnMs, orders, correctMs, gpuMs };
 }

@@ -54,6 +54,8 @@ export interface Measured {
   readonly orders: number | null;
   /** Frames after jumps, in the right order. */
   readonly correctMs: readonly number[];
+  /** GPU time of frames of a further turn, by timestamps; empty without WebGPU's. */
+  readonly gpuMs: readonly number[];
 }
 
 export interface Picture {

@@ -1,4 +1,5 @@
 import type { ByteLedger } from './byte-ledger.ts';
+import type { GpuTime } from './gpu-time.ts';
 import { replaceMethod } from './replace-method.ts';
 import { textureBytes } from './texture-bytes.ts';
 
@@ -13,6 +14,8 @@ export interface WebGpuWatch {
   adapter(): string | null;
   /** Called after each submission. */
   afterSubmit: (() => void) | null;
+  /** Times submissions. */
+  gpuTime: GpuTime | null;
 }
 
 /** Wraps WebGPU: counts bytes, reports errors to `complain`, and knows which device draws where. */
@@ -23,6 +26,7 @@ export function watchWebGpu(ledger: ByteLedger, complain: (problem: string) => v
     deviceOf: (canvas) => devices.get(canvas),
     adapter: () => adapterName,
     afterSubmit: null,
+    gpuTime: null,
   };
   if (!('GPU' in globalThis)) return watch;
 
@@ -43,8 +47,10 @@ export function watchWebGpu(ledger: ByteLedger, complain: (problem: string) => v
     GPUAdapter.prototype,
     'requestDevice',
     (requestDevice) =>
-      async function (this: GPUAdapter, ...args) {
-        const device = await requestDevice.apply(this, args);
+      async function (this: GPUAdapter, descriptor = {}) {
+        const requiredFeatures = [...(descriptor.requiredFeatures ?? [])];
+        if (this.features.has('timestamp-query')) requiredFeatures.push('timestamp-query');
+        const device = await requestDevice.call(this, { ...descriptor, requiredFeatures });
         const { vendor, architecture, description } = this.info;
         adapterName = description || `${vendor} ${architecture}`.trim();
         device.addEventListener('uncapturederror', ({ error }) => complain(`WebGPU: ${error.message}`));
@@ -96,7 +102,7 @@ export function watchWebGpu(ledger: ByteLedger, complain: (problem: string) => v
     'submit',
     (submit) =>
       function (this: GPUQueue, commands) {
-        submit.call(this, commands);
+        submit.call(this, watch.gpuTime?.around(this, commands) ?? commands);
         watch.afterSubmit?.();
         return undefined;
       },

@@ -23,7 +23,7 @@ function round(fields: {
   return {
     round: index,
     loaded: { ...LOADED, ...loaded },
-    measured: isLoads ? null : { turnMs: [4, 5, 6], orders, correctMs },
+    measured: isLoads ? null : { turnMs: [4, 5, 6], orders, correctMs, gpuMs: [2] },
     state: {
       gpuBytes: 12e6,
       gpuPeakBytes: 3.2e8,
@@ -105,6 +105,7 @@ test('a line has medians and tails over all rounds, memory, and the least PSNR',
     '1.00 (1.00–1.00)',
     '5.00 / 6.00',
     '16',
+    '2.00 / 2.00',
     '7',
     '12 / 320',
     '4.6',
@@ -204,7 +205,7 @@ test('a failed peer has a reason instead of figures, and complaints are shown on
     rounds: [1, 2].map(() => round({ correctMs: [1], problems: ['WebGPU: invalid'] })),
   });
   const text = textOf(complaining, row('broken', { failures: ['round 1: the page crashed'] }));
-  expect(cells(text, 'broken').slice(1)).toEqual(Array(13).fill('–'));
+  expect(cells(text, 'broken').slice(1)).toEqual(Array(14).fill('–'));
   expect(text).toContain('- broken FAILED: round 1: the page crashed');
   expect(text.match(/loud complains: WebGPU: invalid/g)).toHaveLength(1);
 });

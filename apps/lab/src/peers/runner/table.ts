@@ -81,6 +81,14 @@ const COLUMNS: readonly Column[] = [
     },
   },
   {
+    head: 'GPU',
+    cell: (row) =>
+      spreadCell(
+        row.rounds.flatMap(({ measured }) => measured?.gpuMs ?? []),
+        2,
+      ),
+  },
+  {
     head: 'orders',
     cell: (row) => {
       const measured = lastOf(row)?.measured;
@@ -140,6 +148,7 @@ export function reportLegend(report: Report): string[] {
       : [
           `correct frame: in the right order, after each of ${jumps} jumps; ×: its median beside the base's, the least and the most of any round.`,
           `turn: ${frames} frames once around; ± %: their standard deviation; orders: how many were made in it, where frames do not make their own.`,
+          `GPU: of one frame of a further turn, by timestamps around each submission of WebGPU.`,
         ]),
     `GPU MB: what the page held at the end / at most, by the API's calls. JS MB: after a garbage collection.`,
     `PSNR, where pictures are taken: ${pictureWidthPx}×${pictureHeightPx} against float64, 8 bits, median and least over the cameras; a peer that leaves splats out has less.`,

@@ -21,6 +21,8 @@ const BROWSER_ARGS = [
   '--force-device-scale-factor=1',
   '--force-color-profile=srgb',
   '--hide-scrollbars',
+  // Timestamps are rounded to 0.1 ms without it.
+  '--enable-webgpu-developer-features',
 ];
 
 export interface VisitorOptions {

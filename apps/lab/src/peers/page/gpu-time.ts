@@ -1,0 +1,72 @@
+/** Submissions of a frame that are timed; further ones are an error. */
+const MOST_SUBMISSIONS = 256;
+const BYTES_PER_TIMESTAMP = 8;
+
+/**
+ * Times what a device executes, whoever wrote it: each submission gets a timestamp before its
+ * commands and one behind them. Writes of a queue, which are no submissions, are not seen.
+ */
+export class GpuTime {
+  readonly #device: GPUDevice;
+  readonly #querySet: GPUQuerySet;
+  #isOn = false;
+  #submissions = 0;
+
+  private constructor(device: GPUDevice) {
+    this.#device = device;
+    this.#querySet = device.createQuerySet({ type: 'timestamp', count: 2 * MOST_SUBMISSIONS });
+  }
+
+  /** Returns null for devices without timestamps. */
+  static of(device: GPUDevice): GpuTime | null {
+    return device.features.has('timestamp-query') ? new GpuTime(device) : null;
+  }
+
+  /** Returns the commands of a submission, between timestamps while a frame is timed. */
+  around(queue: GPUQueue, commands: Iterable<GPUCommandBuffer>): Iterable<GPUCommandBuffer> {
+    if (!this.#isOn || queue !== this.#device.queue) return commands;
+    const first = 2 * this.#submissions++;
+    return [this.#timestamp(first), ...commands, this.#timestamp(first + 1)];
+  }
+
+  /** Returns milliseconds of all that `draw` submits. @throws Error if that is too much. */
+  async timeMs(draw: () => Promise<void>): Promise<number> {
+    this.#submissions = 0;
+    this.#isOn = true;
+    await draw().finally(() => {
+      this.#isOn = false;
+    });
+    const count = 2 * this.#submissions;
+    if (count > 2 * MOST_SUBMISSIONS)
+      throw new Error(`A frame has more than ${MOST_SUBMISSIONS} submissions.`);
+    const times = await this.#read(count);
+    let elapsedNs = 0n;
+    for (let at = 0; at < count; at += 2) elapsedNs += times[at + 1] - times[at];
+    return Number(elapsedNs) / 1e6;
+  }
+
+  #timestamp(index: number): GPUCommandBuffer {
+    const encoder = this.#device.createCommandEncoder();
+    const at = Math.min(index, 2 * MOST_SUBMISSIONS - 1);
+    encoder
+      .beginComputePass({ timestampWrites: { querySet: this.#querySet, endOfPassWriteIndex: at } })
+      .end();
+    return encoder.finish();
+  }
+
+  async #read(count: number): Promise<BigUint64Array> {
+    const size = Math.max(1, count) * BYTES_PER_TIMESTAMP;
+    const { COPY_SRC, COPY_DST, MAP_READ, QUERY_RESOLVE } = GPUBufferUsage;
+    const resolved = this.#device.createBuffer({ size, usage: QUERY_RESOLVE | COPY_SRC });
+    const mapped = this.#device.createBuffer({ size, usage: COPY_DST | MAP_READ });
+    const encoder = this.#device.createCommandEncoder();
+    if (count > 0) encoder.resolveQuerySet(this.#querySet, 0, count, resolved, 0);
+    encoder.copyBufferToBuffer(resolved, 0, mapped, 0, size);
+    this.#device.queue.submit([encoder.finish()]);
+    await mapped.mapAsync(GPUMapMode.READ);
+    const times = new BigUint64Array(mapped.getMappedRange().slice(0));
+    resolved.destroy();
+    mapped.destroy();
+    return times;
+  }
+}
