@@ -40,6 +40,11 @@ fn parentSlotOf(link: u32) -> u32 {
   return link >> 24u;
 }
 
+/// Whether a link is that of a splat that no blob stands for: budgets do not count it.
+fn isAlwaysDrawn(link: u32) -> bool {
+  return errorOf(link) == 0u && parentErrorOf(link) == ERROR_BOUNDLESS;
+}
+
 fn isDrawnAt(link: u32, limit: u32) -> bool {
   return errorOf(link) <= limit && limit < parentErrorOf(link);
 }

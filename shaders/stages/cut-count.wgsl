@@ -21,7 +21,7 @@ import layout::Page;
 import layout::View;
 import package::lib::chunk_frustum::reachesPast;
 import package::lib::dispatch::linearWorkgroup;
-import package::lib::level_link::{errorOf, parentErrorOf};
+import package::lib::level_link::{errorOf, isAlwaysDrawn, parentErrorOf};
 @if(!FRUSTUM_CULLING) import package::lib::packing::GEOMETRY_VECTORS;
 @if(!FRUSTUM_CULLING) import package::lib::packing::unpackSplat;
 
@@ -101,7 +101,7 @@ fn headOf(chunk: u32) -> Head {
   } else if (links[chunk].leastError > 0u) {
     head.isCounted = binOf(shiftTo(links[chunk].leastError, head.zero)) < min(end, CUT_BINS);
   } else if (end > 0u) {
-    let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS);
+    let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS) - links[chunk].uncounted;
     atomicAdd(&bins[0], count);
     if (end < CUT_BINS) { atomicSub(&bins[end], count); }
   }
@@ -111,7 +111,7 @@ fn headOf(chunk: u32) -> Head {
 /// Counts one splat or blob; returns what is to be added to the first bin.
 fn countNode(head: Head, chunk: u32, lane: u32) -> u32 {
   let link = links[chunk].links[lane];
-  if (link == 0u) { return 0u; }
+  if (link == 0u || isAlwaysDrawn(link)) { return 0u; }
   let start = binOf(shiftTo(errorOf(link), head.zero));
   var end = binOf(head.closed);
   var change = 1u;

@@ -19,6 +19,7 @@ import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../d
 import { readWords } from '../gpu/read-buffer.ts';
 import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
+import type { TouchedSplats } from './touched-links.ts';
 
 /** Unchanged splats in a gap of at most this many are uploaded too: each upload has a cost. */
 const MOST_GAP_SPLATS = 32;
@@ -106,16 +107,30 @@ async function readPlane(
   return isThere() ? words : null;
 }
 
+function hasBit(bits: Uint32Array, splat: number): boolean {
+  return ((bits[splat >>> 5] >>> splat) & 1) === 1;
+}
+
+/** Returns whether that changes the bit. */
+function setBit(bits: Uint32Array, splat: number, isSet: boolean): boolean {
+  if (hasBit(bits, splat) === isSet) return false;
+  bits[splat >>> 5] ^= 1 << splat;
+  return true;
+}
+
 /** Keeps the planes of one cloud as its edits have them. */
 class CloudEditor implements CloudEditing, EditsFollower {
   readonly edits: SplatEdits;
   readonly unedited: Pick<SplatCloud, 'chunks'>;
+  readonly touched: TouchedSplats;
   readonly #cloud: SplatCloud;
   readonly #unfollow: () => void;
   /** Splat of each row; beyond the cloud's count for rows that it lacks. */
   readonly #splatOf: Uint32Array;
   /** A bit per splat: whether its planes are to be written. */
   readonly #dirty: Uint32Array;
+  /** A bit per splat: whether levels may show an edit of it, which stays when the edit is taken back. */
+  readonly #shown: Uint32Array;
   /** Bits of `EDITED` that have changed since the last flush; null: nothing is to be written. */
   #changed: number | null = null;
   #hasEnded = false;
@@ -133,18 +148,31 @@ class CloudEditor implements CloudEditing, EditsFollower {
     for (const row of fileIndices) if (row >= rows) rows = row + 1;
     this.#splatOf = new Uint32Array(rows).fill(count);
     for (let i = 0; i < count; i++) this.#splatOf[fileIndices[i]] = i;
-    this.#dirty = new Uint32Array(Math.ceil(count / 32));
+    const noBits = () => new Uint32Array(Math.ceil(count / 32));
+    this.#dirty = noBits();
+    this.#shown = noBits();
+    this.touched = { edited: noBits(), hidden: noBits(), count: 0, version: 0 };
     this.#unfollow = edits.follow(this);
-    this.#markEdited();
+    this.#markEdited(true);
   }
 
   rowsChanged(rows: RowRange | Uint32Array, changed: number): void {
     this.#changed = (this.#changed ?? 0) | changed;
-    if (rows instanceof Uint32Array) for (const row of rows) this.#mark(row);
+    if (rows instanceof Uint32Array) for (const row of rows) this.#mark(row, true);
     else {
       const end = Math.min(rows.first + rows.count, this.#splatOf.length);
-      for (let row = rows.first; row < end; row++) this.#mark(row);
+      for (let row = rows.first; row < end; row++) this.#mark(row, true);
     }
+  }
+
+  beginLevels(): void {
+    this.flush();
+    const { touched } = this;
+    for (let word = 0; word < this.#shown.length; word++) this.#shown[word] |= touched.edited[word];
+    touched.edited.fill(0);
+    touched.hidden.fill(0);
+    touched.count = 0;
+    touched.version++;
   }
 
   flush(): void {
@@ -170,7 +198,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
       if (!words) return;
       const geometry = { precision, words, chunks: new Float32Array(this.unedited.chunks) };
       this.#splats = editedGeometry(geometry, origin, fileIndices, this.edits);
-      this.#markEdited();
+      this.#markEdited(false);
     };
   }
 
@@ -179,22 +207,27 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#unfollow();
   }
 
-  #mark(row: number): void {
+  /** @param isNew whether levels may not show the edits of the row. */
+  #mark(row: number, isNew: boolean): void {
     const splat = this.#splatOf[row];
-    if (splat < this.#cloud.count) this.#dirty[splat >>> 5] |= 1 << splat;
+    if (!(splat < this.#cloud.count)) return;
+    this.#dirty[splat >>> 5] |= 1 << splat;
+    if (!isNew) return;
+    const mask = this.edits.maskOf(row);
+    const isEdited = mask !== 0 || hasBit(this.#shown, splat);
+    const { edited, hidden } = this.touched;
+    const changesCount = setBit(edited, splat, isEdited);
+    if (changesCount) this.touched.count += isEdited ? 1 : -1;
+    if (setBit(hidden, splat, (mask & EDITED.hidden) !== 0) || changesCount) this.touched.version++;
   }
 
-  #markEdited(): void {
+  #markEdited(areNew: boolean): void {
     for (const [row] of this.#splatOf.entries()) {
       const mask = this.edits.maskOf(row);
       if (mask === 0) continue;
       this.#changed = (this.#changed ?? 0) | mask;
-      this.#mark(row);
+      this.#mark(row, areNew);
     }
-  }
-
-  #isDirty(splat: number): boolean {
-    return ((this.#dirty[splat >>> 5] >>> splat) & 1) === 1;
   }
 
   /** Successive splats from `start` to `end` to write, with gaps not worth a second upload. */
@@ -206,7 +239,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
         splat += 31;
         continue;
       }
-      if (!this.#isDirty(splat)) continue;
+      if (!hasBit(this.#dirty, splat)) continue;
       const last = runs.at(-1);
       if (last && splat - last[1] <= MOST_GAP_SPLATS) last[1] = splat + 1;
       else runs.push([splat, splat + 1]);

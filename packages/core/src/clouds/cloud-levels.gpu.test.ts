@@ -1,7 +1,7 @@
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { DestroyedError } from '../data/errors.ts';
 import { packSet } from '../data/packing/pack-set.ts';
 import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { deviceWith } from '../testing/device-with.ts';
@@ -50,28 +50,22 @@ describe('levels that are made in parts', () => {
     engine.destroy();
   });
 
-  const ends: Record<
-    string,
-    [(cloud: SplatCloud, engine: SplatEngine) => unknown, typeof DestroyedError | typeof SplatSourceError]
-  > = {
-    'the cloud is destroyed': [(cloud) => cloud.destroy(), DestroyedError],
-    'the cloud is edited': [(cloud) => followEdits(cloud, new SplatEdits()), SplatSourceError],
-    'the engine ends': [(_, engine) => engine.destroy(), DestroyedError],
-    'the device is lost': [(_, { device }) => device.destroy(), DestroyedError],
+  const ends: Record<string, (cloud: SplatCloud, engine: SplatEngine) => unknown> = {
+    'the cloud is destroyed': (cloud) => cloud.destroy(),
+    'the engine ends': (_, engine) => engine.destroy(),
+    'the device is lost': (_, { device }) => device.destroy(),
   };
-  for (const [what, [end, error]] of Object.entries(ends)) {
+  for (const [what, end] of Object.entries(ends)) {
     gpuTest(`end midway where ${what}, and leave nothing`, async () => {
       const device = await createTestDevice();
-      let ended: unknown;
       let submissions = 0;
       const engine = await engineOn(device, (count) => {
         submissions = count;
-        if (count === 3) ended = end(cloud, engine);
+        if (count === 3) end(cloud, engine);
       });
       const cloud = engine.add(SET);
       const { totalBytes } = engine.memory();
-      await expect(cloud.makeLevels()).rejects.toThrow(error);
-      await ended;
+      await expect(cloud.makeLevels()).rejects.toThrow(DestroyedError);
       expect(submissions).toBeLessThan(CELLS);
       expect(cloud.levels).toBeNull();
       expect(engine.memory().totalBytes).toBeLessThanOrEqual(totalBytes);
@@ -79,6 +73,34 @@ describe('levels that are made in parts', () => {
       device.destroy();
     });
   }
+
+  gpuTest('leave rows to cuts that are edited meanwhile, and hold all edits before', async () => {
+    const edits = new SplatEdits();
+    const engine = await engineOn(gpu.device, (count) => {
+      if (count === 3) edits.set([7], { visible: false });
+    });
+    const cloud = engine.add(SET);
+    edits.set([5, 6], { visible: false });
+    await followEdits(cloud, edits);
+    await cloud.makeLevels();
+    const { edited, hidden } = cloud.editing!.touched;
+    const splatsOf = (bits: Uint32Array) =>
+      Array.from(cloud.fileIndices).filter((_, i) => (bits[i >>> 5] >>> i) & 1);
+    expect(splatsOf(edited)).toEqual([7]);
+    expect(splatsOf(hidden)).toEqual([7]);
+    // Taken back, what levels show as edited is drawn one by one.
+    edits.clear([5, 7]);
+    expect(splatsOf(edited)).toEqual([5]);
+    expect(splatsOf(hidden)).toEqual([]);
+    const { levels } = cloud;
+    await cloud.makeLevels();
+    expect(cloud.levels).not.toBe(levels);
+    expect(splatsOf(edited)).toEqual([]);
+    const anew = cloud.levels;
+    await cloud.makeLevels();
+    expect(cloud.levels).toBe(anew);
+    engine.destroy();
+  });
 
   gpuTest('are made anew where the planes that they are made of are freed', async () => {
     let submissions = 0;

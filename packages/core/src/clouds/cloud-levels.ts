@@ -1,7 +1,5 @@
-import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import type { GpuValues } from '../data/layout/gpu-struct.ts';
-import { ChunkLinks, LEVEL_CONSTANTS, LevelCell, MergeParameters } from '../data/layout/level-structs.ts';
+import { ChunkLinks, MergeParameters } from '../data/layout/level-structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../data/packing/harmonics.ts';
@@ -13,8 +11,9 @@ import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
 import type { CloudPage, CloudPlanes } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
+import { cellCounts, cellsOf } from './level-cells.ts';
+import { type CellRange, TOUCH_STAGES, TouchedLinks } from './touched-links.ts';
 
-const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 /** Chunks of a cell of an upper level: its leaves and its blobs. */
 const UPPER_CHUNKS = 2;
 const LINKS_BYTES = 4 * ChunkLinks.words;
@@ -34,53 +33,6 @@ export interface BlobPage extends CloudPage {
   readonly links: GPUBuffer;
 }
 
-/** Cells of each level, from that of the chunks to the one cell at the top. */
-export function cellCounts(chunkCount: number): number[] {
-  const counts = [chunkCount];
-  while (counts.at(-1)! > 1) counts.push(Math.ceil(counts.at(-1)! / CELL_CHILDREN));
-  return counts;
-}
-
-/** The contents of a cloud's buffer of cells, of the `Chunk` structs of its chunks. */
-export function cellsOf(chunks: Float32Array): ArrayBuffer {
-  const { count: words, minPosition, maxPosition } = CHUNK_WORDS;
-  const counts = cellCounts(chunks.length / words);
-  const total = counts.reduce((sum, count) => sum + count, 0);
-  const contents = new ArrayBuffer(total * LevelCell.bytes);
-  // Word by word: objects for 25,000 cells, those of six million splats, take 100 ms.
-  const [bounds, links] = [new Float32Array(contents), new Uint32Array(contents)];
-  const stride = LevelCell.bytes / 4;
-  const [min, max, parent] = (['minPosition', 'maxPosition', 'parent'] as const).map(
-    (field) => LevelCell.offsets[field] / 4,
-  );
-  for (let chunk = 0; chunk < counts[0]; chunk++) {
-    for (let axis = 0; axis < 3; axis++) {
-      bounds[chunk * stride + min + axis] = chunks[chunk * words + minPosition + axis];
-      bounds[chunk * stride + max + axis] = chunks[chunk * words + maxPosition + axis];
-    }
-  }
-  links[(total - 1) * stride + parent] = NO_CELL;
-  let start = 0;
-  for (const count of counts.slice(0, -1)) {
-    const next = start + count;
-    for (let i = 0; i < count; i++) {
-      const above = next + Math.floor(i / CELL_CHILDREN);
-      const from = (start + i) * stride;
-      const to = above * stride;
-      links[from + parent] = above;
-      const isFirst = i % CELL_CHILDREN === 0;
-      for (let axis = 0; axis < 3; axis++) {
-        const low = bounds[from + min + axis];
-        const high = bounds[from + max + axis];
-        bounds[to + min + axis] = isFirst ? low : Math.min(bounds[to + min + axis], low);
-        bounds[to + max + axis] = isFirst ? high : Math.max(bounds[to + max + axis], high);
-      }
-    }
-    start = next;
-  }
-  return contents;
-}
-
 /** The parts of a cloud that its levels are made of. */
 export interface LevelSource {
   readonly name: string;
@@ -96,7 +48,10 @@ export interface LevelContext extends DispatchContext {
   readonly submissionBudgetMs: number;
 }
 
-type MadeLevels = Pick<CloudLevels, 'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts'>;
+type MadeLevels = Pick<
+  CloudLevels,
+  'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts' | 'chunks' | 'ranges'
+>;
 
 /** The levels of detail of a cloud, on the GPU: blobs that stand for its splats. */
 export class CloudLevels {
@@ -108,6 +63,10 @@ export class CloudLevels {
   readonly blobPages: readonly BlobPage[];
   /** Cells of each level, from that of the chunks on. */
   readonly counts: readonly number[];
+  /** The cloud's, of which the bounds of cells were made. */
+  readonly chunks: ArrayBuffer;
+  /** All cells, from level to level. */
+  readonly ranges: readonly CellRange[];
   readonly #memory: GpuMemory;
 
   private constructor(memory: GpuMemory, made: MadeLevels) {
@@ -117,6 +76,8 @@ export class CloudLevels {
     this.splatLinks = made.splatLinks;
     this.blobPages = made.blobPages;
     this.counts = made.counts;
+    this.chunks = made.chunks;
+    this.ranges = made.ranges;
   }
 
   /**
@@ -141,6 +102,14 @@ export class CloudLevels {
     }
   }
 
+  /** The stages that these links take. */
+  readonly touchStages = TOUCH_STAGES;
+
+  /** Makes room for links that refine cuts in the frames of one view: call `update` of the result. */
+  touchedLinks(context: DispatchContext): TouchedLinks {
+    return new TouchedLinks(context, this);
+  }
+
   get bytes(): number {
     return this.#memory.report().totalBytes;
   }
@@ -163,12 +132,9 @@ function mergeStages({ planes }: LevelSource): readonly (readonly StageDefinitio
   ];
 }
 
-/** Cells that are merged alike: those of a page of the cloud, or of an upper level. */
-interface CellRange {
-  readonly start: number;
-  readonly end: number;
+/** Cells that are merged alike, with all that merges them. */
+interface MergedRange extends CellRange {
   readonly stages: readonly StageDefinition[];
-  readonly parameters: Omit<GpuValues<typeof MergeParameters.fields>, 'firstCell' | 'endCell'>;
   readonly bindings: Bindings;
 }
 
@@ -215,7 +181,7 @@ async function makeLevels(
 function submitCells(
   context: LevelContext,
   name: string,
-  ranges: readonly CellRange[],
+  ranges: readonly MergedRange[],
   first: number,
   end: number,
 ): void {
@@ -233,7 +199,7 @@ function submitCells(
 function allocate(
   { memory, dispatchRow }: LevelContext,
   cloud: LevelSource,
-): { readonly levels: MadeLevels; readonly ranges: readonly CellRange[] } {
+): { readonly levels: MadeLevels; readonly ranges: readonly MergedRange[] } {
   const { name, planes } = cloud;
   const { shDegree } = planes;
   const { pages } = planes.pagesFor(FINEST);
@@ -273,7 +239,7 @@ function allocate(
     upperLinks: upper.links,
     ...(shDegree > 0 && { upperSh: upper.shRest! }),
   };
-  const ranges: CellRange[] = [];
+  const ranges: MergedRange[] = [];
   let levelStart = 0;
   for (const [level, count] of counts.entries()) {
     const nextLevelStart = levelStart + count;
@@ -284,6 +250,7 @@ function allocate(
       ranges.push({
         start: levelStart,
         end: nextLevelStart,
+        page: null,
         stages: ofBlobs,
         parameters,
         bindings: upperBindings,
@@ -303,11 +270,16 @@ function allocate(
           ...(shRest && { shRest, blobSh: blobs.shRest! }),
         };
         const parameters = { ...ofLevel, pageStart: start, splatCount };
-        ranges.push({ start, end: start + chunkCount, stages: ofSplats, parameters, bindings });
+        ranges.push({ start, end: start + chunkCount, page: i, stages: ofSplats, parameters, bindings });
       }
     }
     levelStart = nextLevelStart;
   }
   const blobPages = counts.length > 1 ? [...ofChunks, upper] : ofChunks;
-  return { levels: { cellCount, counts, cells, splatLinks, blobPages }, ranges };
+  const { chunks } = cloud;
+  const ofCells = ranges.map(({ start, end, page, parameters }) => ({ start, end, page, parameters }));
+  return {
+    levels: { cellCount, counts, cells, splatLinks, blobPages, chunks, ranges: ofCells },
+    ranges,
+  };
 }

@@ -13,6 +13,7 @@ import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from
 import type { CloudLevels } from './cloud-levels.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
+import type { TouchedSplats } from './touched-links.ts';
 
 /** A source to read a cloud's splats from again, any number of times, in other precisions. */
 export type CloudSource = LastingSource | URL | SplatSet<Harmonics> | PackedCloud;
@@ -68,6 +69,9 @@ export interface CloudEditing {
   readonly edits: SplatEdits;
   /** The cloud as it was uploaded. */
   readonly unedited: { readonly chunks: ArrayBuffer };
+  readonly touched: Readonly<TouchedSplats>;
+  /** Call before levels are made: they will show the splats as these are edited now. */
+  readonly beginLevels: () => void;
   /** Uploads changes since the last call. Call before frames are planned and planes read. */
   readonly flush: () => void;
   /** Reads unedited geometry of `plane`; call the result once the cloud has that, to edit it. */
@@ -270,14 +274,20 @@ export class SplatCloud {
    * Makes the levels of detail that frames with a `detail` of less than `full` draw, once: blobs
    * that stand for several splats, on the GPU, of the planes at hand. They take about 135 bytes per
    * splat of the cloud at degree 3, and 81 at degree 0. Views that are asked for such frames do this
-   * by themselves, and draw the same clouds as their last frame did until it is done.
+   * by themselves, and draw the same clouds as their last frame did until it is done. Splats that are
+   * edited later are drawn one by one; call this again once many are, and levels are made anew.
    *
    * @returns resolves when frames can use them. Rejects with a GpuLimitError if memory is lacking,
-   *   a SplatSourceError for a preview and for a cloud that is edited, a DestroyedError if cloud,
-   *   engine or device end first. Nothing has changed then, and it may be called again.
+   *   a SplatSourceError for a preview, a DestroyedError if cloud, engine or device end first.
+   *   It may be called again then.
    */
   async makeLevels(): Promise<void> {
     this.checkUsable();
+    if (this.levels && this.editing && this.editing.touched.count > 0) {
+      this.levels.destroy();
+      this.levels = null;
+      this.#levelsMade = null;
+    }
     this.#levelsMade ??= this.#madeLevels().catch((error) => {
       this.#levelsMade = null;
       this.#levelsLack = error;
@@ -297,25 +307,13 @@ export class SplatCloud {
     await this.uploaded;
     // Nothing stands for no splats.
     if (this.count === 0) return;
-    const check = () => {
-      this.checkUsable();
-      this.#checkUnedited();
-    };
-    check();
-    const levels = await this.#makeLevels(this, check);
-    try {
-      check();
-    } catch (error) {
-      levels.destroy();
-      throw error;
-    }
+    this.checkUsable();
+    this.editing?.beginLevels();
+    const levels = await this.#makeLevels(this, () => this.checkUsable());
+    if (this.isDestroyed) levels.destroy();
+    this.checkUsable();
     this.levels = levels;
     this.#levelsLack = null;
-  }
-
-  #checkUnedited(): void {
-    if (this.editing === null) return;
-    throw new SplatSourceError(this.name, 'it is edited, which levels of detail would not show.');
   }
 
   /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */

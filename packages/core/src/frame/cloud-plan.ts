@@ -48,6 +48,8 @@ export interface CloudPlan {
   readonly inFull: string | null;
   /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
   readonly cut: LevelCut | null;
+  /** Whether the cut is refined, so that edited and selected splats are drawn one by one. */
+  readonly isTouched: boolean;
 }
 
 /**
@@ -88,7 +90,7 @@ export function planCloud(
     selectionVersion: use.selection?.version,
   }));
   const effects = effectSetOf(acting);
-  const inFull = reasonInFull(cloud, detail, effects, view, accuracy);
+  const inFull = reasonInFull(cloud, detail, view, accuracy);
   const cut = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
   return {
     instance: {
@@ -113,7 +115,13 @@ export function planCloud(
     ),
     inFull,
     cut,
+    isTouched: cut !== null && (!!cloud.editing?.touched.count || uses.some(showsSelection)),
   };
+}
+
+/** Whether an effect shows a selection of splats. */
+export function showsSelection({ selectionVersion }: PlannedUse): boolean {
+  return selectionVersion !== undefined;
 }
 
 /** Copies values: callers may change their arrays later. */
@@ -128,7 +136,7 @@ function ownValues(values: GpuValues<GpuFields> | null): GpuValues<GpuFields> | 
 
 /** Returns the shape of one cloud. */
 export function cloudShape(
-  { instance, effects, cut }: CloudPlan,
+  { instance, effects, cut, isTouched }: CloudPlan,
   accuracy: AccuracySettings,
   mayBeIsotropic: boolean,
 ): CloudShape {
@@ -137,6 +145,7 @@ export function cloudShape(
     cloud,
     planes: cloud.pagesFor(accuracy),
     levels: cut && cloud.levels,
+    isTouched,
     effects,
     shDegree: Math.min(shDegree, cloud.shDegree) as ShDegree,
     // Balls merge to blobs that are none.

@@ -16,6 +16,8 @@ export interface CloudShape {
   readonly planes: CloudPages;
   /** Its levels, if a cut through them is drawn. */
   readonly levels: CloudLevels | null;
+  /** See `CloudPlan`. */
+  readonly isTouched: boolean;
   readonly effects: EffectSet;
   /** Degree of spherical harmonics to evaluate. */
   readonly shDegree: ShDegree;

@@ -6,7 +6,6 @@ import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { SplatReach } from '../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { stretchBound } from '../data/math/mat4.ts';
-import { type EffectSet, takesSelection } from '../gpu/effects/effect-set.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
 import { type SidedCloud, splatsInSight } from './splats-in-sight.ts';
@@ -54,17 +53,13 @@ function countOf(clouds: readonly Pick<CloudInstance, 'cloud'>[]): number {
 export function reasonInFull(
   cloud: SplatCloud,
   detail: FixedDetail,
-  effects: EffectSet,
   { inverse }: CloudView,
   { recordPrecision }: Pick<AccuracySettings, 'recordPrecision'>,
 ): string | null {
   if (detail === 'full') return 'full detail is asked for';
   if (cloud.isPreview) return 'the cloud is loading';
   if (cloud.count === 0) return 'the cloud has no splats';
-  if (cloud.editing) return 'the cloud was edited';
   if (recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
-  // Rows of blobs are not known.
-  if (takesSelection(effects, ['splat', 'color'])) return 'an effect shows a selection of splats';
   if (!inverse) return 'the cloud has no extent';
   return cloud.levelsLack?.message ?? null;
 }

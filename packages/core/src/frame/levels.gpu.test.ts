@@ -1,13 +1,15 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, test } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
-import { type CloudLevels, cellCounts, cellsOf } from '../clouds/cloud-levels.ts';
+import type { CloudLevels } from '../clouds/cloud-levels.ts';
+import { cellCounts, cellsOf } from '../clouds/level-cells.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { type Camera, orthographicCamera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
 import { cloudView } from '../data/camera/cloud-view.ts';
-import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { DestroyedError } from '../data/errors.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 import { identity4 } from '../data/math/mat4.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
@@ -17,11 +19,12 @@ import { SplatSelection } from '../data/splats/splat-selection.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { highlight } from '../gpu/effects/highlight/highlight.ts';
+import { drawMeasured } from '../measure/measured-frames.ts';
 import { cellThreshold } from '../reference/cut-cells.ts';
 import { shifted } from '../reference/cut-count.ts';
 import { dilatedOpacity } from '../reference/dilated-blob.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import { isDrawnAt, threshold } from '../reference/level-link.ts';
+import { isDrawnAt, linkParts, threshold } from '../reference/level-link.ts';
 import { meanArea, rimLength } from '../reference/merged-splat.ts';
 import { planCut } from '../reference/plan-cut.ts';
 import { deviceWith } from '../testing/device-with.ts';
@@ -54,14 +57,19 @@ const camera = (distance: number): Camera =>
     aspect: 1.5,
   });
 
-/** Nodes that a cut through these cells draws, as the stages of the cut are documented. */
+/**
+ * Nodes that a cut through these cells draws, as the stages of the cut are documented.
+ *
+ * @param edited chunks with edits.
+ */
 function drawnNodes(
   cells: readonly MadeCell[],
   chunks: ArrayBuffer,
   cut: LevelCut,
   shift: number = LEVEL_CONSTANTS.SHIFT_NONE,
+  edited: ArrayBuffer = chunks,
 ): MadeNode[] {
-  const contents = cellsOf(new Float32Array(chunks));
+  const contents = cellsOf(new Float32Array(chunks), new Float32Array(edited));
   const floats = new Float32Array(contents);
   const words = new Uint32Array(contents);
   const at = (cell: number, field: keyof typeof LevelCell.offsets) =>
@@ -105,6 +113,12 @@ function timesDrawn(cells: readonly MadeCell[], count: number, drawn: readonly M
   return times;
 }
 
+const indexOf = ({ cell, slot }: MadeNode) => CHUNK_SPLATS * cell + slot;
+
+function isSplat({ isBlob, cell }: MadeNode, count: number): boolean {
+  return !isBlob && cell < chunkCountOf(count);
+}
+
 describe('a cut', () => {
   gpuTest('draws each splat once, by itself or by one blob, from anywhere and at any error', async () => {
     const random = seededRandom(5);
@@ -127,6 +141,40 @@ describe('a cut', () => {
       ).toBe(true);
     }
     expect(merged).toBeGreaterThan(20);
+  });
+
+  gpuTest('draws edited and selected splats themselves, hidden ones never, and all others once', async () => {
+    const random = seededRandom(6);
+    const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
+    const packed = packSet(set, FINEST);
+    const cells = await madeLevels(gpu, packed);
+    for (const share of [0.0002, 0.01, 0.3]) {
+      const some = (share: number) => {
+        const picked = new Set(Array.from({ length: set.count }, (_, i) => i).filter(() => random() < share));
+        return (splat: number) => picked.has(splat);
+      };
+      const [edited, selected] = [some(share), some(share)];
+      const hidden = (splat: number) => edited(splat) && splat % 2 === 0;
+      const touched = { edited, hidden, selections: [selected] };
+      const refined = await madeLevels(gpu, packed, { touched });
+      for (let run = 0; run < 6; run++) {
+        const cut = {
+          camera: [0, 1, 2].map(() => 4 * random() - 2) as [number, number, number],
+          squaredPerDistance: 10 ** (-8 * random()),
+          leastSquared: 0,
+          margin: 0,
+        };
+        const drawn = drawnNodes(refined, packed.chunks, cut);
+        const times = timesDrawn(cells, set.count, drawn);
+        const own = new Set(drawn.filter((node) => isSplat(node, set.count)).map((node) => indexOf(node)));
+        const wrong = Array.from(times.keys()).filter((splat) => {
+          const isShown = Number(!hidden(splat));
+          const isTouched = edited(splat) || selected(splat);
+          return times[splat] !== isShown || (isTouched && Number(own.has(splat)) !== isShown);
+        });
+        expect(wrong, `a share of ${share}, run ${run}`).toEqual([]);
+      }
+    }
   });
 });
 
@@ -169,9 +217,9 @@ describe('frames with less than full detail', () => {
   function asSet(nodes: readonly MadeNode[], seen: Camera, isDilated: boolean): SplatSet {
     const { focalPx, isOrthographic } = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
     const { viewMatrix: v } = seen;
-    const opacities = nodes.map(({ isBlob, cell, splat, merged }) => {
-      const isMerged = isBlob || cell >= chunkCountOf(faint.count);
-      if (!isDilated || !isMerged) return splat.opacity;
+    const opacities = nodes.map((node) => {
+      const { splat, merged } = node;
+      if (!isDilated || isSplat(node, faint.count)) return splat.opacity;
       const [x, y, z] = splat.position;
       const depth = isOrthographic ? 1 : -(v[2] * x + v[6] * y + v[10] * z + v[14]);
       const pxPerUnit = Math.sqrt(Math.abs(focalPx[0] * focalPx[1])) / depth;
@@ -244,6 +292,164 @@ describe('frames with less than full detail', () => {
     }
   }
 
+  describe('of splats that are edited or selected', () => {
+    /** Rows by what happens to them. */
+    const rows = (of: number) => Array.from({ length: 40 }, (_, i) => 220 * i + of);
+    const [recolored, moved, enlarged, hidden, picked] = [0, 1, 2, 3, 4].map(rows);
+    const far = (row: number) => [2 + row / 9000, 1.5, 0.1];
+    const edit = (edits: SplatEdits) => {
+      edits.set(recolored, { colors: [1, 0, 0] });
+      edits.set(moved, { positions: moved.flatMap(far) });
+      edits.set(enlarged, { scales: [0.2, 0.2, 0.2] });
+      edits.set(hidden, { visible: false });
+    };
+    const colorDc = [1, 0, 0].map((value) => (value - 0.5) / 0.28209479177387814);
+    const splatOf = new Map(Array.from(packed.fileIndices, (row, i) => [row, i]));
+    const areOf = (...lists: number[][]) => {
+      const splats = new Set(lists.flat().map((row) => splatOf.get(row)));
+      return (splat: number) => splats.has(splat);
+    };
+    const touched = {
+      edited: areOf(recolored, moved, enlarged, hidden),
+      hidden: areOf(hidden),
+      selections: [areOf(picked)],
+    };
+    const editedNode = (node: MadeNode): MadeNode => {
+      if (!isSplat(node, faint.count)) return node;
+      const row = packed.fileIndices[indexOf(node)];
+      const splat = {
+        ...node.splat,
+        ...(recolored.includes(row) && { colorDc }),
+        ...(moved.includes(row) && { position: far(row) }),
+        ...(enlarged.includes(row) && { scale: [0.2, 0.2, 0.2] }),
+      };
+      return { ...node, splat: splat as MadeNode['splat'] };
+    };
+    const show = (selection: SplatSelection) => highlight({ selection, color: [0, 1, 0], strength: 0.7 });
+    const selectionOf = (selected: Iterable<number>) => {
+      const selection = new SplatSelection();
+      selection.add(selected);
+      return selection;
+    };
+
+    for (const [name, seen, detail] of [
+      ['an error', camera(6), { maxErrorPx: 1 }],
+      ['an error, from afar', camera(20), { maxErrorPx: 1 }],
+      ['a budget', camera(6), { maxSplats: 1500 }],
+      ['a budget below their number', camera(20), { maxSplats: 100 }],
+    ] as const) {
+      gpuTest(`${name}: as float64 draws them, and the cut of all others`, async () => {
+        const edited = engine.add(faint);
+        const edits = new SplatEdits();
+        await edited.makeLevels();
+        await followEdits(edited, edits);
+        edit(edits);
+        const view = engine.createView();
+        const effects = [antialias(false), show(selectionOf(picked))];
+        view.render({ camera: seen, clouds: [{ cloud: edited, effects }], ...SIZE, detail });
+        const { data } = await view.readPixels();
+        const refined = await madeLevels(gpu, packed, { touched });
+        const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
+        const cloudSeen = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
+        const still = { displacement: 0, growth: 1 };
+        const cut = levelCut({} as CloudLevels, detail, cloudSeen, projection, still)!;
+        const nodesAt = (shift?: number) => drawnNodes(refined, packed.chunks, cut, shift, edited.chunks);
+        const isTouched = (node: MadeNode) =>
+          isSplat(node, faint.count) &&
+          (touched.edited(indexOf(node)) || touched.selections[0](indexOf(node)));
+        // What is drawn in any case: touched splats, and those that would merge with them at first.
+        const isAlways = (node: MadeNode) =>
+          isSplat(node, faint.count) && linkParts(node.link).parentError === LEVEL_CONSTANTS.ERROR_BOUNDLESS;
+        const besides = (shift: number) => nodesAt(shift).filter((node) => !isAlways(node)).length;
+        const nodes = 'maxSplats' in detail ? nodesAt(planCut(besides, 0, detail.maxSplats)) : nodesAt();
+        expect(nodes.filter(isTouched).length).toBe(160);
+        expect(nodes.length).toBeLessThan(0.95 * faint.count);
+        const shown = nodes.map(editedNode);
+        const selected = shown.flatMap((node, i) =>
+          isSplat(node, faint.count) && touched.selections[0](indexOf(node)) ? [i] : [],
+        );
+        const clouds = [
+          { set: asSet(shown, seen, true), effects: [antialias(false), show(selectionOf(selected))] },
+        ];
+        const expected = renderReference({ clouds, camera: seen, ...SIZE });
+        expect(compareImages(data, expected.data, SIZE).psnrDb).toBeGreaterThan(65);
+        view.destroy();
+        edited.destroy();
+      });
+    }
+
+    gpuTest('once they are not, frames are as before, bit for bit, and memory is freed', async () => {
+      const edited = engine.add(faint);
+      const [edits, selection] = [new SplatEdits(), new SplatSelection()];
+      await edited.makeLevels();
+      const view = engine.createView();
+      const draw = async () => {
+        const clouds = [{ cloud: edited, effects: [show(selection)] }];
+        view.render({ camera: camera(6), clouds, ...SIZE, detail: { maxErrorPx: 1 } });
+        return (await view.readPixels()).data;
+      };
+      const touchedBytes = () =>
+        view.memory.resources.reduce(
+          (sum, { label, bytes }) => sum + (label.startsWith('frame touched') ? bytes : 0),
+          0,
+        );
+      const before = await draw();
+      await followEdits(edited, edits);
+      expect(await draw()).toEqual(before);
+      expect(touchedBytes()).toBe(0);
+      edit(edits);
+      const afterEdits = await draw();
+      expect(afterEdits).not.toEqual(before);
+      expect(touchedBytes()).toBeGreaterThan(4 * faint.count);
+      selection.add(picked);
+      const both = await draw();
+      expect(both).not.toEqual(afterEdits);
+      edits.clear();
+      const selected = await draw();
+      selection.clear();
+      expect(await draw()).toEqual(before);
+      expect(touchedBytes()).toBe(0);
+      selection.add(picked);
+      expect(await draw()).toEqual(selected);
+      edit(edits);
+      expect(await draw()).toEqual(both);
+      view.destroy();
+      edited.destroy();
+    });
+
+    gpuTest(
+      'levels that are made of edited splats stand for these, also with other edits since',
+      async () => {
+        const edited = engine.add(faint);
+        const edits = new SplatEdits();
+        await followEdits(edited, edits);
+        edits.set({ first: 0, count: 4500 }, { visible: false });
+        const view = engine.createView();
+        const drawWith = async (detail: Detail) => {
+          const request = { camera: camera(6), clouds: [{ cloud: edited }], ...SIZE, detail, force: true };
+          const { visibleSplats: splats } = await drawMeasured(engine, view, request);
+          return { data: (await view.readPixels()).data, splats };
+        };
+        const detail = { maxErrorPx: 0.5 };
+        const cut = await drawWith(detail);
+        const whole = await drawWith('full');
+        expect(cut.splats).toBeLessThan(0.9 * whole.splats);
+        expect(compareImages(cut.data, whole.data, SIZE).psnrDb).toBeGreaterThan(40);
+        // Only what changes then is drawn one by one.
+        edits.set({ first: 4490, count: 20 }, { visible: false });
+        expect((await drawWith(detail)).splats).toBeLessThan(cut.splats + 200);
+        edits.clear();
+        const refined = await drawWith(detail);
+        const all = await drawWith('full');
+        expect(compareImages(refined.data, all.data, SIZE).psnrDb).toBeGreaterThan(40);
+        await edited.makeLevels();
+        expect((await drawWith(detail)).data).toEqual((await draw(detail, camera(6))).data);
+        view.destroy();
+        edited.destroy();
+      },
+    );
+  });
+
   gpuTest('a budget that holds all splats is full detail, without levels', async () => {
     const alone = engine.add(faint);
     const full = await draw('full', camera(3), false, alone);
@@ -293,35 +499,18 @@ describe('frames with less than full detail', () => {
     expect(held - engine.memory().totalBytes).toBeGreaterThan(bytes);
   });
 
-  gpuTest('an empty cloud, and one that is edited, are drawn in full', async () => {
+  gpuTest('an empty cloud is drawn in full', async () => {
     const none = engine.add(randomSplats({ count: 0, shDegree: 0 }));
     const empty = await draw({ maxErrorPx: 1 }, camera(3), false, none);
     expect(empty.data.every((value) => value === 0)).toBe(true);
-    const edited = engine.add(faint);
-    await edited.makeLevels();
-    const edits = new SplatEdits();
-    edits.set({ first: 0, count: 10 }, { visible: false });
-    await followEdits(edited, edits);
-    const { levels } = await draw({ maxErrorPx: 1 }, camera(3), false, edited);
-    expect(levels).toMatchObject({ isOn: false, reason: 'the cloud was edited' });
-    const others = engine.add(faint);
-    await followEdits(others, new SplatEdits());
-    await draw({ maxErrorPx: 1 }, camera(3), false, others);
-    expect(others.levelsLack).toBeNull();
-    await expect(others.makeLevels()).rejects.toThrow(SplatSourceError);
-    for (const each of [none, edited, others]) each.destroy();
-    await expect(edited.makeLevels()).rejects.toThrow(DestroyedError);
+    none.destroy();
+    await expect(none.makeLevels()).rejects.toThrow(DestroyedError);
   });
 
-  const selection = new SplatSelection();
-  selection.add(Uint32Array.of(1, 2));
   const flat = Float64Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
   const drawnInFull: Record<string, Partial<FrameRequest> & { instance?: Partial<CloudInstance> }> = {
     'no error is allowed': { detail: { maxErrorPx: 0 } },
     'records of 24 bytes hold no opacity above 1': { accuracy: 'paper' },
-    'an effect shows a selection of splats': {
-      instance: { effects: [highlight({ selection, color: [1, 0, 0], strength: 1 })] },
-    },
     'the cloud has no extent': { instance: { modelMatrix: flat } },
   };
   for (const [reason, { instance, ...more }] of Object.entries(drawnInFull)) {
@@ -394,9 +583,17 @@ describe('frames with less than full detail', () => {
     }
   });
 
+  function editAndMakeLevels(_: SplatEngine, picked: SplatCloud): void {
+    const edits = new SplatEdits();
+    edits.set([0], { visible: false });
+    void followEdits(picked, edits, packed);
+    picked.makeLevels().catch(() => {});
+  }
+
   for (const [what, end, outcome] of [
     ['the engine ends', (own: SplatEngine) => own.destroy(), 'an error'],
     ['the cloud is destroyed', (_: SplatEngine, picked: SplatCloud) => picked.destroy(), 'none'],
+    ['levels are made anew', editAndMakeLevels, 'none'],
   ] as const) {
     gpuTest(`a pick of a blob while ${what}: ${outcome}`, async () => {
       let onReadBack = () => {};

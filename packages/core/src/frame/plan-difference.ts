@@ -1,7 +1,7 @@
 import type { Camera } from '../data/camera/camera.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
-import type { CloudPlan, PlannedUse } from './cloud-plan.ts';
+import { type CloudPlan, type PlannedUse, showsSelection } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { LevelCut } from './level-cut.ts';
 
@@ -42,7 +42,11 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
         isSameValues(cloud.cut, other.cut) &&
         cloud.version === other.version &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
-        isSameUses(cloud, other, changesOrder)
+        isSameUses(
+          cloud,
+          other,
+          (planned) => changesOrder(planned) || (cloud.cut !== null && showsSelection(planned)),
+        )
       );
     })
   );

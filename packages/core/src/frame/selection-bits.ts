@@ -79,6 +79,8 @@ export class SelectionBits {
         if (slice?.cloudIndex !== cloudIndex) continue;
         const { splatStart, splatCount, byteOffset, bytes } = slice;
         const rows = instance.cloud.fileIndices.subarray(splatStart, splatStart + splatCount);
+        // Blobs, none of which stands for a selected splat: no bit of theirs is ever set.
+        if (rows.length === 0) continue;
         for (const [i, selection] of selections.entries()) {
           if (written?.[i] === selection.version) continue;
           this.#queue.writeBuffer(this.#buffer, byteOffset + i * bytes, selection.bitsOf(rows));

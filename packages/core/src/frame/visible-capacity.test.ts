@@ -62,6 +62,8 @@ describe('mostVisibleSplats', () => {
     const cut = { camera: [0, 0, 0], squaredPerDistance: 1, leastSquared: 0, margin: 0 } as const;
     const budget = { splats: 5000, leastShift: 0 };
     expect(mostVisibleSplats([{ ...drawn, cut }], budget)).toBe(5000 + 256);
+    // What is edited or selected is drawn besides.
+    expect(mostVisibleSplats([{ ...drawn, cut, isTouched: true }], budget)).toBe(set.count);
     const both = [{ ...drawn, cut }, drawn];
     expect(mostVisibleSplats(both, { ...budget, splats: 300_000 })).toBeLessThanOrEqual(
       300_000 + 256 + set.count,

@@ -9,7 +9,7 @@ const ALWAYS_ROOM_FOR = 1 << 18;
 /** Spare room, so that a moving camera does not need larger buffers every frame. */
 const HEADROOM = 1.25;
 
-type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut'>>;
+type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut' | 'isTouched'>>;
 type SidedCloud = CutCloud & Pick<CloudPlan, 'sides'>;
 
 /** Splats of a cloud that are drawn whatever its budget: no cut is coarser than sixteen blobs. */
@@ -17,11 +17,17 @@ const LEAST_OF_CLOUD = CHUNK_SPLATS;
 
 /** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
 export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget | null = null): number {
-  if (budget) {
-    const most = clouds.map(({ cut, instance }) => (cut ? LEAST_OF_CLOUD : instance.cloud.count));
-    return most.reduce((sum, count) => sum + count, budget.splats);
-  }
   const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
+  if (budget) {
+    const most = clouds.map(({ cut, isTouched, instance }) =>
+      // What is touched is drawn besides.
+      cut && !isTouched ? LEAST_OF_CLOUD : instance.cloud.count,
+    );
+    return Math.min(
+      total,
+      most.reduce((sum, count) => sum + count, budget.splats),
+    );
+  }
   // Beside others, the splats left out might be theirs.
   return clouds.length === 1 ? Math.min(total, clouds[0].instance.cloud.visibleLimit) : total;
 }

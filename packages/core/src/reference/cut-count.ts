@@ -1,5 +1,5 @@
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
-import { isDrawnAt } from './level-link.ts';
+import { isAlwaysDrawn, isDrawnAt } from './level-link.ts';
 
 const { ERROR_BOUNDLESS, SHIFT_NONE } = LEVEL_CONSTANTS;
 
@@ -23,7 +23,9 @@ export function shifted(limit: number, shift: number): number {
 export function cutCount(chunks: readonly CountedChunk[], shift: number): number {
   return chunks.reduce((sum, { limit, parentLimit, cellError, links }) => {
     const isOpen = parentLimit === null || shifted(parentLimit, shift) < cellError;
-    const drawn = links.filter((link) => link !== 0 && isDrawnAt(link, shifted(limit, shift)));
+    const drawn = links.filter(
+      (link) => link !== 0 && !isAlwaysDrawn(link) && isDrawnAt(link, shifted(limit, shift)),
+    );
     return isOpen ? sum + drawn.length : sum;
   }, 0);
 }

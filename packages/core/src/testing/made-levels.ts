@@ -1,5 +1,6 @@
-import { CloudLevels, cellCounts } from '../clouds/cloud-levels.ts';
+import { CloudLevels } from '../clouds/cloud-levels.ts';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
+import { cellCounts } from '../clouds/level-cells.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
@@ -37,7 +38,17 @@ export interface MadeCell {
   readonly blobHead: Uint32Array;
 }
 
-/** Makes the levels of a cloud on the GPU, and reads them back, by cell. */
+/** Splats that touch-links is told of, by their place in storage. */
+export interface TouchedBy {
+  readonly edited?: (splat: number) => boolean;
+  readonly hidden?: (splat: number) => boolean;
+  readonly selections?: readonly ((splat: number) => boolean)[];
+}
+
+/**
+ * Makes the levels of a cloud on the GPU, with links that are refined for what is `touched`, and
+ * reads them back, by cell.
+ */
 export async function madeLevels(
   gpu: TestGpu,
   packed: PackedCloud,
@@ -46,11 +57,13 @@ export async function madeLevels(
     bytesPerPage = Number.POSITIVE_INFINITY,
     dispatchRow = 3,
     submissionBudgetMs = Number.POSITIVE_INFINITY,
+    touched,
   }: {
     pipelines?: Pipelines;
     bytesPerPage?: number;
     dispatchRow?: number;
     submissionBudgetMs?: number;
+    touched?: TouchedBy;
   } = {},
 ): Promise<MadeCell[]> {
   const { device } = gpu;
@@ -61,16 +74,41 @@ export async function madeLevels(
   const cloud = { name: 'cloud', count: packed.count, chunks: packed.chunks, planes };
   const context = { device, pipelines, memory, dispatchRow, submissionBudgetMs };
   const levels = await CloudLevels.make(context, cloud, () => {});
-  const links = await Promise.all(levels.splatLinks.map((buffer) => gpu.read(buffer)));
+  const refined = touched && levels.touchedLinks(context);
+  if (refined) {
+    const { edited, hidden, selections = [] } = touched;
+    const bitsOf = (isSet: (splat: number) => boolean = () => false, from = 0, end = packed.count) => {
+      const bits = new Uint32Array(Math.ceil((end - from) / 32));
+      for (let i = from; i < end; i++) if (isSet(i)) bits[(i - from) >>> 5] |= 1 << ((i - from) % 32);
+      return bits;
+    };
+    await pipelines.prepare(levels.touchStages);
+    const editing = { touched: { edited: bitsOf(edited), hidden: bitsOf(hidden), version: 1, count: 1 } };
+    const precision = {
+      geometryPrecision: packed.geometry.precision,
+      shPrecision: packed.harmonics.precision,
+    };
+    refined.update(
+      { instance: { cloud: { chunks: packed.chunks, editing } }, uses: [] },
+      planes.pagesFor(precision).pages.map(({ chunks }, page) => {
+        const { start, end } = planes.ranges[page];
+        const selected = selections.flatMap((isSelected) => [...bitsOf(isSelected, start, end)]);
+        return { own: { chunks, ...(selections.length > 0 && { selectedBits: gpu.storage(selected) }) } };
+      }),
+    );
+  }
+  const read = (buffer: GPUBuffer) => gpu.read(refined?.of(buffer) ?? buffer);
+  const links = await Promise.all(levels.splatLinks.map(read));
   const splatLinks = links.flatMap((words) => Array.from(words));
   const blobs = await Promise.all(
     levels.blobPages.map(async (page) => ({
       words: await gpu.read(page.geometry),
       sh: page.shRest && (await gpu.read(page.shRest)),
-      links: await gpu.read(page.links),
+      links: await read(page.links),
       chunkCount: page.chunkCount,
     })),
   );
+  refined?.destroy();
   levels.destroy();
   planes.destroy();
 

@@ -41,6 +41,7 @@ import { tileMasks } from '../gpu/stages/tile-masks.ts';
 import { tilePlan } from '../gpu/stages/tile-plan.ts';
 import { tileRanges } from '../gpu/stages/tile-ranges.ts';
 import { tileRasterize } from '../gpu/stages/tile-rasterize.ts';
+import { touchLinks, touchUpperLinks } from '../gpu/stages/touch-links.ts';
 import { upscale } from '../gpu/stages/upscale.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
@@ -172,6 +173,8 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       (['bounding-box', 'frustum'] as const).map((culling) => cutCount({ geometryPrecision, culling })),
     ),
     planCut,
+    touchLinks,
+    touchUpperLinks,
     ...(['f32', 'packed', 'upper'] as const).map(mergeChunks),
     ...DEGREES.slice(1).flatMap((degree) => [
       mergeHarmonics(degree, 'upper'),

@@ -23,7 +23,7 @@ interface Node {
  * Finds the first splat, in storage order, that a blob stands for: down from cell to cell, whose
  * links are read back.
  *
- * @returns its index in storage; null if the cloud has been destroyed meanwhile.
+ * @returns its index in storage; null if cloud or levels have been destroyed meanwhile.
  */
 export async function firstSplatOf(
   device: GPUDevice,
@@ -41,7 +41,7 @@ export async function firstSplatOf(
   for (;;) {
     if (node.isLeaf && node.cell < chunkCount) return node.cell * CHUNK_SPLATS + node.slot;
     const cell: number = node.isLeaf ? childCell(counts, node) : node.cell;
-    if (cloud.isDestroyed) return null;
+    if (cloud.isDestroyed || cloud.levels !== levels) return null;
     const { leaves, blobs } = await readLinks(device, levels, cell);
     const blob: number = node.isLeaf ? rootSlots(blobs)[node.slot % CELL_ROOTS] : node.slot;
     node = { cell, slot: firstLeafOf(leaves, blobs, blob), isLeaf: true };

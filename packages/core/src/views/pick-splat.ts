@@ -64,7 +64,7 @@ interface PickContext {
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
  * @returns null if no splat reaches the cutoff at the pixel, for splats of previews, and for blobs
- *   of a cloud that is destroyed before the answer.
+ *   of a cloud that is destroyed, or whose levels are made anew, before the answer.
  * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking,
  *   DestroyedError if engine or device end before the result is read.
  */

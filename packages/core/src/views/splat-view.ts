@@ -280,8 +280,9 @@ export class SplatView extends View {
       },
       canOrder: () =>
         canDraw() &&
-        shape.clouds.every(({ cloud, planes }) => {
-          return !cloud.isDestroyed && !cloud.isHeld && cloud.pagesFor(planes) === planes;
+        shape.clouds.every(({ cloud, planes, levels }) => {
+          const areThere = cloud.pagesFor(planes) === planes && (!levels || cloud.levels === levels);
+          return !cloud.isDestroyed && !cloud.isHeld && areThere;
         }),
       canDraw,
     });

@@ -87,7 +87,7 @@ export const LEVEL_CONSTANTS = {
 export const ChunkLinks: ShaderStruct & { readonly words: number } = {
   name: 'ChunkLinks',
   /** 32-bit words of one. */
-  words: 7 + CHUNK_SPLATS,
+  words: 8 + CHUNK_SPLATS,
   wgsl: `struct ChunkLinks {
   cell: u32,
   /// Largest error of the cell's roots: the cell is drawn where that is more than its parent's threshold.
@@ -100,6 +100,8 @@ export const ChunkLinks: ShaderStruct & { readonly words: number } = {
   /// Number of blobs, 0 for splats and leaves; and of these the first, each of which stands for two.
   count: u32,
   pairs: u32,
+  /// Splats that budgets do not count: those that are drawn at all thresholds, or none.
+  uncounted: u32,
   /// See lib/level-link.wgsl; 0 for slots that hold nothing.
   links: array<u32, ${CHUNK_SPLATS}>,
 }`,

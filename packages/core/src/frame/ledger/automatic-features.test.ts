@@ -12,7 +12,7 @@ import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 /** Stages that exist for one effect, and never run without it. */
 const OWN_STAGES: Readonly<Record<string, readonly string[]>> = {
   'depth-test': ['resolve-depth'],
-  levels: ['cut-cells', 'cut-count', 'plan-cut', 'cut-splats'],
+  levels: ['cut-cells', 'cut-count', 'plan-cut', 'cut-splats', 'touch-links'],
 };
 /** They pack or merge splats or answer what is asked of a frame, and are no stages of one. */
 const BESIDE_FRAMES: readonly string[] = [

@@ -4,7 +4,7 @@ import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../data/
 import { BLOB_PRECISION } from '../../data/packing/precision.ts';
 import { antialias } from '../../gpu/effects/antialias/antialias.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
+import type { Bindings, CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
 import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
 import { compactSplats } from '../../gpu/stages/compact-splats.ts';
 import { cullChunks, cullLevels } from '../../gpu/stages/cull-chunks.ts';
@@ -92,6 +92,8 @@ interface Groups {
   readonly budget: { readonly plan: GPUBindGroup; readonly shifts: readonly (GPUBindGroup | null)[] } | null;
   readonly frame: ReadonlyMap<StageDefinition, GPUBindGroup>;
   readonly pages: readonly {
+    /** The bindings of all these. */
+    readonly own: Bindings;
     readonly cullChunks: GPUBindGroup;
     /** Null on pages without a cut. */
     readonly cutSplats: GPUBindGroup | null;
@@ -147,7 +149,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#context = context;
     this.#memory = context.memory.part();
     this.#effects = new EffectBuffers(context.memory, context.device.queue);
-    this.#cuts = new CutBuffers(context.memory, context.device.queue);
+    this.#cuts = new CutBuffers(context);
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
@@ -155,8 +157,9 @@ export class Preprocess implements FramePart<OrderRecording> {
       [...new Set([splats, blobs])].flatMap((own) => Object.values<CompiledStage>(own)),
     );
     const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
+    const touched = shape.clouds.flatMap(({ isTouched, levels }) => (isTouched ? levels!.touchStages : []));
     const budget = shape.isBudgeted ? [planCut, shiftCells] : [];
-    return [...FRAME_STAGES, ...cuts, ...budget, ...prefixScanStages, ...clouds];
+    return [...FRAME_STAGES, ...cuts, ...touched, ...budget, ...prefixScanStages, ...clouds];
   }
 
   /** Bytes of one cloud's selection bits. */
@@ -205,10 +208,11 @@ export class Preprocess implements FramePart<OrderRecording> {
           chunks,
           geometry,
           ...(shRest && { shRest }),
-          ...(links && { links, ...this.#cuts.bindingsOf(cloudIndex) }),
+          ...(links && this.#cuts.bindingsOf(cloudIndex, links)),
           ...this.#effects.bindingsOf(index, cloudIndex),
         };
         return {
+          own,
           cullChunks: pipelines.bindGroup(stages.cullChunks, own),
           cutSplats: links && pipelines.bindGroup(cutSplats, own),
           cutCount: stages.cutCount ? pipelines.bindGroup(stages.cutCount, own) : null,
@@ -229,7 +233,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     // Deno 2.9 ends at a write of no bytes.
     if (bytes > 0) queue.writeBuffer(pageUniforms, 0, this.#pageContents);
     this.#effects.write(plan);
-    this.#cuts.write(plan);
+    this.#cuts.write(plan, this.#groups!.pages);
   }
 
   record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {

@@ -11,6 +11,7 @@ import mergeChunks from '../../../../../shaders/stages/merge-chunks.wgsl?raw';
 import mergeHarmonics from '../../../../../shaders/stages/merge-harmonics.wgsl?raw';
 import planCut from '../../../../../shaders/stages/plan-cut.wgsl?raw';
 import project from '../../../../../shaders/stages/project.wgsl?raw';
+import touchLinks from '../../../../../shaders/stages/touch-links.wgsl?raw';
 import { PACKING_LIBRARIES } from '../stages/packing-libraries.ts';
 
 /** Texts of the stages that make or draw levels of detail. */
@@ -24,6 +25,7 @@ export const LEVEL_TEXTS = {
   'merge-harmonics': mergeHarmonics,
   'plan-cut': planCut,
   project,
+  'touch-links': touchLinks,
 } as const;
 
 /** Texts of what they import and the engine’s own stages do not. */

@@ -5,6 +5,7 @@ import { ChunkLinks, CutPlan, LEVEL_CONSTANTS, LevelCell } from '../../data/layo
 import { Chunk } from '../../data/layout/structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type CountedChunk, cutCount as reference } from '../../reference/cut-count.ts';
+import { touchCell } from '../../reference/touch-links.ts';
 import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
@@ -25,12 +26,13 @@ interface RandomChunk {
   readonly links: readonly number[];
   readonly blobCount: number;
   readonly pairs: number;
+  readonly uncounted: number;
 }
 
 /**
  * Cells, each below the one before it, at x = cell; of every three one is out of sight, and of one
- * every second node. Of every four one has leaves of a level above. Chunk 2i are the blobs of cell i,
- * chunk 2i + 1 its leaves.
+ * every second node. Of every four one has leaves of a level above. Of some, splats are touched and
+ * some of these hidden. Chunk 2i are the blobs of cell i, chunk 2i + 1 its leaves.
  */
 function randomCells() {
   const random = seededRandom(9);
@@ -40,8 +42,9 @@ function randomCells() {
     limit += below(150);
     const isUpper = cell % 4 === 3;
     const count = cell === CELLS - 1 ? LAST_COUNT : isUpper ? 10 + below(240) : CHUNK_SPLATS;
-    const leaves = Array.from({ length: count }, () => (isUpper ? 1 + below(1000) : 0));
-    const chunks = randomTree(leaves, below);
+    const errors = Array.from({ length: count }, () => (isUpper ? 1 + below(1000) : 0));
+    const [blobs, leaves] = randomTree(errors, below);
+    const chunks = cell % 4 === 0 || cell === 3 ? touched([blobs, leaves], isUpper, below) : [blobs, leaves];
     const cellError = Math.max(...chunks[0].links.map((link) => (link >>> 12 === 0xfff ? link & 0xfff : 0)));
     const isInSight = (slot: number) => cell % 3 === 0 || (cell % 3 === 1 && slot % 2 === 1);
     return { limit, parent: cell === 0 ? NO_CELL : cell - 1, cellError, chunks, isInSight };
@@ -71,8 +74,28 @@ function randomTree(leaves: readonly number[], below: (end: number) => number): 
     links: Array.from({ length: CHUNK_SPLATS }, (_, slot) => links[slot] ?? 0),
     blobCount,
     pairs: blobCount && pairs,
+    uncounted: 0,
   });
   return [chunk(blobLinks, blobLinks.length), chunk(leafLinks, 0)];
+}
+
+/** The same, around a few of the leaves. */
+function touched(
+  [blobs, { links, ...leaves }]: [RandomChunk, RandomChunk],
+  isUpper: boolean,
+  below: (end: number) => number,
+): [RandomChunk, RandomChunk] {
+  const states = links.map(() => below(20));
+  const isTouched = (slot: number) => states[slot] < 2;
+  const told = links.map((link, slot) =>
+    isUpper && link && isTouched(slot) ? link | ERROR_BOUNDLESS : link,
+  );
+  const isHidden = (slot: number) => !isUpper && states[slot] === 0;
+  const refined = touchCell({ leaves: told, blobs: blobs.links }, isTouched, isHidden);
+  return [
+    { ...blobs, links: refined.blobs },
+    { ...leaves, links: refined.leaves, uncounted: refined.uncounted },
+  ];
 }
 
 async function countsOf(
@@ -95,11 +118,11 @@ async function countsOf(
         geometry.set([cell, at, 0], (chunk * CHUNK_SPLATS + slot) * words);
   }
   const linkWords = cells.flatMap(({ cellError, chunks }, cell) =>
-    chunks.flatMap(({ links, blobCount, pairs }) => {
+    chunks.flatMap(({ links, blobCount, pairs, uncounted }) => {
       const used = links.filter((link) => link !== 0);
       const leastError = Math.min(...used.map((link) => link & 0xfff));
       const largestParentError = Math.max(...used.map((link) => (link >>> 12) & 0xfff));
-      return [cell, cellError, leastError, largestParentError, 0, blobCount, pairs, ...links];
+      return [cell, cellError, leastError, largestParentError, 0, blobCount, pairs, uncounted, ...links];
     }),
   );
   expect(linkWords.length).toBe(CHUNKS * ChunkLinks.words);
@@ -174,10 +197,12 @@ describe('cut-count', () => {
 
   for (const [find, replace] of [
     ['lane < head.pairs', 'true'],
+    [' - links[chunk].uncounted', ''],
+    [' || isAlwaysDrawn(link)', ''],
     ['page.splatCount - chunk * CHUNK_SPLATS', '0xffffffffu'],
     ['head.isWhole = isWithin(center, halfExtent)', 'head.isWhole = true'],
   ]) {
-    gpuTest(`a fault is noticed: ${replace}`, async () => {
+    gpuTest(`a fault is noticed: ${replace || 'nothing'} for ${find}`, async () => {
       const variant = { geometryPrecision: 'f32', culling: 'bounding-box' } as const;
       const pipelines = new Pipelines(gpu.device, { file: 'stages/cut-count', find, replace });
       const counts = await countsOf(cells, 0, SHIFT_STEP, variant, pipelines);

@@ -27,7 +27,7 @@ gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and
   );
   const cells = Array.from({ length: CHUNKS }, (_, i) => CHUNKS - 1 - i);
   const thresholds = Array.from({ length: CHUNKS }, () => below(40));
-  const words = links.flatMap((own, chunk) => [cells[chunk], 0, 0, 0, 0, 0, 0, ...own]);
+  const words = links.flatMap((own, chunk) => [cells[chunk], 0, 0, 0, 0, 0, 0, 0, ...own]);
   expect(words.length).toBe(CHUNKS * ChunkLinks.words);
   const visible = [0, 2, 3, 7, 8];
   const plan = { chunkStart: CHUNK_START, chunkEnd: CHUNK_START + CHUNKS, visibleStart: 0, visibleCount: 0 };

@@ -11,6 +11,7 @@ export const levels: FeatureOfCloud = {
     'cut-cells',
     'cut-count',
     'plan-cut',
+    'touch-links',
     'cull-chunks',
     'cut-splats',
     'cull-splats',

@@ -2,7 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import { cellCounts, cellsOf } from './cloud-levels.ts';
+import { cellCounts, cellsOf } from './level-cells.ts';
 
 const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 
