@@ -26,7 +26,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import { sortDeviceOf } from '../gpu/stages/sort-shape.ts';
 import type { EffectReference } from '../reference/effects/effect-reference.ts';
-import { referencesOf } from '../reference/effects/references.ts';
+import { type ReferenceFunction, referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
 
 /** The frame whose stages are read back. */
@@ -38,11 +38,13 @@ export interface InspectOptions {
     readonly opacity?: number;
     /** As in a frame request. */
     readonly shDegree?: ShDegree;
-    /** As in a frame request; only effects of core. */
+    /** As in a frame request. */
     readonly effects?: readonly EffectUse[];
     /** Most splats per page, a multiple of CHUNK_SPLATS; default: all that fit a binding. */
     readonly splatsPerPage?: number;
   }[];
+  /** References of effects from outside this package, by name. */
+  readonly effectReferences?: Readonly<Record<string, ReferenceFunction>>;
   /** As in a frame request. */
   readonly sortBy?: SortBy;
   readonly camera: Camera;
@@ -154,11 +156,11 @@ export class InspectedFrame {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
         view,
-        effects: referencesOf(usesOf(instances[i]), {
-          modelMatrix,
-          origin: stored.origin,
-          viewMatrix: camera.viewMatrix,
-        }),
+        effects: referencesOf(
+          usesOf(instances[i]),
+          { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix },
+          options.effectReferences,
+        ),
         shDegree: plan.shape.clouds[i].shDegree,
         planes: frustumSides(view, projection, accuracy.alphaCutoff, DILATION_PX2),
       };

@@ -7,10 +7,12 @@ import { findNonFinite } from '../../../inspect/find-non-finite.ts';
 import { InspectedFrame } from '../../../inspect/inspected-frame.ts';
 import { readRecords } from '../../../inspect/read-records.ts';
 import { cullSplat } from '../../../reference/cull-splats.ts';
+import type { EffectReference } from '../../../reference/effects/effect-reference.ts';
 import { compareImages, renderReference } from '../../../reference/index.ts';
 import { type SplatValues, splatsOf } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
 import { testGpu } from '../../../testing/test-gpu.ts';
+import { defineEffect } from '../effect.ts';
 import { antialias } from './antialias.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
@@ -34,11 +36,34 @@ const EMPTY: Readonly<Record<string, SplatValues>> = {
   'a line of a size that float32 could not square': { logScales: [88, -100, -100], rotation: TURNED },
 };
 
+/** Stacks of forty splats. */
+const stack = defineEffect({
+  name: 'test-stack',
+  label: 'Stack',
+  about: 'Puts splats behind each other.',
+  hooks: { splat: 'stackSplat' },
+  wgsl: `import package::lib::packing::Splat;
+fn stackSplat(splat: Splat, splatIndex: u32) -> Splat {
+  var stack = splat;
+  stack.opacity = 40.0 * splat.opacity;
+  return stack;
+}`,
+  calledFor: () => 'they are to be stacks',
+});
+const STACK_REFERENCE: EffectReference = {
+  changeSplat: (splat) => ({ ...splat, opacity: 40 * splat.opacity }),
+};
+
 const gpu = testGpu();
 
-async function draw(splats: Readonly<Record<string, SplatValues>>, camera: keyof typeof CAMERAS) {
-  const clouds = [{ set: splatsOf(Object.values(splats)), effects: [antialias()] }];
-  return InspectedFrame.draw(gpu.device, { clouds, camera: CAMERAS[camera], ...SIZE });
+async function draw(
+  splats: Readonly<Record<string, SplatValues>>,
+  camera: keyof typeof CAMERAS,
+  effects = [antialias()],
+) {
+  const clouds = [{ set: splatsOf(Object.values(splats)), effects }];
+  const effectReferences = { 'test-stack': () => STACK_REFERENCE };
+  return InspectedFrame.draw(gpu.device, { clouds, camera: CAMERAS[camera], effectReferences, ...SIZE });
 }
 
 describe('antialias', () => {
@@ -58,6 +83,25 @@ describe('antialias', () => {
       expect(await findNonFinite(frame)).toEqual([]);
       frame.destroy();
     });
+
+  gpuTest('opacities of stacks are as in float64, and those of single splats as they were', async () => {
+    const frame = await draw(DRAWN, 'perspective', [stack(), antialias()]);
+    const single = await draw(DRAWN, 'perspective');
+    const { stored, view, effects } = frame.clouds[0];
+    const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects };
+    const records = await readRecords(frame);
+    const singles = await readRecords(single);
+    expect(records.length).toBeGreaterThanOrEqual(singles.length);
+    let thinned = 0;
+    for (const { splat, color } of records) {
+      const expected = cullSplat(stored, splat, view, frame.projection, settings)!.opacity;
+      expect(Math.abs(color[3] / expected - 1), `splat ${splat}`).toBeLessThan(1e-5);
+      const one = singles.find((each) => each.splat === splat);
+      if (one && one.color[3] < 0.9 && color[3] < 0.95 * 40 * one.color[3]) thinned++;
+    }
+    expect(thinned).toBeGreaterThan(1);
+    for (const each of [frame, single]) each.destroy();
+  });
 
   gpuTest('is on automatically if the file says so, unless antialias(false) is given', async () => {
     // Images are compared bit for bit: their rasteriser must not follow from times.

@@ -2,9 +2,13 @@ import type { EffectReference } from '../../../reference/effects/effect-referenc
 
 export const example = true;
 
+const STACK_LOSS = 0.25;
+
 export function reference(): EffectReference {
   return {
-    changeOpacity: (opacity, { covariance, undilated }) =>
-      opacity * Math.sqrt(undilated.determinant / covariance.determinant),
+    changeOpacity: (opacity, { covariance, undilated }) => {
+      const share = Math.sqrt(undilated.determinant / covariance.determinant);
+      return opacity <= 1 ? share * opacity : share * opacity ** (1 - STACK_LOSS * (1 - share));
+    },
   };
 }
