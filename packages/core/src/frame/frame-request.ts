@@ -48,9 +48,9 @@ export interface FrameRequest {
   /**
    * Default `full`. Less needs the clouds' levels (`SplatCloud.makeLevels`): the first such frame has
    * them made, and until then the same clouds are drawn as the last frame drew them, and without one
-   * nothing is. Clouds that are loading or edited, whose selections effects show, or whose levels
-   * find no memory, are drawn in full. An outcome is found by the view: `view.detail` tells what it
-   * has drawn, and `view.whenComplete` waits.
+   * nothing is. Clouds that are loading, or whose levels find no memory, are drawn in full. An
+   * outcome is found by the view: `view.detail` tells what it has drawn, and `view.whenComplete`
+   * waits.
    */
   readonly detail?: Detail;
   /** Draw even if nothing has changed, e.g. for a benchmark. */

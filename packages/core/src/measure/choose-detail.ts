@@ -66,7 +66,7 @@ export async function chooseDetail(
         const share = Math.min(Math.max(wanted, LEAST_SHARE), MOST_SHARE);
         if (measured.some((cut) => cut.share === share)) break;
         const cut = { share, psnrDb: await psnrOf({ maxShare: share }) };
-        // Nothing can be cut: clouds may be edited, or show selections.
+        // Nothing can be cut: a cloud may be loading, or find no memory for levels.
         if (!view.shape?.clouds.some(({ levels }) => levels))
           return { detail: 'full', psnrDb: cut.psnrDb, measured: [] };
         measured.push(cut);
