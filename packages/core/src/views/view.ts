@@ -240,13 +240,14 @@ export abstract class View {
     find: (plan: FramePlan, stage: StageDefinition) => Promise<Found>,
   ): Promise<Found | null> {
     const { pipelines } = this.context;
-    while (this.prepared && !this.#isDestroyed) {
+    for (;;) {
+      // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
+      this.checkUsable();
+      if (!this.prepared) return null;
       const stage = stageOf(this.prepared);
       if (pipelines.areReady([stage])) return find(this.prepared, stage);
-      // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
       await pipelines.prepare([stage]);
     }
-    return null;
   }
 
   /**
