@@ -138,7 +138,8 @@ function parse(args: readonly string[]) {
   }
 }
 
-function wholeNumber(option: string, text: string): number {
+/** @throws BenchError naming the option. */
+export function wholeNumber(option: string, text: string): number {
   const number = Number(text);
   if (Number.isInteger(number) && number >= 1) return number;
   throw new BenchError(`--${option} has "${text}"; it takes whole numbers from 1 on.`);

@@ -277,7 +277,7 @@ function megabytes(bytes: number): string {
 }
 
 /** @param wordColumns how many columns at the left hold words; the others hold figures. */
-function markdownTable(rows: readonly (readonly string[])[], wordColumns: number): string[] {
+export function markdownTable(rows: readonly (readonly string[])[], wordColumns: number): string[] {
   const isWord = (column: number) => column < wordColumns;
   const widths = rows[0].map((_, column) => Math.max(...rows.map((row) => row[column].length), 3));
   const line = (cells: readonly string[]) => `| ${cells.join(' | ')} |`;

@@ -1,0 +1,92 @@
+import {
+  type CloudInstance,
+  type FixedDetail,
+  type FrameRequest,
+  perspectiveCamera,
+  type SplatView,
+} from '@websplatter/core';
+import { antialias } from '@websplatter/core/effects';
+import { compareImages } from '@websplatter/core/reference';
+import type { SceneCamera } from '@websplatter/scenes';
+import type { Levels } from './levels.ts';
+
+/** Pixels from the nearest distance. */
+export const SIZE = { widthPx: 960, heightPx: 540 };
+/** Of which the pictures are that much smaller. */
+export const DISTANCES = [1, 2, 4, 8];
+/** Samples of a filtered picture along each side of a pixel. */
+const SAMPLES = 4;
+
+type Seen = Pick<FrameRequest, 'camera' | 'widthPx' | 'heightPx'>;
+
+/** Pictures of the whole scene that others are compared with. */
+interface Truth extends Seen {
+  readonly full: Float32Array;
+  /** The mean of 4×4 samples per pixel. */
+  readonly filtered: Float32Array;
+}
+
+/** Means over the cameras: splats drawn, and PSNR against the whole scene, as drawn and filtered. */
+export type Pictured = Record<'drawn' | 'dB' | 'filtered dB', number>;
+
+/** Draws the whole scene from each distance. */
+export async function drawTruths(
+  view: SplatView,
+  whole: CloudInstance,
+  place: SceneCamera,
+): Promise<Truth[]> {
+  const camera = perspectiveCamera({ ...place, aspect: SIZE.widthPx / SIZE.heightPx });
+  const truths: Truth[] = [];
+  for (const distance of DISTANCES) {
+    const widthPx = Math.round(SIZE.widthPx / distance);
+    const heightPx = Math.round(SIZE.heightPx / distance);
+    const { data: full } = await draw(view, whole, { camera, widthPx, heightPx }, 'full');
+    const samples = { camera, widthPx: SAMPLES * widthPx, heightPx: SAMPLES * heightPx };
+    const { data } = await draw(view, whole, samples, 'full');
+    const filtered = new Float32Array(full.length);
+    data.forEach((value, i) => {
+      const x = Math.floor(((i >> 2) % samples.widthPx) / SAMPLES);
+      const y = Math.floor((i >> 2) / samples.widthPx / SAMPLES);
+      filtered[4 * (y * widthPx + x) + (i & 3)] += value / SAMPLES ** 2;
+    });
+    truths.push({ camera, widthPx, heightPx, full, filtered });
+  }
+  return truths;
+}
+
+/** Draws what `levels` choose for each camera; returns how near that is, by distance. */
+export async function comparePictures(
+  view: SplatView,
+  truths: readonly (readonly Truth[])[],
+  levels: Levels,
+  share: number,
+): Promise<Pictured[]> {
+  const means = DISTANCES.map(() => ({ drawn: 0, dB: 0, 'filtered dB': 0 }));
+  for (const ofCamera of truths) {
+    const choice = await levels.choose(ofCamera[0].camera, share);
+    for (const [i, truth] of ofCamera.entries()) {
+      const { data, drawn } = await draw(view, choice.instance, truth, choice.detail);
+      const psnrDb = (expected: Float32Array) => compareImages(data, expected, truth).psnrDb;
+      means[i].drawn += drawn / truths.length;
+      means[i].dB += psnrDb(truth.full) / truths.length;
+      means[i]['filtered dB'] += psnrDb(truth.filtered) / truths.length;
+    }
+    choice.end?.();
+  }
+  return means;
+}
+
+async function draw(view: SplatView, instance: CloudInstance, seen: Seen, detail: FixedDetail) {
+  const clouds = [{ ...instance, effects: [...(instance.effects ?? []), antialias()] }];
+  let drawn = 0;
+  // While shaders for cuts compile, a view may draw and count all splats.
+  for (let frame = 0; frame < 2; frame++) {
+    const counted = new Promise<number>((resolve) => {
+      view.onStatistics = ({ visibleSplats }) => resolve(visibleSplats);
+    });
+    view.render({ ...seen, clouds, detail, accuracy: 'reference', force: true });
+    await view.whenDrawn();
+    drawn = await counted;
+  }
+  return { data: (await view.readPixels()).data, drawn };
+}
