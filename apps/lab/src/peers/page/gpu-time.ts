@@ -23,8 +23,10 @@ export class GpuTime {
   }
 
   /** Returns the commands of a submission, between timestamps while a frame is timed. */
-  around(queue: GPUQueue, commands: Iterable<GPUCommandBuffer>): Iterable<GPUCommandBuffer> {
-    if (!this.#isOn || queue !== this.#device.queue) return commands;
+  around(queue: GPUQueue, submitted: Iterable<GPUCommandBuffer>): Iterable<GPUCommandBuffer> {
+    const commands = [...submitted];
+    // Waiting may poke the queue by submissions of nothing, any number of them.
+    if (!this.#isOn || queue !== this.#device.queue || commands.length === 0) return commands;
     const first = 2 * this.#submissions++;
     return [this.#timestamp(first), ...commands, this.#timestamp(first + 1)];
   }
