@@ -1,8 +1,15 @@
-// Where the roots of a cell become leaves of the cell above, and how its bits are counted. Used by
-// the merging stages.
+// Where the splats and blobs of a cell lie, where its roots become leaves of the cell above, and how
+// its bits are counted. Used by the merging stages and touch-links.
 import constants::CELL_CHILDREN;
 import constants::CELL_ROOTS;
 import layout::MergeParameters;
+
+/// The chunk of a cell's splats, and that of its blobs. Of all levels above the chunks, one buffer has
+/// both.
+fn chunksOf(parameters: MergeParameters, cell: u32) -> vec2u {
+  @if(!UPPER) return vec2u(cell - parameters.pageStart);
+  @if(UPPER) return 2u * (cell - parameters.upperStart) + vec2u(0u, 1u);
+}
 
 /// Chunk, among those above the chunks of splats, and slot there of a cell's root number `root`.
 fn leafAbove(parameters: MergeParameters, cell: u32, root: u32) -> vec2u {

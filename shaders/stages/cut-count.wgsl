@@ -46,11 +46,9 @@ struct Head {
   zero: i32,
   /// From this shift on, the cell above is drawn instead.
   closed: i32,
-  /// Whether links are to be read, whether all of the cell is in sight, and otherwise whether each
-  /// splat is to be tested against the frustum.
+  /// Whether links are to be read, and whether all of the cell is in sight.
   isCounted: bool,
   isWhole: bool,
-  isTested: bool,
   isBlobs: bool,
   /// Of blobs: the first, which stand for two nodes.
   pairs: u32,
@@ -93,7 +91,6 @@ fn headOf(chunk: u32) -> Head {
   let center = 0.5 * (cell.minPosition + cell.maxPosition);
   let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
   head.isWhole = isWithin(center, halfExtent);
-  @if(!FRUSTUM_CULLING) head.isTested = !head.isWhole;
   let end = binOf(head.closed);
   if (!head.isWhole) {
     let last = min(head.closed, shiftTo(links[chunk].largestParentError, head.zero));
@@ -121,7 +118,7 @@ fn countNode(head: Head, chunk: u32, lane: u32) -> u32 {
     change = select(0u, 0xffffffffu, lane < head.pairs);
   }
   if (change == 0u || start >= end || start >= CUT_BINS) { return 0u; }
-  @if(!FRUSTUM_CULLING) if (head.isTested && !isInSight(chunk, lane)) { return 0u; }
+  @if(!FRUSTUM_CULLING) if (!head.isWhole && !isInSight(chunk, lane)) { return 0u; }
   if (start > 0u) { atomicAdd(&bins[start], change); }
   if (end < CUT_BINS) { atomicSub(&bins[end], change); }
   return select(0u, change, start == 0u);

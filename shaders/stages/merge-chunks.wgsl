@@ -20,7 +20,7 @@ import layout::LevelCell;
 import layout::MergeParameters;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::level_link::{blobError, errorOf, linkOf};
-import package::lib::merged_cell::{countBitsBefore, leafAbove};
+import package::lib::merged_cell::{chunksOf, countBitsBefore, leafAbove};
 import package::lib::merged_splat::{Merged, meanArea, merge, mergeCost, mergedOf, rimLength, shapeOf};
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
@@ -74,10 +74,9 @@ struct Own {
 fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let cell = parameters.firstCell + linearWorkgroup(workgroup, parameters.dispatchRow);
   if (cell >= parameters.endCell) { return; }
-  @if(!UPPER) let splatChunk = cell - parameters.pageStart;
-  @if(UPPER) let splatChunk = 2u * (cell - parameters.upperStart);
-  @if(!UPPER) let blobChunk = splatChunk;
-  @if(UPPER) let blobChunk = splatChunk + 1u;
+  let chunk = chunksOf(parameters, cell);
+  let splatChunk = chunk.x;
+  let blobChunk = chunk.y;
 
   // Positions are halved first: their difference may leave float32's range.
   let halfSize = 0.5 * cells[cell].maxPosition - 0.5 * cells[cell].minPosition;

@@ -16,7 +16,7 @@ import package::lib::harmonics_packing::byteOf;
 import package::lib::harmonics_packing::scaleBitsOf;
 import package::lib::harmonics_packing::scaleOf;
 import package::lib::level_link::{parentErrorOf, parentSlotOf};
-import package::lib::merged_cell::{countBitsBefore, leafAbove};
+import package::lib::merged_cell::{chunksOf, countBitsBefore, leafAbove};
 import package::lib::merged_splat::weightOf;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::unpackSplat;
@@ -59,10 +59,9 @@ var<workgroup> roots: array<atomic<u32>, MASK_WORDS>;
 fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let cell = parameters.firstCell + linearWorkgroup(workgroup, parameters.dispatchRow);
   if (cell >= parameters.endCell) { return; }
-  @if(!UPPER) let splatChunk = cell - parameters.pageStart;
-  @if(UPPER) let splatChunk = 2u * (cell - parameters.upperStart);
-  @if(!UPPER) let blobChunk = splatChunk;
-  @if(UPPER) let blobChunk = splatChunk + 1u;
+  let chunk = chunksOf(parameters, cell);
+  let splatChunk = chunk.x;
+  let blobChunk = chunk.y;
   @if(!UPPER) let splatLink = splatLinks[splatChunk].links[lane];
   @if(UPPER) let splatLink = upperLinks[splatChunk].links[lane];
   @if(!UPPER) let blobLink = blobLinks[blobChunk].links[lane];

@@ -12,7 +12,7 @@ import layout::ChunkLinks;
 import layout::MergeParameters;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::level_link::{errorOf, isAlwaysDrawn, linkOf, parentErrorOf, parentSlotOf};
-import package::lib::merged_cell::leafAbove;
+import package::lib::merged_cell::{chunksOf, leafAbove};
 
 @group(0) @binding(0) var<uniform> parameters: MergeParameters;
 /// Of all levels above the chunks': leaves of cell u of these are chunk 2u, and its blobs 2u + 1.
@@ -35,10 +35,9 @@ var<workgroup> leastErrors: array<atomic<u32>, 2>;
 fn touchLinks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let cell = parameters.firstCell + linearWorkgroup(workgroup, parameters.dispatchRow);
   if (cell >= parameters.endCell) { return; }
-  @if(!UPPER) let splatChunk = cell - parameters.pageStart;
-  @if(UPPER) let splatChunk = 2u * (cell - parameters.upperStart);
-  @if(!UPPER) let blobChunk = splatChunk;
-  @if(UPPER) let blobChunk = splatChunk + 1u;
+  let chunk = chunksOf(parameters, cell);
+  let splatChunk = chunk.x;
+  let blobChunk = chunk.y;
   @if(!UPPER) let ofSplats = &splatLinks[splatChunk];
   @if(UPPER) let ofSplats = &upperLinks[splatChunk];
   @if(!UPPER) let ofBlobs = &blobLinks[blobChunk];
