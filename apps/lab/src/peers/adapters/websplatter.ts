@@ -28,7 +28,8 @@ const loadWebsplatter: LoadPeer = async (host) => {
   const cloud = await engine.load(host.file ?? host.url, hasPreviews ? { onPreview } : {});
   const maxShare = Number(options.get('maxShare') ?? 1);
   if (maxShare < 1) await cloud.makeLevels();
-  const clouds = [{ cloud, effects: [antialias(options.has('antialias'))] }];
+  // Without effects a file that was trained antialiased has that.
+  const clouds = [{ cloud, effects: options.has('antialias') ? [antialias()] : [] }];
   const frame = { clouds, ...size, detail: maxShare < 1 ? { maxShare } : 'full', force: true } as const;
   return {
     note: hasPreviews ? `${accuracy}, shown while it loads` : accuracy,
