@@ -24,9 +24,10 @@ export class GpuTime {
 
   /** Returns the commands of a submission, between timestamps while a frame is timed. */
   around(queue: GPUQueue, submitted: Iterable<GPUCommandBuffer>): Iterable<GPUCommandBuffer> {
+    if (!this.#isOn || queue !== this.#device.queue) return submitted;
     const commands = [...submitted];
     // Waiting may poke the queue by submissions of nothing, any number of them.
-    if (!this.#isOn || queue !== this.#device.queue || commands.length === 0) return commands;
+    if (commands.length === 0) return commands;
     const first = 2 * this.#submissions++;
     return [this.#timestamp(first), ...commands, this.#timestamp(first + 1)];
   }
@@ -39,6 +40,7 @@ export class GpuTime {
       this.#isOn = false;
     });
     const count = 2 * this.#submissions;
+    if (count === 0) return 0;
     if (count > 2 * MOST_SUBMISSIONS)
       throw new Error(`A frame has more than ${MOST_SUBMISSIONS} submissions.`);
     const times = await this.#read(count);
@@ -57,12 +59,12 @@ export class GpuTime {
   }
 
   async #read(count: number): Promise<BigUint64Array> {
-    const size = Math.max(1, count) * BYTES_PER_TIMESTAMP;
+    const size = count * BYTES_PER_TIMESTAMP;
     const { COPY_SRC, COPY_DST, MAP_READ, QUERY_RESOLVE } = GPUBufferUsage;
     const resolved = this.#device.createBuffer({ size, usage: QUERY_RESOLVE | COPY_SRC });
     const mapped = this.#device.createBuffer({ size, usage: COPY_DST | MAP_READ });
     const encoder = this.#device.createCommandEncoder();
-    if (count > 0) encoder.resolveQuerySet(this.#querySet, 0, count, resolved, 0);
+    encoder.resolveQuerySet(this.#querySet, 0, count, resolved, 0);
     encoder.copyBufferToBuffer(resolved, 0, mapped, 0, size);
     this.#device.queue.submit([encoder.finish()]);
     await mapped.mapAsync(GPUMapMode.READ);

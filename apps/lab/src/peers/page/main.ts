@@ -54,11 +54,11 @@ const page: BenchPage = {
     await peer.draw();
     const drawer = drawerOf(canvas);
     drawn = new DrawnPeer(peer, canvas, drawer, completionOf(drawer, request.wait));
-    webgpu.gpuTime = drawer.api === 'webgpu' ? GpuTime.of(drawer.device) : null;
     await drawn.completion();
     const loadMs = sinceStartMs();
     const longestTaskMs = longestTask();
     const firstSplatsMs = (await firstSplats) ?? loadMs;
+    webgpu.gpuTime = drawer.api === 'webgpu' ? GpuTime.of(drawer.device) : null;
     return { loadMs, firstSplatsMs, longestTaskMs, api: drawer.api, note: peer.note };
   },
   async measure(request) {

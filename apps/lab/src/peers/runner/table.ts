@@ -66,27 +66,23 @@ const COLUMNS: readonly Column[] = [
   { head: 'load', cell: ({ rounds }) => medianCell(rounds.map(loadMsOf)) },
   FETCH_COLUMN,
   ...WAY_COLUMNS,
-  { head: 'correct frame', cell: (row) => spreadCell(correctMsOf(row), 2) },
+  { head: 'correct frame', cell: (row) => spreadCell(timesOf(row, 'correctMs'), 2) },
   {
     head: '×',
     cell: (row, { base }) => (row.isFloor || !base ? NONE : ratioCell(row, base, medianCorrectMs)),
   },
-  { head: 'turn', cell: (row) => spreadCell(turnMsOf(row), 2) },
+  { head: 'turn', cell: (row) => spreadCell(timesOf(row, 'turnMs'), 2) },
   {
     head: '± %',
     cell: (row) => {
-      const turnMs = turnMsOf(row);
+      const turnMs = timesOf(row, 'turnMs');
       const meanMs = turnMs.reduce((sum, ms) => sum + ms, 0) / turnMs.length;
       return turnMs.length > 0 ? ((100 * standardDeviation(turnMs)) / meanMs).toFixed(0) : NONE;
     },
   },
   {
     head: 'GPU',
-    cell: (row) =>
-      spreadCell(
-        row.rounds.flatMap(({ measured }) => measured?.gpuMs ?? []),
-        2,
-      ),
+    cell: (row) => spreadCell(timesOf(row, 'gpuMs'), 2),
   },
   {
     head: 'orders',
@@ -230,12 +226,9 @@ function loadsOf(scenes: readonly SceneReport[]): string[][] {
   return [['load', 'format', 'MB', ...peers], ...lines];
 }
 
-function correctMsOf({ rounds }: Row): number[] {
-  return rounds.flatMap(({ measured }) => measured?.correctMs ?? []);
-}
-
-function turnMsOf({ rounds }: Row): number[] {
-  return rounds.flatMap(({ measured }) => measured?.turnMs ?? []);
+/** Over all rounds. */
+function timesOf({ rounds }: Row, of: 'correctMs' | 'turnMs' | 'gpuMs'): number[] {
+  return rounds.flatMap(({ measured }) => measured?.[of] ?? []);
 }
 
 /** Null for no values. */
