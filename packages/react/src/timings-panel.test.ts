@@ -16,6 +16,7 @@ const statistics = (timing: StageTimings): FrameStatistics => ({
   loadedSplats: 5_834_784,
   candidateSplats: 2_000_000,
   visibleSplats: 1_234_567,
+  cutErrorPx: null,
   rasterizer: 'quads',
   tilePairs: null,
   quadsSampleMs: null,

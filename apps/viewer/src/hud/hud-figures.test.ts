@@ -53,7 +53,13 @@ describe('HUD', () => {
 
   it('names the detail that was drawn, where the labels of a split image do not', () => {
     const changes = { drawnDetail: { maxSplats: 1000 } };
-    expect(hudText(stateWith(MEASURED, changes)).detail).toBe('at most 1,000 splats');
+    const state = stateWith(MEASURED, changes);
+    expect(hudText(state).detail).toBe('at most 1,000 splats');
+    const statistics = { ...state.statistics!, cutErrorPx: 0.7134 };
+    expect(hudText({ ...state, statistics }).detail).toBe('at most 1,000 splats (0.71 px)');
+    expect(hudText({ ...state, statistics, drawnDetail: { maxErrorPx: 1 } }).detail).toBe(
+      'errors up to 1 px',
+    );
     const comparison = { kind: 'split', left: 'current', right: 'current' } as const;
     expect(hudText(stateWith(MEASURED, { comparison, ...changes })).detail).toBe('');
     expect(hudText(stateWith(MEASURED, { detail: 'auto' })).detail).toBe('');

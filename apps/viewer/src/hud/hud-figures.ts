@@ -1,4 +1,5 @@
 import {
+  type FixedDetail,
   type FrameStatistics,
   isPlausible,
   type RasterizerReport,
@@ -28,7 +29,7 @@ export function hudText(state: ViewerState): Figures {
     ...(isSplit && figuresOf('right', stageFigures(state.rightStatistics, state.rightRasterizer))),
     loaded: formatCount(scene?.splats ?? Number.NaN),
     // The labels of a split image name it for each side.
-    detail: isSplit ? '' : describeDetail(drawnDetail),
+    detail: isSplit ? '' : detailText(drawnDetail, statistics?.cutErrorPx ?? null),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };
@@ -47,6 +48,13 @@ function stageFigures(statistics: FrameStatistics | null, rasterizer: Rasterizer
     rasterizerReason: statistics && rasterizer ? rasterizerReason(statistics, rasterizer) : '',
     visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
   };
+}
+
+/** With the error that a budget led to. */
+function detailText(detail: FixedDetail, cutErrorPx: number | null): string {
+  const words = describeDetail(detail);
+  const hasBudget = detail !== 'full' && (detail.maxSplats || detail.maxShare);
+  return hasBudget && cutErrorPx ? `${words} (${cutErrorPx.toPrecision(2)} px)` : words;
 }
 
 /** Figures by names that begin with what they are of: `right.sort`. */

@@ -23,6 +23,7 @@ const frame = (timing: StageTimings, tilePairs: number | null): FrameStatistics 
   loadedSplats: 100,
   candidateSplats: 60,
   visibleSplats: 50,
+  cutErrorPx: null,
   rasterizer: tilePairs === null ? 'quads' : 'tiles',
   tilePairs,
   quadsSampleMs: null,

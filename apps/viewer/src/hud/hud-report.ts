@@ -81,6 +81,7 @@ const COLUMNS: readonly (readonly [string, (frame: FrameStatistics) => string | 
   ['loaded_splats', ({ loadedSplats }) => loadedSplats],
   ['candidate_splats', ({ candidateSplats }) => candidateSplats],
   ['visible_splats', ({ visibleSplats }) => visibleSplats],
+  ['cut_error_px', ({ cutErrorPx }) => cutErrorPx],
   ['tile_pairs', ({ tilePairs }) => tilePairs],
 ];
 

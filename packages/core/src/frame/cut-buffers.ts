@@ -62,7 +62,7 @@ export class CutBuffers {
   }
 
   /** Bindings of the frame's budget; null without one. */
-  get budgetBindings(): Bindings | null {
+  get budgetBindings(): Readonly<Record<'cutPlan' | 'cutCounts', GPUBuffer>> | null {
     return this.#budget;
   }
 

@@ -159,7 +159,9 @@ export class FrameParts {
   recordCounts(encoder: GPUCommandEncoder): void {
     const { slotCount, visibleCount, tilePlan } = this.shared.buffers;
     const hasTiles = this.shape?.rasterizer === 'tiles';
-    this.timer.record(encoder, { slotCount, visibleCount, ...(hasTiles && { tilePlan }) });
+    const { cutPlan } = this.preprocess;
+    const plans = { ...(hasTiles && { tilePlan }), ...(cutPlan && { cutPlan }) };
+    this.timer.record(encoder, { slotCount, visibleCount, ...plans });
   }
 
   destroy(): void {

@@ -81,6 +81,12 @@ export function cutBudget(detail: FixedDetail, clouds: readonly CutCloud[]): Cut
   };
 }
 
+/** Returns the error of a frame's cuts before a budget shifts it, in pixels; null without a cut. */
+export function cutErrorPx(detail: FixedDetail, clouds: readonly Pick<CutCloud, 'cut'>[]): number | null {
+  if (detail === 'full' || !clouds.some(({ cut }) => cut)) return null;
+  return detail.maxErrorPx ?? UNSHIFTED_ERROR_PX;
+}
+
 /**
  * Returns the cut that moves no light by more than `detail` allows, in the middle of the image;
  * null for full detail, for clouds without levels, and where the cloud has no place in space.

@@ -460,6 +460,27 @@ describe('frames with less than full detail', () => {
     alone.destroy();
   });
 
+  gpuTest('tells the error that a budget led to, which alone draws as much', async () => {
+    const view = engine.createView();
+    const statisticsOf = (detail: Detail) =>
+      drawMeasured(engine, view, {
+        camera: camera(6),
+        clouds: [{ cloud }],
+        ...SIZE,
+        detail,
+        force: true,
+      });
+    const { visibleSplats, cutErrorPx } = await statisticsOf({ maxSplats: 2000 });
+    expect(cutErrorPx).toBeGreaterThan(0);
+    const same = await statisticsOf({ maxErrorPx: cutErrorPx! });
+    expect(same.cutErrorPx).toBe(cutErrorPx);
+    // Codes of squared errors are 6 % apart.
+    expect(same.visibleSplats).toBeGreaterThan(0.9 * visibleSplats);
+    expect(same.visibleSplats).toBeLessThan(1.1 * visibleSplats);
+    expect((await statisticsOf('full')).cutErrorPx).toBeNull();
+    view.destroy();
+  });
+
   gpuTest('a view follows its detail from frame to frame', async () => {
     const view = engine.createView();
     const clouds = [{ cloud, effects: [antialias(false)] }, { cloud }];

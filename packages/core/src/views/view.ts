@@ -11,6 +11,7 @@ import { FramePlanner, type PlannerContext } from '../frame/frame-planner.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import type { FrameOutput, FrameShape } from '../frame/frame-shape.ts';
 import { type EffectEntry, effectsLedger } from '../frame/ledger/ledger.ts';
+import { cutErrorPx } from '../frame/level-cut.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
@@ -510,8 +511,10 @@ export abstract class View {
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
   protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
     const drawn = this.prepared;
-    const totalSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
-    const read = () => this.parts.timer.read(++this.#frameNumber, totalSplats, submittedMs);
+    const loadedSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
+    const errorPx = drawn && cutErrorPx(drawn.detail, drawn.clouds);
+    const read = () =>
+      this.parts.timer.read({ frame: ++this.#frameNumber, loadedSplats, cutErrorPx: errorPx }, submittedMs);
     const { memory } = this.context;
     // Buffers to read may turn out not to exist.
     const statistics = await memory.guard('A frame', '', read, this.recovery.isChecking).result;

@@ -184,6 +184,11 @@ export class Preprocess implements FramePart<OrderRecording> {
     };
   }
 
+  /** One `CutPlan`; null where no budget limits the frame. */
+  get cutPlan(): GPUBuffer | null {
+    return this.#cuts.budgetBindings?.cutPlan ?? null;
+  }
+
   bind(shape: FrameShape): void {
     const { pipelines, shared } = this.#context;
     const { buffers } = shared;

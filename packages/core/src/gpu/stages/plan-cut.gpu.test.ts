@@ -1,11 +1,11 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { describe, expect } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import { CutPlan, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { planCut as reference } from '../../reference/plan-cut.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { planCut } from './plan-cut.ts';
+import { planCut, shiftedError } from './plan-cut.ts';
 
-const { CUT_BINS, CUT_COPIES, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
+const { CUT_BINS, CUT_COPIES, ERROR_SHIFT, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
 const gpu = testGpu();
 
 /** Runs both steps with the counts of cut-count; returns the plan's shift. */
@@ -26,6 +26,15 @@ async function shiftFor(countAt: (shift: number) => number, leastShift: number, 
   }
   return (await gpu.read(cutPlan))[CutPlan.offsets.shift / 4];
 }
+
+test.each([-700, -33, -1, 0, 1, 15, 900])('an error is shifted by %i codes as thresholds are', (codes) => {
+  for (const error of [1, 1.1, 1.4]) {
+    const bits = new DataView(new ArrayBuffer(4));
+    bits.setFloat32(0, error ** 2);
+    bits.setUint32(0, bits.getUint32(0) + (codes << ERROR_SHIFT));
+    expect(shiftedError(error, SHIFT_NONE + codes) / Math.sqrt(bits.getFloat32(0))).toBeCloseTo(1, 1);
+  }
+});
 
 describe('plan-cut', () => {
   const falling = (shift: number) => Math.round(6e6 * 2 ** (-shift / 700));

@@ -9,3 +9,9 @@ export const planCut: StageDefinition = {
   entryPoint: 'planCut',
   constants: LEVEL_CONSTANTS,
 };
+
+/** Returns an error of thresholds, a length, after they were shifted; right to 2 %. */
+export function shiftedError(error: number, shift: number): number {
+  // Codes are of squares, sixteen to the octave.
+  return error * 2 ** ((shift - LEVEL_CONSTANTS.SHIFT_NONE) / 32);
+}

@@ -87,6 +87,11 @@ export interface FrameStatistics {
   readonly candidateSplats: number;
   /** Splats drawn. */
   readonly visibleSplats: number;
+  /**
+   * The error that blobs were allowed, as `maxErrorPx` of a detail: what a budget led to, or what was
+   * asked for. Null where every splat was drawn.
+   */
+  readonly cutErrorPx: number | null;
   /** Rasteriser that drew them. */
   readonly rasterizer: FrameRasterizer;
   /**

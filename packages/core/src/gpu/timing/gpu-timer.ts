@@ -1,6 +1,8 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { CutPlan } from '../../data/layout/level-structs.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
+import { shiftedError } from '../stages/plan-cut.ts';
 import {
   type FrameStatistics,
   type StageTimings,
@@ -14,8 +16,13 @@ const RING_SIZE = 4;
 
 const TIMESTAMP_BYTES = 8 * 2 * TIMED_PASSES.length;
 const COUNTS_BYTES = 8;
-/** Timestamps, then the numbers of visible chunks and splats, a word each, then one `TilePlan`. */
-const READBACK_BYTES = TIMESTAMP_BYTES + COUNTS_BYTES + TilePlan.bytes;
+const TILES_AT = TIMESTAMP_BYTES + COUNTS_BYTES;
+const CUT_AT = TILES_AT + TilePlan.bytes;
+/**
+ * Timestamps, then the numbers of visible chunks and splats, a word each, then one `TilePlan` and
+ * one `CutPlan`.
+ */
+const READBACK_BYTES = CUT_AT + CutPlan.bytes;
 
 /** Buffers with the counts of a frame. */
 export interface FrameCounts {
@@ -23,6 +30,17 @@ export interface FrameCounts {
   readonly visibleCount: GPUBuffer;
   /** One `TilePlan`; only for shapes with tiles. */
   readonly tilePlan?: GPUBuffer;
+  /** One `CutPlan`; only for frames with a budget. */
+  readonly cutPlan?: GPUBuffer;
+}
+
+/** What the host knows of a frame. */
+interface KnownFrame {
+  /** Number of the frame, from 1. */
+  readonly frame: number;
+  readonly loadedSplats: number;
+  /** Error of the frame's cuts before a budget shifts it, in pixels; null without a cut. */
+  readonly cutErrorPx: number | null;
 }
 
 /** Measures frames without waits for the GPU: a ring of buffers is read some frames later. */
@@ -41,6 +59,7 @@ export class GpuTimer {
   #measuring: GPUBuffer | null = null;
   #passes = new Set<TimedPass>();
   #hasPairs = false;
+  #hasBudget = false;
   #isDestroyed = false;
 
   constructor(device: GPUDevice, memory: GpuMemory) {
@@ -77,9 +96,11 @@ export class GpuTimer {
     }
     encoder.copyBufferToBuffer(counts.slotCount, 0, target, TIMESTAMP_BYTES, 4);
     encoder.copyBufferToBuffer(counts.visibleCount, 0, target, TIMESTAMP_BYTES + 4, 4);
-    this.#hasPairs = counts.tilePlan !== undefined;
-    if (counts.tilePlan)
-      encoder.copyBufferToBuffer(counts.tilePlan, 0, target, TIMESTAMP_BYTES + COUNTS_BYTES, TilePlan.bytes);
+    const { tilePlan, cutPlan } = counts;
+    this.#hasPairs = tilePlan !== undefined;
+    if (tilePlan) encoder.copyBufferToBuffer(tilePlan, 0, target, TILES_AT, TilePlan.bytes);
+    this.#hasBudget = cutPlan !== undefined;
+    if (cutPlan) encoder.copyBufferToBuffer(cutPlan, 0, target, CUT_AT, CutPlan.bytes);
   }
 
   /**
@@ -88,13 +109,13 @@ export class GpuTimer {
    * @param submittedMs `performance.now()` when the frame's first submission was made.
    */
   async read(
-    frame: number,
-    loadedSplats: number,
+    { frame, loadedSplats, cutErrorPx }: KnownFrame,
     submittedMs = performance.now(),
   ): Promise<FrameStatistics | null> {
     const buffer = this.#measuring;
     const passes = this.#passes;
     const hasPairs = this.#hasPairs;
+    const hasBudget = this.#hasBudget;
     const isTimed = this.#recorded !== null;
     this.#measuring = null;
     if (!buffer) return null;
@@ -107,9 +128,10 @@ export class GpuTimer {
       const contents = buffer.getMappedRange().slice(0);
       buffer.unmap();
       const [slots, visibleSplats] = new Uint32Array(contents, TIMESTAMP_BYTES);
-      const tilePlan = new Uint32Array(contents, TIMESTAMP_BYTES + COUNTS_BYTES);
+      const tilePlan = new Uint32Array(contents, TILES_AT);
       const neededPairs = tilePlan[TilePlan.offsets.neededPairs / 4];
       const fits = tilePlan[TilePlan.offsets.fits / 4] === 1;
+      const shift = new Uint32Array(contents, CUT_AT)[CutPlan.offsets.shift / 4];
       const candidateSplats = Math.min(loadedSplats, slots * CHUNK_SPLATS);
       const spanMs = isTimed
         ? spansOf(new BigUint64Array(contents, 0, 2 * TIMED_PASSES.length), passes)
@@ -121,6 +143,7 @@ export class GpuTimer {
         loadedSplats,
         candidateSplats,
         visibleSplats,
+        cutErrorPx: cutErrorPx !== null && hasBudget ? shiftedError(cutErrorPx, shift) : cutErrorPx,
         rasterizer: hasPairs && fits ? 'tiles' : 'quads',
         tilePairs: hasPairs ? neededPairs : null,
         quadsSampleMs,
