@@ -9,9 +9,10 @@ import type { Bindings, StageDefinition } from '../gpu/pipelines.ts';
 import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
 import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
-import type { CloudPage, CloudPlanes } from './cloud-planes.ts';
+import type { CloudPlanes } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
-import { cellCounts, cellsOf } from './level-cells.ts';
+import { cellCounts, cellsOf, childCell } from './level-cells.ts';
+import type { BlobPage, Levels } from './levels.ts';
 import { type CellRange, TOUCH_STAGES, TouchedLinks } from './touched-links.ts';
 
 /** Chunks of a cell of an upper level: its leaves and its blobs. */
@@ -27,11 +28,6 @@ const ADVICE = 'Draw it in full detail, or load fewer splats.';
 
 /** Levels are made of the finest planes that a cloud holds. */
 const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
-
-/** One page of blobs, with the links of its slots. */
-export interface BlobPage extends CloudPage {
-  readonly links: GPUBuffer;
-}
 
 /** The parts of a cloud that its levels are made of. */
 export interface LevelSource {
@@ -53,8 +49,8 @@ type MadeLevels = Pick<
   'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts' | 'chunks' | 'ranges'
 >;
 
-/** The levels of detail of a cloud, on the GPU: blobs that stand for its splats. */
-export class CloudLevels {
+/** The levels of a cloud that is on the GPU as a whole: blobs that stand for its splats. */
+export class CloudLevels implements Levels {
   readonly cellCount: number;
   readonly cells: GPUBuffer;
   /** Links of the splats, by page of the cloud. */
@@ -102,12 +98,17 @@ export class CloudLevels {
     }
   }
 
-  /** The stages that these links take. */
-  readonly touchStages = TOUCH_STAGES;
+  readonly refinement = {
+    stages: TOUCH_STAGES,
+    make: (context: DispatchContext) => new TouchedLinks(context, this),
+  };
 
-  /** Makes room for links that refine cuts in the frames of one view: call `update` of the result. */
-  touchedLinks(context: DispatchContext): TouchedLinks {
-    return new TouchedLinks(context, this);
+  get chunkCells(): number {
+    return this.counts[0];
+  }
+
+  childCell(cell: number, slot: number): number {
+    return childCell(this.counts, { cell, slot });
   }
 
   get bytes(): number {

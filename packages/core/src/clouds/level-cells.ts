@@ -1,7 +1,7 @@
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 
-const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
+const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
 
 /** Cells of each level, from that of the chunks to the one cell at the top. */
 export function cellCounts(chunkCount: number): number[] {
@@ -53,4 +53,14 @@ export function cellsOf(chunks: Float32Array, others: Float32Array = chunks): Ar
     start = next;
   }
   return contents;
+}
+
+/** The cell of the level below whose root is a leaf of this one. */
+export function childCell(
+  counts: readonly number[],
+  { cell, slot }: { readonly cell: number; readonly slot: number },
+): number {
+  let [level, start] = [0, 0];
+  while (cell >= start + counts[level]) start += counts[level++];
+  return start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / CELL_ROOTS);
 }

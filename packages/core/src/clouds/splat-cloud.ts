@@ -10,9 +10,9 @@ import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
-import type { CloudLevels } from './cloud-levels.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
+import type { Levels } from './levels.ts';
 import type { TouchedSplats } from './touched-links.ts';
 
 /** A source to read a cloud's splats from again, any number of times, in other precisions. */
@@ -34,7 +34,9 @@ export interface SplatCloudOptions {
    * Makes the levels of detail of `cloud`, unless `check`, called now and then, throws. Without it
    * there are none.
    */
-  readonly makeLevels?: (cloud: SplatCloud, check: () => void) => Promise<CloudLevels>;
+  readonly makeLevels?: (cloud: SplatCloud, check: () => void) => Promise<Levels>;
+  /** Where the cloud shows what is there of a scene of any size; default null. */
+  readonly pool?: CloudPool | null;
   /** Whether the planes belong to a load in progress, which the cloud previews. Default false. */
   readonly isPreview?: boolean;
   /**
@@ -52,6 +54,12 @@ export interface SplatCloudOptions {
   readonly onWritten?: (bytes: number) => void;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
+}
+
+/** Room for parts of a scene that take turns. */
+export interface CloudPool {
+  /** Most splats and blobs that a frame draws of what is there. */
+  readonly capacity: number;
 }
 
 /** Facts about a cloud's splats, besides its planes. */
@@ -124,7 +132,9 @@ export class SplatCloud {
   /** @internal What edits the cloud; null: nothing does. */
   editing: CloudEditing | null = null;
   /** @internal Blobs to draw instead of splats that are too small to tell apart; null: none. */
-  levels: CloudLevels | null = null;
+  levels: Levels | null = null;
+  /** @internal Null where all splats are on the GPU. */
+  readonly pool: CloudPool | null;
   /** @internal Grows whenever edits change what frames show. */
   version = 0;
   /**
@@ -166,6 +176,7 @@ export class SplatCloud {
     this.sourceOptions = options.sourceOptions ?? {};
     this.chunks = contents.chunks;
     this.isPreview = isPreview;
+    this.pool = options.pool ?? null;
     this.visibleLimit = visibleLimit;
     this.fit = options.fit ?? null;
     this.#onDestroyed = onDestroyed;
@@ -294,6 +305,11 @@ export class SplatCloud {
       throw error;
     });
     await this.#levelsMade;
+  }
+
+  /** @internal Most splats that a frame draws of the cloud. */
+  get capacity(): number {
+    return this.pool?.capacity ?? this.count;
   }
 
   /** Why frames with less than full detail draw all splats nevertheless, if levels failed; else null. */

@@ -15,7 +15,7 @@ import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
-import { type LevelCut, levelCut, reasonInFull } from './level-cut.ts';
+import { FINEST_CUT, type LevelCut, levelCut, reasonInFull } from './level-cut.ts';
 
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
@@ -91,7 +91,8 @@ export function planCloud(
   }));
   const effects = effectSetOf(acting);
   const inFull = reasonInFull(cloud, detail, view, accuracy);
-  const cut = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
+  const found = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
+  const cut = found ?? (cloud.pool ? FINEST_CUT : null);
   return {
     instance: {
       ...instance,
@@ -115,7 +116,10 @@ export function planCloud(
     ),
     inFull,
     cut,
-    isTouched: cut !== null && (!!cloud.editing?.touched.count || uses.some(showsSelection)),
+    isTouched:
+      cut !== null &&
+      cloud.levels?.refinement != null &&
+      (!!cloud.editing?.touched.count || uses.some(showsSelection)),
   };
 }
 

@@ -1,4 +1,4 @@
-import type { CloudLevels } from '../clouds/cloud-levels.ts';
+import type { Levels } from '../clouds/levels.ts';
 import type { TouchedLinks } from '../clouds/touched-links.ts';
 import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
@@ -9,7 +9,7 @@ import type { FrameShape } from './frame-shape.ts';
 
 /** The buffers of the cut through one cloud's levels. */
 interface Cut {
-  readonly levels: CloudLevels;
+  readonly levels: Levels;
   readonly parameters: GPUBuffer;
   /** A word per cell. */
   readonly thresholds: GPUBuffer;
@@ -43,7 +43,7 @@ export class CutBuffers {
       const cut = this.#cuts[i];
       if (!cut || isTouched === (cut.touched !== null)) continue;
       cut.touched?.destroy();
-      cut.touched = isTouched ? cut.levels.touchedLinks({ ...this.#context, dispatchRow }) : null;
+      cut.touched = isTouched ? cut.levels.refinement!.make({ ...this.#context, dispatchRow }) : null;
     }
   }
 
@@ -99,7 +99,7 @@ export class CutBuffers {
         };
   }
 
-  #make(levels: CloudLevels): Cut {
+  #make(levels: Levels): Cut {
     const { STORAGE, UNIFORM, COPY_DST, COPY_SRC } = GPUBufferUsage;
     const { memory } = this.#context;
     return {

@@ -1,5 +1,5 @@
-import type { CloudLevels } from '../clouds/cloud-levels.ts';
 import type { CloudPages } from '../clouds/cloud-planes.ts';
+import type { Levels } from '../clouds/levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
@@ -15,7 +15,7 @@ export interface CloudShape {
   /** The planes to draw: of those that the cloud holds, the nearest to the frame's accuracy. */
   readonly planes: CloudPages;
   /** Its levels, if a cut through them is drawn. */
-  readonly levels: CloudLevels | null;
+  readonly levels: Levels | null;
   /** See `CloudPlan`. */
   readonly isTouched: boolean;
   readonly effects: EffectSet;

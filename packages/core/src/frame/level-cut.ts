@@ -1,4 +1,4 @@
-import type { CloudLevels } from '../clouds/cloud-levels.ts';
+import type { Levels } from '../clouds/levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
@@ -24,6 +24,9 @@ export interface CutBudget {
   /** The least shift of thresholds. */
   readonly leastShift: number;
 }
+
+/** The cut that allows no error: whatever is finest. */
+export const FINEST_CUT: LevelCut = { camera: [0, 0, 0], squaredPerDistance: 0, leastSquared: 0, margin: 0 };
 
 type CutCloud = SidedCloud & { readonly cut: LevelCut | null };
 
@@ -56,6 +59,8 @@ export function reasonInFull(
   { inverse }: CloudView,
   { recordPrecision }: Pick<AccuracySettings, 'recordPrecision'>,
 ): string | null {
+  // Of a scene that is not all there, some blobs may be all there is.
+  if (cloud.pool) return null;
   if (detail === 'full') return 'full detail is asked for';
   if (cloud.isPreview) return 'the cloud is loading';
   if (cloud.count === 0) return 'the cloud has no splats';
@@ -92,7 +97,7 @@ export function cutErrorPx(detail: FixedDetail, clouds: readonly Pick<CutCloud, 
  * null for full detail, for clouds without levels, and where the cloud has no place in space.
  */
 export function levelCut(
-  levels: CloudLevels | null,
+  levels: Levels | null,
   detail: FixedDetail,
   { linear, inverse, camera }: CloudView,
   { isOrthographic, focalPx, near }: Projection,

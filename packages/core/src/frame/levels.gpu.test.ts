@@ -2,7 +2,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, test } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
 import type { CloudLevels } from '../clouds/cloud-levels.ts';
-import { cellCounts, cellsOf } from '../clouds/level-cells.ts';
+import { cellCounts, cellsOf, childCell } from '../clouds/level-cells.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
@@ -32,7 +32,6 @@ import { isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/mad
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testGpu } from '../testing/test-gpu.ts';
-import { childCell } from '../views/first-splat-of.ts';
 import type { Detail } from './detail.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
 import { type LevelCut, levelCut } from './level-cut.ts';

@@ -17,11 +17,11 @@ const LEAST_OF_CLOUD = CHUNK_SPLATS;
 
 /** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
 export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget | null = null): number {
-  const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.count, 0);
+  const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.capacity, 0);
   if (budget) {
     const most = clouds.map(({ cut, isTouched, instance }) =>
       // What is touched is drawn besides.
-      cut && !isTouched ? LEAST_OF_CLOUD : instance.cloud.count,
+      cut && !isTouched ? LEAST_OF_CLOUD : instance.cloud.capacity,
     );
     return Math.min(
       total,

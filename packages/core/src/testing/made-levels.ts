@@ -74,7 +74,7 @@ export async function madeLevels(
   const cloud = { name: 'cloud', count: packed.count, chunks: packed.chunks, planes };
   const context = { device, pipelines, memory, dispatchRow, submissionBudgetMs };
   const levels = await CloudLevels.make(context, cloud, () => {});
-  const refined = touched && levels.touchedLinks(context);
+  const refined = touched && levels.refinement.make(context);
   if (refined) {
     const { edited, hidden, selections = [] } = touched;
     const bitsOf = (isSet: (splat: number) => boolean = () => false, from = 0, end = packed.count) => {
@@ -82,7 +82,7 @@ export async function madeLevels(
       for (let i = from; i < end; i++) if (isSet(i)) bits[(i - from) >>> 5] |= 1 << ((i - from) % 32);
       return bits;
     };
-    await pipelines.prepare(levels.touchStages);
+    await pipelines.prepare(levels.refinement.stages);
     const editing = { touched: { edited: bitsOf(edited), hidden: bitsOf(hidden), version: 1, count: 1 } };
     const precision = {
       geometryPrecision: packed.geometry.precision,

@@ -1,10 +1,10 @@
-import type { CloudLevels } from '../clouds/cloud-levels.ts';
+import type { Levels } from '../clouds/levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { readBack } from '../gpu/read-back.ts';
 
-const { CELL_CHILDREN, CELL_ROOTS, ERROR_BOUNDLESS } = LEVEL_CONSTANTS;
+const { CELL_ROOTS, ERROR_BOUNDLESS } = LEVEL_CONSTANTS;
 const LINKS_BYTES = 4 * ChunkLinks.words;
 /** Words before the links of a chunk. */
 const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
@@ -23,16 +23,16 @@ interface Node {
  * Finds the first splat, in storage order, that a blob stands for: down from cell to cell, whose
  * links are read back.
  *
- * @returns its index in storage; null if cloud or levels have been destroyed meanwhile.
+ * @returns its index in storage; null if it is not on the GPU, or cloud or levels have been destroyed
+ *   meanwhile.
  */
 export async function firstSplatOf(
   device: GPUDevice,
   cloud: SplatCloud,
-  levels: CloudLevels,
+  levels: Levels,
   { page, chunk, slot }: { readonly page: number; readonly chunk: number; readonly slot: number },
 ): Promise<number | null> {
-  const { counts, splatLinks, blobPages } = levels;
-  const [chunkCount] = counts;
+  const { chunkCells: chunkCount, splatLinks, blobPages } = levels;
   const isUpper = page >= splatLinks.length;
   const before = blobPages.slice(0, page).reduce((sum, each) => sum + each.chunkCount, 0);
   let node: Node = isUpper
@@ -40,19 +40,12 @@ export async function firstSplatOf(
     : { cell: before + chunk, slot, isLeaf: false };
   for (;;) {
     if (node.isLeaf && node.cell < chunkCount) return node.cell * CHUNK_SPLATS + node.slot;
-    const cell: number = node.isLeaf ? childCell(counts, node) : node.cell;
-    if (cloud.isDestroyed || cloud.levels !== levels) return null;
+    const cell = node.isLeaf ? levels.childCell(node.cell, node.slot) : node.cell;
+    if (cell === null || cloud.isDestroyed || cloud.levels !== levels) return null;
     const { leaves, blobs } = await readLinks(device, levels, cell);
     const blob: number = node.isLeaf ? rootSlots(blobs)[node.slot % CELL_ROOTS] : node.slot;
     node = { cell, slot: firstLeafOf(leaves, blobs, blob), isLeaf: true };
   }
-}
-
-/** The cell of the level below whose root is a leaf of this one. */
-export function childCell(counts: readonly number[], { cell, slot }: Omit<Node, 'isLeaf'>): number {
-  let [level, start] = [0, 0];
-  while (cell >= start + counts[level]) start += counts[level++];
-  return start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / CELL_ROOTS);
 }
 
 function rootSlots(blobs: Uint32Array): number[] {
@@ -72,9 +65,9 @@ function firstLeafOf(leaves: Uint32Array, blobs: Uint32Array, slot: number): num
 }
 
 /** Reads the links of a cell's leaves and blobs. */
-async function readLinks(device: GPUDevice, { counts, splatLinks, blobPages }: CloudLevels, cell: number) {
+async function readLinks(device: GPUDevice, levels: Levels, cell: number) {
+  const { chunkCells: chunkCount, splatLinks, blobPages } = levels;
   let [page, chunk] = [0, cell];
-  const [chunkCount] = counts;
   if (cell < chunkCount) while (chunk >= blobPages[page].chunkCount) chunk -= blobPages[page++].chunkCount;
   else [page, chunk] = [blobPages.length - 1, 2 * (cell - chunkCount)];
   const isUpper = cell >= chunkCount;

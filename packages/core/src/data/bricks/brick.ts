@@ -28,6 +28,8 @@ export interface Brick {
 export interface BrickCell {
   /** Of the centres of all splats below it, about the scene's origin. */
   readonly bounds: Bounds;
+  /** The largest standard deviation, along any axis, of all splats below it. */
+  readonly largestScale: number;
   /** Leaf `i` is in place `i`; above level 0, root `r` of child cell `k` in place `16 k + r`. */
   readonly leafCount: number;
   /** Range of the packed log scales of its leaves: least, and step; 0 above level 0. */

@@ -56,6 +56,14 @@ export const CutPlan = gpuStruct('CutPlan', {
   budget: 'u32',
 });
 
+/** Which leaves of a cell above the chunks stand for cells that are not on the GPU. */
+export const OpenedLeaves = gpuStruct('OpenedLeaves', {
+  /** Of each cell below: its error; 0 while it is not on the GPU. */
+  errors: 'array<vec4u, 4>',
+  /** Chunk of the leaves, among those above the chunks of splats. */
+  chunk: 'u32',
+});
+
 /** Constants of stages that know levels. */
 export const LEVEL_CONSTANTS = {
   /** Cells of a level in one of the level above. */
@@ -113,5 +121,6 @@ export const LEVEL_STRUCTS: readonly ShaderStruct[] = [
   MergeParameters,
   CutParameters,
   CutPlan,
+  OpenedLeaves,
   ChunkLinks,
 ];

@@ -157,7 +157,9 @@ export class Preprocess implements FramePart<OrderRecording> {
       [...new Set([splats, blobs])].flatMap((own) => Object.values<CompiledStage>(own)),
     );
     const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
-    const touched = shape.clouds.flatMap(({ isTouched, levels }) => (isTouched ? levels!.touchStages : []));
+    const touched = shape.clouds.flatMap(({ isTouched, levels }) =>
+      isTouched ? levels!.refinement!.stages : [],
+    );
     const budget = shape.isBudgeted ? [planCut, shiftCells] : [];
     return [...FRAME_STAGES, ...cuts, ...touched, ...budget, ...prefixScanStages, ...clouds];
   }

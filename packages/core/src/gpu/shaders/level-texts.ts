@@ -9,6 +9,7 @@ import cutCount from '../../../../../shaders/stages/cut-count.wgsl?raw';
 import cutSplats from '../../../../../shaders/stages/cut-splats.wgsl?raw';
 import mergeChunks from '../../../../../shaders/stages/merge-chunks.wgsl?raw';
 import mergeHarmonics from '../../../../../shaders/stages/merge-harmonics.wgsl?raw';
+import openLeaves from '../../../../../shaders/stages/open-leaves.wgsl?raw';
 import planCut from '../../../../../shaders/stages/plan-cut.wgsl?raw';
 import project from '../../../../../shaders/stages/project.wgsl?raw';
 import touchLinks from '../../../../../shaders/stages/touch-links.wgsl?raw';
@@ -23,6 +24,7 @@ export const LEVEL_TEXTS = {
   'cut-splats': cutSplats,
   'merge-chunks': mergeChunks,
   'merge-harmonics': mergeHarmonics,
+  'open-leaves': openLeaves,
   'plan-cut': planCut,
   project,
   'touch-links': touchLinks,

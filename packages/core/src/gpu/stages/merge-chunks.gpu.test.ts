@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { cellCounts } from '../../clouds/level-cells.ts';
+import { cellCounts, childCell } from '../../clouds/level-cells.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { packSet } from '../../data/packing/pack-set.ts';
@@ -12,7 +12,6 @@ import { blobOpacity, type Merged, merge, mergeCost } from '../../reference/merg
 import { childrenOf, isRoot, type MadeCell, madeLevels } from '../../testing/made-levels.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { childCell } from '../../views/first-splat-of.ts';
 import { Pipelines } from '../pipelines.ts';
 
 const { CELL_ROOTS } = LEVEL_CONSTANTS;

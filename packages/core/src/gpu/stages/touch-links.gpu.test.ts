@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { cellCounts } from '../../clouds/level-cells.ts';
+import { cellCounts, childCell } from '../../clouds/level-cells.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunkCountOf, maxScaleOf } from '../../data/packing/chunks.ts';
 import { packSet } from '../../data/packing/pack-set.ts';
@@ -10,7 +10,6 @@ import { type MadeCell, type MadeNode, madeLevels, type TouchedBy } from '../../
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { childCell } from '../../views/first-splat-of.ts';
 import { Pipelines } from '../pipelines.ts';
 
 const { ERROR_BOUNDLESS } = LEVEL_CONSTANTS;

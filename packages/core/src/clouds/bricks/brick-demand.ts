@@ -1,0 +1,120 @@
+import type { FrustumSide } from '../../data/camera/frustum.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import type { Bounds } from '../../data/packing/packed-cloud.ts';
+import type { PlacedBrick, PlacedCell } from './brick-pool.ts';
+
+/** How a view sees a scene in bricks. */
+export interface BrickSight {
+  /** Its cut: see `LevelCut`. */
+  readonly cut: {
+    readonly camera: readonly [number, number, number];
+    readonly squaredPerDistance: number;
+    readonly leastSquared: number;
+    readonly margin: number;
+  };
+  /** Factor of squared thresholds by which a budget has shifted them. */
+  readonly squaredShift: number;
+  /** Sides of its frustum, about the scene's origin. */
+  readonly sides: readonly FrustumSide[];
+}
+
+/** A brick that is not on the GPU, below a cell that is. */
+export interface LackingBrick {
+  readonly above: PlacedCell;
+  /** See `BrickDemand.valueOf`. */
+  readonly value: number;
+}
+
+/** Bricks out of sight count as this much less: they are kept only where nothing else needs room. */
+const OUT_OF_SIGHT = 1e-12;
+/** Least squared threshold, so that errors can be divided by it. */
+const LEAST_SQUARED = 1e-36;
+/** Slack of tests in float32, as in chunk-groups. */
+const SLACK = 1e-4;
+
+/**
+ * What views want of a scene. The value of a brick is how far the error that it takes away exceeds
+ * what the view that needs it most allows, as a ratio of squares: above 1, the brick would be drawn.
+ */
+export class BrickDemand {
+  readonly #sights: readonly BrickSight[];
+
+  constructor(sights: Iterable<BrickSight>) {
+    this.#sights = [...sights];
+  }
+
+  /** The value of the brick below a cell. */
+  valueOf({ bounds, largestScale, childErrors }: PlacedCell): number {
+    const error = squaredError(Math.max(...childErrors));
+    return this.#sights.reduce((most, { cut, squaredShift, sides }) => {
+      const threshold = Math.max(LEAST_SQUARED, squaredShift * squaredThreshold(bounds, cut));
+      const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
+      return Math.max(most, (error / threshold) * (isSeen ? 1 : OUT_OF_SIGHT));
+    }, 0);
+  }
+
+  /** Bricks that would be drawn if they were there, the most valuable first. */
+  lacking(root: PlacedBrick): LackingBrick[] {
+    const lacking: LackingBrick[] = [];
+    const visit = (cell: PlacedCell) => {
+      if (!cell.child) return;
+      const value = this.valueOf(cell);
+      // What is below takes away less: errors grow from splat to root, and thresholds shrink.
+      if (value <= 1) return;
+      if (cell.below) for (const each of cell.below.cells) visit(each);
+      else lacking.push({ above: cell, value });
+    };
+    for (const cell of root.cells) visit(cell);
+    return lacking.sort((a, b) => b.value - a.value || a.above.child!.number - b.above.child!.number);
+  }
+
+  /** The least valuable of these bricks that may go: below which none is, and not the root. */
+  leastValuable(
+    bricks: readonly PlacedBrick[],
+  ): { readonly brick: PlacedBrick; readonly value: number } | null {
+    let least: { brick: PlacedBrick; value: number } | null = null;
+    for (const brick of bricks) {
+      if (!brick.above || brick.cells.some(({ below }) => below)) continue;
+      const value = this.valueOf(brick.above);
+      if (!least || value < least.value) least = { brick, value };
+    }
+    return least;
+  }
+}
+
+const bits = new DataView(new ArrayBuffer(4));
+
+/** The square that an error in a link stands for: the least at which it is not seen. */
+function squaredError(error: number): number {
+  bits.setUint32(0, error << LEVEL_CONSTANTS.ERROR_SHIFT);
+  return bits.getFloat32(0);
+}
+
+/** As cut-cells finds it. */
+function squaredThreshold(
+  { min, max }: Bounds,
+  { camera, squaredPerDistance, leastSquared, margin }: BrickSight['cut'],
+): number {
+  let distance2 = 0;
+  for (let axis = 0; axis < 3; axis++) {
+    const apart = Math.max(min[axis] - camera[axis], camera[axis] - max[axis]) - margin;
+    if (apart > 0) distance2 += apart * apart;
+  }
+  return Math.max(distance2 * squaredPerDistance, leastSquared);
+}
+
+/** Whether splats in these bounds may reach past a side of the frustum into it. */
+function reachesIn(
+  { normal, offset, reach }: FrustumSide,
+  { min, max }: Bounds,
+  largestScale: number,
+): boolean {
+  let nearest = offset + reach * largestScale;
+  let size = Math.abs(nearest);
+  for (let axis = 0; axis < 3; axis++) {
+    const part = normal[axis] * (normal[axis] > 0 ? max[axis] : min[axis]);
+    nearest += part;
+    size += Math.abs(part);
+  }
+  return nearest >= -SLACK * size;
+}
