@@ -1,3 +1,4 @@
+import { cellCounts, childCell } from '../data/layout/cell-counts.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { ChunkLinks, MergeParameters } from '../data/layout/level-structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
@@ -11,7 +12,7 @@ import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
 import type { CloudPlanes } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
-import { cellCounts, cellsOf, childCell } from './level-cells.ts';
+import { cellsOf } from './level-cells.ts';
 import type { BlobPage, Levels } from './levels.ts';
 import { type CellRange, TOUCH_STAGES, TouchedLinks } from './touched-links.ts';
 

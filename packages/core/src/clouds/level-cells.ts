@@ -1,14 +1,8 @@
+import { cellCounts } from '../data/layout/cell-counts.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 
-const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
-
-/** Cells of each level, from that of the chunks to the one cell at the top. */
-export function cellCounts(chunkCount: number): number[] {
-  const counts = [chunkCount];
-  while (counts.at(-1)! > 1) counts.push(Math.ceil(counts.at(-1)! / CELL_CHILDREN));
-  return counts;
-}
+const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 
 /**
  * The contents of a cloud's buffer of cells, of the `Chunk` structs of its chunks.
@@ -53,14 +47,4 @@ export function cellsOf(chunks: Float32Array, others: Float32Array = chunks): Ar
     start = next;
   }
   return contents;
-}
-
-/** The cell of the level below whose root is a leaf of this one. */
-export function childCell(
-  counts: readonly number[],
-  { cell, slot }: { readonly cell: number; readonly slot: number },
-): number {
-  let [level, start] = [0, 0];
-  while (cell >= start + counts[level]) start += counts[level++];
-  return start - counts[level - 1] + CELL_CHILDREN * (cell - start) + Math.floor(slot / CELL_ROOTS);
 }

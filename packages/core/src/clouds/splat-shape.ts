@@ -1,6 +1,6 @@
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { logScalesOf } from '../data/packing/chunks.ts';
-import { GEOMETRY_WORDS, type PackedGeometry, ROTATION_STEPS } from '../data/packing/geometry.ts';
+import { GEOMETRY_WORDS, type PackedGeometry, unpackRotation } from '../data/packing/geometry.ts';
 
 /** Opacity below which splats are left out. */
 export const LEAST_OPACITY = 1 / 255;
@@ -54,7 +54,7 @@ export function unpackShape(
     sx = Math.exp(min + step * (words[from + 5] & 0xffff));
     sy = Math.exp(min + step * (words[from + 5] >>> 16));
     sz = Math.exp(min + step * (words[from + 6] & 0xffff));
-    unpackRotation(words[from + 6] >>> 16, words[from + 7]);
+    unpackRotation(words[from + 6] >>> 16, words[from + 7], q);
   }
   const [w, x, y, z] = q;
   const xxs = 1 - 2 * (y * y + z * z);
@@ -84,16 +84,3 @@ export function unpackShape(
 }
 
 const QUATERNION = new Float64Array(4);
-
-/** As packed geometry has it: see `packGeometry`. */
-function unpackRotation(low: number, high: number): void {
-  const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
-  const steps = [low & 0x7fff, high & 0x7fff, (high >>> 16) & 0x7fff];
-  let left = 1;
-  for (let k = 0, step = 0; k < 4; k++) {
-    if (k === largest) continue;
-    QUATERNION[k] = ((steps[step++] - ROTATION_STEPS) * Math.SQRT1_2) / ROTATION_STEPS;
-    left -= QUATERNION[k] * QUATERNION[k];
-  }
-  QUATERNION[largest] = Math.sqrt(Math.max(0, left));
-}

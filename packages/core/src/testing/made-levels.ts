@@ -1,6 +1,6 @@
 import { CloudLevels } from '../clouds/cloud-levels.ts';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
-import { cellCounts } from '../clouds/level-cells.ts';
+import { cellCounts } from '../data/layout/cell-counts.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';

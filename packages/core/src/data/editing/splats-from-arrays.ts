@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { wrongArgument } from '../given.ts';
 import { principalAxes } from '../math/principal-axes.ts';
+import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
 import { shown } from '../printable.ts';
 import { colorDcOf, logitOf } from '../splats/color-values.ts';
 import { checkArray, checkColumn, isF32 } from '../splats/splat-edits.ts';
@@ -131,25 +132,6 @@ function shapesOfCovariances(
     turned.set(quaternionOfAxes(axes), 4 * i);
   }
   return { logScales, rotations: turned };
-}
-
-/** Quaternion w, x, y, z that turns x, y, z to orthonormal axes; the last may point either way. */
-function quaternionOfAxes(axes: Float64Array): [number, number, number, number] {
-  const [ax, ay, az, bx, by, bz] = axes;
-  // Right-handed.
-  const [cx, cy, cz] = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
-  // Each has the largest component of the quaternion once; the largest of them divides best.
-  const squares = [1 + ax + by + cz, 1 + ax - by - cz, 1 - ax + by - cz, 1 - ax - by + cz];
-  switch (squares.indexOf(Math.max(...squares))) {
-    case 0:
-      return [squares[0], bz - cy, cx - az, ay - bx];
-    case 1:
-      return [bz - cy, squares[1], ay + bx, cx + az];
-    case 2:
-      return [cx - az, ay + bx, squares[2], bz + cy];
-    default:
-      return [ay - bx, cx + az, bz + cy, squares[3]];
-  }
 }
 
 function colorsOf(colors: ArrayLike<number>, count: number): Colors {

@@ -93,3 +93,18 @@ export function packRotation(rotation: Float64Array): [low: number, high: number
   }
   return [steps[0] | ((largest & 1) << 15), steps[1] | ((largest >> 1) << 15) | (steps[2] << 16)];
 }
+
+/** Writes the unit quaternion of two half-words and a word as `packRotation` makes them. */
+export function unpackRotation(low: number, high: number, rotation: Float64Array): void {
+  const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
+  let left = 1;
+  let place = 0;
+  for (let k = 0; k < 4; k++) {
+    if (k === largest) continue;
+    const steps = place === 0 ? low & 0x7fff : place === 1 ? high & 0x7fff : (high >>> 16) & 0x7fff;
+    rotation[k] = ((steps - ROTATION_STEPS) * Math.SQRT1_2) / ROTATION_STEPS;
+    left -= rotation[k] * rotation[k];
+    place++;
+  }
+  rotation[largest] = Math.sqrt(Math.max(0, left));
+}

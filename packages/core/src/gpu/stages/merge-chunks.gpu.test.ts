@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { cellCounts, childCell } from '../../clouds/level-cells.ts';
+import { cellCounts, childCell } from '../../data/layout/cell-counts.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { packSet } from '../../data/packing/pack-set.ts';

@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { cellCounts, childCell } from '../../clouds/level-cells.ts';
+import { cellCounts, childCell } from '../../data/layout/cell-counts.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunkCountOf, maxScaleOf } from '../../data/packing/chunks.ts';
 import { packSet } from '../../data/packing/pack-set.ts';

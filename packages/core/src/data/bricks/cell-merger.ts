@@ -1,0 +1,267 @@
+import { CHUNK_SPLATS } from '../layout/constants.ts';
+import { LEVEL_CONSTANTS } from '../layout/level-structs.ts';
+import { principalAxes } from '../math/principal-axes.ts';
+import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
+
+const { CELL_ROOTS, ERROR_BOUNDLESS, ERROR_SHIFT, MERGED_RADIUS, MOST_OPACITY } = LEVEL_CONSTANTS;
+
+/** Places of a node's values: centre and colour take three each, variances and covariances, too. */
+const [CENTER, WEIGHT, VARIANCE, COVARIANCE, TRACE, COLOR, RIM, OPACITY, WIDTH] = [
+  0, 3, 4, 7, 10, 11, 14, 15, 16,
+];
+/** Exponent of Thomsen's formula. */
+const THOMSEN = 1.6075;
+const LEAST_OPACITY = 1e-6;
+/** Spherical harmonics of degree 0, squared. */
+const COLOR_OF_DC_2 = 0.28209479177387814 ** 2;
+/** Half axes of a root are at least this part of its longest: rounding may leave less than 0. */
+const THINNEST = 1e-15;
+
+const f32 = new Float32Array(1);
+const f32Bits = new Uint32Array(f32.buffer);
+
+/** The error of a squared length as links have it: rounded up, and at least 1. */
+export function errorCode(squaredLength: number): number {
+  f32[0] = squaredLength;
+  const code = Math.floor((f32Bits[0] + 2 ** ERROR_SHIFT - 1) / 2 ** ERROR_SHIFT);
+  return Math.max(1, Math.min(code, ERROR_BOUNDLESS - 1));
+}
+
+/** A leaf of a cell, or a root: values as drawn, in the scene's units. */
+export interface MergedLeaf {
+  readonly position: Float64Array;
+  /** Above 1 for blobs that stand for splats on top of each other. */
+  opacity: number;
+  /** Quaternion w, x, y, z, of unit length. */
+  readonly rotation: Float64Array;
+  /** Standard deviation along each axis. */
+  readonly scale: Float64Array;
+  readonly colorDc: Float64Array;
+  /** Sums over its splats: opacity times rim length, and opacity. Read of blobs only. */
+  readonly sums: Float64Array;
+}
+
+export function emptyLeaf(): MergedLeaf {
+  return {
+    position: new Float64Array(3),
+    opacity: 0,
+    rotation: new Float64Array(4),
+    scale: new Float64Array(3),
+    colorDc: new Float64Array(3),
+    sums: new Float64Array(2),
+  };
+}
+
+/**
+ * Merges the leaves of one cell after another into at most sixteen roots, in float64: the same
+ * nodes as shaders/stages/merge-chunks.wgsl. Nodes are numbers in arrays that are used again, since
+ * scenes have as many of them as splats. Reference: reference/merge-chunks.ts.
+ */
+export class CellMerger {
+  readonly #nodes = new Float64Array(WIDTH * CHUNK_SPLATS);
+  readonly #errors = new Uint16Array(CHUNK_SPLATS);
+  /** Weights of leaves, which merging leaves alone. */
+  readonly #leafWeights = new Float64Array(CHUNK_SPLATS);
+  /** The leaf whose node has taken in a leaf's; itself where none has. */
+  readonly #into = new Uint16Array(CHUNK_SPLATS);
+  /** Leaves that have nodes, in order. Roots, once merged. */
+  readonly #order = new Uint16Array(CHUNK_SPLATS);
+  /** By place in the order. */
+  readonly #nearest = new Uint16Array(CHUNK_SPLATS);
+  readonly #leastCosts = new Float64Array(CHUNK_SPLATS);
+  readonly #rootOfLeaf = new Uint8Array(CHUNK_SPLATS);
+  #leafCount = 0;
+  #rootCount = 0;
+
+  /** Begins a cell. */
+  begin(): void {
+    this.#leafCount = 0;
+    this.#rootCount = 0;
+  }
+
+  /** Adds the next leaf. @param error of a blob's cell, 0 of a splat, whose `sums` are not read. */
+  add({ position, opacity, rotation, scale, colorDc, sums }: MergedLeaf, error: number): void {
+    const leaf = this.#leafCount++;
+    const n = this.#nodes;
+    const at = leaf * WIDTH;
+    const [w, x, y, z] = rotation;
+    const area = meanArea(scale[0], scale[1], scale[2]);
+    const weight = Math.max(opacity, LEAST_OPACITY) * area;
+    n.fill(0, at + VARIANCE, at + TRACE);
+    // Axes of the rotation, by column, as long as the splat's.
+    addOuter(n, at, scale[0], 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y));
+    addOuter(n, at, scale[1], 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
+    addOuter(n, at, scale[2], 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
+    n[at + TRACE] = n[at + VARIANCE] + n[at + VARIANCE + 1] + n[at + VARIANCE + 2];
+    n[at + WEIGHT] = weight;
+    for (let k = 0; k < 3; k++) {
+      n[at + CENTER + k] = position[k];
+      n[at + COLOR + k] = colorDc[k];
+    }
+    const longest = Math.max(scale[0], scale[1], scale[2]);
+    const isSplat = error === 0;
+    n[at + RIM] = isSplat ? opacity * Math.max(0, longest - area / longest) : sums[0];
+    n[at + OPACITY] = isSplat ? opacity : sums[1];
+    this.#errors[leaf] = error;
+    this.#leafWeights[leaf] = weight;
+    this.#into[leaf] = leaf;
+    this.#order[leaf] = leaf;
+  }
+
+  /** Merges the leaves that were added. Returns how many roots there are, 1 to 16. */
+  merge(): number {
+    let count = this.#leafCount;
+    const order = this.#order;
+    while (count > CELL_ROOTS) {
+      this.#findNearest(count);
+      let spare = count - CELL_ROOTS;
+      for (let place = 0; place < count && spare > 0; place++) {
+        const other = this.#nearest[place];
+        if (other <= place || this.#nearest[other] !== place) continue;
+        this.#merge(order[place], order[other], this.#leastCosts[place]);
+        spare--;
+      }
+      let kept = 0;
+      for (let place = 0; place < count; place++)
+        if (this.#into[order[place]] === order[place]) order[kept++] = order[place];
+      count = kept;
+    }
+    this.#rootCount = count;
+    for (let root = 0; root < count; root++) {
+      this.#rootOfLeaf[order[root]] = root;
+      this.#errors[order[root]] = Math.max(1, this.#errors[order[root]]);
+    }
+    // A node goes into one of a smaller leaf, whose root is known by then.
+    for (let leaf = 0; leaf < this.#leafCount; leaf++)
+      this.#rootOfLeaf[leaf] = this.#rootOfLeaf[this.#into[leaf]];
+    return count;
+  }
+
+  /** Largest error of the roots, 1 to 4094: that of the cell. */
+  get error(): number {
+    let error = 0;
+    for (let root = 0; root < this.#rootCount; root++)
+      error = Math.max(error, this.#errors[this.#order[root]]);
+    return error;
+  }
+
+  /** Which root stands for a leaf; roots are in the order of their first leaves. */
+  rootOf(leaf: number): number {
+    return this.#rootOfLeaf[leaf];
+  }
+
+  /** A leaf's part of its root's weight, 0 to 1. */
+  shareOf(leaf: number): number {
+    const root = this.#order[this.#rootOfLeaf[leaf]];
+    return this.#leafWeights[leaf] / this.#nodes[root * WIDTH + WEIGHT];
+  }
+
+  /** Writes a root as the leaf that it is of the cell above. */
+  root(root: number, result: MergedLeaf): void {
+    const n = this.#nodes;
+    const at = this.#order[root] * WIDTH;
+    const [xx, yy, zz, yz, xz, xy] = n.subarray(at + VARIANCE, at + VARIANCE + 6);
+    const axes = principalAxes(Float64Array.of(xx, xy, xz, xy, yy, yz, xz, yz, zz), 3);
+    let longest = 0;
+    for (let k = 0; k < 3; k++) {
+      const [x, y, z] = axes.subarray(3 * k, 3 * k + 3);
+      const variance = x * (x * xx + 2 * y * xy + 2 * z * xz) + y * (y * yy + 2 * z * yz) + z * z * zz;
+      const scale = Math.sqrt(Math.max(0, variance));
+      longest = Math.max(longest, scale);
+      result.scale[k] = Math.max(scale, THINNEST * longest);
+      result.position[k] = n[at + CENTER + k];
+      result.colorDc[k] = n[at + COLOR + k];
+    }
+    const quaternion = quaternionOfAxes(axes);
+    const inverse = 1 / Math.hypot(...quaternion);
+    for (let k = 0; k < 4; k++) result.rotation[k] = quaternion[k] * inverse;
+    const area = meanArea(result.scale[0], result.scale[1], result.scale[2]);
+    result.opacity = Math.min(n[at + WEIGHT] / area, MOST_OPACITY);
+    result.sums[0] = n[at + RIM];
+    result.sums[1] = n[at + OPACITY];
+  }
+
+  /** Finds, for each place, the one that costs least to merge with; the first of equal ones. */
+  #findNearest(count: number): void {
+    const least = this.#leastCosts.fill(Number.POSITIVE_INFINITY, 0, count);
+    const nearest = this.#nearest;
+    for (let place = 0; place < count; place++) nearest[place] = place;
+    for (let place = 0; place < count; place++) {
+      const last = Math.min(place + MERGED_RADIUS, count - 1);
+      for (let other = place + 1; other <= last; other++) {
+        const cost = this.#costOf(this.#order[place] * WIDTH, this.#order[other] * WIDTH);
+        if (cost < least[place]) {
+          least[place] = cost;
+          nearest[place] = other;
+        }
+        if (cost < least[other]) {
+          least[other] = cost;
+          nearest[other] = place;
+        }
+      }
+    }
+  }
+
+  /** Ward's cost of two nodes: see `mergeCost` of lib/merged-splat.wgsl. */
+  #costOf(a: number, b: number): number {
+    const n = this.#nodes;
+    const weight = n[a + WEIGHT] + n[b + WEIGHT];
+    const share = n[a + WEIGHT] / weight;
+    const moved = share * (1 - share);
+    const x = n[a] - n[b];
+    const y = n[a + 1] - n[b + 1];
+    const z = n[a + 2] - n[b + 2];
+    const red = n[a + COLOR] - n[b + COLOR];
+    const green = n[a + COLOR + 1] - n[b + COLOR + 1];
+    const blue = n[a + COLOR + 2] - n[b + COLOR + 2];
+    const distance2 = x * x + y * y + z * z;
+    const contrast2 = COLOR_OF_DC_2 * (red * red + green * green + blue * blue);
+    const trace = share * n[a + TRACE] + (1 - share) * n[b + TRACE] + moved * distance2;
+    return 4 * Math.PI * weight * moved * (distance2 + trace * contrast2);
+  }
+
+  /** Makes the node of leaf `first` the Gaussian of both. */
+  #merge(first: number, second: number, cost: number): void {
+    const n = this.#nodes;
+    const [a, b] = [first * WIDTH, second * WIDTH];
+    const weight = n[a + WEIGHT] + n[b + WEIGHT];
+    const share = n[a + WEIGHT] / weight;
+    const rest = 1 - share;
+    const moved = share * rest;
+    const x = n[a] - n[b];
+    const y = n[a + 1] - n[b + 1];
+    const z = n[a + 2] - n[b + 2];
+    for (let k = VARIANCE; k < RIM; k++) n[a + k] = share * n[a + k] + rest * n[b + k];
+    for (let k = CENTER; k < WEIGHT; k++) n[a + k] = share * n[a + k] + rest * n[b + k];
+    n[a + VARIANCE] += moved * x * x;
+    n[a + VARIANCE + 1] += moved * y * y;
+    n[a + VARIANCE + 2] += moved * z * z;
+    n[a + COVARIANCE] += moved * y * z;
+    n[a + COVARIANCE + 1] += moved * x * z;
+    n[a + COVARIANCE + 2] += moved * x * y;
+    n[a + TRACE] = n[a + VARIANCE] + n[a + VARIANCE + 1] + n[a + VARIANCE + 2];
+    n[a + WEIGHT] = weight;
+    n[a + RIM] += n[b + RIM];
+    n[a + OPACITY] += n[b + OPACITY];
+    const errors = this.#errors;
+    errors[first] = Math.max(errorCode(Math.sqrt(cost)), errors[first], errors[second]);
+    this.#into[second] = first;
+  }
+}
+
+/** Mean area of an ellipsoid's projections over π, by Thomsen's formula, of its half axes. */
+function meanArea(a: number, b: number, c: number): number {
+  const mean = ((a * b) ** THOMSEN + (a * c) ** THOMSEN + (b * c) ** THOMSEN) / 3;
+  return mean ** (1 / THOMSEN);
+}
+
+/** Adds the square of an axis of this length along x, y, z to the covariance of the node at `at`. */
+function addOuter(n: Float64Array, at: number, length: number, x: number, y: number, z: number): void {
+  const squared = length * length;
+  n[at + VARIANCE] += squared * x * x;
+  n[at + VARIANCE + 1] += squared * y * y;
+  n[at + VARIANCE + 2] += squared * z * z;
+  n[at + COVARIANCE] += squared * y * z;
+  n[at + COVARIANCE + 1] += squared * x * z;
+  n[at + COVARIANCE + 2] += squared * x * y;
+}
