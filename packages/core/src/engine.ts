@@ -1,4 +1,5 @@
 import { checkLoadOptions } from './check-options.ts';
+import type { StreamOptions } from './clouds/bricks/stream-scene.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import type { CloudLevels } from './clouds/cloud-levels.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
@@ -18,6 +19,7 @@ import {
   type PossibleAccuracy,
 } from './data/accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyTarget, internTarget } from './data/accuracy/accuracy-target.ts';
+import type { BrickScene } from './data/bricks/brick.ts';
 import { CodeUnavailableError, DestroyedError, GpuLimitError } from './data/errors.ts';
 import { CLOUD, given } from './data/given.ts';
 import type { Harmonics } from './data/packing/harmonics.ts';
@@ -320,6 +322,26 @@ export class SplatEngine {
     }
     if (!options.precision && accuracy !== this.accuracy) void this.#requestPrecisions([cloud]);
     return cloud;
+  }
+
+  /**
+   * Shows a scene of any size: its coarsest part at once, and then what views need of it, within
+   * `budgetBytes`. What is missing is drawn by blobs that stand for it, so that a frame is never
+   * incomplete, only coarser; `detail` and `view.whenComplete` are for such scenes too. Without
+   * `detail` frames show the finest that is there.
+   *
+   * @throws InvalidArgumentError for a budget that is too small; GpuLimitError if there is no memory;
+   *   SplatFileError and SplatSourceError if the scene cannot be read; the signal's reason.
+   */
+  async stream(scene: BrickScene, options: StreamOptions = {}): Promise<SplatCloud> {
+    this.#checkUsable();
+    const { streamScene } = await import('./clouds/bricks/stream-scene.ts').catch((cause) => {
+      throw new CodeUnavailableError('streaming', { cause });
+    });
+    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
+    const { onDestroyed } = this.#optionsOf({});
+    const cloud = await streamScene(this.#dispatchContext, scene, { ...options, signal }, { onDestroyed });
+    return this.#own(cloud);
   }
 
   /**

@@ -11,6 +11,7 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
+import type { CloudStream } from './cloud-stream.ts';
 import type { CloudFit } from './fit-settings.ts';
 import type { Levels } from './levels.ts';
 import type { TouchedSplats } from './touched-links.ts';
@@ -135,6 +136,8 @@ export class SplatCloud {
   levels: Levels | null = null;
   /** @internal Null where all splats are on the GPU. */
   readonly pool: CloudPool | null;
+  /** Brings the parts of its scene that views need to the GPU; null where all is there. */
+  stream: CloudStream | null = null;
   /** @internal Grows whenever edits change what frames show. */
   version = 0;
   /**
@@ -307,11 +310,6 @@ export class SplatCloud {
     await this.#levelsMade;
   }
 
-  /** @internal Most splats that a frame draws of the cloud. */
-  get capacity(): number {
-    return this.pool?.capacity ?? this.count;
-  }
-
   /** Why frames with less than full detail draw all splats nevertheless, if levels failed; else null. */
   get levelsLack(): Error | null {
     return this.#levelsLack;
@@ -368,6 +366,7 @@ export class SplatCloud {
     if (this.isDestroyed) return false;
     this.#endedBecause = because;
     this.editing?.end();
+    this.stream?.end();
     this.leases.end(new DestroyedError(`The cloud ${this.name}`, because));
     this.#onDestroyed(this);
     return true;

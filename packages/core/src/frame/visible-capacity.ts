@@ -1,3 +1,4 @@
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { CutBudget } from './level-cut.ts';
@@ -15,13 +16,18 @@ type SidedCloud = CutCloud & Pick<CloudPlan, 'sides'>;
 /** Splats of a cloud that are drawn whatever its budget: no cut is coarser than sixteen blobs. */
 const LEAST_OF_CLOUD = CHUNK_SPLATS;
 
+/** Most splats and blobs of a cloud that are there. */
+function mostOf({ pool, count }: Pick<SplatCloud, 'pool' | 'count'>): number {
+  return pool?.capacity ?? count;
+}
+
 /** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
 export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget | null = null): number {
-  const total = clouds.reduce((sum, { instance }) => sum + instance.cloud.capacity, 0);
+  const total = clouds.reduce((sum, { instance }) => sum + mostOf(instance.cloud), 0);
   if (budget) {
     const most = clouds.map(({ cut, isTouched, instance }) =>
       // What is touched is drawn besides.
-      cut && !isTouched ? LEAST_OF_CLOUD : instance.cloud.capacity,
+      cut && !isTouched ? LEAST_OF_CLOUD : mostOf(instance.cloud),
     );
     return Math.min(
       total,

@@ -268,7 +268,7 @@ export class SplatView extends View {
     const submittedMs = performance.now();
     const canDraw = () =>
       !this.isDestroyed && context.destroyedBecause() === null && parts === this.parts && !parts.isDestroyed;
-    const elapsedMs = await this.#divider.submit({
+    const submitted = this.#divider.submit({
       parts,
       plan,
       recordOrder: (encoder) => this.recordOrder(encoder),
@@ -286,6 +286,8 @@ export class SplatView extends View {
         }),
       canDraw,
     });
+    this.streams.hold(submitted);
+    const elapsedMs = await submitted;
     if (elapsedMs === null) return false;
     this.#forecast.takeParts(plan, elapsedMs);
     this.shown(request);

@@ -304,6 +304,7 @@ describe('limits', () => {
       predictedPsnrDb: null,
       measuredPsnrDb: null,
       isComplete: true,
+      missing: 0,
     });
     await expect.poll(() => view.statistics?.visibleSplats).toBeLessThanOrEqual(SET.count / 4);
     view.destroy();

@@ -18,6 +18,8 @@ export interface DetailReport {
   readonly predictedPsnrDb: number | null;
   /** Measured, against the full picture by `reference`, for this very frame; null if it was not. */
   readonly measuredPsnrDb: number | null;
+  /** Parts of streaming scenes that the frame would show if they were on the GPU, as far as is known. */
+  readonly missing: number;
   /** Whether the picture stays like this unless something moves. */
   readonly isComplete: boolean;
 }

@@ -31,6 +31,7 @@ import {
 } from './rasterizer-choice.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 import type { DetailReport, ViewDetail } from './view-detail.ts';
+import { ViewStreams } from './view-streams.ts';
 
 /** The parts of an engine that a view needs. */
 export interface ViewContext extends AccuracyContext, PlannerContext {
@@ -100,6 +101,7 @@ export abstract class View {
   protected waiting: Promise<void> | null = null;
   /** Settles when the last frame is complete as far as the device had memory for it. */
   protected settled = DONE;
+  protected readonly streams = new ViewStreams();
   readonly #planner: FramePlanner;
   readonly #accuracy: ViewAccuracy;
   /** Finds detail; null until a request asks for that, and its code is there. */
@@ -166,6 +168,8 @@ export abstract class View {
       measuredPsnrDb: null,
       isComplete: isFixedDetail(asked) || this.#detailLoading === DONE,
       ...found,
+      ...(this.streams.complete && { isComplete: false }),
+      missing: this.streams.missing,
     };
   }
 
@@ -179,9 +183,10 @@ export abstract class View {
     do {
       await this.#detailLoading;
       await this.drawn;
+      await this.streams.complete;
       await this.#detail?.complete;
       await this.drawn;
-    } while (this.#detail?.complete);
+    } while (this.streams.complete || this.#detail?.complete);
     if (this.recovery.error) throw this.recovery.error;
   }
 
@@ -369,7 +374,10 @@ export abstract class View {
     const planWith = (detail?: FixedDetail) => this.#plan(request, settings, depths[0], detail);
     if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();
     const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
-    if (!plan.stands) this.#asked = null;
+    if (!plan.stands) {
+      this.#asked = null;
+      this.streams.see(plan, this.#statistics, () => this.#drawChanged(request));
+    }
     if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
       // A smaller request does not wait for memory that may not be found.
       const until = () => Promise.all([this.recovery.findRoom(), this.wait.whenReady(plan)]);
@@ -391,6 +399,13 @@ export abstract class View {
     if (!stopgap || !this.wait.isReady(stopgap.shape))
       return { plan: null, stands: false, status: 'waiting' };
     return { plan: stopgap, stands: stopgap === last || stopgap.stands, status: 'waiting' };
+  }
+
+  /** Draws the last request again, whose scenes have changed on the GPU. */
+  async #drawChanged(request: FrameRequest): Promise<void> {
+    if (!this.canStillDraw(request)) return;
+    this.drawAgain(request);
+    await this.context.device.queue.onSubmittedWorkDone();
   }
 
   #plan(
@@ -539,6 +554,7 @@ export abstract class View {
     this.#isDestroyed = true;
     this.#accuracy.leave();
     this.#detail?.end();
+    this.streams.leave();
     this.#onDestroyed();
     return true;
   }

@@ -1,28 +1,23 @@
 import type { FrustumSide } from '../../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { Bounds } from '../../data/packing/packed-cloud.ts';
+import type { CloudSight } from '../cloud-stream.ts';
 import type { PlacedBrick, PlacedCell } from './brick-pool.ts';
 
-/** How a view sees a scene in bricks. */
-export interface BrickSight {
-  /** Its cut: see `LevelCut`. */
-  readonly cut: {
-    readonly camera: readonly [number, number, number];
-    readonly squaredPerDistance: number;
-    readonly leastSquared: number;
-    readonly margin: number;
-  };
-  /** Factor of squared thresholds by which a budget has shifted them. */
-  readonly squaredShift: number;
-  /** Sides of its frustum, about the scene's origin. */
-  readonly sides: readonly FrustumSide[];
+/** A brick that views would draw, with its value: see `BrickDemand`. */
+export interface ValuedBrick {
+  readonly number: number;
+  readonly value: number;
 }
 
 /** A brick that is not on the GPU, below a cell that is. */
-export interface LackingBrick {
+export interface LackingBrick extends ValuedBrick {
   readonly above: PlacedCell;
-  /** See `BrickDemand.valueOf`. */
-  readonly value: number;
+}
+
+/** A brick that is, other than the root. */
+export interface ResidentBrick extends ValuedBrick {
+  readonly brick: PlacedBrick;
 }
 
 /** Bricks out of sight count as this much less: they are kept only where nothing else needs room. */
@@ -37,9 +32,9 @@ const SLACK = 1e-4;
  * what the view that needs it most allows, as a ratio of squares: above 1, the brick would be drawn.
  */
 export class BrickDemand {
-  readonly #sights: readonly BrickSight[];
+  readonly #sights: readonly CloudSight[];
 
-  constructor(sights: Iterable<BrickSight>) {
+  constructor(sights: Iterable<CloudSight>) {
     this.#sights = [...sights];
   }
 
@@ -59,27 +54,30 @@ export class BrickDemand {
     const visit = (cell: PlacedCell) => {
       if (!cell.child) return;
       const value = this.valueOf(cell);
-      // What is below takes away less: errors grow from splat to root, and thresholds shrink.
       if (value <= 1) return;
       if (cell.below) for (const each of cell.below.cells) visit(each);
-      else lacking.push({ above: cell, value });
+      else lacking.push({ above: cell, value, number: cell.child.number });
     };
     for (const cell of root.cells) visit(cell);
-    return lacking.sort((a, b) => b.value - a.value || a.above.child!.number - b.above.child!.number);
+    return lacking.sort((a, b) => (isWorthMore(a, b) ? -1 : 1));
   }
 
-  /** The least valuable of these bricks that may go: below which none is, and not the root. */
-  leastValuable(
-    bricks: readonly PlacedBrick[],
-  ): { readonly brick: PlacedBrick; readonly value: number } | null {
-    let least: { brick: PlacedBrick; value: number } | null = null;
-    for (const brick of bricks) {
-      if (!brick.above || brick.cells.some(({ below }) => below)) continue;
-      const value = this.valueOf(brick.above);
-      if (!least || value < least.value) least = { brick, value };
-    }
-    return least;
+  /** Bricks other than the root, the least valuable first. */
+  ranked(bricks: readonly PlacedBrick[]): ResidentBrick[] {
+    const ranked = bricks.flatMap((brick) =>
+      brick.above ? [{ brick, value: this.valueOf(brick.above), number: brick.address.number }] : [],
+    );
+    return ranked.sort((a, b) => (isWorthMore(a, b) ? 1 : -1));
   }
+}
+
+/**
+ * Whether one brick is to have room rather than another. No two are worth the same, so that what is
+ * there follows from the views alone. A brick is worth no more than its parent: what is below a cell
+ * is nearer to no view than the cell, and its error no larger.
+ */
+export function isWorthMore(a: ValuedBrick, b: ValuedBrick): boolean {
+  return a.value > b.value || (a.value === b.value && a.number < b.number);
 }
 
 const bits = new DataView(new ArrayBuffer(4));
@@ -93,7 +91,7 @@ function squaredError(error: number): number {
 /** As cut-cells finds it. */
 function squaredThreshold(
   { min, max }: Bounds,
-  { camera, squaredPerDistance, leastSquared, margin }: BrickSight['cut'],
+  { camera, squaredPerDistance, leastSquared, margin }: CloudSight['cut'],
 ): number {
   let distance2 = 0;
   for (let axis = 0; axis < 3; axis++) {

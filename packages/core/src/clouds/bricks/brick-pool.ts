@@ -21,7 +21,7 @@ import { openLeaves } from '../../gpu/stages/open-leaves.ts';
 import { CloudPlanes } from '../cloud-planes.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
-import { SplatCloud } from '../splat-cloud.ts';
+import { SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
 /** Splats of a brick of the lowest level, and leaves of any other. */
@@ -187,8 +187,8 @@ export class BrickPool implements Levels {
     return pool;
   }
 
-  /** The cloud of the scene. @param onDestroyed called when it has been destroyed. */
-  cloud(onDestroyed: () => void = () => {}): SplatCloud {
+  /** The cloud of the scene. */
+  cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
     const { name, splatCount, origin, bounds, robustBounds, shDegree } = this.#scene;
     const facts = {
       declaredShDegree: shDegree,
@@ -212,17 +212,18 @@ export class BrickPool implements Levels {
       precision: PRECISION,
     };
     const cloud = new SplatCloud(this.#context.device, this.#planes, contents, {
+      ...options,
       name,
       pool: this,
-      onDestroyed,
     });
     cloud.levels = this;
     this.#cloud = cloud;
     return cloud;
   }
 
+  /** All but the planes of splats, which are the cloud's. */
   get bytes(): number {
-    return this.#memory.report().totalBytes;
+    return this.#memory.report().totalBytes - this.#planes.bytes;
   }
 
   /** Most splats and blobs that a frame draws of what is there. */
@@ -230,8 +231,9 @@ export class BrickPool implements Levels {
     return BRICK_LEAVES * (this.slots.lowest + this.slots.upper);
   }
 
-  hasRoom(level: number): boolean {
-    return this.#free[kindOf(level)].length > 0;
+  /** Free slots for bricks of a level. */
+  freeSlots(level: number): number {
+    return this.#free[kindOf(level)].length;
   }
 
   /** Bricks on the GPU. */
@@ -278,8 +280,9 @@ export class BrickPool implements Levels {
     return placed;
   }
 
-  /** Takes a brick out that has none below it; its parent stands for it. */
+  /** Takes a brick out, and all that is below it; its parent stands for it. */
   remove(brick: PlacedBrick): void {
+    for (const { below } of brick.cells) if (below) this.remove(below);
     const { above, slot, level } = brick;
     const kind = kindOf(level);
     if (above) {

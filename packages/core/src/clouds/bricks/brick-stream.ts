@@ -1,46 +1,37 @@
 import type { Brick, BrickScene } from '../../data/bricks/brick.ts';
-import type { SplatCloud } from '../splat-cloud.ts';
-import { BrickDemand, type BrickSight, type LackingBrick } from './brick-demand.ts';
+import type { CloudSight, CloudStream, StreamReport } from '../cloud-stream.ts';
+import { BrickDemand, isWorthMore, type LackingBrick } from './brick-demand.ts';
 import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 
 /** Bricks that are fetched at once. */
 const FETCHED_AT_ONCE = 4;
-/** A brick takes another's place where it is worth so much more: else two would take turns. */
-const WORTH_MORE = 2;
-
-/** What is there of a scene. */
-export interface StreamReport {
-  readonly brickCount: number;
-  /** Bricks on the GPU, and those that it has room for. */
-  readonly residentBricks: number;
-  readonly capacityBricks: number;
-  /** Bricks that views would draw, as far as is known, and that are not there. */
-  readonly missingBricks: number;
-  /** Of these, those for which there is no room. */
-  readonly refusedBricks: number;
-  /** Bricks being fetched, and bytes of those that were. */
-  readonly fetching: number;
-  readonly fetchedBytes: number;
-  /** Why the last fetch failed; null where none has since. Missing bricks are not asked for then. */
-  readonly error: Error | null;
-}
 
 interface Fetch {
   readonly above: PlacedCell;
   readonly ending: AbortController;
 }
 
+interface Viewer {
+  readonly sights: readonly CloudSight[];
+  readonly redraw: () => Promise<unknown>;
+}
+
 /**
  * Keeps those bricks of a scene on the GPU that views need most. Parents come before children, and
  * children go before parents, so that each part is always drawn, only coarser while it is missing.
  */
-export class BrickStream {
+export class BrickStream implements CloudStream {
   readonly #scene: BrickScene;
   readonly #pool: BrickPool;
   readonly #root: PlacedBrick;
-  readonly #sights = new Map<object, { readonly sight: BrickSight; readonly redraw: () => void }>();
+  readonly #viewers = new Map<object, Viewer>();
+  /** Views that are drawing what has changed, and those that are to draw it once more. */
+  readonly #drawing = new Set<object>();
+  readonly #stale = new Set<object>();
   /** By number of the brick. */
   readonly #fetches = new Map<number, Fetch>();
+  /** What is there must not change until these settle. */
+  readonly #holds = new Set<Promise<unknown>>();
   #missing: readonly LackingBrick[] = [];
   #refused = 0;
   #fetchedBytes: number;
@@ -49,10 +40,7 @@ export class BrickStream {
   /** Settles when nothing is missing that could be there; null if it is so. */
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
 
-  /**
-   * @param pool with the root of `scene`.
-   * @param root that brick.
-   */
+  /** @param root the root of `scene`, in `pool`. */
   constructor(scene: BrickScene, pool: BrickPool, root: PlacedBrick) {
     this.#scene = scene;
     this.#pool = pool;
@@ -60,34 +48,37 @@ export class BrickStream {
     this.#fetchedBytes = scene.root.bytes;
   }
 
-  /** Says how a view sees the scene. `redraw` is called when its picture changes. */
-  see(view: object, sight: BrickSight, redraw: () => void): void {
-    this.#sights.set(view, { sight, redraw });
+  get complete(): Promise<void> | null {
+    return this.#wait?.complete ?? null;
+  }
+
+  see(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void {
+    this.#viewers.set(view, { sights, redraw });
     this.#follow();
   }
 
-  /** The view shows the scene no longer. */
   leave(view: object): void {
-    if (this.#sights.delete(view)) this.#follow();
+    this.#stale.delete(view);
+    if (this.#viewers.delete(view)) this.#follow();
   }
 
-  /** Fetches again what could not be. */
+  hold(until: Promise<unknown>): void {
+    this.#holds.add(until);
+    const release = () => this.#holds.delete(until);
+    until.then(release, release);
+  }
+
   retry(): void {
     this.#error = null;
     this.#follow();
   }
 
-  /** Settles when nothing is missing any more that there is room for; null if it is so. */
-  get complete(): Promise<void> | null {
-    return this.#wait?.complete ?? null;
-  }
-
   report(): StreamReport {
     const { lowest, upper } = this.#pool.slots;
     return {
-      brickCount: this.#scene.brickCount,
+      bricks: this.#scene.brickCount,
       residentBricks: this.#pool.bricks.length,
-      capacityBricks: lowest + upper,
+      mostBricks: lowest + upper,
       missingBricks: this.#missing.length,
       refusedBricks: this.#refused,
       fetching: this.#fetches.size,
@@ -96,38 +87,31 @@ export class BrickStream {
     };
   }
 
-  /** Ends all fetches. */
   end(): void {
     this.#isEnded = true;
     for (const { ending } of this.#fetches.values()) ending.abort();
+    this.#viewers.clear();
     this.#settle();
   }
 
   get #demand(): BrickDemand {
-    return new BrickDemand([...this.#sights.values()].map(({ sight }) => sight));
+    return new BrickDemand([...this.#viewers.values()].flatMap(({ sights }) => sights));
   }
 
-  /** Fetches what views lack, and ends fetches of what none wants any more. */
+  /** Fetches what views lack, and ends fetches of what none of them wants any more. */
   #follow(): void {
     if (this.#isEnded) return;
     const demand = this.#demand;
     this.#missing = demand.lacking(this.#root);
     const wanted = new Set(this.#missing.map(({ above }) => above.child!.number));
     for (const [number, { ending }] of this.#fetches) if (!wanted.has(number)) ending.abort();
-    const waiting = this.#missing.filter(({ above }) => !this.#fetches.has(above.child!.number));
-    const possible = waiting.filter((each) => this.#hasPlaceFor(demand, each));
-    this.#refused = waiting.length - possible.length;
-    if (!this.#error)
-      for (const { above } of possible.slice(0, FETCHED_AT_ONCE - this.#fetches.size))
-        void this.#fetch(above);
+    const possible = this.#fitting(demand);
+    this.#refused = this.#missing.length - possible.length;
+    const waiting = possible.filter(({ number }) => !this.#fetches.has(number));
+    const places = this.#error ? 0 : FETCHED_AT_ONCE - this.#fetches.size;
+    for (const { above } of waiting.slice(0, Math.max(0, places))) void this.#fetch(above);
     if (this.#fetches.size === 0) this.#settle();
-    else if (!this.#wait) {
-      let end = () => {};
-      const complete = new Promise<void>((resolve) => {
-        end = resolve;
-      });
-      this.#wait = { complete, end };
-    }
+    else this.#wait ??= pending();
   }
 
   #settle(): void {
@@ -135,18 +119,18 @@ export class BrickStream {
     this.#wait = null;
   }
 
-  #hasPlaceFor(demand: BrickDemand, { above, value }: LackingBrick): boolean {
-    const level = above.brick.level - 1;
-    return this.#pool.hasRoom(level) || this.#victim(demand, level, above, value) !== null;
-  }
-
-  /** A brick of the same kind that is worth less; null if there is none. */
-  #victim(demand: BrickDemand, level: number, above: PlacedCell, value: number): PlacedBrick | null {
-    const bricks = this.#pool.bricks.filter(
-      (brick) => (brick.level === 0) === (level === 0) && brick !== above.brick,
-    );
-    const least = demand.leastValuable(bricks);
-    return least && WORTH_MORE * least.value < value ? least.brick : null;
+  /** Those of the missing bricks that free slots hold, or slots of bricks that are worth less. */
+  #fitting(demand: BrickDemand): readonly LackingBrick[] {
+    const kinds = [true, false].map((isLowest) => ({
+      taken: 0,
+      free: this.#pool.freeSlots(isLowest ? 0 : 1),
+      others: demand.ranked(this.#pool.bricks.filter(({ level }) => (level === 0) === isLowest)),
+    }));
+    return this.#missing.filter((each) => {
+      const kind = kinds[each.above.brick.level === 1 ? 0 : 1];
+      const place = kind.taken++ - kind.free;
+      return place < 0 || (place < kind.others.length && isWorthMore(each, kind.others[place]));
+    });
   }
 
   async #fetch(above: PlacedCell): Promise<void> {
@@ -156,6 +140,7 @@ export class BrickStream {
     try {
       const brick = await this.#scene.read(address, ending.signal);
       this.#fetchedBytes += address.bytes;
+      while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
       if (!this.#isEnded && !ending.signal.aborted) this.#take(brick, above);
     } catch (error) {
       if (!ending.signal.aborted) this.#error = error as Error;
@@ -169,15 +154,30 @@ export class BrickStream {
   #take(brick: Brick, above: PlacedCell): void {
     // Its parent may have gone meanwhile.
     if (!isPlaced(above)) return;
-    const demand = this.#demand;
-    const value = demand.valueOf(above);
-    if (!this.#pool.hasRoom(brick.level)) {
-      const victim = this.#victim(demand, brick.level, above, value);
-      if (!victim) return;
-      this.#pool.remove(victim);
+    if (this.#pool.freeSlots(brick.level) === 0) {
+      const demand = this.#demand;
+      const kind = this.#pool.bricks.filter(({ level }) => (level === 0) === (brick.level === 0));
+      const [least] = demand.ranked(kind);
+      const own = { value: demand.valueOf(above), number: above.child!.number };
+      if (!least || !isWorthMore(own, least)) return;
+      this.#pool.remove(least.brick);
     }
     this.#pool.place(brick, above.child!, above);
-    for (const { redraw } of this.#sights.values()) redraw();
+    for (const view of this.#viewers.keys()) void this.#redraw(view);
+  }
+
+  /** Draws a view again; once more after that, if anything has changed meanwhile. */
+  async #redraw(view: object): Promise<void> {
+    this.#stale.add(view);
+    if (this.#drawing.has(view)) return;
+    this.#drawing.add(view);
+    // The view itself tells what fails.
+    while (this.#stale.delete(view))
+      await this.#viewers
+        .get(view)
+        ?.redraw()
+        .catch(() => {});
+    this.#drawing.delete(view);
   }
 }
 
@@ -186,8 +186,10 @@ function isPlaced(cell: PlacedCell): boolean {
   return !above || (above.below === cell.brick && isPlaced(above));
 }
 
-/** A scene that streams, with the cloud that shows it. */
-export interface StreamedScene {
-  readonly cloud: SplatCloud;
-  readonly stream: BrickStream;
+function pending(): { readonly complete: Promise<void>; readonly end: () => void } {
+  let end = () => {};
+  const complete = new Promise<void>((resolve) => {
+    end = resolve;
+  });
+  return { complete, end };
 }

@@ -1,0 +1,158 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { beforeAll, describe, expect } from 'vitest';
+import { SplatEngine } from '../../create-engine.ts';
+import type { BrickScene } from '../../data/bricks/brick.ts';
+import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
+import { perspectiveCamera } from '../../data/camera/camera.ts';
+import { SplatSourceError } from '../../data/errors.ts';
+import { compareImages } from '../../reference/compare-images.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { signalOf } from '../../testing/signal.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
+import { slotBytes } from './brick-pool.ts';
+
+const SIZE = { widthPx: 96, heightPx: 64 };
+const lookFrom = (position: readonly [number, number, number]) =>
+  perspectiveCamera({ position, target: [0, 0, 0], up: [0, 1, 0], fovYDegrees: 40, aspect: 1.5 });
+
+describe('a streamed scene', () => {
+  const set = randomSplats({ count: 40_000, seed: 2, shDegree: 0, logScales: [-7, -4] });
+  let engine: SplatEngine;
+  let scene: BrickScene;
+  beforeAll(async () => {
+    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'balanced' });
+    scene = brickSceneOf(set);
+  });
+
+  async function drawComplete(cloud: SplatCloud, detail = {}, camera = lookFrom([0, 0, 4])) {
+    const view = engine.createView();
+    view.render({ camera, clouds: [{ cloud }], ...SIZE, ...detail });
+    await view.whenComplete();
+    const { data } = await view.readPixels();
+    const report = view.detail!;
+    view.destroy();
+    return { data, report };
+  }
+
+  gpuTest('shows its coarsest part at once, and in the end what a load shows', async () => {
+    const whole = engine.add(set);
+    const { when, give } = signalOf();
+    const cloud = await engine.stream({
+      ...scene,
+      read: async (address, signal) => {
+        if (address.number > 0) await when;
+        return scene.read(address, signal);
+      },
+    });
+    expect(cloud.count).toBe(set.count);
+    expect(cloud.stream!.report()).toMatchObject({ residentBricks: 1, missingBricks: 0 });
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    const first = (await view.readPixels()).data;
+    expect(first.some((value) => value > 0.1)).toBe(true);
+    expect(view.detail).toMatchObject({ isComplete: false, missing: 1 });
+    give();
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ isComplete: true, missing: 0 });
+    const { data } = await view.readPixels();
+    const full = (await drawComplete(whole)).data;
+    expect(compareImages(data, full, SIZE).psnrDb).toBeGreaterThan(70);
+    expect(compareImages(first, full, SIZE).psnrDb).toBeLessThan(40);
+    expect(cloud.stream!.report()).toMatchObject({ residentBricks: scene.brickCount, fetching: 0 });
+    view.destroy();
+    whole.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('fetches only what a view needs', async () => {
+    const cloud = await engine.stream(scene);
+    await drawComplete(cloud, { detail: { maxErrorPx: 2 } });
+    const coarse = cloud.stream!.report();
+    expect(coarse.residentBricks).toBeLessThan(scene.brickCount);
+    await drawComplete(cloud, {}, lookFrom([0, 0, -100]));
+    expect(cloud.stream!.report().residentBricks).toBe(scene.brickCount);
+    cloud.destroy();
+  });
+
+  gpuTest(
+    'stays within its budget, and shows the best that this holds, whatever it showed before',
+    async () => {
+      const bytes = slotBytes(scene.shDegree);
+      const budgetBytes = 4 * bytes.lowest + 4 * bytes.upper;
+      const cloud = await engine.stream(scene, { budgetBytes });
+      expect(cloud.bytes).toBeLessThan(budgetBytes);
+      const detail = { detail: { maxErrorPx: 0.2 } };
+      const views = [lookFrom([0, 0, 1.2]), lookFrom([1.2, 0, 0]), lookFrom([0, 0, 1.2])];
+      const found = [];
+      for (const camera of views) found.push(await drawComplete(cloud, detail, camera));
+      const held = cloud.bytes;
+      expect(cloud.stream!.report().residentBricks).toBeLessThanOrEqual(8);
+      expect(found[2].report).toMatchObject({ isComplete: true });
+      expect(found[2].report.missing).toBeGreaterThan(0);
+      expect(found[2].data).toEqual(found[0].data);
+      expect(found[1].data).not.toEqual(found[0].data);
+      expect(cloud.bytes).toBe(held);
+      cloud.destroy();
+    },
+  );
+
+  gpuTest('tells a part that cannot be read, draws what is there, and goes on when called', async () => {
+    let isBroken = true;
+    const broken: BrickScene = {
+      ...scene,
+      read: async (address, signal) => {
+        if (isBroken && address.number > 0) throw new SplatSourceError('scene', 'the server is gone.');
+        return scene.read(address, signal);
+      },
+    };
+    const cloud = await engine.stream(broken);
+    const { data, report } = await drawComplete(cloud);
+    expect(data.some((value) => value > 0.1)).toBe(true);
+    expect(report.missing).toBeGreaterThan(0);
+    expect(cloud.stream!.report().error).toBeInstanceOf(SplatSourceError);
+    isBroken = false;
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    cloud.stream!.retry();
+    await view.whenComplete();
+    expect(cloud.stream!.report()).toMatchObject({ error: null, missingBricks: 0 });
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('ends fetches with its last view, with its cloud, and while it begins', async () => {
+    const signals: AbortSignal[] = [];
+    const { when, give } = signalOf();
+    const slow: BrickScene = {
+      ...scene,
+      read: async (address, signal) => {
+        if (address.number > 0) {
+          signals.push(signal!);
+          await when;
+        }
+        signal?.throwIfAborted();
+        return scene.read(address, signal);
+      },
+    };
+    const cloud = await engine.stream(slow);
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    expect(signals.length).toBeGreaterThan(0);
+    view.destroy();
+    expect(signals.every(({ aborted }) => aborted)).toBe(true);
+    const other = engine.createView();
+    other.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    cloud.destroy();
+    expect(signals.every(({ aborted }) => aborted)).toBe(true);
+    give();
+    other.destroy();
+    const { totalBytes } = engine.memory();
+    await expect(engine.stream(scene, { signal: AbortSignal.abort(new Error('enough')) })).rejects.toThrow(
+      'enough',
+    );
+    await expect(engine.stream(scene, { budgetBytes: 1000 })).rejects.toThrow(
+      /budgetBytes is 1000; scene needs/,
+    );
+    expect(engine.memory().totalBytes).toBe(totalBytes);
+  });
+});

@@ -1,0 +1,53 @@
+import type { FrustumSide } from '../data/camera/frustum.ts';
+
+/** How a view sees a cloud whose scene is not all on the GPU. */
+export interface CloudSight {
+  /** Its cut: see `LevelCut`. */
+  readonly cut: {
+    readonly camera: readonly [number, number, number];
+    readonly squaredPerDistance: number;
+    readonly leastSquared: number;
+    readonly margin: number;
+  };
+  /** Factor of squared thresholds by which a budget has shifted them. */
+  readonly squaredShift: number;
+  /** Sides of its frustum, about the scene's origin. */
+  readonly sides: readonly FrustumSide[];
+}
+
+/** What is on the GPU of a scene that streams. */
+export interface StreamReport {
+  /** Parts of the scene; those on the GPU; and those that it has room for. */
+  readonly bricks: number;
+  readonly residentBricks: number;
+  readonly mostBricks: number;
+  /** Parts that views would draw, as far as is known, and that are not there. */
+  readonly missingBricks: number;
+  /** Of these, those for which there is no room. */
+  readonly refusedBricks: number;
+  /** Parts that are being fetched, and bytes of those that were. */
+  readonly fetching: number;
+  readonly fetchedBytes: number;
+  /** Why the last fetch failed; null where none has. Call `retry` then. */
+  readonly error: Error | null;
+}
+
+/** Brings what views need of a scene to the GPU. */
+export interface CloudStream {
+  report(): StreamReport;
+  /** Fetches again what could not be. */
+  retry(): void;
+  /** @internal Settles when nothing is missing that there is room for; null if nothing is. */
+  readonly complete: Promise<void> | null;
+  /**
+   * @internal Says how a view sees the scene, once for each time that it shows it. `redraw` is called
+   *   when that changes; the next call waits for its promise.
+   */
+  see(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void;
+  /** @internal The view shows the scene no longer. */
+  leave(view: object): void;
+  /** @internal What is on the GPU stays as it is until `until` settles. */
+  hold(until: Promise<unknown>): void;
+  /** @internal */
+  end(): void;
+}
