@@ -59,6 +59,8 @@ export interface BrickScene {
   readonly splatCount: number;
   readonly brickCount: number;
   readonly shDegree: ShDegree;
+  /** Whether splats were trained with an antialias filter; absent if that is not known. */
+  readonly isAntialiased?: boolean;
   /** Scene-space point that positions are relative to. */
   readonly origin: Vec3;
   /** Scene space. */

@@ -28,17 +28,17 @@ export function errorCode(squaredLength: number): number {
 }
 
 /** A leaf of a cell, or a root: values as drawn, in the scene's units. */
-export interface MergedLeaf {
-  readonly position: Float64Array;
+export interface MergedLeaf<Values extends Float64Array | Float32Array = Float64Array> {
+  readonly position: Values;
   /** Above 1 for blobs that stand for splats on top of each other. */
   opacity: number;
   /** Quaternion w, x, y, z, of unit length. */
-  readonly rotation: Float64Array;
+  readonly rotation: Values;
   /** Standard deviation along each axis. */
-  readonly scale: Float64Array;
-  readonly colorDc: Float64Array;
+  readonly scale: Values;
+  readonly colorDc: Values;
   /** Sums over its splats: opacity times rim length, and opacity. Read of blobs only. */
-  readonly sums: Float64Array;
+  readonly sums: Values;
 }
 
 export function emptyLeaf(): MergedLeaf {

@@ -52,7 +52,7 @@ export function blobReader(words: Uint32Array): LeafReader {
 
 /** Packs a blob as float32 geometry, with its sums in the words that splats leave empty. */
 export function packBlob(
-  { position, opacity, rotation, scale, colorDc, sums }: MergedLeaf,
+  { position, opacity, rotation, scale, colorDc, sums }: MergedLeaf<Float64Array | Float32Array>,
   words: Uint32Array<ArrayBuffer>,
   at: number,
 ): void {

@@ -195,6 +195,7 @@ export function brickSceneOf(
     origin,
     bounds,
     robustBounds,
+    ...(set.isAntialiased !== undefined && { isAntialiased: set.isAntialiased }),
     root: made.address(0),
     read: async ({ number }, signal) => {
       signal?.throwIfAborted();

@@ -40,7 +40,8 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
 const PACKED_AT_ONCE = 1 << 16;
 
 /**
- * The contents of a gzip stream. It fails with SplatFileError 'damaged'.
+ * The contents of a gzip stream, or of another kind of deflated stream. It fails with
+ * SplatFileError 'damaged'.
  *
  * @param byteOffset where in `file` the stream is, for that error.
  */
@@ -48,8 +49,9 @@ export function gunzip(
   packed: ReadableStream<Uint8Array<ArrayBuffer>>,
   file: string,
   byteOffset: () => number,
+  format: CompressionFormat = 'gzip',
 ): ReadableStream<Uint8Array<ArrayBuffer>> {
-  const { readable, writable } = new DecompressionStream('gzip');
+  const { readable, writable } = new DecompressionStream(format);
   const unpacked = readable.getReader();
   const source = packed.getReader();
   const demand = new Demand();

@@ -14,11 +14,7 @@ export async function packGzip(
   bytes: Uint8Array<ArrayBuffer>,
   { signal, onProgress }: PackOptions,
 ): Promise<Uint8Array<ArrayBuffer>> {
-  const parts: Uint8Array<ArrayBuffer>[] = [];
-  const keep = async (part: Uint8Array<ArrayBuffer>) => {
-    parts.push(part);
-  };
-  await packGzipTo(keep, async (put) => {
+  return collected('gzip', async (put) => {
     for (let at = 0; at < bytes.length; at += PIECE_BYTES) {
       signal?.throwIfAborted();
       await put(bytes.subarray(at, at + PIECE_BYTES));
@@ -26,6 +22,22 @@ export async function packGzip(
     }
     signal?.throwIfAborted();
   });
+}
+
+/** Packs bytes as a zlib stream (RFC 1950), which has a checksum. */
+export function packZlib(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
+  return collected('deflate', (put) => put(bytes));
+}
+
+async function collected(
+  format: CompressionFormat,
+  work: (put: Put) => Promise<void>,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  const keep = async (part: Uint8Array<ArrayBuffer>) => {
+    parts.push(part);
+  };
+  await packTo(format, keep, work);
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
@@ -36,7 +48,11 @@ export async function packGzip(
  * Rejects as both do.
  */
 export async function packGzipTo(put: Put, work: (put: Put) => Promise<void>): Promise<void> {
-  const { readable, writable } = new CompressionStream('gzip');
+  await packTo('gzip', put, work);
+}
+
+async function packTo(format: CompressionFormat, put: Put, work: (put: Put) => Promise<void>): Promise<void> {
+  const { readable, writable } = new CompressionStream(format);
   const writer = writable.getWriter();
   const packing = readable.pipeTo(new WritableStream({ write: put }));
   try {

@@ -1,3 +1,4 @@
+import { bricksFormat } from './bricks/bricks-format.ts';
 import { compressedPlyFormat } from './compressed-ply/compressed-ply-format.ts';
 import { gltfFormat } from './gltf/gltf-format.ts';
 import { gzipFormat } from './gzip/gzip-format.ts';
@@ -25,6 +26,7 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   // By its name only: it leaves files that others know by their first bytes to those below.
   splatFormat,
   ksplatFormat,
+  bricksFormat,
   zipFormat,
   gzipFormat,
 ];

@@ -51,6 +51,13 @@ export const WRITABLE_FORMATS: readonly WritableFormat[] = [
     tellsAntialiased: false,
     hasYUp: true,
   },
+  {
+    name: 'bricks',
+    title: '.bricks',
+    extension: '.bricks',
+    tellsAntialiased: true,
+    hasYUp: false,
+  },
 ];
 
 /** The format that files with this name are written in; undefined if the name does not tell. */

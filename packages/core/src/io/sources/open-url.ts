@@ -35,7 +35,7 @@ export async function openUrl(url: string, options: ReadOptions): Promise<Opened
 }
 
 /** @throws SplatSourceError; the error of `fetch` would repeat the address with credentials. */
-function addressOf(url: string, name: string): URL {
+export function addressOf(url: string, name: string): URL {
   const base = baseUrl();
   if (!URL.canParse(url, base))
     throw new SplatSourceError(name, base === undefined ? ABSOLUTE_ADVICE : 'it is no valid address');
@@ -47,7 +47,8 @@ function addressOf(url: string, name: string): URL {
   );
 }
 
-class Transfer {
+/** Requests of one file, with the number of tries that they share. */
+export class Transfer {
   readonly #url: URL;
   readonly #name: string;
   readonly #request: Required<RequestOptions>;
@@ -56,15 +57,25 @@ class Transfer {
   /** Facts about the file from the first answer; null before. */
   #file: FileFacts | null = null;
 
-  constructor(url: URL, name: string, request: Required<RequestOptions>, signal: AbortSignal | undefined) {
+  readonly #hasAnswered: boolean;
+
+  /** @param hasAnswered whether the server has answered before. */
+  constructor(
+    url: URL,
+    name: string,
+    request: Required<RequestOptions>,
+    signal: AbortSignal | undefined,
+    hasAnswered = false,
+  ) {
     this.#url = url;
     this.#name = name;
     this.#request = request;
     this.#signal = signal;
+    this.#hasAnswered = hasAnswered;
   }
 
   async open(): Promise<OpenedSource> {
-    const response = await this.#ask({});
+    const response = await this.ask({});
     const { headers } = response;
     const totalBytesCertain = response.type !== 'cors';
     this.#file = { ...factsOf(headers), hasRanges: totalBytesCertain };
@@ -74,12 +85,12 @@ class Transfer {
       totalBytes,
       totalBytesCertain,
       // The bytes of a Blob's address are the browser's already.
-      isHeld: !this.#isRemote && totalBytesCertain && totalBytes !== undefined,
+      isHeld: !this.isRemote && totalBytesCertain && totalBytes !== undefined,
       sentBytes: lengthOf(headers),
       stream: bodyOf(response),
       idleTimeoutMs: this.#request.idleTimeoutMs,
-      resume: this.#isRemote ? (offset, failure) => this.#resume(offset, failure) : undefined,
-      ...(this.#isRemote && { fetched: { url: response.url || this.#url.href, request: this.#request } }),
+      resume: this.isRemote ? (offset, failure) => this.#resume(offset, failure) : undefined,
+      ...(this.isRemote && { fetched: { url: response.url || this.#url.href, request: this.#request } }),
     };
   }
 
@@ -87,7 +98,7 @@ class Transfer {
   async #resume(offset: number, failure: SplatSourceError): Promise<ResumedStream> {
     const { validator, totalBytes, hasRanges } = this.#file!;
     if (validator === null) throw failure;
-    await this.#waitAfter(failure);
+    await this.waitAfter(failure);
     const response = await this.#askAgain(
       hasRanges ? { range: `bytes=${offset}-`, 'if-range': validator } : {},
       failure,
@@ -113,21 +124,25 @@ class Transfer {
   /** Rejects with `failure`, which says more, if there is no answer. */
   async #askAgain(headers: Readonly<Record<string, string>>, failure: SplatSourceError): Promise<Response> {
     try {
-      return await this.#ask(headers);
+      return await this.ask(headers);
     } catch (error) {
       this.#signal?.throwIfAborted();
       throw (error as SplatSourceError).status === undefined ? failure : error;
     }
   }
 
-  /** Sends the request until there is an answer that has a body to read. */
-  async #ask(headers: Readonly<Record<string, string>>): Promise<Response> {
+  /**
+   * Sends the request until there is an answer that has a body to read. Rejects with
+   * SplatSourceError, and the signal's reason.
+   */
+  async ask(headers: Readonly<Record<string, string>>): Promise<Response> {
     for (;;) {
       const answer = await this.#fetch(headers);
       if (answer instanceof SplatSourceError) {
-        const isUnanswered = this.#file === null && this.#retries + 1 >= UNANSWERED_TRIES;
-        if (isUnanswered || !this.#isRemote) throw answer;
-        await this.#waitAfter(answer);
+        const isFirst = this.#file === null && !this.#hasAnswered;
+        const isUnanswered = isFirst && this.#retries + 1 >= UNANSWERED_TRIES;
+        if (isUnanswered || !this.isRemote) throw answer;
+        await this.waitAfter(answer);
         continue;
       }
       if (answer.ok) return answer;
@@ -136,7 +151,7 @@ class Transfer {
       const reason = statusText === '' ? '' : ` ${statusText}`;
       const failure = new SplatSourceError(this.#name, `the server answered ${status}${reason}`, status);
       if (!PASSING_STATUSES.includes(status)) throw failure;
-      await this.#waitAfter(failure, askedWaitMs(answer.headers));
+      await this.waitAfter(failure, askedWaitMs(answer.headers));
     }
   }
 
@@ -166,7 +181,7 @@ class Transfer {
   }
 
   /** Waits before another try, at least as long as asked. Throws `failure` if no try is left. */
-  async #waitAfter(failure: SplatSourceError, askedMs = 0): Promise<void> {
+  async waitAfter(failure: SplatSourceError, askedMs = 0): Promise<void> {
     if (this.#retries >= this.#request.maxRetries || askedMs > LONGEST_WAIT_MS) throw failure;
     // Spread out, so that clients refused together do not return together.
     const backoffMs = FIRST_WAIT_MS * 2 ** this.#retries * (0.5 + Math.random() / 2);
@@ -179,7 +194,7 @@ class Transfer {
   }
 
   /** Whether a server may be asked again. */
-  get #isRemote(): boolean {
+  get isRemote(): boolean {
     return /^https?:$/.test(this.#url.protocol);
   }
 
@@ -195,7 +210,7 @@ class Transfer {
 }
 
 /** Facts about the whole file from an answer. */
-interface AnswerFacts {
+export interface AnswerFacts {
   /** Proof that the file is still the same; null without, and for packed files. */
   readonly validator: string | null;
   /** Undefined if it does not say, and for packed files. */
@@ -213,7 +228,7 @@ function factsOf(headers: Headers): AnswerFacts {
 }
 
 /** The same of an answer with a part, and where that begins; null if it does not say. */
-function partOf(headers: Headers): AnswerFacts & { readonly startsAt: number | null } {
+export function partOf(headers: Headers): AnswerFacts & { readonly startsAt: number | null } {
   const [, start, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('content-range') ?? '') ?? [];
   const totalBytes = total === undefined || total === '*' ? undefined : Number(total);
   return { ...factsOf(headers), totalBytes, startsAt: start === undefined ? null : Number(start) };
@@ -236,7 +251,7 @@ function askedWaitMs(headers: Headers): number {
   return waitMs > 0 ? waitMs : 0;
 }
 
-function isPacked(headers: Headers): boolean {
+export function isPacked(headers: Headers): boolean {
   return (headers.get('content-encoding') ?? 'identity') !== 'identity';
 }
 
@@ -245,10 +260,10 @@ function lengthOf(headers: Headers): number | undefined {
   return length !== null && /^\d+$/.test(length) ? Number(length) : undefined;
 }
 
-function bodyOf(response: Response): ReadableStream<Uint8Array> {
+export function bodyOf(response: Response): ReadableStream<Uint8Array> {
   return response.body ?? new Blob([]).stream();
 }
 
-function cancelBody(response: Response): void {
+export function cancelBody(response: Response): void {
   response.body?.cancel().catch(() => {});
 }

@@ -1,0 +1,13 @@
+import { latin1 } from '../latin1.ts';
+import type { SplatFormat } from '../splat-format.ts';
+
+/** With which a file begins. */
+export const BRICKS_MAGIC = 'WSBRICKS';
+
+/** A scene of any size with its levels of detail, in bricks that are read by themselves. */
+export const bricksFormat: SplatFormat = {
+  name: 'bricks',
+  title: '.bricks',
+  extensions: ['.bricks'],
+  recognise: (firstBytes) => latin1(firstBytes.subarray(0, BRICKS_MAGIC.length)) === BRICKS_MAGIC,
+};

@@ -1,0 +1,164 @@
+import type { Brick, BrickAddress } from '../../../data/bricks/brick.ts';
+import type { BrickShape } from '../../../data/bricks/brick-shape.ts';
+import { BLOB_WORDS, packBlob, SPLAT_WORDS } from '../../../data/bricks/leaf-reader.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
+import { logScalesOf } from '../../../data/packing/chunks.ts';
+import { packGeometry } from '../../../data/packing/geometry.ts';
+import { packCoefficients, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import { clampLogScale } from '../../../data/packing/log-scale.ts';
+import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
+import { logitOf } from '../../../data/splats/color-values.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
+import { gunzip } from '../../containers/gzip.ts';
+import { streamOfBytes } from '../../sources/open-source.ts';
+import { type BrickHeader, readBrickHeader } from './brick-header.ts';
+import { brickHeaderBytes } from './bricks-layout.ts';
+import { decodeGeometry, geometryBytes, type LeafColumns } from './decode-geometry.ts';
+import { decodeHarmonics, mostHarmonicsBytes } from './decode-harmonics.ts';
+
+/** A brick as its bytes tell it. */
+export interface DecodedBrick {
+  readonly header: BrickHeader;
+  readonly leaves: LeafColumns;
+  /** 3K of each leaf. */
+  readonly coefficients: Float32Array;
+}
+
+/** Most bytes of a brick: whatever is packed takes no more than it is, but for this part. */
+const MOST_GROWTH = 1.01;
+
+/** Most bytes that a brick of this level and so many cells takes in a file. */
+export function mostBrickBytes(level: number, cellCount: number, degree: ShDegree): number {
+  const count = cellCount * CHUNK_SPLATS;
+  const unpacked = geometryBytes(level, count) + mostHarmonicsBytes(degree, count);
+  return brickHeaderBytes(level, cellCount) + Math.ceil(MOST_GROWTH * unpacked) + 1024;
+}
+
+/**
+ * Decodes the brick at `address`.
+ *
+ * Rejects with SplatFileError 'damaged'.
+ *
+ * @param bytes all of the brick.
+ */
+export async function decodeBrick(
+  bytes: Uint8Array<ArrayBuffer>,
+  address: BrickAddress,
+  shape: BrickShape,
+  degree: ShDegree,
+  file: string,
+): Promise<DecodedBrick> {
+  const header = readBrickHeader(bytes, address, shape, file);
+  const { level, first, end, cells } = header;
+  const start = brickHeaderBytes(level, end - first);
+  const total = start + header.geometryBytes + header.harmonicsBytes;
+  const fail = (message: string): never => {
+    const text = `brick ${address.number} ${message}. Download or export it again.`;
+    throw new SplatFileError('damaged', file, text, { byte: address.offset });
+  };
+  if (total !== bytes.length) fail(`has parts of ${total} bytes together, and ${bytes.length} bytes`);
+  const count = shape.leafCountOf(header);
+  const middle = start + header.geometryBytes;
+  const unpack = (from: number, to: number, mostBytes: number, what: string) =>
+    unpackZlib(
+      bytes.subarray(from, to),
+      mostBytes,
+      `${file}, ${what} of brick ${address.number}`,
+      address.offset + from,
+    );
+  const [geometry, harmonics] = await Promise.all([
+    unpack(start, middle, geometryBytes(level, count), 'geometry'),
+    degree > 0 ? unpack(middle, total, mostHarmonicsBytes(degree, count), 'harmonics') : null,
+  ]);
+  if (geometry.length !== geometryBytes(level, count))
+    fail(`has ${geometry.length} bytes of geometry; ${count} leaves have ${geometryBytes(level, count)}`);
+  const bounds = cells.map((cell) => cell.bounds);
+  const leaves = decodeGeometry(geometry, level, count, bounds) ?? fail('has colours that no file has');
+  const coefficients = harmonics ? decodeHarmonics(harmonics, degree, count) : new Float32Array(0);
+  return { header, leaves, coefficients: coefficients ?? fail('has harmonics that cannot be read') };
+}
+
+/**
+ * Unpacks a zlib stream. Rejects with SplatFileError 'damaged', also where it has more than
+ * `mostBytes`.
+ */
+async function unpackZlib(
+  packed: Uint8Array<ArrayBuffer>,
+  mostBytes: number,
+  what: string,
+  byte: number,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const stream = streamOfBytes(packed) as ReadableStream<Uint8Array<ArrayBuffer>>;
+  const reader = gunzip(stream, what, () => byte, 'deflate').getReader();
+  const unpacked = new Uint8Array(mostBytes);
+  let length = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return unpacked.subarray(0, length);
+    if (length + value.length > mostBytes) {
+      reader.cancel().catch(() => {});
+      const message = `it unpacks to more than ${mostBytes} bytes. Download or export it again.`;
+      throw new SplatFileError('damaged', what, message, { byte });
+    }
+    unpacked.set(value, length);
+    length += value.length;
+  }
+}
+
+/** A decoded brick as the GPU takes it. */
+export function packBrick({ header, leaves, coefficients }: DecodedBrick, degree: ShDegree): Brick {
+  const { level, first, end, cells } = header;
+  const places = CHUNK_SPLATS * (end - first);
+  const { count } = leaves;
+  const width = coefficientsPerSplat(degree);
+  const shWords = shWordsPerSplat(degree, BLOB_PRECISION.shPrecision);
+  const harmonics = new Uint32Array(places * shWords);
+  for (let i = 0; i < count && width > 0; i++) {
+    const values = coefficients.subarray(i * width, (i + 1) * width);
+    packCoefficients(degree, BLOB_PRECISION.shPrecision, values, harmonics, i * shWords);
+  }
+  if (level > 0) {
+    const blobCells = cells.map((cell) => ({ ...cell, logScales: [0, 0] as const }));
+    return {
+      level,
+      cells: blobCells,
+      geometry: packBlobs(leaves, places),
+      harmonics,
+      rows: new Uint32Array(0),
+    };
+  }
+  const rows = new Uint32Array(places);
+  for (let i = 0; i < count; i++) rows[i] = CHUNK_SPLATS * first + i;
+  const { words, chunks } = packGeometry(
+    {
+      ...{ ...leaves, origin: [0, 0, 0], fileIndices: rows, dropped: {} },
+      opacityLogits: leaves.opacities.map(logitOf),
+    },
+    'packed',
+  );
+  const geometry = new Uint32Array(places * SPLAT_WORDS);
+  geometry.set(words);
+  const splatCells = cells.map((cell, i) => {
+    const { min, step } = logScalesOf(chunks, i);
+    return { ...cell, logScales: [min, step] as const };
+  });
+  return { level, cells: splatCells, geometry, harmonics, rows };
+}
+
+function packBlobs(leaves: LeafColumns, places: number): Uint32Array<ArrayBuffer> {
+  const geometry = new Uint32Array(places * BLOB_WORDS);
+  const { count, positions, logScales, rotations, opacities, colorDc, sums } = leaves;
+  for (let i = 0; i < count; i++) {
+    const blob = {
+      position: positions.subarray(3 * i, 3 * i + 3),
+      opacity: opacities[i],
+      rotation: rotations.subarray(4 * i, 4 * i + 4),
+      scale: logScales.subarray(3 * i, 3 * i + 3).map((value) => Math.exp(clampLogScale(value))),
+      colorDc: colorDc.subarray(3 * i, 3 * i + 3),
+      sums: sums.subarray(2 * i, 2 * i + 2),
+    };
+    packBlob(blob, geometry, i * BLOB_WORDS);
+  }
+  return geometry;
+}

@@ -1,0 +1,153 @@
+import type { Brick } from '../../../data/bricks/brick.ts';
+import { principalAxes } from '../../../data/math/principal-axes.ts';
+import { type PackedHarmonics, readCoefficients, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
+import {
+  AXIS_STEPS,
+  COMPONENT_BYTES,
+  HARMONICS_HEAD_BYTES,
+  HARMONICS_STEP,
+  IS_DIFFERENCE,
+  IS_WIDE,
+  MOST_HARMONICS_STEPS,
+  ROUNDED_UP,
+} from './bricks-layout.ts';
+import { PlaneWriter, zigzag } from './planes.ts';
+
+/** Differences are written where their variance is less than this part of that of the values. */
+const LEAST_GAIN = 0.9;
+
+/**
+ * The harmonics of a brick of degree 1 or above, as rounded bytes: see bricks-layout.ts. Most of
+ * what splats of one place have in common is found by principal components; those that differ by
+ * less than rounding does are left out.
+ */
+export function encodeHarmonics(
+  { cells, harmonics: words }: Brick,
+  degree: ShDegree,
+): Uint8Array<ArrayBuffer> {
+  const count = cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
+  const width = coefficientsPerSplat(degree);
+  const precision = BLOB_PRECISION.shPrecision;
+  const packed: PackedHarmonics = {
+    degree,
+    precision,
+    wordsPerSplat: shWordsPerSplat(degree, precision),
+    words,
+  };
+  const rests = new Float64Array(count * width);
+  for (let i = 0; i < count; i++) readCoefficients(packed, i, rests.subarray(i * width, (i + 1) * width));
+  const means = subtractMeans(rests, count, width);
+  let largest = 0;
+  for (let i = 0; i < count; i++) {
+    let squares = 0;
+    for (let k = i * width; k < (i + 1) * width; k++) squares += rests[k] * rests[k];
+    largest = Math.max(largest, squares);
+  }
+  const step = Math.fround(Math.max(HARMONICS_STEP, Math.sqrt(largest) / MOST_HARMONICS_STEPS));
+  const components: Component[] = [];
+  const axes = principalAxes(covarianceOf(rests, count, width), width);
+  for (let at = 0; at < axes.length; at += width) {
+    const component = componentOf(axes.subarray(at, at + width), rests, count, step);
+    if (component) components.push(component);
+  }
+  const componentBytes = COMPONENT_BYTES + width;
+  const firstComponent = HARMONICS_HEAD_BYTES + 4 * width;
+  const planeCount = components.reduce((sum, { flags }) => sum + (flags & IS_WIDE ? 2 : 1), 0);
+  const planes = new PlaneWriter(count, firstComponent + components.length * componentBytes, planeCount);
+  const head = new DataView(planes.bytes.buffer);
+  head.setUint8(0, components.length);
+  for (let k = 0; k < width; k++) head.setFloat32(HARMONICS_HEAD_BYTES + 4 * k, means[k], true);
+  for (const [i, { axis, length, flags, values }] of components.entries()) {
+    const at = firstComponent + i * componentBytes;
+    head.setUint8(at, flags);
+    head.setFloat32(at + 1, length, true);
+    for (let k = 0; k < width; k++) head.setInt8(at + COMPONENT_BYTES + k, axis[k]);
+    if (flags & IS_WIDE) planes.wide((leaf) => values[leaf]);
+    else planes.narrow((leaf) => values[leaf]);
+  }
+  return planes.bytes;
+}
+
+interface Component {
+  /** In whole numbers, of which the largest is AXIS_STEPS. */
+  readonly axis: Int8Array;
+  /** Coefficients per step of the axis, for a value of one step. */
+  readonly length: number;
+  readonly flags: number;
+  /** As they are written, by leaf. */
+  readonly values: Uint16Array;
+}
+
+/** Takes the means of `rests` away, and returns them. */
+function subtractMeans(rests: Float64Array, count: number, width: number): Float32Array {
+  const sums = new Float64Array(width);
+  for (let i = 0; i < rests.length; i++) sums[i % width] += rests[i];
+  const means = Float32Array.from(sums, (sum) => sum / count);
+  for (let i = 0; i < rests.length; i++) rests[i] -= means[i % width];
+  return means;
+}
+
+function covarianceOf(rests: Float64Array, count: number, width: number): Float64Array {
+  const covariance = new Float64Array(width * width);
+  for (let at = 0; at < rests.length; at += width) {
+    for (let k = 0; k < width; k++) {
+      const value = rests[at + k];
+      for (let l = k; l < width; l++) covariance[k * width + l] += value * rests[at + l];
+    }
+  }
+  for (let k = 0; k < width; k++)
+    for (let l = k; l < width; l++)
+      covariance[l * width + k] = covariance[k * width + l] = covariance[k * width + l] / count;
+  return covariance;
+}
+
+/** Takes what lies along an axis away from `rests`; null where that is less than rounding. */
+function componentOf(
+  exact: Float64Array,
+  rests: Float64Array,
+  count: number,
+  step: number,
+): Component | null {
+  const width = exact.length;
+  let largest = 0;
+  for (const value of exact) largest = Math.max(largest, Math.abs(value));
+  const axis = Int8Array.from(exact, (value) => Math.round((AXIS_STEPS * value) / largest));
+  const axisLength = Math.hypot(...axis);
+  const values = new Int16Array(count);
+  let squares = 0;
+  let isZero = true;
+  for (let i = 0; i < count; i++) {
+    let along = 0;
+    for (let k = 0; k < width; k++) along += axis[k] * rests[i * width + k];
+    along /= axisLength;
+    squares += along * along;
+    values[i] = Math.sign(along) * Math.floor(Math.abs(along) / step + 1 - ROUNDED_UP);
+    if (values[i] !== 0) isZero = false;
+  }
+  // Rounding has a variance of step² / 12.
+  if (isZero || squares / count < (step * step) / 6) return null;
+  const length = Math.fround(step / axisLength);
+  for (let i = 0; i < count; i++) {
+    const along = length * values[i];
+    for (let k = 0; k < width; k++) rests[i * width + k] -= along * axis[k];
+  }
+  return { axis, length, ...written(values) };
+}
+
+/** The values as they are, or as differences where neighbours are alike. */
+function written(steps: Int16Array): Pick<Component, 'flags' | 'values'> {
+  let squares = 0;
+  let squaredDifferences = 0;
+  for (let i = 0; i < steps.length; i++) {
+    squares += steps[i] ** 2;
+    squaredDifferences += (steps[i] - (steps[i - 1] ?? 0)) ** 2;
+  }
+  const isDifference = squaredDifferences < LEAST_GAIN * squares;
+  const values = Uint16Array.from(steps, (value, i) =>
+    zigzag(isDifference ? value - (steps[i - 1] ?? 0) : value),
+  );
+  const isWide = values.some((value) => value > 255);
+  return { values, flags: (isWide ? IS_WIDE : 0) | (isDifference ? IS_DIFFERENCE : 0) };
+}

@@ -1,0 +1,79 @@
+import type { Brick, BrickAddress, BrickCell, BrickScene } from '../../../data/bricks/brick.ts';
+import { BrickShape } from '../../../data/bricks/brick-shape.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { wrongArgument } from '../../../data/given.ts';
+import { openRanges } from '../../sources/open-ranges.ts';
+import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import { checkNested } from './brick-header.ts';
+import { brickHeaderBytes } from './bricks-layout.ts';
+import { decodeBrick, mostBrickBytes, packBrick } from './decode-brick.ts';
+import { readFileHeader } from './file-header.ts';
+
+/** Bytes that are read at once: of large scenes, the header and the root. */
+const FIRST_BYTES = 1 << 17;
+
+/**
+ * Opens a scene in bricks, of which each brick is read when it is asked for, by itself. Only the
+ * beginning is read at once.
+ *
+ * Rejects with SplatSourceError (cannot be fetched, or not in parts), SplatFileError for a file
+ * that is none or damaged, InvalidArgumentError for a stream or what is no source, and the signal's
+ * reason.
+ */
+export async function openBricks(
+  source: SplatSource,
+  options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
+): Promise<BrickScene> {
+  const ranges = await openRanges(source, FIRST_BYTES, options);
+  const { name, totalBytes } = ranges;
+  const first = await ranges.read(0, FIRST_BYTES, options.signal);
+  const header = readFileHeader(first, name);
+  const { shDegree } = header;
+  const shape = new BrickShape(header.splatCount);
+  /** The cells above bricks whose addresses were given away: these bricks must be within. */
+  const above = new WeakMap<BrickAddress, Omit<BrickCell, 'logScales'>>();
+
+  const check = ({ number, offset, bytes }: BrickAddress) => {
+    const { level, first: firstCell, end } = shape.cellsOf(number);
+    const least = brickHeaderBytes(level, end - firstCell);
+    const most = mostBrickBytes(level, end - firstCell, shDegree);
+    const place = { byte: offset };
+    if (!(bytes >= least && bytes <= most)) {
+      const message = `brick ${number} has ${bytes} bytes, not ${least} to ${most}. Download or export it again.`;
+      throw new SplatFileError('damaged', name, message, place);
+    }
+    if (totalBytes !== undefined && offset + bytes > totalBytes) {
+      const message = `brick ${number} ends at byte ${offset + bytes}, the file at ${totalBytes}. Download or export it again.`;
+      throw new SplatFileError('truncated', name, message, place);
+    }
+  };
+
+  const read = async (address: BrickAddress, signal?: AbortSignal): Promise<Brick> => {
+    signal?.throwIfAborted();
+    const { number, offset, bytes: byteCount } = address;
+    if (!(Number.isInteger(number) && number >= 0 && number < shape.brickCount))
+      throw wrongArgument('address.number', number, `from 0 to ${shape.brickCount - 1}`, name);
+    check(address);
+    const bytes = await ranges.read(offset, byteCount, signal);
+    if (bytes.length < byteCount) {
+      const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
+      throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
+    }
+    const decoded = await decodeBrick(bytes, address, shape, shDegree, name);
+    signal?.throwIfAborted();
+    const parent = above.get(address);
+    if (parent) checkNested(decoded.header, parent, address, name);
+    for (const cell of decoded.header.cells) {
+      if (!cell.child) continue;
+      check(cell.child);
+      above.set(cell.child, cell);
+    }
+    return packBrick(decoded, shDegree);
+  };
+  check(header.root);
+  const { splatCount, isAntialiased, origin, bounds, robustBounds, root } = header;
+  return {
+    ...{ name, splatCount, brickCount: shape.brickCount, shDegree, origin, bounds, robustBounds, root, read },
+    ...(isAntialiased !== undefined && { isAntialiased }),
+  };
+}

@@ -1,0 +1,164 @@
+import { BrickShape } from '../../../data/bricks/brick-shape.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { logitOf } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import { checkCount } from '../check-count.ts';
+import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
+import { ReadProgress } from '../progress.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { SplatSetBuilder } from '../splat-set-builder.ts';
+import { readBrickHeader } from './brick-header.ts';
+import { brickHeaderBytes, FILE_HEADER, FILE_HEADER_BYTES } from './bricks-layout.ts';
+import { type DecodedBrick, decodeBrick, mostBrickBytes } from './decode-brick.ts';
+import { type FileHeader, readFileHeader } from './file-header.ts';
+
+/**
+ * Reads the splats of a scene in bricks, without its levels of detail. A splat's row is its place
+ * in the file.
+ *
+ * Rejects with `SplatFileError`: 'damaged', 'bad-header', 'truncated', 'too-large', 'empty'.
+ */
+export const read: ReadFormat = async (input, options, rowsTo) => {
+  const header = readFileHeader(await input.reader.peek(FILE_HEADER_BYTES), input.name);
+  const { splatCount, shDegree } = header;
+  checkCount(splatCount, input.name, options.maxSplats, { byte: FILE_HEADER.splatCount });
+  checkUnpacked(header, input, options);
+  input.reader.advance(FILE_HEADER_BYTES);
+  const splats = new BrickSplats(input, header);
+  // Far from the origin, coordinates in the scene's space need more than float32.
+  if (header.origin.some((value) => value !== 0)) return collect(splats, header, input, options);
+  const rows: DecodedRows = {
+    ...{ count: splatCount, shDegree, isAntialiased: header.isAntialiased, fileFacts: FILE_FACTS },
+    arrive: (rowCount) => splats.arrive(rowCount),
+    decode: (values, rowCount) => splats.decode(values, rowCount),
+  };
+  return deliverRows(rows, input, options, rowsTo);
+};
+
+const FILE_FACTS = { format: 'bricks' };
+
+/** Throws where splats would take more memory than so few bytes may unpack to. */
+function checkUnpacked(
+  { splatCount, shDegree }: FileHeader,
+  input: SplatInput,
+  { maxBytes }: SplatFormatOptions,
+): void {
+  const bytes = 4 * rowLength(shDegree) * splatCount;
+  const limit = unpackedLimit({ maxBytes }, input);
+  if (bytes <= limit) return;
+  const message = `its ${splatCount} splats take ${bytes} bytes unpacked, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
+  throw new SplatFileError('too-large', input.name, message, { byte: FILE_HEADER.splatCount });
+}
+
+/** The splats of a file, from the first brick of the lowest level on. */
+class BrickSplats {
+  readonly #input: SplatInput;
+  readonly #header: FileHeader;
+  readonly #shape: BrickShape;
+  /** Number of the next brick. */
+  #next = 0;
+  /** Decoded bricks whose splats are not all taken, and how many are of the first of them. */
+  readonly #bricks: DecodedBrick[] = [];
+  #taken = 0;
+  #left = 0;
+
+  constructor(input: SplatInput, header: FileHeader) {
+    this.#input = input;
+    this.#header = header;
+    this.#shape = new BrickShape(header.splatCount);
+  }
+
+  /** Decodes bricks until as many splats are there. Rejects with SplatFileError. */
+  async arrive(count: number): Promise<void> {
+    while (this.#left < count) await this.#readBrick();
+  }
+
+  /** Writes the next splats, which are there, as rows. */
+  decode(rows: Float32Array | Float64Array, rowCount: number): void {
+    const length = rowLength(this.#header.shDegree);
+    const width = coefficientsPerSplat(this.#header.shDegree);
+    const { origin } = this.#header;
+    for (let row = 0; row < rowCount; row++) {
+      const { leaves, coefficients } = this.#bricks[0];
+      const [i, at] = [this.#taken, row * length];
+      for (let axis = 0; axis < 3; axis++) {
+        rows[at + ROW_SLOT.position + axis] = leaves.positions[3 * i + axis] + origin[axis];
+        rows[at + ROW_SLOT.logScale + axis] = leaves.logScales[3 * i + axis];
+        rows[at + ROW_SLOT.colorDc + axis] = leaves.colorDc[3 * i + axis];
+      }
+      for (let k = 0; k < 4; k++) rows[at + ROW_SLOT.rotation + k] = leaves.rotations[4 * i + k];
+      rows[at + ROW_SLOT.opacity] = logitOf(leaves.opacities[i]);
+      for (let k = 0; k < width; k++) rows[at + ROW_SLOT.harmonics + k] = coefficients[i * width + k];
+      this.#taken++;
+      if (this.#taken < leaves.count) continue;
+      this.#bricks.shift();
+      this.#taken = 0;
+    }
+    this.#left -= rowCount;
+  }
+
+  async #readBrick(): Promise<void> {
+    const { name, reader } = this.#input;
+    const number = this.#next++;
+    const { level, first, end } = this.#shape.cellsOf(number);
+    const headerBytes = brickHeaderBytes(level, end - first);
+    const offset = reader.byteOffset;
+    const bytes = await this.#bytes(headerBytes, number);
+    const { geometryBytes, harmonicsBytes } = readBrickHeader(bytes, { number, offset }, this.#shape, name);
+    const total = headerBytes + geometryBytes + harmonicsBytes;
+    const { shDegree } = this.#header;
+    if (total > mostBrickBytes(level, end - first, shDegree)) {
+      const message = `brick ${number} has ${total} bytes, more than its splats take. Download or export it again.`;
+      throw new SplatFileError('damaged', name, message, { byte: offset });
+    }
+    // Copied: the reader's memory is used again.
+    const whole = (await this.#bytes(total, number)).slice();
+    reader.advance(total);
+    if (level > 0) return;
+    const decoded = await decodeBrick(whole, { number, offset, bytes: total }, this.#shape, shDegree, name);
+    this.#bricks.push(decoded);
+    this.#left += decoded.leaves.count;
+  }
+
+  /** The next bytes, which stay unread. */
+  async #bytes(count: number, number: number): Promise<Uint8Array<ArrayBuffer>> {
+    const { name, reader } = this.#input;
+    if (!(await reader.fill(count))) {
+      const byte = reader.byteOffset + reader.available;
+      const message = `it ends within brick ${number} of ${this.#shape.brickCount}. Download or export it again.`;
+      throw new SplatFileError('truncated', name, message, { byte });
+    }
+    return reader.bytes.subarray(reader.start, reader.start + count);
+  }
+}
+
+async function collect(
+  splats: BrickSplats,
+  { splatCount, shDegree, isAntialiased }: FileHeader,
+  { name, reader, ...input }: SplatInput,
+  { shPrecision, onPiece, onProgress }: SplatFormatOptions,
+) {
+  const progress = new ReadProgress({ name, reader, ...input }, onProgress);
+  const builder = new SplatSetBuilder({
+    ...{ file: name, shDegree, shPrecision, isAntialiased, fileFacts: FILE_FACTS, onPiece },
+    widePositions: true,
+    promisedCount: splatCount,
+    isHeld: false,
+  });
+  for (let row = 0; row < splatCount; row++) {
+    await splats.arrive(1);
+    splats.decode(builder.row, 1);
+    builder.push(row);
+    if (row % ROWS_AT_ONCE > 0) continue;
+    progress.report(row);
+    await builder.handOn();
+    await reader.pause();
+  }
+  progress.finish(splatCount);
+  return builder.finish();
+}
+
+/** Rows between two chances of a page's thread to do something else. */
+const ROWS_AT_ONCE = 4096;
