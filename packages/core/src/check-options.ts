@@ -34,12 +34,15 @@ export function checkEngineNumbers(options: object): void {
 export function checkLoadOptions(options: {
   readonly precision?: CloudPrecision;
   readonly fit?: FitMode;
+  readonly budgetBytes?: number;
 }): void {
-  const { precision, fit } = given(options, {
+  const { precision, fit, budgetBytes } = given(options, {
     name: 'a string?',
     onPreview: 'a function?',
   });
   checkOneOf('fit', fit, FIT_MODES);
+  if (budgetBytes !== undefined && !(budgetBytes > 0))
+    throw wrongArgument('budgetBytes', budgetBytes, 'a number of bytes, above 0');
   if (precision === undefined) return;
   checkPrecision(given(precision, {}, 'precision'));
 }

@@ -40,7 +40,7 @@ import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import { sortDeviceOf } from './gpu/stages/sort-shape.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
-import { sourceName } from './io/sources/source-kind.ts';
+import { fileNameOf, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { AccuracyTargets } from './views/accuracy-targets.ts';
@@ -107,6 +107,11 @@ const PIECE_BYTES = 4 << 20;
 
 /** Options of `engine.load`. */
 export interface LoadOptions extends ReadOptions {
+  /**
+   * GPU memory for a scene in bricks, at most; default 512 MiB. Scenes that need less take less, and
+   * other scenes are loaded as a whole.
+   */
+  readonly budgetBytes?: number;
   /** Precision of planes; default that of the engine's accuracy, even if that changes. */
   readonly precision?: CloudPrecision;
   /**
@@ -294,6 +299,7 @@ export class SplatEngine {
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     checkLoadOptions(options);
+    if (isStreamable(source, options.name)) return this.#loadBricks(source, options);
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
@@ -324,15 +330,15 @@ export class SplatEngine {
     return cloud;
   }
 
-  /**
-   * Shows a scene of any size: its coarsest part at once, and then what views need of it, within
-   * `budgetBytes`. What is missing is drawn by blobs that stand for it, so that a frame is never
-   * incomplete, only coarser; `detail` and `view.whenComplete` are for such scenes too. Without
-   * `detail` frames show the finest that is there.
-   *
-   * @throws InvalidArgumentError for a budget that is too small; GpuLimitError if there is no memory;
-   *   SplatFileError and SplatSourceError if the scene cannot be read; the signal's reason.
-   */
+  async #loadBricks(source: SplatSource, options: LoadOptions): Promise<SplatCloud> {
+    const { openBricks } = await import('./io/formats/bricks/open-bricks.ts').catch((cause) => {
+      throw new CodeUnavailableError('streaming', { cause });
+    });
+    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
+    return this.stream(await openBricks(source, { ...options, signal }), { ...options, signal });
+  }
+
+  /** @internal Shows a scene in bricks, as `load` does. */
   async stream(scene: BrickScene, options: StreamOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     const { streamScene } = await import('./clouds/bricks/stream-scene.ts').catch((cause) => {
@@ -738,4 +744,9 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
     return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
   return { settings: requested, notices: [] };
+}
+
+/** Whether a source is read in parts, as views need them. */
+function isStreamable(source: SplatSource, name: string | undefined): boolean {
+  return !isStream(source) && !isFiles(source) && /\.bricks$/i.test(fileNameOf(source, name));
 }

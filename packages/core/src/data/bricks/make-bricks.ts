@@ -3,7 +3,7 @@ import { given, wrongArgument } from '../given.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../layout/level-structs.ts';
-import { logScalesOf } from '../packing/chunks.ts';
+import { logScalesOf, maxScaleOf } from '../packing/chunks.ts';
 import {
   type Harmonics,
   isPalette,
@@ -39,6 +39,8 @@ const STEP_CELLS = 16;
 interface CellLevel {
   /** BOUNDS_WORDS per cell. */
   readonly bounds: Float32Array;
+  /** Largest standard deviation of the splats of each cell. */
+  readonly largestScales: Float32Array;
   /** Of each cell: its error, as in links; 0 for the cell at the top. */
   readonly errors: Uint16Array;
   /** Its leaves, a chunk per cell; empty on level 0, whose leaves are the splats. */
@@ -104,6 +106,7 @@ export class MadeBricks {
     const bounds = this.#levels[level].bounds.subarray(BOUNDS_WORDS * cell, BOUNDS_WORDS * (cell + 1));
     const [minX, minY, minZ, maxX, maxY, maxZ] = bounds;
     const own = {
+      largestScale: this.#levels[level].largestScales[cell],
       bounds: { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] },
       leafCount: this.shape.leavesOf(level, cell),
     } as const;
@@ -261,6 +264,7 @@ function levelOfChunks({ geometry: { chunks } }: PackedCloud, count: number): Ce
   }
   return {
     bounds,
+    largestScales: Float32Array.from({ length: count }, (_, chunk) => maxScaleOf(chunks, chunk)),
     errors: new Uint16Array(count),
     geometry: new Uint32Array(0),
     harmonics: new Uint32Array(0),
@@ -276,8 +280,14 @@ function emptyLevel({ harmonics: { degree } }: PackedCloud, count: number, below
     const wider = k < 3 ? Math.min : Math.max;
     bounds[to] = cell % CELL_CHILDREN === 0 ? below.bounds[at] : wider(bounds[to], below.bounds[at]);
   }
+  const largestScales = new Float32Array(count);
+  for (const [cell, scale] of below.largestScales.entries()) {
+    const parent = Math.floor(cell / CELL_CHILDREN);
+    largestScales[parent] = Math.max(largestScales[parent], scale);
+  }
   return {
     bounds,
+    largestScales,
     errors: new Uint16Array(count),
     geometry: new Uint32Array(count * CHUNK_SPLATS * BLOB_WORDS),
     harmonics: new Uint32Array(count * CHUNK_SPLATS * shWordsPerSplat(degree, BLOB_PRECISION.shPrecision)),

@@ -3,7 +3,7 @@ import type { BrickCells, BrickShape } from '../../../data/bricks/brick-shape.ts
 import { SplatFileError } from '../../../data/errors.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
 import { crc32 } from '../../containers/crc32.ts';
-import { BRICK_HEADER, brickHeaderBytes, CELL, UPPER_CELL } from './bricks-layout.ts';
+import { BRICK_HEADER, brickHeaderBytes, CELL, SCALE_ROUNDING, UPPER_CELL } from './bricks-layout.ts';
 
 const { ERROR_BOUNDLESS } = LEVEL_CONSTANTS;
 
@@ -27,10 +27,11 @@ export function writeBrickHeader(
   view.setUint32(BRICK_HEADER.number, number, true);
   view.setUint32(BRICK_HEADER.geometryBytes, parts.geometryBytes, true);
   view.setUint32(BRICK_HEADER.harmonicsBytes, parts.harmonicsBytes, true);
-  for (const [i, { bounds, child, childErrors }] of cells.entries()) {
+  for (const [i, { bounds, largestScale, child, childErrors }] of cells.entries()) {
     const at = BRICK_HEADER.cells + i * (level === 0 ? CELL.bytes : UPPER_CELL.bytes);
     for (const [k, value] of [...bounds.min, ...bounds.max].entries())
       view.setFloat32(at + CELL.bounds + 4 * k, value, true);
+    view.setFloat32(at + CELL.largestScale, SCALE_ROUNDING * largestScale, true);
     if (!child) continue;
     const { offset, bytes: childBytes } = addressOf(child.number);
     if (i === 0) view.setBigUint64(BRICK_HEADER.childrenOffset, BigInt(offset), true);
@@ -78,7 +79,11 @@ export function readBrickHeader(
     const [minX, minY, minZ, maxX, maxY, maxZ] = sides;
     if (!(minX <= maxX && minY <= maxY && minZ <= maxZ && sides.every(Number.isFinite)))
       fail(`has a cell, ${cell - first}, whose bounds have no inside`, at);
+    const largestScale = view.getFloat32(at + CELL.largestScale, true);
+    if (!(largestScale >= 0 && Number.isFinite(largestScale)))
+      fail(`has a cell, ${cell - first}, whose largest splat has a scale of ${largestScale}`, at);
     const own = {
+      largestScale,
       bounds: { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] },
       leafCount: shape.leavesOf(level, cell),
     } as const;
@@ -114,7 +119,8 @@ export function checkNested(
     const text = `brick ${number} has a cell ${message}. Download or export it again.`;
     throw new SplatFileError('damaged', file, text, { byte: offset });
   };
-  for (const [i, { bounds, childErrors }] of cells.entries()) {
+  for (const [i, { bounds, largestScale, childErrors }] of cells.entries()) {
+    if (largestScale > above.largestScale) fail(`${i} with larger splats than the one above it`);
     const isWithin = [0, 1, 2].every(
       (axis) => bounds.min[axis] >= above.bounds.min[axis] && bounds.max[axis] <= above.bounds.max[axis],
     );

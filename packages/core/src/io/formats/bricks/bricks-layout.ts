@@ -41,16 +41,18 @@ export const BRICK_HEADER = {
 export const CELL = {
   /** 6 × f32: least x, y, z, then largest. */
   bounds: 0,
-  bytes: 24,
+  /** f32: the largest standard deviation of the splats below, with room for rounded log scales. */
+  largestScale: 24,
+  bytes: 28,
 } as const;
 /** Places in each cell of an upper level. */
 export const UPPER_CELL = {
   ...CELL,
   /** Bytes of the brick below. */
-  childBytes: 24,
+  childBytes: 28,
   /** u16 of each cell below; 0 where there is none. */
-  childErrors: 28,
-  bytes: 28 + 2 * LEVEL_CONSTANTS.CELL_CHILDREN,
+  childErrors: 32,
+  bytes: 32 + 2 * LEVEL_CONSTANTS.CELL_CHILDREN,
 } as const;
 
 /** Bytes of the header of a brick. */
@@ -65,6 +67,8 @@ export function brickHeaderBytes(level: number, cellCount: number): number {
 export const POSITION_BITS = 14;
 /** Steps of log scales per unit. */
 export const LOG_SCALE_STEPS = 24;
+/** Log scales are rounded by less than half a step. */
+export const SCALE_ROUNDING = Math.exp(0.6 / LOG_SCALE_STEPS);
 /** Usual length of a step of base colours; colours of more than MOST_COLOR_STEPS make it longer. */
 export const COLOR_STEP = 1 / 80;
 /** Differences of differences of so many steps fit into 16 bits. */

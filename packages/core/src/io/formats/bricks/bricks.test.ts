@@ -98,8 +98,11 @@ describe('a file of bricks', () => {
       expect(brick.level).toBe(expected.level);
       expect(brick.geometry.length).toBe(expected.geometry.length);
       expect(brick.harmonics.length).toBe(expected.harmonics.length);
-      for (const [k, { child, logScales, ...cell }] of brick.cells.entries()) {
+      for (const [k, { child, logScales, largestScale, ...cell }] of brick.cells.entries()) {
         expect(expected.cells[k]).toMatchObject(cell);
+        // Rounded scales must not be beyond.
+        expect(largestScale / expected.cells[k].largestScale).toBeGreaterThan(Math.exp(0.5 / 24));
+        expect(largestScale / expected.cells[k].largestScale).toBeLessThan(1.03);
         expect(child?.number).toBe(expected.cells[k].child?.number);
         expect(apart(logScales, expected.cells[k].logScales)).toBeLessThan(1 / 40);
       }

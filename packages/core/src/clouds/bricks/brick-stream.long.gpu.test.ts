@@ -4,7 +4,8 @@ import { SplatEngine } from '../../create-engine.ts';
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
-import { SplatSourceError } from '../../data/errors.ts';
+import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
+import { writeSplats } from '../../io/formats/writers.ts';
 import { compareImages } from '../../reference/compare-images.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
@@ -61,6 +62,23 @@ describe('a streamed scene', () => {
     expect(cloud.stream!.report()).toMatchObject({ residentBricks: scene.brickCount, fetching: 0 });
     view.destroy();
     whole.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('is loaded from a file in parts; other scenes, and streams, as a whole', async () => {
+    const file = await writeSplats(set, 'bricks');
+    const cloud = await engine.load(new File([file], 'scene.bricks'));
+    expect(cloud.stream!.report()).toMatchObject({ bricks: scene.brickCount, residentBricks: 1 });
+    expect(cloud.stream!.report().fetchedBytes).toBeLessThan(0.5 * file.byteLength);
+    const { data } = await drawComplete(cloud);
+    const streamed = await engine.load(new Blob([file]).stream(), { name: 'scene.bricks' });
+    expect(streamed.stream).toBeNull();
+    expect(compareImages(data, (await drawComplete(streamed)).data, SIZE).psnrDb).toBeGreaterThan(60);
+    await expect(engine.load(new File([file.slice(0, 5000)], 'cut.bricks'))).rejects.toThrow(SplatFileError);
+    await expect(engine.load(new File([file], 'a.bricks'), { budgetBytes: 0 })).rejects.toThrow(
+      /budgetBytes is 0/,
+    );
+    streamed.destroy();
     cloud.destroy();
   });
 
