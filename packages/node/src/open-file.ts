@@ -1,5 +1,5 @@
 import { constants, createReadStream } from 'node:fs';
-import { access, readdir, stat } from 'node:fs/promises';
+import { access, open, readdir, stat } from 'node:fs/promises';
 import { basename, dirname, join, relative } from 'node:path';
 import type { Readable } from 'node:stream';
 import { ReadableStream as WebStream } from 'node:stream/web';
@@ -63,7 +63,23 @@ function fileOf(path: string, size: number, onFile: OnFile): Blob {
     onFile?.(path);
     return streamOf(path);
   };
-  return { name: basename(path), size, stream } as unknown as Blob;
+  const slice = (start = 0, end = size) => partOf(path, start, Math.min(end, size));
+  return { name: basename(path), size, stream, slice } as unknown as Blob;
+}
+
+/** Bytes `start` to `end` of a file. */
+function partOf(path: string, start: number, end: number): Blob {
+  const arrayBuffer = async () => {
+    const file = await open(path);
+    try {
+      const bytes = new Uint8Array(Math.max(0, end - start));
+      const { bytesRead } = await file.read(bytes, 0, bytes.length, start);
+      return bytes.buffer.slice(0, bytesRead);
+    } finally {
+      await file.close();
+    }
+  };
+  return { size: Math.max(0, end - start), arrayBuffer } as unknown as Blob;
 }
 
 function streamOf(path: string): ReadableStream<Uint8Array<ArrayBuffer>> {

@@ -5,10 +5,14 @@ import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 
 /** Bricks that are fetched at once. */
 const FETCHED_AT_ONCE = 4;
+/** Bricks that may wait in memory, a few hundred kilobytes each, while what is there must not change. */
+const MOST_ARRIVED = 32;
 
 interface Fetch {
   readonly above: PlacedCell;
   readonly ending: AbortController;
+  /** Null until it has arrived. */
+  brick: Brick | null;
 }
 
 interface Viewer {
@@ -28,7 +32,7 @@ export class BrickStream implements CloudStream {
   /** Views that are drawing what has changed, and those that are to draw it once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
-  /** By number of the brick. */
+  /** By number of the brick, until it is placed. */
   readonly #fetches = new Map<number, Fetch>();
   /** What is there must not change until these settle. */
   readonly #holds = new Set<Promise<unknown>>();
@@ -64,7 +68,10 @@ export class BrickStream implements CloudStream {
 
   hold(until: Promise<unknown>): void {
     this.#holds.add(until);
-    const release = () => this.#holds.delete(until);
+    const release = () => {
+      this.#holds.delete(until);
+      this.#placeArrived();
+    };
     until.then(release, release);
   }
 
@@ -108,8 +115,9 @@ export class BrickStream implements CloudStream {
     const possible = this.#fitting(demand);
     this.#refused = this.#missing.length - possible.length;
     const waiting = possible.filter(({ number }) => !this.#fetches.has(number));
-    const places = this.#error ? 0 : FETCHED_AT_ONCE - this.#fetches.size;
-    for (const { above } of waiting.slice(0, Math.max(0, places))) void this.#fetch(above);
+    const fetching = [...this.#fetches.values()].filter(({ brick }) => !brick).length;
+    const places = Math.min(FETCHED_AT_ONCE - fetching, MOST_ARRIVED - this.#fetches.size);
+    if (!this.#error) for (const { above } of waiting.slice(0, Math.max(0, places))) void this.#fetch(above);
     if (this.#fetches.size === 0) this.#settle();
     else this.#wait ??= pending();
   }
@@ -136,18 +144,29 @@ export class BrickStream implements CloudStream {
   async #fetch(above: PlacedCell): Promise<void> {
     const address = above.child!;
     const ending = new AbortController();
-    this.#fetches.set(address.number, { above, ending });
+    const fetch: Fetch = { above, ending, brick: null };
+    this.#fetches.set(address.number, fetch);
     try {
-      const brick = await this.#scene.read(address, ending.signal);
+      fetch.brick = await this.#scene.read(address, ending.signal);
       this.#fetchedBytes += address.bytes;
-      while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
-      if (!this.#isEnded && !ending.signal.aborted) this.#take(brick, above);
     } catch (error) {
-      if (!ending.signal.aborted) this.#error = error as Error;
-    } finally {
       this.#fetches.delete(address.number);
-      this.#follow();
+      if (!ending.signal.aborted) this.#error = error as Error;
     }
+    this.#placeArrived();
+  }
+
+  /** Places bricks that have arrived, unless what is there must not change; fetches others. */
+  #placeArrived(): void {
+    if (this.#isEnded) return;
+    if (this.#holds.size === 0) {
+      for (const [number, { above, ending, brick }] of this.#fetches) {
+        if (!brick) continue;
+        this.#fetches.delete(number);
+        if (!ending.signal.aborted) this.#take(brick, above);
+      }
+    }
+    this.#follow();
   }
 
   /** Places a brick that has arrived, if it is still worth its room. */
