@@ -2,6 +2,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../layout/level-structs.ts';
 import { principalAxes } from '../math/principal-axes.ts';
 import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
+import { normalizedRotation } from '../packing/rotation.ts';
 
 const { CELL_ROOTS, ERROR_BOUNDLESS, ERROR_SHIFT, MERGED_RADIUS, MOST_OPACITY } = LEVEL_CONSTANTS;
 
@@ -172,9 +173,7 @@ export class CellMerger {
       result.position[k] = n[at + CENTER + k];
       result.colorDc[k] = n[at + COLOR + k];
     }
-    const quaternion = quaternionOfAxes(axes);
-    const inverse = 1 / Math.hypot(...quaternion);
-    for (let k = 0; k < 4; k++) result.rotation[k] = quaternion[k] * inverse;
+    normalizedRotation(Float64Array.from(quaternionOfAxes(axes)), 0, result.rotation);
     const area = meanArea(result.scale[0], result.scale[1], result.scale[2]);
     result.opacity = Math.min(n[at + WEIGHT] / area, MOST_OPACITY);
     result.sums[0] = n[at + RIM];

@@ -13,6 +13,7 @@ import { droppedFiles, type SogFixture, sogExample, sogFiles } from '../../testi
 import { zipBytes } from '../../testing/zip-fixture.ts';
 import { readSplats } from '../loading/read-splats.ts';
 import type { SplatSource } from '../sources/splat-source.ts';
+import { write as writeBricks } from './bricks/write-bricks.ts';
 import { write as writeCompressedPly } from './compressed-ply/write-compressed-ply.ts';
 import { SPLAT_FORMATS } from './formats.ts';
 import { encodePly } from './ply/write-ply.ts';
@@ -132,6 +133,10 @@ const KINDS: Readonly<Record<string, Kind>> = {
     format: 'splat',
     name: 'scene.splat',
     filesOf: (count) => ({ inner: splatRows(count) }),
+  },
+  '.bricks': {
+    format: 'bricks',
+    filesOf: async (count) => ({ inner: await writeBricks(setOf(count), {}) }),
   },
   'SOG 1': { format: 'sog', filesOf: (count) => sogOf({ version: 1, count, shDegree: 1 }) },
   'SOG 2': { format: 'sog', filesOf: (count) => sogOf({ version: 2, count, shDegree: 1 }) },

@@ -6,7 +6,7 @@ import { ALL_READERS } from './readers.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 
 test('people are told of common formats first, and of archives last', () => {
-  expect(FORMAT_TITLES).toEqual(['PLY', 'SPZ', 'SOG', 'glTF', '.splat', '.ksplat', 'zip', 'gzip']);
+  expect(FORMAT_TITLES).toEqual(['PLY', 'SPZ', 'SOG', 'glTF', '.splat', '.ksplat', '.bricks', 'zip', 'gzip']);
 });
 
 /** Rows of a table of docs/formats.md, without its head. */

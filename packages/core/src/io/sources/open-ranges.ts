@@ -1,27 +1,8 @@
-import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
-import { messageOf } from './byte-reader.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
+import { blobRanges, type RangeSource } from './range-source.ts';
 import { bytesOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
 import type { ReadOptions, SplatSource } from './splat-source.ts';
-
-/** A source of which any part can be read, again and again. */
-export interface RangeSource {
-  /** For messages. */
-  readonly name: string;
-  /** Size in bytes; undefined if it is not known. */
-  readonly totalBytes: number | undefined;
-  /**
-   * Reads `byteCount` bytes from `offset` on; fewer where the source ends before.
-   *
-   * Rejects with SplatSourceError (network, HTTP status, a source that has changed), and with the
-   * signal's reason.
-   */
-  readonly read: (
-    offset: number,
-    byteCount: number,
-    signal?: AbortSignal,
-  ) => Promise<Uint8Array<ArrayBuffer>>;
-}
 
 /**
  * Opens a source for its parts. Memory is not copied.
@@ -53,24 +34,6 @@ export async function openRanges(
     read: async (offset, byteCount, signal) => {
       signal?.throwIfAborted();
       return bytes.subarray(offset, offset + byteCount);
-    },
-  };
-}
-
-export function blobRanges(blob: Blob, name: string): RangeSource {
-  return {
-    name,
-    totalBytes: blob.size,
-    read: async (offset, byteCount, signal) => {
-      signal?.throwIfAborted();
-      try {
-        return new Uint8Array(await blob.slice(offset, offset + byteCount).arrayBuffer());
-      } catch (cause) {
-        const message = `cannot be read: ${messageOf(cause)}. Open it again.`;
-        throw new SplatSourceError(name, message, undefined, { cause });
-      } finally {
-        signal?.throwIfAborted();
-      }
     },
   };
 }

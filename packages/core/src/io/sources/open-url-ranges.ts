@@ -1,8 +1,8 @@
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
-import { blobRanges, type RangeSource } from './open-ranges.ts';
 import { type AnswerFacts, addressOf, bodyOf, cancelBody, isPacked, partOf, Transfer } from './open-url.ts';
+import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
 import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
@@ -28,7 +28,8 @@ export async function openUrlRanges(
   const address = addressOf(url, name);
   const transfer = new Transfer(address, name, checked, signal);
   if (!transfer.isRemote) return blobRanges(await (await transfer.ask({})).blob(), name);
-  const first = await readPart(transfer, name, checked, 0, firstBytes, signal);
+  const nothing: Part = { bytes: new Uint8Array(0), validator: null, totalBytes: 0 };
+  const first = (await readPart(transfer, name, checked, 0, firstBytes, signal)) ?? nothing;
   const { validator, totalBytes } = first;
   return {
     name,
@@ -40,6 +41,7 @@ export async function openUrlRanges(
       }
       const again = new Transfer(address, name, checked, partSignal, true);
       const part = await readPart(again, name, checked, offset, byteCount, partSignal);
+      if (part === null) return nothing.bytes;
       const isSame =
         part.validator === validator &&
         (part.totalBytes === undefined || totalBytes === undefined || part.totalBytes === totalBytes);
@@ -53,6 +55,7 @@ interface Part extends AnswerFacts {
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
+/** Null where the file ends before that part. */
 async function readPart(
   transfer: Transfer,
   name: string,
@@ -60,10 +63,10 @@ async function readPart(
   offset: number,
   byteCount: number,
   signal: AbortSignal | undefined,
-): Promise<Part> {
+): Promise<Part | null> {
   for (;;) {
     const response = await askFor(transfer, offset, byteCount);
-    if (response === null) return { bytes: new Uint8Array(0), validator: null, totalBytes: undefined };
+    if (response === null) return null;
     const { startsAt, validator, totalBytes } = partOf(response.headers);
     const isWhole = response.status !== PARTIAL_CONTENT;
     if (isWhole || isPacked(response.headers) || (startsAt !== null && startsAt !== offset)) {

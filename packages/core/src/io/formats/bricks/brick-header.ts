@@ -125,8 +125,8 @@ export function checkNested(
       (axis) => bounds.min[axis] >= above.bounds.min[axis] && bounds.max[axis] <= above.bounds.max[axis],
     );
     if (!isWithin) fail(`${i} that is not within the one above it`);
-    const largest = Math.max(0, ...childErrors);
-    if (largest > above.childErrors[i])
-      fail(`${i} with an error of ${largest} below it, larger than its own, ${above.childErrors[i]}`);
+    const own = above.childErrors[i];
+    const larger = childErrors.find((error) => error > own);
+    if (larger !== undefined) fail(`${i} with an error of ${larger} below it, larger than its own, ${own}`);
   }
 }

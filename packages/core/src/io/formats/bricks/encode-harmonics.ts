@@ -114,7 +114,7 @@ function componentOf(
   let largest = 0;
   for (const value of exact) largest = Math.max(largest, Math.abs(value));
   const axis = Int8Array.from(exact, (value) => Math.round((AXIS_STEPS * value) / largest));
-  const axisLength = Math.hypot(...axis);
+  const axisLength = Math.sqrt(axis.reduce((sum, value) => sum + value * value, 0));
   const values = new Int16Array(count);
   let squares = 0;
   let isZero = true;

@@ -1,0 +1,39 @@
+import { SplatSourceError } from '../../data/errors.ts';
+import { messageOf } from './byte-reader.ts';
+
+/** A source of which any part can be read, again and again. */
+export interface RangeSource {
+  /** For messages. */
+  readonly name: string;
+  /** Size in bytes; undefined if it is not known. */
+  readonly totalBytes: number | undefined;
+  /**
+   * Reads `byteCount` bytes from `offset` on; fewer where the source ends before.
+   *
+   * Rejects with SplatSourceError (network, HTTP status, a source that has changed), and with the
+   * signal's reason.
+   */
+  readonly read: (
+    offset: number,
+    byteCount: number,
+    signal?: AbortSignal,
+  ) => Promise<Uint8Array<ArrayBuffer>>;
+}
+
+export function blobRanges(blob: Blob, name: string): RangeSource {
+  return {
+    name,
+    totalBytes: blob.size,
+    read: async (offset, byteCount, signal) => {
+      signal?.throwIfAborted();
+      try {
+        return new Uint8Array(await blob.slice(offset, offset + byteCount).arrayBuffer());
+      } catch (cause) {
+        const message = `cannot be read: ${messageOf(cause)}. Open it again.`;
+        throw new SplatSourceError(name, message, undefined, { cause });
+      } finally {
+        signal?.throwIfAborted();
+      }
+    },
+  };
+}
