@@ -22,7 +22,7 @@ const f32 = new Float32Array(1);
 const f32Bits = new Uint32Array(f32.buffer);
 
 /** The error of a squared length as links have it: rounded up, and at least 1. */
-export function errorCode(squaredLength: number): number {
+function errorCode(squaredLength: number): number {
   f32[0] = squaredLength;
   const code = Math.floor((f32Bits[0] + 2 ** ERROR_SHIFT - 1) / 2 ** ERROR_SHIFT);
   return Math.max(1, Math.min(code, ERROR_BOUNDLESS - 1));

@@ -9,8 +9,8 @@ import type { MergedLeaf } from './cell-merger.ts';
 export const SPLAT_WORDS = GEOMETRY_WORDS.packed;
 export const BLOB_WORDS = GEOMETRY_WORDS[BLOB_PRECISION.geometryPrecision];
 /** Where the sums of a blob are among its words: opacity times rim length, and opacity. */
-export const RIM_WORD = 11;
-export const OPACITY_WORD = 15;
+const RIM_WORD = 11;
+const OPACITY_WORD = 15;
 
 /** Reads leaf `leaf` into `result`. */
 export type LeafReader = (leaf: number, result: MergedLeaf) => void;

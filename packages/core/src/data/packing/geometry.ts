@@ -80,7 +80,7 @@ function packSmall(set: SplatColumns, words: Uint32Array, chunks: Float32Array):
 }
 
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */
-export const ROTATION_STEPS = 16383;
+const ROTATION_STEPS = 16383;
 
 export function packRotation(rotation: Float64Array): [low: number, high: number] {
   const largest = largestComponent(rotation);

@@ -39,7 +39,7 @@ export async function openUrlRanges(
         partSignal?.throwIfAborted();
         return first.bytes.subarray(offset, offset + byteCount);
       }
-      const again = new Transfer(address, name, checked, partSignal, true);
+      const again = new Transfer(address, name, checked, partSignal);
       const part = await readPart(again, name, checked, offset, byteCount, partSignal);
       if (part === null) return nothing.bytes;
       const isSame =

@@ -57,21 +57,11 @@ export class Transfer {
   /** Facts about the file from the first answer; null before. */
   #file: FileFacts | null = null;
 
-  readonly #hasAnswered: boolean;
-
-  /** @param hasAnswered whether the server has answered before. */
-  constructor(
-    url: URL,
-    name: string,
-    request: Required<RequestOptions>,
-    signal: AbortSignal | undefined,
-    hasAnswered = false,
-  ) {
+  constructor(url: URL, name: string, request: Required<RequestOptions>, signal: AbortSignal | undefined) {
     this.#url = url;
     this.#name = name;
     this.#request = request;
     this.#signal = signal;
-    this.#hasAnswered = hasAnswered;
   }
 
   async open(): Promise<OpenedSource> {
@@ -139,8 +129,7 @@ export class Transfer {
     for (;;) {
       const answer = await this.#fetch(headers);
       if (answer instanceof SplatSourceError) {
-        const isFirst = this.#file === null && !this.#hasAnswered;
-        const isUnanswered = isFirst && this.#retries + 1 >= UNANSWERED_TRIES;
+        const isUnanswered = this.#file === null && this.#retries + 1 >= UNANSWERED_TRIES;
         if (isUnanswered || !this.isRemote) throw answer;
         await this.waitAfter(answer);
         continue;
