@@ -107,7 +107,7 @@ async function expectAsReference(scene: BrickScene): Promise<void> {
 
 describe('brickSceneOf', () => {
   test.each([
-    [5000, 3],
+    [4200, 3],
     [4100, 0],
     [257, 2],
   ] as const)('%d splats of degree %d: leaves are the roots of the reference', async (count, shDegree) => {

@@ -9,5 +9,5 @@ export const bricksFormat: SplatFormat = {
   name: 'bricks',
   title: '.bricks',
   extensions: ['.bricks'],
-  recognise: (firstBytes) => latin1(firstBytes.subarray(0, BRICKS_MAGIC.length)) === BRICKS_MAGIC,
+  recognise: (firstBytes) => latin1(firstBytes).startsWith(BRICKS_MAGIC),
 };
