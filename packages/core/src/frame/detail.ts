@@ -1,5 +1,6 @@
 import { type AccuracyTarget, TARGETS } from '../data/accuracy/accuracy-target.ts';
 import { wrongArgument } from '../data/given.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
 
 /**
  * Limits to what a frame draws instead of all splats: blobs, which each stand for several. At least
@@ -42,6 +43,14 @@ const LIMITS: Readonly<Record<keyof DetailLimits, (value: number) => boolean>> =
   maxSplats: (value) => Number.isSafeInteger(value) && value > 0,
   maxShare: (value) => value > 0 && value <= 1,
 };
+
+/** Whether two details are the same, or two targets, or both null. */
+export function isSameDetail<Value extends FixedDetail | AccuracyTarget>(
+  a: Value | null,
+  b: Value | null,
+): boolean {
+  return typeof a === 'object' && typeof b === 'object' ? hasSameFields<object>(a, b) : a === b;
+}
 
 /** Whether a frame can be drawn with `detail` without being told more. */
 export function isFixedDetail(detail: Detail): detail is FixedDetail {

@@ -1,7 +1,6 @@
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import type { Detail, FixedDetail } from '../frame/detail.ts';
+import { type Detail, type FixedDetail, isSameDetail } from '../frame/detail.ts';
 import { drawnDetail, type FramePlan, showsClouds } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { splatsInSight } from '../frame/splats-in-sight.ts';
@@ -89,7 +88,7 @@ export class ViewDetail {
       this.#hasMoved = true;
     }
     const detail = again.stands && !this.#isAtRest ? this.#planned : this.#wanted;
-    if (isSame(detail, this.#planned)) return again;
+    if (isSameDetail(detail, this.#planned)) return again;
     this.#planned = detail;
     return planWith(detail);
   }
@@ -125,7 +124,7 @@ export class ViewDetail {
     return {
       predictedPsnrDb: this.#promise?.predictedPsnrDb(detail) ?? null,
       measuredPsnrDb: this.#promise?.measuredPsnrDb ?? null,
-      isComplete: !this.#wait && !this.#hasMoved && isSame(this.#targetOf(request), this.#target),
+      isComplete: !this.#wait && !this.#hasMoved && isSameDetail(this.#targetOf(request), this.#target),
     };
   }
 
@@ -144,7 +143,7 @@ export class ViewDetail {
   /** Returns whether another target is asked for than before. */
   #take(request: FrameRequest): boolean {
     const target = this.#targetOf(request);
-    if (isSame(target, this.#target)) return false;
+    if (isSameDetail(target, this.#target)) return false;
     this.end();
     this.#target = target;
     this.#planned = 'full';
@@ -178,7 +177,7 @@ export class ViewDetail {
     this.#isAtRest = true;
     this.#measuring = new AbortController();
     const { signal } = this.#measuring;
-    if (!isSame(this.#wanted, this.#planned)) this.#context.redraw(request);
+    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.redraw(request);
     try {
       await this.#promise?.rest(request, signal);
     } catch (error) {
@@ -186,12 +185,8 @@ export class ViewDetail {
         console.warn(`A picture could not be measured, and is drawn in full. ${(error as Error).message}`);
     }
     if (signal.aborted) return;
-    if (!isSame(this.#wanted, this.#planned)) this.#context.redraw(request);
+    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.redraw(request);
     this.#wait?.end();
     this.#wait = null;
   }
-}
-
-function isSame<Value extends FixedDetail | AccuracyTarget>(a: Value | null, b: Value | null): boolean {
-  return typeof a === 'object' && typeof b === 'object' ? hasSameFields<object>(a, b) : a === b;
 }

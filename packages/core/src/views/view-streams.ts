@@ -1,7 +1,6 @@
 import type { CloudSight, CloudStream } from '../clouds/cloud-stream.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
-import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 
 /** A view's part in scenes that stream. */
 export class ViewStreams {
@@ -11,16 +10,12 @@ export class ViewStreams {
   /**
    * Tells the streams of a frame's clouds how these are seen.
    *
-   * @param last statistics of the last frame, by which a budget's error is known.
+   * @param reachedPx error that a budget of this detail led to last; null before that is known, and
+   *   then nothing more is fetched.
    */
-  see(
-    { clouds, detail, budget }: FramePlan,
-    last: FrameStatistics | null,
-    redraw: () => Promise<unknown>,
-  ): void {
-    const asked = cutErrorPx(detail, clouds);
-    const reached = (budget && last?.cutErrorPx) || asked;
-    const squaredShift = asked && reached ? (reached / asked) ** 2 : 1;
+  see({ clouds, detail, budget }: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
+    const askedPx = cutErrorPx(detail, clouds);
+    const squaredShift = budget && askedPx && reachedPx ? (reachedPx / askedPx) ** 2 : 1;
     const sights = new Map<CloudStream, CloudSight[]>();
     for (const { instance, cut, sides } of clouds) {
       const { stream } = instance.cloud;
@@ -29,7 +24,13 @@ export class ViewStreams {
     }
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());
+    if (budget && reachedPx === null) return;
     for (const [stream, seen] of sights) stream.see(this, seen, redraw);
+  }
+
+  /** Whether the last frame showed any. */
+  get areThere(): boolean {
+    return this.#streams.size > 0;
   }
 
   /** Settles when nothing is missing that there is room for; null if nothing is. */

@@ -3,7 +3,7 @@ import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
-import { type FixedDetail, isFixedDetail } from '../frame/detail.ts';
+import { type FixedDetail, isFixedDetail, isSameDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
 import { drawnDetail, type FramePlan } from '../frame/frame-plan.ts';
@@ -115,6 +115,13 @@ export abstract class View {
   #frameNumber = 0;
   #drawnAs = 0;
   #statistics: FrameStatistics | null = null;
+  /** Error of the cuts of the last measured frame, and the detail that led to it. */
+  #reached: { readonly detail: FixedDetail; readonly errorPx: number | null } = {
+    detail: 'full',
+    errorPx: null,
+  };
+  /** Settles when the last frame has been measured. */
+  #measured = DONE;
   #isDestroyed = false;
 
   protected constructor(context: ViewContext, output: FrameOutput, onDestroyed: () => void) {
@@ -186,6 +193,8 @@ export abstract class View {
       await this.streams.complete;
       await this.#detail?.complete;
       await this.drawn;
+      // By that a budget's error is known, and what it takes of scenes that stream.
+      if (this.streams.areThere) await this.#measured;
     } while (this.streams.complete || this.#detail?.complete);
     if (this.recovery.error) throw this.recovery.error;
   }
@@ -376,7 +385,7 @@ export abstract class View {
     const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
     if (!plan.stands) {
       this.#asked = null;
-      this.streams.see(plan, this.#statistics, () => this.#drawChanged(request));
+      this.#tellStreams(plan);
     }
     if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
       // A smaller request does not wait for memory that may not be found.
@@ -399,6 +408,13 @@ export abstract class View {
     if (!stopgap || !this.wait.isReady(stopgap.shape))
       return { plan: null, stands: false, status: 'waiting' };
     return { plan: stopgap, stands: stopgap === last || stopgap.stands, status: 'waiting' };
+  }
+
+  /** Tells streams what a frame shows of their scenes. */
+  #tellStreams(plan: FramePlan): void {
+    const { detail, errorPx } = this.#reached;
+    const reachedPx = isSameDetail(detail, plan.detail) ? errorPx : null;
+    this.streams.see(plan, reachedPx, () => this.#drawChanged(plan.request));
   }
 
   /** Draws the last request again, whose scenes have changed on the GPU. */
@@ -524,7 +540,14 @@ export abstract class View {
   }
 
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
-  protected async measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
+  protected measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
+    const measured = this.#measure(submittedMs);
+    const settle = () => {};
+    this.#measured = measured.then(settle, settle);
+    return measured;
+  }
+
+  async #measure(submittedMs: number): Promise<FrameStatistics | null> {
     const drawn = this.prepared;
     const loadedSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
     const errorPx = drawn && cutErrorPx(drawn.detail, drawn.clouds);
@@ -543,7 +566,13 @@ export abstract class View {
       tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
     );
     if (drawn) this.#detail?.learn(drawn, statistics.timing);
+    const before = this.#reached;
     this.#statistics = statistics;
+    this.#reached = { detail: drawn?.detail ?? 'full', errorPx: statistics.cutErrorPx };
+    // What a budget leads to is known only now; a newer frame has told or will tell.
+    const isNews =
+      before.errorPx !== statistics.cutErrorPx || !isSameDetail(before.detail, this.#reached.detail);
+    if (isNews && drawn?.budget && drawn === this.prepared) this.#tellStreams(drawn);
     this.onStatistics?.(statistics);
     return statistics;
   }

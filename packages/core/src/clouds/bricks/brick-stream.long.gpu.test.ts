@@ -6,6 +6,7 @@ import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { writeSplats } from '../../io/formats/writers.ts';
+import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../reference/compare-images.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
@@ -113,6 +114,23 @@ describe('a streamed scene', () => {
       cloud.destroy();
     },
   );
+
+  gpuTest('shows within a budget of splats the same, whatever it showed before', async () => {
+    const [fresh, other] = [await engine.stream(scene), await engine.stream(scene)];
+    const budget = { detail: { maxSplats: 600 } };
+    const found = await drawComplete(fresh, budget);
+    expect(found.report).toMatchObject({ isComplete: true, missing: 0 });
+    await drawComplete(other, { detail: { maxErrorPx: 0.05 } }, lookFrom([0, 1, 1]));
+    expect((await drawComplete(other, budget)).data).toEqual(found.data);
+    const view = engine.createView();
+    const request = { camera: lookFrom([0, 0, 4]), clouds: [{ cloud: other }], ...SIZE, ...budget };
+    const { visibleSplats } = await drawMeasured(engine, view, { ...request, force: true });
+    expect(visibleSplats).toBeLessThanOrEqual(600);
+    expect(visibleSplats).toBeGreaterThan(500);
+    view.destroy();
+    fresh.destroy();
+    other.destroy();
+  });
 
   gpuTest('tells a part that cannot be read, draws what is there, and goes on when called', async () => {
     let isBroken = true;
