@@ -278,7 +278,7 @@ describe('accuracy in the viewer', () => {
     await page.waitForURL(/detail=maxSplats:\d{4}$/);
     await page
       .getByTestId('detail')
-      .getByText(/^at most \d,\d{3} splats$/)
+      .getByText(/^at most \d,\d{3} splats \(\d+(\.\d+)? px\)$/)
       .waitFor();
 
     // As it is embedded.

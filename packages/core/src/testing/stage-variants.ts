@@ -22,6 +22,7 @@ import { ingestRows } from '../gpu/stages/ingest-rows.ts';
 import { ingestScatter } from '../gpu/stages/ingest-scatter.ts';
 import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
 import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
+import { openLeaves } from '../gpu/stages/open-leaves.ts';
 import { pick } from '../gpu/stages/pick.ts';
 import { planCull } from '../gpu/stages/plan-cull.ts';
 import { planCut } from '../gpu/stages/plan-cut.ts';
@@ -173,6 +174,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       (['bounding-box', 'frustum'] as const).map((culling) => cutCount({ geometryPrecision, culling })),
     ),
     planCut,
+    openLeaves,
     touchLinks,
     touchUpperLinks,
     ...(['f32', 'packed', 'upper'] as const).map(mergeChunks),
