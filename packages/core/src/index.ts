@@ -1,5 +1,6 @@
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
+export type { CloudStream, StreamReport } from './clouds/cloud-stream.ts';
 export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
 export type { MakeRayTreeOptions } from './clouds/make-ray-tree.ts';
 export type { RayHit, RayOptions, RayTree, RayView } from './clouds/ray-tree.ts';
