@@ -10,6 +10,7 @@ import { clampLogScale } from '../../../data/packing/log-scale.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
+import type { Turns } from '../../../data/turns.ts';
 import { gunzip } from '../../containers/gzip.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
 import { type BrickHeader, readBrickHeader } from './brick-header.ts';
@@ -38,7 +39,7 @@ export function mostBrickBytes(level: number, cellCount: number, degree: ShDegre
 /**
  * Decodes the brick at `address`.
  *
- * Rejects with SplatFileError 'damaged'.
+ * Rejects with SplatFileError 'damaged', and the reason of the turns' signal.
  *
  * @param bytes all of the brick.
  */
@@ -48,6 +49,7 @@ export async function decodeBrick(
   shape: BrickShape,
   degree: ShDegree,
   file: string,
+  turns: Turns,
 ): Promise<DecodedBrick> {
   const header = readBrickHeader(bytes, address, shape, file);
   const { level, first, end, cells } = header;
@@ -74,8 +76,11 @@ export async function decodeBrick(
   if (geometry.length !== geometryBytes(level, count))
     fail(`has ${geometry.length} bytes of geometry; ${count} leaves have ${geometryBytes(level, count)}`);
   const bounds = cells.map((cell) => cell.bounds);
+  await turns.give();
   const leaves = decodeGeometry(geometry, level, count, bounds) ?? fail('has colours that no file has');
-  const coefficients = harmonics ? decodeHarmonics(harmonics, degree, count) : new Float32Array(0);
+  const coefficients = harmonics
+    ? await decodeHarmonics(harmonics, degree, count, turns)
+    : new Float32Array(0);
   return { header, leaves, coefficients: coefficients ?? fail('has harmonics that cannot be read') };
 }
 

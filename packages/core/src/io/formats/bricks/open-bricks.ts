@@ -2,6 +2,7 @@ import type { Brick, BrickAddress, BrickCell, BrickScene } from '../../../data/b
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import { wrongArgument } from '../../../data/given.ts';
+import { Turns } from '../../../data/turns.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkNested } from './brick-header.ts';
@@ -11,6 +12,8 @@ import { readFileHeader } from './file-header.ts';
 
 /** Bytes that are read at once: of large scenes, the header and the root. */
 const FIRST_BYTES = 1 << 17;
+/** Bricks arrive while frames are drawn. */
+const MAX_BUSY_MS = 4;
 
 /**
  * Opens a scene in bricks, of which each brick is read when it is asked for, by itself. Only the
@@ -59,8 +62,9 @@ export async function openBricks(
       const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
       throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
     }
-    const decoded = await decodeBrick(bytes, address, shape, shDegree, name);
-    signal?.throwIfAborted();
+    const turns = new Turns(signal, MAX_BUSY_MS);
+    const decoded = await decodeBrick(bytes, address, shape, shDegree, name, turns);
+    await turns.give();
     const parent = above.get(address);
     if (parent) checkNested(decoded.header, parent, address, name);
     for (const cell of decoded.header.cells) {

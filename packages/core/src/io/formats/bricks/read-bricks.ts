@@ -3,6 +3,7 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
+import { Turns } from '../../../data/turns.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
@@ -57,6 +58,8 @@ class BrickSplats {
   readonly #input: SplatInput;
   readonly #header: FileHeader;
   readonly #shape: BrickShape;
+  /** A load that is called off ends between two bricks. */
+  readonly #turns = new Turns(undefined);
   /** Number of the next brick. */
   #next = 0;
   /** Decoded bricks whose splats are not all taken, and how many are of the first of them. */
@@ -117,7 +120,8 @@ class BrickSplats {
     const whole = (await this.#bytes(total, number)).slice();
     reader.advance(total);
     if (level > 0) return;
-    const decoded = await decodeBrick(whole, { number, offset, bytes: total }, this.#shape, shDegree, name);
+    const address = { number, offset, bytes: total };
+    const decoded = await decodeBrick(whole, address, this.#shape, shDegree, name, this.#turns);
     this.#bricks.push(decoded);
     this.#left += decoded.leaves.count;
   }
