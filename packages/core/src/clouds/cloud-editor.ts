@@ -71,7 +71,9 @@ export function flushEdits(cloud: SplatCloud): void {
 
 function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
   cloud.checkUsable();
-  const { name, isPreview, editing } = cloud;
+  const { name, isPreview, pool, editing } = cloud;
+  if (pool)
+    throw new SplatSourceError(name, 'only parts of it are there: convert it to another format to edit it.');
   if (isPreview) throw new SplatSourceError(name, 'it is still loading: edit it once it is whole.');
   if (!editing || editing.edits === edits) return;
   throw new InvalidArgumentError('edits', `${name} follows other edits already; edit those.`);

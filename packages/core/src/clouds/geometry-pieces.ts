@@ -37,6 +37,8 @@ function chunksFrom(chunks: Float32Array, first: number): Float32Array<ArrayBuff
 
 async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
   const { device, name } = cloud;
+  if (cloud.pool)
+    throw new SplatSourceError(name, 'only parts of it are there: read its splats from another format.');
   if (cloud.isPreview)
     throw new SplatSourceError(name, 'it is still loading: its splats can be read once it is whole.');
   await cloud.uploaded;

@@ -191,7 +191,7 @@ export class SplatCloud {
       // One that was loaded as rows is read again for it.
       hasPalette: contents.facts.paletteEntries !== null || contents.facts.fileFacts?.format === 'sog',
       keepOnly: (claims) => {
-        if (!isPreview) this.planes.keepOnly(claims);
+        if (!isPreview && !this.pool) this.planes.keepOnly(claims);
       },
       make: async (precision, options) => {
         if (!makePlanes)
@@ -199,7 +199,9 @@ export class SplatCloud {
             name,
             isPreview
               ? 'it is still loading, so no other planes can be made yet.'
-              : 'no engine has uploaded it, so no other planes can be made.',
+              : this.pool
+                ? 'only parts of it are there, in the precision of its file.'
+                : 'no engine has uploaded it, so no other planes can be made.',
           );
         await this.uploaded;
         await makePlanes(this, precision, options);
@@ -297,6 +299,8 @@ export class SplatCloud {
    */
   async makeLevels(): Promise<void> {
     this.checkUsable();
+    // They come with the parts of its scene.
+    if (this.pool) return;
     if (this.levels && this.editing && this.editing.touched.count > 0) {
       this.levels.destroy();
       this.levels = null;

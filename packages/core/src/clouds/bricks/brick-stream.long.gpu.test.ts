@@ -5,11 +5,14 @@ import type { BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
+import { SplatEdits } from '../../data/splats/splat-edits.ts';
 import { writeSplats } from '../../io/formats/writers.ts';
 import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../reference/compare-images.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
+import { followEdits } from '../cloud-editor.ts';
+import { makeRayTree } from '../rays.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { slotBytes } from './brick-pool.ts';
 
@@ -152,6 +155,26 @@ describe('a streamed scene', () => {
     cloud.stream!.retry();
     await view.whenComplete();
     expect(cloud.stream!.report()).toMatchObject({ error: null, missingBricks: 0 });
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('refuses what takes all splats, and keeps what it has', async () => {
+    const cloud = await engine.stream(scene);
+    const { data } = await drawComplete(cloud);
+    await expect(makeRayTree(cloud)).rejects.toThrow(/scene: only parts of it are there/);
+    await expect(followEdits(cloud, new SplatEdits())).rejects.toThrow(SplatSourceError);
+    const f32 = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
+    await expect(engine.requestPrecision(cloud, f32)).rejects.toThrow(/in the precision of its file/);
+    await cloud.makeLevels();
+    cloud.ownLease.release();
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    expect((await view.readPixels()).data).toEqual(data);
+    expect(view.effects().find(({ name }) => name === 'levels')).toMatchObject({
+      isOn: true,
+      reason: 'blobs stand for what is missing of the scene',
+    });
     view.destroy();
     cloud.destroy();
   });

@@ -23,7 +23,8 @@ export const levels: FeatureOfCloud = {
     'rasterize',
   ],
   calledFor: ({ plan: { detail, request }, shape }) => {
-    if (!shape.levels || detail === 'full') return null;
+    if (!shape.levels) return null;
+    if (detail === 'full') return shape.cloud.pool ? 'blobs stand for what is missing of the scene' : null;
     const { maxErrorPx, maxSplats, maxShare } = detail;
     const limits = [
       ...(maxErrorPx === undefined ? [] : [`errors up to ${maxErrorPx} px are allowed`]),
