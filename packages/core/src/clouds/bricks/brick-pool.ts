@@ -163,7 +163,7 @@ export class BrickPool implements Levels {
   }
 
   /**
-   * Makes a pool, and the cloud that shows what is in it.
+   * Makes an empty pool.
    *
    * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
    */
@@ -197,7 +197,7 @@ export class BrickPool implements Levels {
       shBandReach: Array.from({ length: shDegree }, () => Number.POSITIVE_INFINITY),
       paletteEntries: null,
       isIsotropic: false,
-      isAntialiased: null,
+      isAntialiased: this.#scene.isAntialiased ?? null,
       fileFacts: null,
     };
     const contents = {

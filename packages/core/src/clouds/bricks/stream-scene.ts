@@ -1,5 +1,7 @@
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import { chunkCountOf } from '../../data/packing/chunks.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { BrickPool, type PoolSlots, slotBytes } from './brick-pool.ts';
@@ -7,8 +9,7 @@ import { BrickStream } from './brick-stream.ts';
 
 /** GPU memory that a scene takes where nothing else is asked for. */
 export const DEFAULT_STREAM_BYTES = 512 << 20;
-/** Cells of a brick. */
-const BRICK_CELLS = 16;
+const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 /** Part of a pool for bricks above the lowest level: of a part of a scene more than a sixteenth is there. */
 const UPPER_PART = 1 / 6;
 
@@ -52,12 +53,12 @@ export async function streamScene(
 /** Room for all of a scene, or as much as the budget holds. @throws InvalidArgumentError */
 export function slotsFor(scene: BrickScene, budgetBytes: number): PoolSlots {
   const bytes = slotBytes(scene.shDegree);
-  const chunks = Math.ceil(scene.splatCount / 256);
-  const lowest = Math.ceil(chunks / BRICK_CELLS);
+  const chunks = chunkCountOf(scene.splatCount);
+  const lowest = Math.ceil(chunks / CELL_CHILDREN);
   const upper = Math.max(1, scene.brickCount - lowest);
   if (lowest * bytes.lowest + upper * bytes.upper <= budgetBytes) return { lowest, upper };
   // From the root down to the lowest level, one brick of each, and one that may take its place.
-  const levels = Math.ceil(Math.log(chunks) / Math.log(BRICK_CELLS)) + 1;
+  const levels = Math.ceil(Math.log(chunks) / Math.log(CELL_CHILDREN)) + 1;
   const least = 2 * bytes.lowest + levels * bytes.upper;
   if (budgetBytes < least) {
     const message = `budgetBytes is ${budgetBytes}; ${scene.name} needs at least ${least}.`;
