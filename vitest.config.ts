@@ -19,7 +19,7 @@ function resolvedBy(names: readonly string[]) {
 /** Ends a test whose own waits do not. */
 const TEST_TIMEOUT_MS = 300_000;
 
-const EQUAL_ARRAYS = 'packages/tools/equal-arrays.ts';
+const SETUP_FILES = ['packages/tools/equal-arrays.ts', 'packages/tools/seed-fast-check.ts'];
 
 type ProjectConfig = NonNullable<TestProjectInlineConfiguration['test']>;
 
@@ -28,7 +28,7 @@ const common = {
   testTimeout: TEST_TIMEOUT_MS,
   hookTimeout: TEST_TIMEOUT_MS,
   expect: { poll: { timeout: PATIENCE_MS } },
-  setupFiles: [EQUAL_ARRAYS],
+  setupFiles: SETUP_FILES,
   // Continuous integration has two cores, of which Vitest would take one.
   maxWorkers: 2,
 } satisfies ProjectConfig;
@@ -37,7 +37,7 @@ const common = {
 const gpu = {
   ...common,
   pool: 'forks',
-  setupFiles: [EQUAL_ARRAYS, 'packages/node/src/testing/watch-devices.ts'],
+  setupFiles: [...SETUP_FILES, 'packages/node/src/testing/watch-devices.ts'],
 } satisfies ProjectConfig;
 
 /** Two processes take file after file, which keep what they have imported and compiled. */

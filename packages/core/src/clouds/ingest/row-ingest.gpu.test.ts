@@ -127,6 +127,14 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     });
   }
 
+  gpuTest('of few splats, whose harmonics are halfway between steps of a byte', async () => {
+    const set = randomSplats({ count: 5, seed: 1, shDegree: 2 });
+    const { coefficients } = set.harmonics;
+    // The first is the largest of its splat, which decides the steps.
+    for (let i = 0; i < coefficients.length; i++) coefficients[i] = i % 24 === 0 ? 1 : (i + 0.5) / 127;
+    await expectSame(plyOf(set), PACKED, small);
+  });
+
   gpuTest('far from its origin', async () => {
     const set = splatsWithTies(700, 0);
     for (let i = 0; i < set.positions.length; i++) set.positions[i] += [5000, 0, -70_000][i % 3];
