@@ -38,6 +38,7 @@ const PACKAGES = [
       'own-data': 'src/own-data.ts',
       collider: 'src/clouds/collider/index.ts',
       'ply-worker': 'src/io/formats/ply/ply-worker.ts',
+      'bricks-worker': 'src/io/formats/bricks/bricks-worker.ts',
       'formats-worker': 'src/io/formats/formats-worker.ts',
       'collider-worker': 'src/clouds/collider/collider-worker.ts',
       'ray-worker': 'src/clouds/ray-worker.ts',

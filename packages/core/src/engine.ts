@@ -335,7 +335,11 @@ export class SplatEngine {
       throw new CodeUnavailableError('streaming', { cause });
     });
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
-    return this.stream(await openBricks(source, { ...options, signal }), { ...options, signal });
+    const scene = await openBricks(source, { ...options, signal });
+    return this.stream(scene, { ...options, signal }).catch((error) => {
+      scene.end();
+      throw error;
+    });
   }
 
   /** @internal Shows a scene in bricks, as `load` does. */

@@ -5,7 +5,7 @@ import type { Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import { builderWorker } from '../testing/builder-worker.ts';
+import { fakeWorker } from '../testing/fake-worker.ts';
 import { objectScene } from '../testing/object-scene.ts';
 import {
   expectRaysAsShown,
@@ -17,6 +17,7 @@ import {
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { everyOf, stillLife } from '../testing/still-life.ts';
 import type { TrueRay } from '../testing/true-rays.ts';
+import { type BuildPort, serveBuilder } from './geometry-builder.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
 import { RAY_BUILDERS } from './ray-tree-builder.ts';
@@ -179,7 +180,7 @@ function within(set: SplatSet<Harmonics>, center: Vec3, radius: number): SplatSe
 }
 
 describe('a ray tree that a worker makes', () => {
-  const FakeWorker = builderWorker(RAY_BUILDERS);
+  const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, RAY_BUILDERS));
   afterEach(() => vi.unstubAllGlobals());
 
   test('is that of this thread, and leaves the splats where they are', async () => {

@@ -1,14 +1,16 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect } from 'vitest';
+import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { SplatEdits } from '../../data/splats/splat-edits.ts';
+import { type BrickPort, serveBricks } from '../../io/formats/bricks/serve-bricks.ts';
 import { writeSplats } from '../../io/formats/writers.ts';
 import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../reference/compare-images.ts';
+import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
@@ -28,6 +30,8 @@ describe('a streamed scene', () => {
     engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'balanced' });
     scene = brickSceneOf(set);
   });
+
+  afterEach(() => vi.unstubAllGlobals());
 
   async function drawComplete(cloud: SplatCloud, detail = {}, camera = lookFrom([0, 0, 4])) {
     const view = engine.createView();
@@ -84,6 +88,27 @@ describe('a streamed scene', () => {
     );
     streamed.destroy();
     cloud.destroy();
+  });
+
+  gpuTest('has a worker of its own as long as its cloud is there', async () => {
+    const FakeWorker = fakeWorker((port: BrickPort) => serveBricks(port));
+    vi.stubGlobal('Worker', FakeWorker);
+    const file = new File([await writeSplats(set, 'bricks')], 'scene.bricks');
+    const cloud = await engine.load(file);
+    await drawComplete(cloud);
+    expect(cloud.stream!.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
+    expect(FakeWorker.requests).toHaveLength(scene.brickCount);
+    expect(FakeWorker.started.map(({ isTerminated }) => isTerminated)).toEqual([false]);
+    cloud.destroy();
+    expect(FakeWorker.started[0].isTerminated).toBe(true);
+    await expect(engine.load(file, { budgetBytes: 0 })).rejects.toThrow(/budgetBytes is 0/);
+    FakeWorker.behaviour = 'is busy';
+    const ending = new AbortController();
+    const loading = engine.load(file, { signal: ending.signal });
+    await expect.poll(() => FakeWorker.requests.length).toBeGreaterThan(scene.brickCount);
+    ending.abort(new Error('enough'));
+    await expect(loading).rejects.toThrow('enough');
+    expect(FakeWorker.started.every(({ isTerminated }) => isTerminated)).toBe(true);
   });
 
   gpuTest('fetches only what a view needs', async () => {

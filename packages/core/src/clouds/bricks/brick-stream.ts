@@ -97,6 +97,7 @@ export class BrickStream implements CloudStream {
   end(): void {
     this.#isEnded = true;
     for (const { ending } of this.#fetches.values()) ending.abort();
+    this.#scene.end();
     this.#viewers.clear();
     this.#settle();
   }

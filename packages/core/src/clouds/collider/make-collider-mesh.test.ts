@@ -2,9 +2,10 @@ import { afterEach, describe, expect, test, vi } from 'vitest';
 import { DestroyedError, InvalidArgumentError, WebSplatterError } from '../../data/errors.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts';
-import { builderWorker } from '../../testing/builder-worker.ts';
+import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
+import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
 import { COLLIDER_BUILDERS } from './build-collider.ts';
 import { type ColliderMesh, makeColliderMesh } from './make-collider-mesh.ts';
 
@@ -228,7 +229,7 @@ describe('a collider', () => {
   });
 });
 
-const FakeWorker = builderWorker(COLLIDER_BUILDERS);
+const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, COLLIDER_BUILDERS));
 
 describe('in a worker, a collider', () => {
   afterEach(() => {

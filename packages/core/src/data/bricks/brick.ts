@@ -72,7 +72,10 @@ export interface BrickScene {
    * Fetches a brick.
    *
    * @throws SplatFileError for a damaged one; SplatSourceError for a source that cannot be read or
-   *   has changed; the signal's reason.
+   *   has changed; WebSplatterError 'worker-failed' if the worker that decodes it dies;
+   *   DestroyedError after `end`; the signal's reason.
    */
   readonly read: (address: BrickAddress, signal?: AbortSignal) => Promise<Brick>;
+  /** Ends what reads, and reads that are not done. Call it once no brick is needed any more. */
+  readonly end: () => void;
 }

@@ -206,6 +206,7 @@ export function brickSceneOf(
         throw wrongArgument('address.number', number, `from 0 to ${made.shape.brickCount - 1}`, name);
       return made.brick(number);
     },
+    end: () => {},
   };
 }
 

@@ -29,6 +29,9 @@ type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
 /** A file that the worker for PLY gives back. */
 type OtherFile = Extract<LoadReply, { kind: 'other-format' }>;
 
+/** Of a worker that reads files. */
+type Kind = Exclude<keyof typeof WORKERS, 'bricks'>;
+
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
@@ -67,8 +70,7 @@ export async function loadOrPass(
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
   let worker = await takeTurn(signal);
-  let kind: keyof typeof WORKERS =
-    isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
+  let kind: Kind = isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
   let isDone = false;
   // Always aborted at the end: a terminated worker does not tell a stream that it stops reading.
   const stop = new AbortController();
@@ -130,7 +132,7 @@ export function foreseeWorkers(): void {
   loadWorkers().catch(() => {});
 }
 
-async function makerOf(kind: keyof typeof WORKERS): Promise<() => Worker> {
+async function makerOf(kind: Kind): Promise<() => Worker> {
   return hostedWorker() ?? (await loadWorkers()).WORKERS[kind];
 }
 

@@ -1,7 +1,9 @@
 // Apart from loads, because tests under Jest cannot evaluate `import.meta`; they have no workers.
 
-/** Makers of the workers that read, each in one piece: the form that bundlers recognise. */
+/** Makers of the workers that read and decode, each in one piece: the form that bundlers recognise. */
 export const WORKERS = {
   ply: () => new Worker(new URL('../formats/ply/ply-worker.ts', import.meta.url), { type: 'module' }),
+  bricks: () =>
+    new Worker(new URL('../formats/bricks/bricks-worker.ts', import.meta.url), { type: 'module' }),
   others: () => new Worker(new URL('../formats/formats-worker.ts', import.meta.url), { type: 'module' }),
 } as const;

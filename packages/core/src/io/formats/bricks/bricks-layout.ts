@@ -1,4 +1,6 @@
+import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
+import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 
 /** Bytes of the header of a file. */
 export const FILE_HEADER_BYTES = 168;
@@ -109,3 +111,24 @@ export const HARMONICS_HEAD_BYTES = 1;
 /** Bytes of the planes of unpacked geometry, per leaf. */
 export const SPLAT_PLANES = 22;
 export const BLOB_PLANES = 27;
+
+/** Bytes of the geometry of so many leaves, unpacked. */
+export function geometryBytes(level: number, count: number): number {
+  return 4 + count * (level === 0 ? SPLAT_PLANES : BLOB_PLANES);
+}
+
+/** Bytes of the harmonics of so many leaves, unpacked, at most. */
+export function mostHarmonicsBytes(degree: ShDegree, count: number): number {
+  const width = coefficientsPerSplat(degree);
+  return HARMONICS_HEAD_BYTES + 4 * width + width * (COMPONENT_BYTES + width + 2 * count);
+}
+
+/** Most bytes of a brick: whatever is packed takes no more than it is, but for this part. */
+const MOST_GROWTH = 1.01;
+
+/** Most bytes that a brick of this level and so many cells takes in a file. */
+export function mostBrickBytes(level: number, cellCount: number, degree: ShDegree): number {
+  const count = cellCount * CHUNK_SPLATS;
+  const unpacked = geometryBytes(level, count) + mostHarmonicsBytes(degree, count);
+  return brickHeaderBytes(level, cellCount) + Math.ceil(MOST_GROWTH * unpacked) + 1024;
+}

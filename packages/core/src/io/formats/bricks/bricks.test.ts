@@ -87,7 +87,7 @@ describe('a file of bricks', () => {
     const set = { ...randomSplats({ count, shDegree, origin: [1e6, 0, 0] }), isAntialiased: true };
     const memory = brickSceneOf(set);
     const scene = await openBricks(await write(set, {}), { name: 'cube' });
-    const { root: _root, read: _read, name: _name, ...facts } = memory;
+    const { root: _root, read: _read, end: _end, name: _name, ...facts } = memory;
     expect(scene).toMatchObject({ ...facts, name: 'cube' });
     const bricks = await allBricks(scene);
     expect(bricks.map(({ address }) => address.number)).toEqual(

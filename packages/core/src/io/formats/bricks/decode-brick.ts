@@ -1,5 +1,5 @@
-import type { Brick, BrickAddress } from '../../../data/bricks/brick.ts';
-import type { BrickShape } from '../../../data/bricks/brick-shape.ts';
+import type { Brick, BrickAddress, BrickScene } from '../../../data/bricks/brick.ts';
+import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { BLOB_WORDS, packBlob, SPLAT_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
@@ -14,9 +14,12 @@ import type { Turns } from '../../../data/turns.ts';
 import { gunzip } from '../../containers/gzip.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
 import { type BrickHeader, readBrickHeader } from './brick-header.ts';
-import { brickHeaderBytes } from './bricks-layout.ts';
-import { decodeGeometry, geometryBytes, type LeafColumns } from './decode-geometry.ts';
-import { decodeHarmonics, mostHarmonicsBytes } from './decode-harmonics.ts';
+import { brickHeaderBytes, geometryBytes, mostHarmonicsBytes } from './bricks-layout.ts';
+import { decodeGeometry, type LeafColumns } from './decode-geometry.ts';
+import { decodeHarmonics } from './decode-harmonics.ts';
+
+/** What a brick says nothing of itself. */
+export type BrickFile = Pick<BrickScene, 'name' | 'splatCount' | 'shDegree'>;
 
 /** A brick as its bytes tell it. */
 export interface DecodedBrick {
@@ -24,16 +27,6 @@ export interface DecodedBrick {
   readonly leaves: LeafColumns;
   /** 3K of each leaf. */
   readonly coefficients: Float32Array;
-}
-
-/** Most bytes of a brick: whatever is packed takes no more than it is, but for this part. */
-const MOST_GROWTH = 1.01;
-
-/** Most bytes that a brick of this level and so many cells takes in a file. */
-export function mostBrickBytes(level: number, cellCount: number, degree: ShDegree): number {
-  const count = cellCount * CHUNK_SPLATS;
-  const unpacked = geometryBytes(level, count) + mostHarmonicsBytes(degree, count);
-  return brickHeaderBytes(level, cellCount) + Math.ceil(MOST_GROWTH * unpacked) + 1024;
 }
 
 /**
@@ -111,8 +104,19 @@ async function unpackZlib(
   }
 }
 
-/** A decoded brick as the GPU takes it. */
-export function packBrick({ header, leaves, coefficients }: DecodedBrick, degree: ShDegree): Brick {
+/** The brick at `address` as the GPU takes it. Rejects as `decodeBrick`. */
+export async function readBrick(
+  bytes: Uint8Array<ArrayBuffer>,
+  address: BrickAddress,
+  { name, splatCount, shDegree }: BrickFile,
+  turns: Turns,
+): Promise<Brick> {
+  const decoded = await decodeBrick(bytes, address, new BrickShape(splatCount), shDegree, name, turns);
+  await turns.give();
+  return packBrick(decoded, shDegree);
+}
+
+function packBrick({ header, leaves, coefficients }: DecodedBrick, degree: ShDegree): Brick {
   const { level, first, end, cells } = header;
   const places = CHUNK_SPLATS * (end - first);
   const { count } = leaves;

@@ -3,13 +3,11 @@ import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import {
   BLOB_OPACITY_STEPS,
-  BLOB_PLANES,
   LOG_SCALE_STEPS,
   MOST_COLOR_STEPS,
   OPACITY_STEPS,
   POSITION_BITS,
   ROTATION_STEPS,
-  SPLAT_PLANES,
   SUM_OF_ONE,
   SUM_STEPS,
 } from './bricks-layout.ts';
@@ -34,11 +32,6 @@ export interface LeafColumns {
 const POSITION_STEPS = 2 ** POSITION_BITS - 1;
 /** No half is farther from 0. */
 const LONGEST_COLOR_STEP = 65504 / MOST_COLOR_STEPS;
-
-/** Bytes of the geometry of so many leaves, unpacked. */
-export function geometryBytes(level: number, count: number): number {
-  return 4 + count * (level === 0 ? SPLAT_PLANES : BLOB_PLANES);
-}
 
 /**
  * Reads what `encodeGeometry` has written.

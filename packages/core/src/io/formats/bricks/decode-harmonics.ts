@@ -67,9 +67,3 @@ export async function decodeHarmonics(
   }
   return coefficients.every(Number.isFinite) ? coefficients : null;
 }
-
-/** Bytes of the harmonics of so many leaves, unpacked, at most. */
-export function mostHarmonicsBytes(degree: ShDegree, count: number): number {
-  const width = coefficientsPerSplat(degree);
-  return HARMONICS_HEAD_BYTES + 4 * width + width * (COMPONENT_BYTES + width + 2 * count);
-}

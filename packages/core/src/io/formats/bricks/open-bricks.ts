@@ -2,22 +2,20 @@ import type { Brick, BrickAddress, BrickCell, BrickScene } from '../../../data/b
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import { wrongArgument } from '../../../data/given.ts';
-import { Turns } from '../../../data/turns.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
+import { sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import { BrickDecoder } from './brick-decoder.ts';
 import { checkNested } from './brick-header.ts';
-import { brickHeaderBytes } from './bricks-layout.ts';
-import { decodeBrick, mostBrickBytes, packBrick } from './decode-brick.ts';
+import { brickHeaderBytes, mostBrickBytes } from './bricks-layout.ts';
 import { readFileHeader } from './file-header.ts';
 
 /** Bytes that are read at once: of large scenes, the header and the root. */
 const FIRST_BYTES = 1 << 17;
-/** Bricks arrive while frames are drawn. */
-const MAX_BUSY_MS = 4;
 
 /**
  * Opens a scene in bricks, of which each brick is read when it is asked for, by itself. Only the
- * beginning is read at once.
+ * beginning is read at once. Bricks are decoded in a worker of the scene, where one can start.
  *
  * Rejects with SplatSourceError (cannot be fetched, or not in parts), SplatFileError for a file
  * that is none or damaged, InvalidArgumentError for a stream or what is no source, and the signal's
@@ -27,14 +25,28 @@ export async function openBricks(
   source: SplatSource,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
 ): Promise<BrickScene> {
+  const decoder = new BrickDecoder(options.name ?? sourceName(source));
+  try {
+    return await openWith(decoder, source, options);
+  } catch (error) {
+    decoder.end();
+    throw error;
+  }
+}
+
+async function openWith(
+  decoder: BrickDecoder,
+  source: SplatSource,
+  options: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
+): Promise<BrickScene> {
   const ranges = await openRanges(source, FIRST_BYTES, options);
   const { name, totalBytes } = ranges;
   const first = await ranges.read(0, FIRST_BYTES, options.signal);
   const header = readFileHeader(first, name);
-  const { shDegree } = header;
-  const shape = new BrickShape(header.splatCount);
+  const { splatCount, shDegree } = header;
+  const shape = new BrickShape(splatCount);
   /** The cells above bricks whose addresses were given away: these bricks must be within. */
-  const above = new WeakMap<BrickAddress, Omit<BrickCell, 'logScales'>>();
+  const above = new WeakMap<BrickAddress, BrickCell>();
 
   const check = ({ number, offset, bytes }: BrickAddress) => {
     const { level, first: firstCell, end } = shape.cellsOf(number);
@@ -62,22 +74,32 @@ export async function openBricks(
       const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
       throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
     }
-    const turns = new Turns(signal, MAX_BUSY_MS);
-    const decoded = await decodeBrick(bytes, address, shape, shDegree, name, turns);
-    await turns.give();
+    const brick = await decoder.decode(bytes, address, { name, splatCount, shDegree }, signal);
     const parent = above.get(address);
-    if (parent) checkNested(decoded.header, parent, address, name);
-    for (const cell of decoded.header.cells) {
+    if (parent) checkNested(brick, parent, address, name);
+    for (const cell of brick.cells) {
       if (!cell.child) continue;
       check(cell.child);
       above.set(cell.child, cell);
     }
-    return packBrick(decoded, shDegree);
+    return brick;
   };
+  const end = () => decoder.end();
   check(header.root);
-  const { splatCount, isAntialiased, origin, bounds, robustBounds, root } = header;
+  const { isAntialiased, origin, bounds, robustBounds, root } = header;
   return {
-    ...{ name, splatCount, brickCount: shape.brickCount, shDegree, origin, bounds, robustBounds, root, read },
+    ...{
+      name,
+      splatCount,
+      brickCount: shape.brickCount,
+      shDegree,
+      origin,
+      bounds,
+      robustBounds,
+      root,
+      read,
+      end,
+    },
     ...(isAntialiased !== undefined && { isAntialiased }),
   };
 }

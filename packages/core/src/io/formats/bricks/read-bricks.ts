@@ -11,8 +11,8 @@ import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { readBrickHeader } from './brick-header.ts';
-import { brickHeaderBytes, FILE_HEADER, FILE_HEADER_BYTES } from './bricks-layout.ts';
-import { type DecodedBrick, decodeBrick, mostBrickBytes } from './decode-brick.ts';
+import { brickHeaderBytes, FILE_HEADER, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
+import { type DecodedBrick, decodeBrick } from './decode-brick.ts';
 import { type FileHeader, readFileHeader } from './file-header.ts';
 
 /**

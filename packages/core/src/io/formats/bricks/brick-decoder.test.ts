@@ -1,0 +1,154 @@
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
+import type { Brick, BrickScene } from '../../../data/bricks/brick.ts';
+import { DestroyedError, SplatFileError, WebSplatterError } from '../../../data/errors.ts';
+import { fakeWorker } from '../../../testing/fake-worker.ts';
+import { fileErrorOf } from '../../../testing/file-error-of.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { brickHeaderBytes, FILE_HEADER_BYTES } from './bricks-layout.ts';
+import { openBricks } from './open-bricks.ts';
+import { type BrickPort, serveBricks } from './serve-bricks.ts';
+import { write } from './write-bricks.ts';
+
+const FakeWorker = fakeWorker((port: BrickPort) => serveBricks(port));
+const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
+
+beforeEach(() => {
+  vi.spyOn(console, 'warn').mockImplementation(() => {});
+  FakeWorker.behaviour = 'works';
+  FakeWorker.started = [];
+  FakeWorker.requests = [];
+  vi.stubGlobal('Worker', FakeWorker);
+});
+
+afterEach(() => {
+  vi.restoreAllMocks();
+  vi.unstubAllGlobals();
+  for (const worker of FakeWorker.started) expect(worker.isTerminated).toBe(true);
+});
+
+async function open(bytes?: Uint8Array<ArrayBuffer>): Promise<BrickScene> {
+  return openBricks(bytes ?? (await written), { name: 'a.bricks' });
+}
+
+async function allBricks(scene: BrickScene): Promise<Brick[]> {
+  const bricks = [await scene.read(scene.root)];
+  for (const { cells } of bricks)
+    bricks.push(...(await Promise.all(cells.flatMap(({ child }) => (child ? scene.read(child) : [])))));
+  return bricks;
+}
+
+describe('bricks that a worker decodes', () => {
+  test('are those that the calling thread decodes, bit for bit', async () => {
+    const scene = await open();
+    const bricks = await allBricks(scene);
+    scene.end();
+    expect(bricks).toHaveLength(scene.brickCount);
+    expect(FakeWorker.requests).toHaveLength(scene.brickCount);
+    expect(FakeWorker.started).toHaveLength(1);
+    vi.stubGlobal('Worker', undefined);
+    expect(await allBricks(await open())).toEqual(bricks);
+    expect(FakeWorker.requests).toHaveLength(scene.brickCount);
+  });
+
+  test.each(['throws', 'does not start'] as const)(
+    'are decoded on the calling thread where a worker %s',
+    async (behaviour) => {
+      FakeWorker.behaviour = behaviour;
+      const scene = await open();
+      expect(await allBricks(scene)).toHaveLength(scene.brickCount);
+      expect(FakeWorker.requests).toHaveLength(0);
+      scene.end();
+    },
+  );
+
+  test('leave the memory that they are read from as it was', async () => {
+    const bytes = (await written).slice();
+    const scene = await open(bytes);
+    await allBricks(scene);
+    scene.end();
+    expect(bytes).toEqual(await written);
+  });
+
+  test('fail as they do on the calling thread', async () => {
+    const bytes = (await written).slice();
+    bytes[FILE_HEADER_BYTES + brickHeaderBytes(1, 1) + 20] ^= 255;
+    const scene = await open(bytes);
+    const error = await fileErrorOf(scene.read(scene.root));
+    scene.end();
+    vi.stubGlobal('Worker', undefined);
+    const other = await open(bytes);
+    const { code, file, place, message } = await fileErrorOf(other.read(other.root));
+    expect(error).toMatchObject({ code, file, place, message });
+    expect(error).toBeInstanceOf(SplatFileError);
+  });
+
+  test('are given up at once, and the next ones come', async () => {
+    const scene = await open();
+    const root = await scene.read(scene.root);
+    FakeWorker.behaviour = 'is busy';
+    const ending = new AbortController();
+    const reading = scene.read(scene.root, ending.signal);
+    await expect.poll(() => FakeWorker.requests.length).toBe(2);
+    ending.abort('not needed');
+    await expect(reading).rejects.toBe('not needed');
+    expect(FakeWorker.requests.at(-1)).toEqual({ brick: 'drop', id: 2 });
+    FakeWorker.behaviour = 'works';
+    expect(await scene.read(scene.root)).toEqual(root);
+    scene.end();
+  });
+
+  test('fail by name where the worker dies, and another one decodes the next', async () => {
+    const scene = await open();
+    await scene.read(scene.root);
+    FakeWorker.behaviour = 'dies';
+    const error = await scene.read(scene.root).catch((reason) => reason);
+    expect(error).toBeInstanceOf(WebSplatterError);
+    expect(error).toMatchObject({
+      code: 'worker-failed',
+      message: 'a.bricks: the worker that decodes bricks stopped: out of memory.',
+    });
+    FakeWorker.behaviour = 'works';
+    await scene.read(scene.root);
+    expect(FakeWorker.started.map(({ isTerminated }) => isTerminated)).toEqual([true, false]);
+    scene.end();
+  });
+
+  test('come no more after the end of their scene', async () => {
+    const scene = await open();
+    const reading = scene.read(scene.root);
+    reading.catch(() => {});
+    scene.end();
+    scene.end();
+    await expect(reading).rejects.toThrow(DestroyedError);
+    await expect(scene.read(scene.root)).rejects.toThrow('a.bricks');
+  });
+
+  test('have no worker where there is no scene', async () => {
+    await expect(open(new Uint8Array(300))).rejects.toThrow(SplatFileError);
+    await expect(
+      openBricks(await written, { signal: AbortSignal.abort(new Error('enough')) }),
+    ).rejects.toThrow('enough');
+    await expect.poll(() => FakeWorker.started.every(({ isTerminated }) => isTerminated)).toBe(true);
+  });
+});
+
+test('the worker does not begin with what is dropped', async () => {
+  const replies: { kind: string; id?: number }[] = [];
+  const port: BrickPort = { onmessage: null, postMessage: (reply) => replies.push(reply) };
+  serveBricks(port);
+  const bytes = (await written).slice();
+  const post = (data: unknown) => port.onmessage?.({ data } as MessageEvent);
+  const file = { name: 'a.bricks', splatCount: 5000, shDegree: 2 };
+  for (const id of [1, 2]) {
+    const address = { number: 0, offset: 0, bytes: bytes.length };
+    post({ brick: 'decode', id, file, address, bytes });
+  }
+  post({ brick: 'drop', id: 2 });
+  await expect.poll(() => replies.length).toBe(3);
+  // Neither are bricks; the first one was looked at.
+  expect(replies).toMatchObject([
+    { kind: 'ready' },
+    { kind: 'error', id: 1, error: { className: 'SplatFileError' } },
+    { kind: 'error', id: 2, error: { className: 'AbortError' } },
+  ]);
+});
