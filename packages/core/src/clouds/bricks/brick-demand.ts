@@ -33,19 +33,32 @@ const SLACK = 1e-4;
  */
 export class BrickDemand {
   readonly #sights: readonly CloudSight[];
+  /** Those that are known: most cells are asked for with each brick that arrives. */
+  readonly #values = new Map<PlacedCell, number>();
 
   constructor(sights: Iterable<CloudSight>) {
     this.#sights = [...sights];
   }
 
   /** The value of the brick below a cell. */
-  valueOf({ bounds, largestScale, childErrors }: PlacedCell): number {
+  valueOf(cell: PlacedCell): number {
+    let value = this.#values.get(cell);
+    if (value === undefined) {
+      value = this.#find(cell);
+      this.#values.set(cell, value);
+    }
+    return value;
+  }
+
+  #find({ bounds, largestScale, childErrors }: PlacedCell): number {
     const error = squaredError(Math.max(...childErrors));
-    return this.#sights.reduce((most, { cut, squaredShift, sides }) => {
+    let most = 0;
+    for (const { cut, squaredShift, sides } of this.#sights) {
       const threshold = Math.max(LEAST_SQUARED, squaredShift * squaredThreshold(bounds, cut));
       const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
-      return Math.max(most, (error / threshold) * (isSeen ? 1 : OUT_OF_SIGHT));
-    }, 0);
+      most = Math.max(most, (error / threshold) * (isSeen ? 1 : OUT_OF_SIGHT));
+    }
+    return most;
   }
 
   /** Bricks that would be drawn if they were there, the most valuable first. */

@@ -29,6 +29,8 @@ export class BrickStream implements CloudStream {
   readonly #pool: BrickPool;
   readonly #root: PlacedBrick;
   readonly #viewers = new Map<object, Viewer>();
+  /** What the viewers want; null until it is asked for. */
+  #known: BrickDemand | null = null;
   /** Views that are drawing what has changed, and those that are to draw it once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
@@ -58,12 +60,15 @@ export class BrickStream implements CloudStream {
 
   see(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void {
     this.#viewers.set(view, { sights, redraw });
+    this.#known = null;
     this.#follow();
   }
 
   leave(view: object): void {
     this.#stale.delete(view);
-    if (this.#viewers.delete(view)) this.#follow();
+    if (!this.#viewers.delete(view)) return;
+    this.#known = null;
+    this.#follow();
   }
 
   hold(until: Promise<unknown>): void {
@@ -103,7 +108,8 @@ export class BrickStream implements CloudStream {
   }
 
   get #demand(): BrickDemand {
-    return new BrickDemand([...this.#viewers.values()].flatMap(({ sights }) => sights));
+    this.#known ??= new BrickDemand([...this.#viewers.values()].flatMap(({ sights }) => sights));
+    return this.#known;
   }
 
   /** Fetches what views lack, and ends fetches of what none of them wants any more. */
