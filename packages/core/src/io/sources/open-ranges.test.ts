@@ -4,6 +4,7 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { signalOf } from '../../testing/signal.ts';
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
 import { openRanges } from './open-ranges.ts';
@@ -36,7 +37,7 @@ beforeEach(async () => {
   content = file;
   answer = sendPart;
   ranges = [];
-  vi.mocked(waitMs).mockResolvedValue();
+  vi.mocked(waitMs).mockReset().mockResolvedValue();
   server = createServer((request: IncomingMessage, response) => {
     const [, start, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '') ?? [];
     ranges.push(`${start}-${last}`);
@@ -81,15 +82,155 @@ test('the first bytes are asked for once', async () => {
   expect(ranges).toEqual(['0-99', '90-109']);
 });
 
-test('a part that breaks off is asked for again', async () => {
+/** Breaks the next answer off after ten bytes. */
+const breakOff = (headers: Record<string, string>) => {
+  const before = answer;
+  answer = (response, start, end) => {
+    answer = before;
+    response.writeHead(206, { ...headers, 'content-range': `bytes ${start}-${end - 1}/5000` });
+    response.write(content.subarray(start, start + 10), () => response.destroy());
+  };
+};
+
+test('a part that breaks off goes on where it was', async () => {
   const opened = await openRanges(url, 100);
+  breakOff({ etag: '"1"' });
+  expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
+  expect(ranges).toEqual(['0-99', '1000-1499', '1010-1499']);
+});
+
+test('a part that a server cuts short goes on where it was', async () => {
+  const opened = await openRanges(url, 100);
+  answer = (response, start, end) => sendPart(response, start, Math.min(end, start + 200));
+  expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
+  expect(ranges.slice(1)).toEqual(['1000-1499', '1200-1499', '1400-1499']);
+});
+
+test.each([[{}], [{ etag: 'W/"1"' }]])(
+  'a part of what may be another file begins again: %j',
+  async (known) => {
+    answer = (response, start, end) => {
+      response.setHeader('content-range', `bytes ${start}-${end - 1}/5000`);
+      response.writeHead(206, known).end(content.subarray(start, end));
+    };
+    const opened = await openRanges(url, 100);
+    breakOff(known);
+    expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
+    expect(ranges).toEqual(['0-99', '1000-1499', '1000-1499']);
+  },
+);
+
+test('a file that changes while a part has broken off is noticed, and asked for no more', async () => {
+  const opened = await openRanges(url, 100);
+  answer = (response, start, end) => sendPart(response, start, end, '"2"');
+  breakOff({ etag: '"1"' });
+  await expect(opened.read(1000, 500)).rejects.toThrow('has changed on its server');
+  expect(ranges.length).toBe(3);
+});
+
+test('a file that becomes shorter has changed', async () => {
+  const opened = await openRanges(url, 100);
+  content = file.subarray(0, 900);
+  await expect(opened.read(800, 500)).rejects.toThrow('has changed on its server');
+  await expect(opened.read(1000, 500)).rejects.toThrow('has changed on its server');
+});
+
+test('a server that is busy is asked again when it says, as often as is asked for', async () => {
+  const opened = await openRanges(url, 100, { request: { maxRetries: 3 } });
+  answer = (response) => {
+    if (ranges.length === 4) answer = sendPart;
+    const when = ranges.length === 3 ? new Date(Date.now() + 20_000).toUTCString() : '7';
+    response.writeHead(503, { 'retry-after': when }).end();
+  };
+  expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
+  const waits = vi.mocked(waitMs).mock.calls.map(([ms]) => ms);
+  expect(waits).toEqual([7000, expect.any(Number), 7000]);
+  expect(waits[1]).toBeGreaterThan(15_000);
+  expect(waits[1]).toBeLessThanOrEqual(20_000);
+  answer = (response) => response.writeHead(429, { 'retry-after': '3600' }).end();
+  await expect(opened.read(1000, 500)).rejects.toThrow('the server answered 429');
+  expect(waitMs).toHaveBeenCalledTimes(3);
+});
+
+test('a server that is gone for a moment is asked as often as any', async () => {
+  const opened = await openRanges(url, 100);
+  answer = (response) => {
+    if (ranges.length === 4) answer = sendPart;
+    response.destroy();
+  };
+  expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
+  expect(ranges.length).toBe(5);
+});
+
+test('a part that stalls is asked for again', async () => {
+  const opened = await openRanges(url, 100, { request: { idleTimeoutMs: 100 } });
   answer = (response, start, end) => {
     answer = sendPart;
     response.writeHead(206, { etag: '"1"', 'content-range': `bytes ${start}-${end - 1}/5000` });
-    response.write(content.subarray(start, start + 10), () => response.destroy());
+    response.write(content.subarray(start, start + 10));
   };
   expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
-  expect(ranges).toEqual(['0-99', '1000-1499', '1000-1499']);
+  expect(ranges).toEqual(['0-99', '1000-1499', '1010-1499']);
+});
+
+test('parts that lie next to each other are one request, in which each comes by itself', async () => {
+  const opened = await openRanges(url, 100);
+  let finish = () => {};
+  answer = (response, start, end) => {
+    response.writeHead(206, { etag: '"1"', 'content-range': `bytes ${start}-${end - 1}/5000` });
+    response.write(content.subarray(start, start + 250));
+    finish = () => response.end(content.subarray(start + 250, end));
+  };
+  const parts = [1100, 1200, 1000].map((offset) => opened.read(offset, 100));
+  expect(await parts[0]).toEqual(file.slice(1100, 1200));
+  expect(await parts[2]).toEqual(file.slice(1000, 1100));
+  expect(ranges).toEqual(['0-99', '1000-1299']);
+  finish();
+  expect(await parts[1]).toEqual(file.slice(1200, 1300));
+  answer = sendPart;
+  await Promise.all([opened.read(2000, 10), opened.read(2011, 10)]);
+  expect(ranges.slice(2).sort()).toEqual(['2000-2009', '2011-2020']);
+});
+
+test('large parts are requests of their own', async () => {
+  content = new Uint8Array(1_000_000);
+  const opened = await openRanges(url, 100);
+  await Promise.all([100, 200_100, 400_100].map((offset) => opened.read(offset, 200_000)));
+  expect(ranges.slice(1).sort()).toEqual(['100-400099', '400100-600099']);
+});
+
+test('a part that is called off leaves others alone; the last one ends the request', async () => {
+  const opened = await openRanges(url, 100);
+  const { when: begun, give: begin } = signalOf();
+  const { when: closed, give: close } = signalOf();
+  answer = (response) => {
+    response.on('close', close);
+    begin();
+  };
+  const enders = [new AbortController(), new AbortController(), new AbortController()];
+  const parts = enders.map(({ signal }, i) => opened.read(1000 + 100 * i, 100, signal));
+  const ends = Promise.allSettled(parts);
+  enders[0].abort('early');
+  await begun;
+  for (const ender of enders.slice(1)) ender.abort('late');
+  const reasons = (await ends).map((end) => end.status === 'rejected' && end.reason);
+  expect(reasons).toEqual(['early', 'late', 'late']);
+  await closed;
+  answer = sendPart;
+  const [first, second] = [opened.read(1000, 100, enders[0].signal), opened.read(1100, 100)];
+  await expect(first).rejects.toBe('early');
+  expect(await second).toEqual(file.slice(1100, 1200));
+  expect(ranges.length).toBe(3);
+});
+
+test('a small file of a server that sends whole ones is kept; a large one is refused', async () => {
+  answer = (response) => response.end(content);
+  const opened = await openRanges(url, 100);
+  expect(opened.totalBytes).toBe(5000);
+  expect(await opened.read(4000, 700)).toEqual(file.slice(4000, 4700));
+  expect(ranges.length).toBe(1);
+  answer = (response) => response.writeHead(200, { 'content-length': 2 ** 26 + 1 }).write('a');
+  await expect(openRanges(url, 100)).rejects.toThrow('the whole file, of more than 64 MiB');
 });
 
 test.each<[string, Answer, string]>([

@@ -1,8 +1,8 @@
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
-import { type AnswerFacts, addressOf, bodyOf, cancelBody, isPacked, partOf, Transfer } from './open-url.ts';
-import { blobRanges, type RangeSource } from './range-source.ts';
+import { addressOf, bodyOf, cancelBody, isPacked, type PartFacts, partOf, Transfer } from './open-url.ts';
+import { blobRanges, MOST_REQUEST_BYTES, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
 import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
@@ -10,12 +10,16 @@ import type { ReadOptions, RequestOptions } from './splat-source.ts';
 /** The status of an answer with a part of a file, and where there is no such part. */
 const PARTIAL_CONTENT = 206;
 const NO_SUCH_RANGE = 416;
+/** A file of at most this size is kept in memory where a server sends only whole files. */
+const MOST_WHOLE_BYTES = 64 << 20;
 
 /**
- * Opens an address, of which each part is a request. A part that breaks off is asked for again. A
- * page is not always told which part another origin sends: its length must be right then.
+ * Opens an address, of which parts are requests. Parts that are asked for in one turn and lie next
+ * to each other are one request, and each is there once its bytes are. A request that breaks off or
+ * stalls goes on where it was, if the server can tell that the file is still the same. A page is not
+ * always told which part another origin sends: its length must be right then.
  *
- * Rejects as `openUrl`, and with SplatSourceError where a server sends no parts of files.
+ * Rejects as `openUrl`, and with SplatSourceError where a server sends no parts of a large file.
  *
  * @param firstBytes asked for at once, which tell the size of the file.
  */
@@ -28,71 +32,178 @@ export async function openUrlRanges(
   const address = addressOf(url, name);
   const transfer = new Transfer(address, name, checked, signal);
   if (!transfer.isRemote) return blobRanges(await (await transfer.ask({})).blob(), name);
-  const nothing: Part = { bytes: new Uint8Array(0), validator: null, totalBytes: 0 };
-  const first = (await readPart(transfer, name, checked, 0, firstBytes, signal)) ?? nothing;
-  const { validator, totalBytes } = first;
+  const answer = await askFor(transfer, 0, firstBytes);
+  if (answer && answer.status !== PARTIAL_CONTENT)
+    return blobRanges(new Blob([await readSmall(transfer, answer, name, signal)]), name);
+  const file = new RemoteFile(address, name, checked, answer && partOf(answer.headers));
+  const first = await file.receive(transfer, 0, firstBytes, signal, answer);
   return {
     name,
-    totalBytes,
+    totalBytes: file.totalBytes,
     read: async (offset, byteCount, partSignal) => {
-      if (offset + byteCount <= first.bytes.length) {
-        partSignal?.throwIfAborted();
-        return first.bytes.subarray(offset, offset + byteCount);
-      }
-      const again = new Transfer(address, name, checked, partSignal);
-      const part = await readPart(again, name, checked, offset, byteCount, partSignal);
-      if (part === null) return nothing.bytes;
-      const isSame =
-        part.validator === validator &&
-        (part.totalBytes === undefined || totalBytes === undefined || part.totalBytes === totalBytes);
-      if (isSame) return part.bytes;
-      throw new SplatSourceError(name, 'the file has changed on its server meanwhile. Open it again.');
+      partSignal?.throwIfAborted();
+      if (offset + byteCount <= first.length) return first.subarray(offset, offset + byteCount);
+      return file.read(offset, byteCount, partSignal);
     },
   };
 }
 
-interface Part extends AnswerFacts {
-  readonly bytes: Uint8Array<ArrayBuffer>;
+/** A part that a caller waits for. */
+interface AskedPart {
+  readonly offset: number;
+  readonly byteCount: number;
+  readonly signal: AbortSignal | undefined;
+  readonly resolve: (bytes: Uint8Array<ArrayBuffer>) => void;
+  readonly reject: (reason: unknown) => void;
 }
 
-/** Null where the file ends before that part. */
-async function readPart(
-  transfer: Transfer,
-  name: string,
-  { idleTimeoutMs }: Required<RequestOptions>,
-  offset: number,
-  byteCount: number,
-  signal: AbortSignal | undefined,
-): Promise<Part | null> {
-  for (;;) {
-    const response = await askFor(transfer, offset, byteCount);
-    if (response === null) return null;
-    const { startsAt, validator, totalBytes } = partOf(response.headers);
-    const isWhole = response.status !== PARTIAL_CONTENT;
-    if (isWhole || isPacked(response.headers) || (startsAt !== null && startsAt !== offset)) {
-      cancelBody(response);
-      const found = isWhole
-        ? `the server answered ${response.status} with the whole file`
-        : 'the server sent another part than it was asked for, or packed it';
-      const advice = 'Host it where range requests are answered, or pass the file itself';
-      throw new SplatSourceError(name, `${found}, but a scene in bricks is read in parts. ${advice}.`);
-    }
-    const reader = new ByteReader({ name, stream: bodyOf(response), idleTimeoutMs }, signal);
-    try {
-      const bytes = await readAll(reader, byteCount);
-      const endsBefore = totalBytes !== undefined && offset + byteCount > totalBytes;
-      const expected = endsBefore ? totalBytes - offset : byteCount;
-      if (bytes.length === expected || totalBytes === undefined) return { bytes, validator, totalBytes };
-      await transfer.waitAfter(
-        new SplatSourceError(name, `the transfer broke off after ${bytes.length} of ${expected} bytes`),
-      );
-    } catch (failure) {
-      if (!(failure instanceof SplatSourceError)) throw failure;
-      await transfer.waitAfter(failure);
-    } finally {
-      reader.close();
+class RemoteFile {
+  readonly #address: URL;
+  readonly #name: string;
+  readonly #request: Required<RequestOptions>;
+  readonly #facts: PartFacts | null;
+  /** Parts that were asked for in this turn. */
+  #asked: AskedPart[] = [];
+
+  /** @param facts from the first answer; null if there is nothing in the file. */
+  constructor(address: URL, name: string, request: Required<RequestOptions>, facts: PartFacts | null) {
+    this.#address = address;
+    this.#name = name;
+    this.#request = request;
+    this.#facts = facts;
+  }
+
+  get totalBytes(): number | undefined {
+    return this.#facts ? this.#facts.totalBytes : 0;
+  }
+
+  read(offset: number, byteCount: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+    return new Promise((resolve, reject) => {
+      if (this.#asked.length === 0) queueMicrotask(() => this.#send());
+      this.#asked.push({ offset, byteCount, signal, resolve, reject });
+    });
+  }
+
+  /** Sends a request for each run of adjacent parts. */
+  #send(): void {
+    const asked = this.#asked.sort((a, b) => a.offset - b.offset);
+    this.#asked = [];
+    let run: AskedPart[] = [];
+    for (const [i, part] of asked.entries()) {
+      run.push(part);
+      const next = asked[i + 1];
+      const isAdjacent = next?.offset === endOf(part);
+      if (isAdjacent && endOf(next) - run[0].offset <= MOST_REQUEST_BYTES) continue;
+      void this.#readRun(run);
+      run = [];
     }
   }
+
+  /** Reads adjacent parts by one request, which ends when nobody waits for any of them. */
+  async #readRun(run: readonly AskedPart[]): Promise<void> {
+    const ending = new AbortController();
+    const settled = new AbortController();
+    const waiting = new Set(run);
+    for (const part of run) {
+      const { signal, reject } = part;
+      const onAbort = () => {
+        reject(signal!.reason);
+        waiting.delete(part);
+        if (waiting.size === 0) ending.abort(signal!.reason);
+      };
+      if (signal?.aborted) onAbort();
+      else signal?.addEventListener('abort', onAbort, { signal: settled.signal });
+    }
+    const start = run[0].offset;
+    const give = (bytes: Uint8Array<ArrayBuffer>, isAll: boolean) => {
+      for (const part of waiting) {
+        if (!isAll && endOf(part) > start + bytes.length) return;
+        waiting.delete(part);
+        part.resolve(bytes.slice(part.offset - start, endOf(part) - start));
+      }
+    };
+    try {
+      const { signal } = ending;
+      const transfer = new Transfer(this.#address, this.#name, this.#request, signal, true);
+      const end = endOf(run.at(-1)!);
+      give(await this.receive(transfer, start, end, signal, null, (bytes) => give(bytes, false)), true);
+    } catch (error) {
+      for (const { reject } of waiting) reject(error);
+    } finally {
+      settled.abort();
+    }
+  }
+
+  /**
+   * Reads the bytes from `start` up to `end`, or to the end of the file.
+   *
+   * @param answer to the first request, if that was sent already.
+   * @param onMore told all that is there, again and again.
+   */
+  async receive(
+    transfer: Transfer,
+    start: number,
+    end: number,
+    signal: AbortSignal | undefined,
+    answer: Response | null,
+    onMore?: (bytes: Uint8Array<ArrayBuffer>) => void,
+  ): Promise<Uint8Array<ArrayBuffer>> {
+    const { idleTimeoutMs } = this.#request;
+    const expectedBytes = Math.max(0, Math.min(end, this.totalBytes ?? end) - start);
+    const bytes = new Uint8Array(expectedBytes);
+    let length = 0;
+    let response = answer;
+    while (length < expectedBytes) {
+      response ??= await askFor(transfer, start + length, expectedBytes - length);
+      this.#check(response, start + length);
+      if (!response) break;
+      const reader = new ByteReader({ name: this.#name, stream: bodyOf(response), idleTimeoutMs }, signal);
+      response = null;
+      try {
+        while (length < expectedBytes && (await reader.fill(1))) {
+          const count = Math.min(reader.available, expectedBytes - length);
+          bytes.set(reader.bytes.subarray(reader.start, reader.start + count), length);
+          reader.advance(count);
+          length += count;
+          onMore?.(bytes.subarray(0, length));
+        }
+        if (length === expectedBytes || this.totalBytes === undefined) break;
+        const found = `the transfer broke off after ${length} of ${expectedBytes} bytes`;
+        await transfer.waitAfter(new SplatSourceError(this.#name, found));
+      } catch (failure) {
+        if (!(failure instanceof SplatSourceError)) throw failure;
+        await transfer.waitAfter(failure);
+      } finally {
+        reader.close();
+      }
+      if (this.#facts?.validator === null) length = 0;
+    }
+    return bytes.subarray(0, length);
+  }
+
+  /** @throws SplatSourceError unless an answer has the part from `offset` on, of the same file. */
+  #check(response: Response | null, offset: number): void {
+    const changed = 'the file has changed on its server meanwhile. Open it again.';
+    if (!response) {
+      if (this.totalBytes !== undefined) throw new SplatSourceError(this.#name, changed);
+      return;
+    }
+    const { startsAt, version, totalBytes } = partOf(response.headers);
+    const isWhole = response.status !== PARTIAL_CONTENT;
+    const isOther =
+      version !== this.#facts?.version ||
+      (totalBytes !== undefined && this.totalBytes !== undefined && totalBytes !== this.totalBytes);
+    const isWrong = isWhole || isPacked(response.headers) || (startsAt !== null && startsAt !== offset);
+    if (!isOther && !isWrong) return;
+    cancelBody(response);
+    if (isWhole) throw noParts(this.#name, `the server answered ${response.status} with the whole file`);
+    if (isOther) throw new SplatSourceError(this.#name, changed);
+    throw noParts(this.#name, 'the server sent another part than it was asked for, or packed it');
+  }
+}
+
+function endOf({ offset, byteCount }: AskedPart): number {
+  return offset + byteCount;
 }
 
 /** Null where the file ends before that part. */
@@ -103,4 +214,28 @@ async function askFor(transfer: Transfer, offset: number, byteCount: number): Pr
     if (error instanceof SplatSourceError && error.status === NO_SUCH_RANGE) return null;
     throw error;
   }
+}
+
+/** Reads an answer with a whole file. */
+async function readSmall(
+  transfer: Transfer,
+  answer: Response,
+  name: string,
+  signal: AbortSignal | undefined,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const opened = transfer.openAnswer(answer);
+  const reader = new ByteReader(opened, signal);
+  try {
+    const isLarge = opened.totalBytesCertain && (opened.totalBytes ?? 0) > MOST_WHOLE_BYTES;
+    const bytes = isLarge ? null : await readAll(reader, MOST_WHOLE_BYTES + 1);
+    if (bytes && bytes.length <= MOST_WHOLE_BYTES) return bytes;
+    throw noParts(name, `the server answered ${answer.status} with the whole file, of more than 64 MiB`);
+  } finally {
+    reader.close();
+  }
+}
+
+function noParts(name: string, found: string): SplatSourceError {
+  const advice = 'Host it where range requests are answered, or pass the file itself';
+  return new SplatSourceError(name, `${found}, but a scene in bricks is read in parts. ${advice}.`);
 }

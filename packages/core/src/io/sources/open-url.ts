@@ -54,18 +54,31 @@ export class Transfer {
   readonly #request: Required<RequestOptions>;
   readonly #signal: AbortSignal | undefined;
   #retries = 0;
+  #hasAnswered: boolean;
   /** Facts about the file from the first answer; null before. */
   #file: FileFacts | null = null;
 
-  constructor(url: URL, name: string, request: Required<RequestOptions>, signal: AbortSignal | undefined) {
+  /** @param hasAnswered whether the server has, to other requests. */
+  constructor(
+    url: URL,
+    name: string,
+    request: Required<RequestOptions>,
+    signal: AbortSignal | undefined,
+    hasAnswered = false,
+  ) {
     this.#url = url;
     this.#name = name;
     this.#request = request;
     this.#signal = signal;
+    this.#hasAnswered = hasAnswered;
   }
 
   async open(): Promise<OpenedSource> {
-    const response = await this.ask({});
+    return this.openAnswer(await this.ask({}));
+  }
+
+  /** Opens an answer that has the whole file. */
+  openAnswer(response: Response): OpenedSource {
     const { headers } = response;
     const totalBytesCertain = response.type !== 'cors';
     this.#file = { ...factsOf(headers), hasRanges: totalBytesCertain };
@@ -129,11 +142,12 @@ export class Transfer {
     for (;;) {
       const answer = await this.#fetch(headers);
       if (answer instanceof SplatSourceError) {
-        const isUnanswered = this.#file === null && this.#retries + 1 >= UNANSWERED_TRIES;
+        const isUnanswered = !this.#hasAnswered && this.#retries + 1 >= UNANSWERED_TRIES;
         if (isUnanswered || !this.isRemote) throw answer;
         await this.waitAfter(answer);
         continue;
       }
+      this.#hasAnswered = true;
       if (answer.ok) return answer;
       cancelBody(answer);
       const { status, statusText } = answer;
@@ -199,11 +213,19 @@ export class Transfer {
 }
 
 /** Facts about the whole file from an answer. */
-export interface AnswerFacts {
+interface AnswerFacts {
   /** Proof that the file is still the same; null without, and for packed files. */
   readonly validator: string | null;
   /** Undefined if it does not say, and for packed files. */
   readonly totalBytes: number | undefined;
+}
+
+/** Facts from an answer with a part of a file. */
+export interface PartFacts extends AnswerFacts {
+  /** Where it begins; null if the answer does not say. */
+  readonly startsAt: number | null;
+  /** Differs only if the file has changed, even where the same proves nothing; null without. */
+  readonly version: string | null;
 }
 
 interface FileFacts extends AnswerFacts {
@@ -216,11 +238,12 @@ function factsOf(headers: Headers): AnswerFacts {
   return { validator: validatorOf(headers), totalBytes: lengthOf(headers) };
 }
 
-/** The same of an answer with a part, and where that begins; null if it does not say. */
-export function partOf(headers: Headers): AnswerFacts & { readonly startsAt: number | null } {
+export function partOf(headers: Headers): PartFacts {
   const [, start, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('content-range') ?? '') ?? [];
   const totalBytes = total === undefined || total === '*' ? undefined : Number(total);
-  return { ...factsOf(headers), totalBytes, startsAt: start === undefined ? null : Number(start) };
+  const startsAt = start === undefined ? null : Number(start);
+  const version = headers.get('etag') ?? headers.get('last-modified');
+  return { ...factsOf(headers), totalBytes, startsAt, version };
 }
 
 function validatorOf(headers: Headers): string | null {
