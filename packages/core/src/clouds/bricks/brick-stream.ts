@@ -1,15 +1,18 @@
-import type { Brick, BrickScene } from '../../data/bricks/brick.ts';
+import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
+import { MOST_REQUEST_BYTES } from '../../io/sources/range-source.ts';
 import type { CloudSight, CloudStream, StreamReport } from '../cloud-stream.ts';
 import { BrickDemand, isWorthMore, type LackingBrick } from './brick-demand.ts';
 import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 
-/** Bricks that are fetched at once. */
+/** Runs of bricks that are fetched at once. */
 const FETCHED_AT_ONCE = 4;
 /** Bricks that may wait in memory, a few hundred kilobytes each, while what is there must not change. */
 const MOST_ARRIVED = 32;
 
 interface Fetch {
   readonly above: PlacedCell;
+  /** Bricks that lie next to each other and are fetched together. */
+  readonly run: readonly LackingBrick[];
   readonly ending: AbortController;
   /** Null until it has arrived. */
   brick: Brick | null;
@@ -121,12 +124,23 @@ export class BrickStream implements CloudStream {
     for (const [number, { ending }] of this.#fetches) if (!wanted.has(number)) ending.abort();
     const possible = this.#fitting(demand);
     this.#refused = this.#missing.length - possible.length;
-    const waiting = possible.filter(({ number }) => !this.#fetches.has(number));
-    const fetching = [...this.#fetches.values()].filter(({ brick }) => !brick).length;
-    const places = Math.min(FETCHED_AT_ONCE - fetching, MOST_ARRIVED - this.#fetches.size);
-    if (!this.#error) for (const { above } of waiting.slice(0, Math.max(0, places))) void this.#fetch(above);
+    if (!this.#error) this.#fetchRuns(possible.filter(({ number }) => !this.#fetches.has(number)));
     if (this.#fetches.size === 0) this.#settle();
     else this.#wait ??= pending();
+  }
+
+  /** Fetches the most valuable bricks, each with others that are wanted and lie next to it. */
+  #fetchRuns(waiting: readonly LackingBrick[]): void {
+    const fetching = new Set([...this.#fetches.values()].flatMap(({ run, brick }) => (brick ? [] : [run])));
+    for (const best of waiting) {
+      const places = MOST_ARRIVED - this.#fetches.size;
+      if (fetching.size >= FETCHED_AT_ONCE || places <= 0) return;
+      if (this.#fetches.has(best.number)) continue;
+      const others = waiting.filter(({ number }) => !this.#fetches.has(number));
+      const run = runAround(best, others, places);
+      fetching.add(run);
+      for (const { above } of run) void this.#fetch(above, run);
+    }
   }
 
   #settle(): void {
@@ -148,10 +162,10 @@ export class BrickStream implements CloudStream {
     });
   }
 
-  async #fetch(above: PlacedCell): Promise<void> {
+  async #fetch(above: PlacedCell, run: readonly LackingBrick[]): Promise<void> {
     const address = above.child!;
     const ending = new AbortController();
-    const fetch: Fetch = { above, ending, brick: null };
+    const fetch: Fetch = { above, run, ending, brick: null };
     this.#fetches.set(address.number, fetch);
     try {
       fetch.brick = await this.#scene.read(address, ending.signal);
@@ -205,6 +219,34 @@ export class BrickStream implements CloudStream {
         .catch(() => {});
     this.#drawing.delete(view);
   }
+}
+
+/** A brick with those of `others` before and behind it that one request fetches, in their order. */
+function runAround(
+  best: LackingBrick,
+  others: readonly LackingBrick[],
+  mostBricks: number,
+): readonly LackingBrick[] {
+  const starting = new Map(others.map((each) => [addressOf(each).offset, each]));
+  const ending = new Map(others.map((each) => [endOf(each), each]));
+  const run = [best];
+  let bytes = addressOf(best).bytes;
+  for (;;) {
+    const next = starting.get(endOf(run.at(-1)!)) ?? ending.get(addressOf(run[0]).offset);
+    bytes += next ? addressOf(next).bytes : 0;
+    if (!next || run.length === mostBricks || bytes > MOST_REQUEST_BYTES) return run;
+    if (addressOf(next).offset > addressOf(best).offset) run.push(next);
+    else run.unshift(next);
+  }
+}
+
+function addressOf({ above }: LackingBrick): BrickAddress {
+  return above.child!;
+}
+
+function endOf(brick: LackingBrick): number {
+  const { offset, bytes } = addressOf(brick);
+  return offset + bytes;
 }
 
 function isPlaced(cell: PlacedCell): boolean {
