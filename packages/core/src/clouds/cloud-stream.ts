@@ -28,14 +28,17 @@ export interface StreamReport {
   /** Parts that are being fetched, and bytes of those that were. */
   readonly fetching: number;
   readonly fetchedBytes: number;
-  /** Why the last fetch failed; null where none has. Call `retry` then. */
+  /**
+   * Why the last fetch failed; null where none has. What is there stays, and nothing more is fetched
+   * until `retry`, or, after a SplatSourceError, until the browser is online again.
+   */
   readonly error: Error | null;
 }
 
 /** Brings what views need of a scene to the GPU. */
 export interface CloudStream {
   report(): StreamReport;
-  /** Fetches again what could not be. */
+  /** Fetches again what could not be. Of a file that has changed on its server, that fails again. */
   retry(): void;
   /** @internal Settles when nothing is missing that there is room for; null if nothing is. */
   readonly complete: Promise<void> | null;

@@ -1,4 +1,5 @@
 import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
+import { SplatSourceError } from '../../data/errors.ts';
 import { MOST_REQUEST_BYTES } from '../../io/sources/range-source.ts';
 import type { CloudSight, CloudStream, StreamReport } from '../cloud-stream.ts';
 import { BrickDemand, isWorthMore, type LackingBrick } from './brick-demand.ts';
@@ -46,6 +47,9 @@ export class BrickStream implements CloudStream {
   #fetchedBytes: number;
   #error: Error | null = null;
   #isEnded = false;
+  readonly #onOnline = () => {
+    if (this.#error instanceof SplatSourceError) this.retry();
+  };
   /** Settles when nothing is missing that could be there; null if it is so. */
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
 
@@ -55,6 +59,8 @@ export class BrickStream implements CloudStream {
     this.#pool = pool;
     this.#root = root;
     this.#fetchedBytes = scene.root.bytes;
+    // Pages and workers are told; elsewhere there is no such event.
+    globalThis.addEventListener?.('online', this.#onOnline);
   }
 
   get complete(): Promise<void> | null {
@@ -104,6 +110,7 @@ export class BrickStream implements CloudStream {
 
   end(): void {
     this.#isEnded = true;
+    globalThis.removeEventListener?.('online', this.#onOnline);
     for (const { ending } of this.#fetches.values()) ending.abort();
     this.#scene.end();
     this.#viewers.clear();
