@@ -752,5 +752,9 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
 
 /** Whether a source is read in parts, as views need them. */
 function isStreamable(source: SplatSource, name: string | undefined): boolean {
-  return !isStream(source) && !isFiles(source) && /\.bricks$/i.test(fileNameOf(source, name));
+  if (isStream(source)) return false;
+  const paths = isFiles(source)
+    ? (source.paths ?? source.files.map((file) => fileNameOf(file, name)))
+    : [fileNameOf(source, name)];
+  return paths.some((path) => (isFiles(source) ? /\.bricks\.000$/i : /\.bricks(?:\.000)?$/i).test(path));
 }

@@ -1,7 +1,9 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { filesOf } from './open-files.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
-import { bytesOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
+import { FIRST_PIECE, openUrlPieces } from './scene-pieces.ts';
+import { bytesOf, fileNameOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
 import type { ReadOptions, SplatSource } from './splat-source.ts';
 
 /**
@@ -9,8 +11,8 @@ import type { ReadOptions, SplatSource } from './splat-source.ts';
  *
  * @param firstBytes that are read at once, from the beginning.
  *
- * Rejects as `RangeSource.read`, and with InvalidArgumentError for streams, scenes of several
- * files, and what is no source.
+ * Rejects as `RangeSource.read`, and with InvalidArgumentError for streams, and what is no source;
+ * for files as `openFiles`.
  */
 export async function openRanges(
   source: SplatSource,
@@ -18,12 +20,16 @@ export async function openRanges(
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
 ): Promise<RangeSource> {
   options.signal?.throwIfAborted();
-  if (typeof source === 'string' || source instanceof URL)
-    return openUrlRanges(String(source), firstBytes, options);
+  if (typeof source === 'string' || source instanceof URL) {
+    const url = String(source);
+    if (FIRST_PIECE.test(fileNameOf(url, undefined))) return openUrlPieces(url, options);
+    return openUrlRanges(url, firstBytes, options);
+  }
   const { name = sourceName(source) } = options;
-  if (isStream(source) || isFiles(source)) {
-    const found = isStream(source) ? 'a stream' : 'a list of files';
-    const message = `source is ${found}, of which no part can be read by itself. Pass an address, a Blob or a buffer.`;
+  if (isFiles(source)) return blobRanges(filesOf(source).leading, name);
+  if (isStream(source)) {
+    const advice = 'Pass an address, a Blob or a buffer';
+    const message = `source is a stream, of which no part can be read by itself. ${advice}.`;
     throw new InvalidArgumentError('source', message);
   }
   if (isBlob(source)) return blobRanges(source, name);

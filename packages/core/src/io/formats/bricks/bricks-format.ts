@@ -9,5 +9,7 @@ export const bricksFormat: SplatFormat = {
   name: 'bricks',
   title: '.bricks',
   extensions: ['.bricks'],
+  // Of a file that was cut into pieces: see `scene-pieces.ts`.
+  leadingFile: /\.bricks\.000$/,
   recognise: (firstBytes) => latin1(firstBytes).startsWith(BRICKS_MAGIC),
 };

@@ -1,0 +1,165 @@
+import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
+import { ByteReader } from './byte-reader.ts';
+import { addressOf, openUrl } from './open-url.ts';
+import type { RangeSource } from './range-source.ts';
+import { readAll } from './read-all.ts';
+import { shortName } from './source-kind.ts';
+import type { ReadOptions, RequestOptions } from './splat-source.ts';
+
+/** Bytes of pieces that are kept: what is read next often lies in one of them. */
+const KEPT_BYTES = 64 << 20;
+const MOST_PIECE_BYTES = KEPT_BYTES;
+
+/** Name of the first of the files that a `.bricks` file was cut into. */
+export const FIRST_PIECE = /\.bricks\.000$/i;
+
+/**
+ * The files of a scene that was cut into pieces as one, by the path of the first.
+ *
+ * @throws SplatFileError 'missing-part' if one between the first and the last is not there.
+ */
+export function joinPieces(firstPath: string, files: ReadonlyMap<string, Blob>): Blob {
+  const pieces: Blob[] = [];
+  for (let piece = files.get(firstPath); piece; piece = files.get(pathOf(firstPath, pieces.length)))
+    pieces.push(piece);
+  const stem = pathOf(firstPath, '');
+  const all = [...files.keys()].filter(
+    (path) => path.startsWith(stem) && /^\d+$/.test(path.slice(stem.length)),
+  );
+  if (all.length === pieces.length) return new Blob(pieces);
+  const missing = pathOf(firstPath, pieces.length);
+  const message = `${missing} is not among the files that were opened. Open all pieces together.`;
+  throw new SplatFileError('missing-part', firstPath, message);
+}
+
+/**
+ * Opens a scene that was cut into pieces by the address of the first. Pieces are fetched as a whole,
+ * for servers that answer no range requests; each has as many bytes as the first, or fewer if it is
+ * the last. Rejects as `openUrl`, and with SplatSourceError for pieces of other sizes.
+ */
+export async function openUrlPieces(
+  url: string,
+  { name = shortName(url), signal, request }: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
+): Promise<RangeSource> {
+  const pieces = new RemotePieces(addressOf(url, name), request);
+  const first = await pieces.read(0, signal);
+  const pieceBytes = Math.max(1, first.length);
+  return {
+    name,
+    totalBytes: undefined,
+    read: async (offset, byteCount, partSignal) => {
+      partSignal?.throwIfAborted();
+      const bytes = new Uint8Array(byteCount);
+      const firstIndex = Math.floor(offset / pieceBytes);
+      const indices = Array.from(
+        { length: Math.ceil((offset + byteCount) / pieceBytes) - firstIndex },
+        (_, i) => firstIndex + i,
+      );
+      const parts = await Promise.all(indices.map((index) => pieces.read(index, partSignal)));
+      let length = 0;
+      for (const [i, piece] of parts.entries()) {
+        if (piece.length > pieceBytes) throw pieces.wrongSize(indices[i], piece.length, pieceBytes);
+        const start = Math.max(0, offset - indices[i] * pieceBytes);
+        const part = piece.subarray(start, start + byteCount - length);
+        bytes.set(part, length);
+        length += part.length;
+        if (piece.length < pieceBytes) break;
+      }
+      return bytes.subarray(0, length);
+    },
+  };
+}
+
+interface Piece {
+  readonly arrival: Promise<Uint8Array<ArrayBuffer>>;
+  readonly ending: AbortController;
+  /** Reads that wait for it, and its bytes once they are there. */
+  waiting: number;
+  bytes: number;
+}
+
+class RemotePieces {
+  readonly #first: URL;
+  readonly #request: RequestOptions | undefined;
+  /** By number, the one that was used last behind the others. */
+  readonly #pieces = new Map<number, Piece>();
+
+  constructor(first: URL, request: RequestOptions | undefined) {
+    this.#first = first;
+    this.#request = request;
+  }
+
+  /** Reads a piece; its request ends when no read waits for it. */
+  async read(index: number, signal: AbortSignal | undefined): Promise<Uint8Array<ArrayBuffer>> {
+    const piece = this.#pieces.get(index) ?? this.#fetch(index);
+    this.#pieces.delete(index);
+    this.#pieces.set(index, piece);
+    piece.waiting++;
+    let onAbort = () => {};
+    const aborted = new Promise<never>((_, reject) => {
+      onAbort = () => reject(signal!.reason);
+    });
+    signal?.addEventListener('abort', onAbort, { once: true });
+    try {
+      return await Promise.race([piece.arrival, aborted]);
+    } finally {
+      signal?.removeEventListener('abort', onAbort);
+      if (--piece.waiting === 0 && piece.bytes === 0) this.#end(index, piece);
+      this.#dropOthers();
+    }
+  }
+
+  wrongSize(index: number, found: number, pieceBytes: number): SplatSourceError {
+    const message = `piece ${index} has ${found} bytes, more than the ${pieceBytes} of the first. Cut the scene again.`;
+    return new SplatSourceError(shortName(this.#first.href), message);
+  }
+
+  #fetch(index: number): Piece {
+    const ending = new AbortController();
+    const piece: Piece = { arrival: this.#load(index, ending.signal), ending, waiting: 0, bytes: 0 };
+    piece.arrival.then(
+      ({ length }) => {
+        piece.bytes = length;
+      },
+      // Whoever waits for it is told.
+      () => {},
+    );
+    return piece;
+  }
+
+  #end(index: number, piece: Piece): void {
+    piece.ending.abort();
+    if (this.#pieces.get(index) === piece) this.#pieces.delete(index);
+  }
+
+  #dropOthers(): void {
+    let bytes = [...this.#pieces.values()].reduce((sum, piece) => sum + piece.bytes, 0);
+    for (const [index, piece] of this.#pieces) {
+      if (bytes <= KEPT_BYTES) return;
+      if (piece.waiting > 0) continue;
+      this.#pieces.delete(index);
+      bytes -= piece.bytes;
+    }
+  }
+
+  async #load(index: number, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+    const url = new URL(this.#first);
+    url.pathname = pathOf(url.pathname, index);
+    const reader = new ByteReader(
+      await openUrl(url.href, { signal, ...(this.#request && { request: this.#request }) }),
+      signal,
+    );
+    try {
+      const bytes = await readAll(reader, MOST_PIECE_BYTES + 1);
+      if (bytes.length <= MOST_PIECE_BYTES) return bytes;
+      throw this.wrongSize(index, bytes.length, MOST_PIECE_BYTES);
+    } finally {
+      reader.close();
+    }
+  }
+}
+
+/** Path of a piece, by that of the first. */
+function pathOf(firstPath: string, index: number | ''): string {
+  return firstPath.replace(/000$/, index === '' ? '' : String(index).padStart(3, '0'));
+}
