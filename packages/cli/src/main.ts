@@ -9,6 +9,7 @@ import { describeSystemError, UsageError } from './input-error.ts';
 import { version } from './machine.ts';
 import { render } from './render.ts';
 import { soak } from './soak.ts';
+import { split } from './split.ts';
 import { USAGE } from './usage.ts';
 
 /** A command: does its work or throws. */
@@ -18,6 +19,7 @@ const COMMANDS: Readonly<Record<string, Command>> = {
   render,
   info,
   convert,
+  split,
   accuracy,
   bench,
   hardcases,

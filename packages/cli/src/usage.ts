@@ -46,6 +46,10 @@ websplatter convert IN … OUT [options]
   --json                 prints splats, bytes and notes as JSON
   One scene of more than 256 MiB that becomes PLY or SPZ is read several times instead of held in memory.
 
+websplatter split IN.bricks FOLDER
+  cuts a file into pieces of 4 MiB, FOLDER/IN.bricks.000, .001 and so on, for servers that answer no range requests;
+  the first one's address, or path, is that of the scene
+
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   measures each accuracy setting for this scene and view, and fewer splats: milliseconds, and error against the reference
   --json                 prints everything that was measured, instead of the table

@@ -38,6 +38,7 @@ import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import { sortDeviceOf } from './gpu/stages/sort-shape.ts';
+import { FIRST_PIECE } from './io/formats/bricks/bricks-format.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
 import { fileNameOf, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
@@ -753,8 +754,10 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
 /** Whether a source is read in parts, as views need them. */
 function isStreamable(source: SplatSource, name: string | undefined): boolean {
   if (isStream(source)) return false;
-  const paths = isFiles(source)
-    ? (source.paths ?? source.files.map((file) => fileNameOf(file, name)))
-    : [fileNameOf(source, name)];
-  return paths.some((path) => (isFiles(source) ? /\.bricks\.000$/i : /\.bricks(?:\.000)?$/i).test(path));
+  if (isFiles(source)) {
+    const paths = source.paths ?? source.files.map((file) => fileNameOf(file, name));
+    return paths.some((path) => FIRST_PIECE.test(path));
+  }
+  const fileName = fileNameOf(source, name);
+  return /\.bricks$/i.test(fileName) || FIRST_PIECE.test(fileName);
 }

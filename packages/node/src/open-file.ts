@@ -1,10 +1,10 @@
 import { constants, createReadStream } from 'node:fs';
 import { access, open, readdir, stat } from 'node:fs/promises';
 import { basename, dirname, join, relative } from 'node:path';
-import type { Readable } from 'node:stream';
+import { Readable } from 'node:stream';
 import { ReadableStream as WebStream } from 'node:stream/web';
 import type { SplatSource } from '@websplatter/core';
-import { isLeadingFile } from '@websplatter/core/formats';
+import { FIRST_PIECE, isLeadingFile } from '@websplatter/core/formats';
 
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
@@ -32,6 +32,7 @@ export async function openFile(path: string, onFile?: OnFile): Promise<SplatSour
   await access(path, constants.R_OK);
   onFile?.(path);
   if (!found.isFile()) return streamOf(path);
+  if (FIRST_PIECE.test(path)) return openPieces(path, onFile);
   return isLeadingFile(basename(path)) ? openFolder(path, onFile) : fileOf(path, found.size, onFile);
 }
 
@@ -55,6 +56,37 @@ async function openFolder(leading: string, onFile: OnFile): Promise<SplatSource>
   }
   const files = await Promise.all(paths.map(async (path) => fileOf(path, (await stat(path)).size, onFile)));
   return { files, paths: paths.map((path) => relative(folder, path).replaceAll('\\', '/')) };
+}
+
+/** The pieces that a file was cut into, as that file. */
+async function openPieces(first: string, onFile: OnFile): Promise<Blob> {
+  const stem = first.slice(0, -'000'.length);
+  const pieces: { readonly path: string; readonly start: number; readonly end: number }[] = [];
+  let size = 0;
+  for (;;) {
+    const path = `${stem}${String(pieces.length).padStart(3, '0')}`;
+    const found = await stat(path).catch(() => null);
+    if (!found) break;
+    pieces.push({ path, start: size, end: size + found.size });
+    size += found.size;
+  }
+  async function* contents() {
+    for (const { path } of pieces) {
+      onFile?.(path);
+      yield* createReadStream(path, { highWaterMark: READ_BYTES });
+    }
+  }
+  const slice = (start: number, end: number) => {
+    const within = pieces.filter((piece) => piece.start < end && piece.end > start);
+    const parts = within.map((piece) =>
+      partOf(piece.path, Math.max(0, start - piece.start), Math.min(end, piece.end) - piece.start),
+    );
+    const arrayBuffer = async () =>
+      new Blob(await Promise.all(parts.map((part) => part.arrayBuffer()))).arrayBuffer();
+    return { arrayBuffer };
+  };
+  const stream = () => webStreamOf(Readable.from(contents(), { objectMode: false }));
+  return { name: basename(stem.slice(0, -1)), size, stream, slice } as unknown as Blob;
 }
 
 /** The part of a File that readers need. */

@@ -31,6 +31,8 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   gzipFormat,
 ];
 
+export { FIRST_PIECE } from './bricks/bricks-format.ts';
+
 /** Names of the formats for people, each once. */
 export const FORMAT_TITLES: readonly string[] = [...new Set(SPLAT_FORMATS.map(({ title }) => title))];
 

@@ -1,7 +1,8 @@
 import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
+import { FIRST_PIECE } from '../formats/bricks/bricks-format.ts';
 import { isLeadingFile } from '../formats/formats.ts';
 import { openBlob } from './open-blob.ts';
-import { FIRST_PIECE, joinPieces } from './scene-pieces.ts';
+import { joinPieces } from './scene-pieces.ts';
 import { isBlob } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
 

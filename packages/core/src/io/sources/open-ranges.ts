@@ -1,8 +1,9 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { FIRST_PIECE } from '../formats/bricks/bricks-format.ts';
 import { filesOf } from './open-files.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
-import { FIRST_PIECE, openUrlPieces } from './scene-pieces.ts';
+import { openUrlPieces } from './scene-pieces.ts';
 import { bytesOf, fileNameOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
 import type { ReadOptions, SplatSource } from './splat-source.ts';
 

@@ -10,9 +10,6 @@ import type { ReadOptions, RequestOptions } from './splat-source.ts';
 const KEPT_BYTES = 64 << 20;
 const MOST_PIECE_BYTES = KEPT_BYTES;
 
-/** Name of the first of the files that a `.bricks` file was cut into. */
-export const FIRST_PIECE = /\.bricks\.000$/i;
-
 /**
  * The files of a scene that was cut into pieces as one, by the path of the first.
  *
