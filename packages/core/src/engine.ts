@@ -20,6 +20,7 @@ import {
 } from './data/accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyTarget, internTarget } from './data/accuracy/accuracy-target.ts';
 import type { BrickScene } from './data/bricks/brick.ts';
+import { FIRST_PIECE } from './data/bricks/brick-files.ts';
 import { CodeUnavailableError, DestroyedError, GpuLimitError } from './data/errors.ts';
 import { CLOUD, given } from './data/given.ts';
 import type { Harmonics } from './data/packing/harmonics.ts';
@@ -38,7 +39,6 @@ import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import { sortDeviceOf } from './gpu/stages/sort-shape.ts';
-import { FIRST_PIECE } from './io/formats/bricks/bricks-format.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
 import { fileNameOf, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
@@ -754,10 +754,8 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
 /** Whether a source is read in parts, as views need them. */
 function isStreamable(source: SplatSource, name: string | undefined): boolean {
   if (isStream(source)) return false;
-  if (isFiles(source)) {
-    const paths = source.paths ?? source.files.map((file) => fileNameOf(file, name));
-    return paths.some((path) => FIRST_PIECE.test(path));
-  }
-  const fileName = fileNameOf(source, name);
-  return /\.bricks$/i.test(fileName) || FIRST_PIECE.test(fileName);
+  const nameOf = (file: SplatSource) => fileNameOf(file, name);
+  if (isFiles(source))
+    return (source.paths ?? source.files.map(nameOf)).some((path) => FIRST_PIECE.test(path));
+  return /\.bricks(?:\.000)?$/i.test(nameOf(source));
 }

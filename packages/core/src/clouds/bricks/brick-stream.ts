@@ -1,6 +1,6 @@
 import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
+import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
-import { MOST_REQUEST_BYTES } from '../../io/sources/range-source.ts';
 import type { CloudSight, CloudStream, StreamReport } from '../cloud-stream.ts';
 import { BrickDemand, isWorthMore, type LackingBrick } from './brick-demand.ts';
 import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';

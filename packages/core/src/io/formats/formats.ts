@@ -31,7 +31,7 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   gzipFormat,
 ];
 
-export { FIRST_PIECE } from './bricks/bricks-format.ts';
+export { FIRST_PIECE } from '../../data/bricks/brick-files.ts';
 
 /** Names of the formats for people, each once. */
 export const FORMAT_TITLES: readonly string[] = [...new Set(SPLAT_FORMATS.map(({ title }) => title))];

@@ -1,8 +1,6 @@
 import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
-import { FIRST_PIECE } from '../formats/bricks/bricks-format.ts';
 import { isLeadingFile } from '../formats/formats.ts';
 import { openBlob } from './open-blob.ts';
-import { joinPieces } from './scene-pieces.ts';
 import { isBlob } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
 
@@ -15,30 +13,21 @@ const MOST_LISTED = 5;
  * @throws InvalidArgumentError as `leadingPath`.
  */
 export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
-  const { leadingPath: path, leading, byPath } = filesOf(source);
-  const shownName = name ?? path;
-  const folder = path.replace(/[^/]*$/, '');
-  const openPart = async (path: string) => {
-    const file = byPath.get(normalized(folder + path));
-    if (file) return openBlob(file, path);
-    const message = `it needs ${folder + path}, which is not among the files that were opened. Open them all together.`;
-    throw new SplatFileError('missing-part', shownName, message);
-  };
-  return { ...openBlob(leading, shownName), openPart };
-}
-
-/**
- * The file that leads to the others, as one where it was cut into pieces, and all by their paths.
- *
- * @throws InvalidArgumentError as `leadingPath`; SplatFileError as `joinPieces`.
- */
-export function filesOf(source: SceneFiles) {
   const leading = leadingPath(source);
+  const shownName = name ?? leading;
+  const folder = leading.replace(/[^/]*$/, '');
   const { files, paths } = withPaths(source);
   const byPath = new Map(files.map((file, i) => [normalized(paths[i]), file]));
-  const path = normalized(leading);
-  const file = FIRST_PIECE.test(path) ? joinPieces(path, byPath) : byPath.get(path)!;
-  return { leadingPath: leading, leading: file, byPath };
+  const fileAt = (path: string): Blob => {
+    const file = byPath.get(normalized(path));
+    if (file) return file;
+    const message = `it needs ${path}, which is not among the files that were opened. Open them all together.`;
+    throw new SplatFileError('missing-part', shownName, message);
+  };
+  return {
+    ...openBlob(fileAt(leading), shownName),
+    openPart: async (path) => openBlob(fileAt(folder + path), path),
+  };
 }
 
 /**

@@ -1,11 +1,11 @@
-import { InvalidArgumentError } from '../../data/errors.ts';
-import { FIRST_PIECE } from '../formats/bricks/bricks-format.ts';
-import { filesOf } from './open-files.ts';
+import { FIRST_PIECE, piecePath } from '../../data/bricks/brick-files.ts';
+import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
+import { leadingPath, withPaths } from './open-files.ts';
+import { openUrlPieces } from './open-url-pieces.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
-import { openUrlPieces } from './scene-pieces.ts';
 import { bytesOf, fileNameOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
-import type { ReadOptions, SplatSource } from './splat-source.ts';
+import type { ReadOptions, SceneFiles, SplatSource } from './splat-source.ts';
 
 /**
  * Opens a source for its parts. Memory is not copied.
@@ -13,7 +13,7 @@ import type { ReadOptions, SplatSource } from './splat-source.ts';
  * @param firstBytes that are read at once, from the beginning.
  *
  * Rejects as `RangeSource.read`, and with InvalidArgumentError for streams, and what is no source;
- * for files as `openFiles`.
+ * of pieces with SplatFileError 'missing-part' where one between the first and the last is not there.
  */
 export async function openRanges(
   source: SplatSource,
@@ -27,7 +27,7 @@ export async function openRanges(
     return openUrlRanges(url, firstBytes, options);
   }
   const { name = sourceName(source) } = options;
-  if (isFiles(source)) return blobRanges(filesOf(source).leading, name);
+  if (isFiles(source)) return blobRanges(leadingFile(source), name);
   if (isStream(source)) {
     const advice = 'Pass an address, a Blob or a buffer';
     const message = `source is a stream, of which no part can be read by itself. ${advice}.`;
@@ -43,4 +43,21 @@ export async function openRanges(
       return bytes.subarray(offset, offset + byteCount);
     },
   };
+}
+
+/** The file that leads to the others; all as one, where that is the first of its pieces. */
+function leadingFile(source: SceneFiles): Blob {
+  const first = leadingPath(source);
+  const { files, paths } = withPaths(source);
+  const byPath = new Map(files.map((file, i) => [paths[i], file]));
+  if (!FIRST_PIECE.test(first)) return byPath.get(first)!;
+  const stem = piecePath(first, '');
+  const count = paths.filter((path) => path.startsWith(stem) && /^\d+$/.test(path.slice(stem.length))).length;
+  const pieces = Array.from({ length: count }, (_, index) => {
+    const piece = byPath.get(piecePath(first, index));
+    if (piece) return piece;
+    const message = `${piecePath(first, index)} is not among the files that were opened. Open all pieces together.`;
+    throw new SplatFileError('missing-part', first, message);
+  });
+  return new Blob(pieces);
 }

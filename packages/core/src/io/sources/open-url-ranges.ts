@@ -1,8 +1,9 @@
+import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
 import { addressOf, bodyOf, cancelBody, isPacked, type PartFacts, partOf, Transfer } from './open-url.ts';
-import { blobRanges, MOST_REQUEST_BYTES, type RangeSource } from './range-source.ts';
+import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
 import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
@@ -35,7 +36,7 @@ export async function openUrlRanges(
   const answer = await askFor(transfer, 0, firstBytes);
   if (answer && answer.status !== PARTIAL_CONTENT)
     return blobRanges(new Blob([await readSmall(transfer, answer, name, signal)]), name);
-  const file = new RemoteFile(address, name, checked, answer && partOf(answer.headers));
+  const file = new RemoteFile(address, name, checked, answer && factsOf(answer.headers));
   const first = await file.receive(transfer, 0, firstBytes, signal, answer);
   return {
     name,
@@ -57,16 +58,21 @@ interface AskedPart {
   readonly reject: (reason: unknown) => void;
 }
 
+interface FileFacts extends PartFacts {
+  /** Differs only if the file has changed, even where the same proves nothing; null without. */
+  readonly version: string | null;
+}
+
 class RemoteFile {
   readonly #address: URL;
   readonly #name: string;
   readonly #request: Required<RequestOptions>;
-  readonly #facts: PartFacts | null;
+  readonly #facts: FileFacts | null;
   /** Parts that were asked for in this turn. */
   #asked: AskedPart[] = [];
 
   /** @param facts from the first answer; null if there is nothing in the file. */
-  constructor(address: URL, name: string, request: Required<RequestOptions>, facts: PartFacts | null) {
+  constructor(address: URL, name: string, request: Required<RequestOptions>, facts: FileFacts | null) {
     this.#address = address;
     this.#name = name;
     this.#request = request;
@@ -188,7 +194,7 @@ class RemoteFile {
       if (this.totalBytes !== undefined) throw new SplatSourceError(this.#name, changed);
       return;
     }
-    const { startsAt, version, totalBytes } = partOf(response.headers);
+    const { startsAt, version, totalBytes } = factsOf(response.headers);
     const isWhole = response.status !== PARTIAL_CONTENT;
     const isOther =
       version !== this.#facts?.version ||
@@ -200,6 +206,10 @@ class RemoteFile {
     if (isOther) throw new SplatSourceError(this.#name, changed);
     throw noParts(this.#name, 'the server sent another part than it was asked for, or packed it');
   }
+}
+
+function factsOf(headers: Headers): FileFacts {
+  return { ...partOf(headers), version: headers.get('etag') ?? headers.get('last-modified') };
 }
 
 function endOf({ offset, byteCount }: AskedPart): number {

@@ -224,8 +224,6 @@ interface AnswerFacts {
 export interface PartFacts extends AnswerFacts {
   /** Where it begins; null if the answer does not say. */
   readonly startsAt: number | null;
-  /** Differs only if the file has changed, even where the same proves nothing; null without. */
-  readonly version: string | null;
 }
 
 interface FileFacts extends AnswerFacts {
@@ -241,9 +239,7 @@ function factsOf(headers: Headers): AnswerFacts {
 export function partOf(headers: Headers): PartFacts {
   const [, start, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('content-range') ?? '') ?? [];
   const totalBytes = total === undefined || total === '*' ? undefined : Number(total);
-  const startsAt = start === undefined ? null : Number(start);
-  const version = headers.get('etag') ?? headers.get('last-modified');
-  return { ...factsOf(headers), totalBytes, startsAt, version };
+  return { ...factsOf(headers), totalBytes, startsAt: start === undefined ? null : Number(start) };
 }
 
 function validatorOf(headers: Headers): string | null {

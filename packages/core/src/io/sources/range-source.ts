@@ -1,9 +1,6 @@
 import { SplatSourceError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
 
-/** Parts that lie next to each other are one request of up to this size, where that takes requests. */
-export const MOST_REQUEST_BYTES = 1 << 19;
-
 /** A source of which any part can be read, again and again. */
 export interface RangeSource {
   /** For messages. */

@@ -1,4 +1,5 @@
-import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
+import { piecePath } from '../../data/bricks/brick-files.ts';
+import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
 import { addressOf, openUrl } from './open-url.ts';
 import type { RangeSource } from './range-source.ts';
@@ -9,25 +10,6 @@ import type { ReadOptions, RequestOptions } from './splat-source.ts';
 /** Bytes of pieces that are kept: what is read next often lies in one of them. */
 const KEPT_BYTES = 64 << 20;
 const MOST_PIECE_BYTES = KEPT_BYTES;
-
-/**
- * The files of a scene that was cut into pieces as one, by the path of the first.
- *
- * @throws SplatFileError 'missing-part' if one between the first and the last is not there.
- */
-export function joinPieces(firstPath: string, files: ReadonlyMap<string, Blob>): Blob {
-  const pieces: Blob[] = [];
-  for (let piece = files.get(firstPath); piece; piece = files.get(pathOf(firstPath, pieces.length)))
-    pieces.push(piece);
-  const stem = pathOf(firstPath, '');
-  const all = [...files.keys()].filter(
-    (path) => path.startsWith(stem) && /^\d+$/.test(path.slice(stem.length)),
-  );
-  if (all.length === pieces.length) return new Blob(pieces);
-  const missing = pathOf(firstPath, pieces.length);
-  const message = `${missing} is not among the files that were opened. Open all pieces together.`;
-  throw new SplatFileError('missing-part', firstPath, message);
-}
 
 /**
  * Opens a scene that was cut into pieces by the address of the first. Pieces are fetched as a whole,
@@ -141,7 +123,7 @@ class RemotePieces {
 
   async #load(index: number, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
     const url = new URL(this.#first);
-    url.pathname = pathOf(url.pathname, index);
+    url.pathname = piecePath(url.pathname, index);
     const reader = new ByteReader(
       await openUrl(url.href, { signal, ...(this.#request && { request: this.#request }) }),
       signal,
@@ -154,9 +136,4 @@ class RemotePieces {
       reader.close();
     }
   }
-}
-
-/** Path of a piece, by that of the first. */
-function pathOf(firstPath: string, index: number | ''): string {
-  return firstPath.replace(/000$/, index === '' ? '' : String(index).padStart(3, '0'));
 }
