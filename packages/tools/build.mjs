@@ -70,7 +70,7 @@ const PACKAGES = [
   },
   {
     name: 'cli',
-    entries: { main: 'src/main.ts' },
+    entries: { main: 'src/main.ts', 'brick-worker': 'src/brick-worker.ts' },
     inputs: ['packages/tools/src/commit.ts'],
     hasDeclarations: false,
   },

@@ -26,6 +26,8 @@ export interface ConvertOptions {
   readonly isTurnedUp: boolean;
   /** In the space of the output. */
   readonly crop: CropBox | undefined;
+  /** Folder of temporary files. */
+  readonly temp: string | undefined;
   readonly json: boolean;
 }
 
@@ -43,6 +45,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
     translate: { type: 'string' },
     rotate: { type: 'string' },
     scale: { type: 'string' },
+    temp: { type: 'string' },
     merge: { type: 'boolean', default: false },
     json: { type: 'boolean', default: false },
   });
@@ -72,6 +75,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
     },
     isTurnedUp: values.up !== undefined,
     crop: parseBox(values.crop),
+    temp: values.temp,
     json: values.json,
   };
 }

@@ -1,3 +1,5 @@
+import { availableParallelism, tmpdir } from 'node:os';
+import { dirname } from 'node:path';
 import {
   type Harmonics,
   type LoadProgress,
@@ -13,6 +15,7 @@ import {
   limitDegree,
   mergeSplats,
   nothingLeft,
+  openBrickWriter,
   PieceFacts,
   type SplatPieces,
   transformSplats,
@@ -20,6 +23,7 @@ import {
   writeSplatPieces,
   writeSplats,
 } from '@websplatter/core/write';
+import { BrickThreads } from './brick-threads.ts';
 import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
 import {
@@ -30,8 +34,10 @@ import {
   reportBeside,
   writeFiles,
 } from './output-files.ts';
+import { outputPlace } from './output-place.ts';
 import { tenthsOf } from './progress-lines.ts';
 import { findScene, readScene, readScenePieces, type SceneSource } from './scene-source.ts';
+import { TemporaryFolder } from './temporary-folder.ts';
 
 /** Output of `websplatter convert --json`. */
 export interface Conversion {
@@ -63,6 +69,8 @@ interface Result {
   readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
   readonly shDegree: ShDegree;
   readonly content: OutputFile['content'];
+  /** To be called once the content is written, or cannot be. */
+  end?(): Promise<void>;
 }
 
 /** Told the fraction, 0 to 1, that is done of reading scene `index`, or of writing without one. */
@@ -70,6 +78,8 @@ type OnFraction = (fraction: number, index?: number) => void;
 
 /** Larger files are not held in memory, but read several times where source and format allow it. */
 const HELD_BYTES = 1 << 28;
+/** Larger scenes, and those whose size is not known, are divided into bricks by threads, on the disk. */
+const HELD_BRICKS_BYTES = 1 << 24;
 
 /** `websplatter convert IN… OUT`. */
 export async function convert(args: readonly string[], console: Console): Promise<void> {
@@ -90,15 +100,18 @@ export async function convert(args: readonly string[], console: Console): Promis
           total: 2 * scenes.length,
           label: `reading ${printable(scenes[index].name)}`,
         });
-  const convertScenes = isReadInPieces(scenes, options) ? inPieces : whole;
-  const { inputs, set, shDegree, content } = await convertScenes(scenes, options, onFraction);
+  const { inputs, set, shDegree, content, end } = await wayOf(scenes, options)(scenes, options, onFraction);
   let bytes = 0;
   const counted: PutContent = (put) =>
     putContent(content, (part) => {
       bytes += part.length;
       return put(part);
     });
-  await writeFiles([{ ...output, content: counted }], filesRead());
+  try {
+    await writeFiles([{ ...output, content: counted }], filesRead());
+  } finally {
+    await end?.();
+  }
   const conversion: Conversion = {
     scenes: options.scenes,
     out,
@@ -134,11 +147,74 @@ async function whole(
   return { inputs, set, shDegree: set.harmonics.degree, content };
 }
 
-/** Whether a scene is too large to be held, and can be read again. */
-function isReadInPieces(scenes: readonly SceneSource[], { format }: ConvertOptions): boolean {
-  const [{ source }] = scenes;
-  const isLarge = source instanceof Object && 'size' in source && Number(source.size) > HELD_BYTES;
-  return scenes.length === 1 && isLarge && canWritePieces(format.name);
+/** How scenes are converted: as a whole, or in pieces where they may be too large to be held. */
+function wayOf(scenes: readonly SceneSource[], { format }: ConvertOptions) {
+  const sizes = scenes.map(({ source }) =>
+    source instanceof Object && 'size' in source ? Number(source.size) : Number.POSITIVE_INFINITY,
+  );
+  const bytes = sizes.reduce((sum, size) => sum + size, 0);
+  if (format.name === 'bricks') return bytes > HELD_BRICKS_BYTES ? inBuckets : whole;
+  // Others read a scene several times.
+  const isLarge = bytes > HELD_BYTES && Number.isFinite(bytes);
+  return scenes.length === 1 && isLarge && canWritePieces(format.name) ? inPieces : whole;
+}
+
+/** Reads all scenes once, and divides them into bricks on the disk. */
+async function inBuckets(
+  scenes: readonly SceneSource[],
+  options: ConvertOptions,
+  onFraction: OnFraction,
+): Promise<Result> {
+  const threads = new BrickThreads(availableParallelism());
+  const folder = new TemporaryFolder(options.temp ?? (await folderOf(options.out)));
+  const { makeFile } = folder;
+  const writer = await openBrickWriter({ makeFile, run: threads.run, threads: availableParallelism() });
+  const end = async () => {
+    await writer.end();
+    await threads.end();
+  };
+  try {
+    const inputs: (Input & { readonly set: PieceFacts })[] = [];
+    let [splats, isRoomChecked] = [0, false];
+    for (const [i, scene] of scenes.entries()) {
+      const facts = new PieceFacts();
+      let bytes = 0;
+      let progress: LoadProgress | undefined;
+      const onPiece = async (piece: SplatSet<Harmonics>) => {
+        const changed = edited(piece, options, cropPiece);
+        facts.add(changed);
+        await writer.add(changed);
+        if (isRoomChecked || !progress?.totalBytes) return;
+        isRoomChecked = true;
+        const expected = (facts.count * progress.totalBytes) / progress.loadedBytes;
+        await folder.checkRoom(writer.temporaryBytes(expected, facts.shDegree));
+      };
+      await readScenePieces(scene, 'palette', onPiece, (now) => {
+        progress = now;
+        bytes = now.loadedBytes;
+        if (now.totalBytes) onFraction(now.loadedBytes / now.totalBytes, i);
+      });
+      splats += progress?.splats ?? 0;
+      inputs.push({ name: scene.name, isBuiltin: scene.isBuiltin, set: facts, bytes });
+    }
+    if (writer.count === 0 && options.crop) throw nothingLeft(splats, options.crop);
+    const sets = inputs.map(({ set }) => set);
+    const shDegree = sets.reduce<ShDegree>((most, set) => (set.shDegree > most ? set.shDegree : most), 0);
+    const isAntialiased = sets.every((set) => set.isAntialiased === sets[0].isAntialiased)
+      ? sets[0].isAntialiased
+      : undefined;
+    const content: PutContent = (put) => writer.finish(put, onFraction);
+    return { inputs, set: { count: writer.count, isAntialiased, fileFacts: undefined }, shDegree, content, end };
+  } catch (error) {
+    await end();
+    throw error;
+  }
+}
+
+/** Where a file lies, and its temporary data, too. */
+async function folderOf(out: string): Promise<string> {
+  const { kind, path } = await outputPlace(out);
+  return kind === 'file' ? dirname(path) : tmpdir();
 }
 
 /** Reads the scene once for the facts that the output begins with, and again for each part. */

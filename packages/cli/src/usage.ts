@@ -43,8 +43,10 @@ websplatter convert IN … OUT [options]
   --translate 0,0,0      then shifts all
   --crop a,b,c,d,e,f     then keeps what lies between a,b,c and d,e,f: minX,minY,minZ,maxX,maxY,maxZ
   --sh 3                 keeps spherical harmonics up to this degree
+  --temp FOLDER          where temporary files of .bricks lie, up to 208 bytes a splat; by default the folder of OUT
   --json                 prints splats, bytes and notes as JSON
-  One scene of more than 256 MiB that becomes PLY or SPZ is read several times instead of held in memory.
+  One scene of more than 256 MiB that becomes PLY or SPZ is read several times instead of held in memory. Scenes of
+  any size, also from standard input and with --merge, become .bricks on the disk, by as many threads as there are cores.
 
 websplatter split IN.bricks FOLDER
   cuts a file into pieces of 4 MiB, FOLDER/IN.bricks.000, .001 and so on, for servers that answer no range requests;

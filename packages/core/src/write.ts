@@ -15,8 +15,17 @@ export {
   uprightRotation,
 } from './data/editing/quaternion.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
+export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
+export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';
+export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';
 export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
 export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-format.ts';
-export { canWritePieces, writeSplatPieces, writeSplats } from './io/formats/writers.ts';
+export {
+  canWritePieces,
+  openBrickWriter,
+  runBrickTask,
+  writeSplatPieces,
+  writeSplats,
+} from './io/formats/writers.ts';
 export { readSplatPieces } from './io/loading/read-splat-pieces.ts';

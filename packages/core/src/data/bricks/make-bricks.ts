@@ -15,25 +15,21 @@ import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { BLOB_PRECISION } from '../packing/precision.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
-import type { Turns } from '../turns.ts';
 import type { Brick, BrickAddress, BrickCell, BrickScene } from './brick.ts';
 import { BrickShape } from './brick-shape.ts';
-import { CellMerger, emptyLeaf } from './cell-merger.ts';
+import { CellMerger } from './cell-merger.ts';
 import {
   BLOB_WORDS,
   blobReader,
-  type LeafReader,
-  packBlob,
   SPLAT_WORDS,
   splatReader,
 } from './leaf-reader.ts';
+import { type Leaves, mergeCell } from './merge-cell.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 const { minPosition, maxPosition } = CHUNK_WORDS;
 /** Words of the bounds of a cell: least x, y, z, then largest. */
 const BOUNDS_WORDS = 6;
-/** Cells between two turns of the event loop: each takes some tenths of a millisecond. */
-const STEP_CELLS = 16;
 
 /** All cells of one level. */
 interface CellLevel {
@@ -156,30 +152,39 @@ export class MadeBricks {
  * @throws InvalidArgumentError 'set' if there are no splats, or some that are not finite.
  */
 export function makeBricks(set: SplatSet<Harmonics>): MadeBricks {
-  const steps = brickSteps(set);
-  for (;;) {
-    const { done, value } = steps.next();
-    if (done) return value;
+  const precision = { geometryPrecision: 'packed', shPrecision: BLOB_PRECISION.shPrecision } as const;
+  const cloud = packSet(set, precision);
+  if (cloud.count === 0) throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
+  if (cloud.count < set.count) {
+    const message = `${set.count - cloud.count} of ${set.count} splats have values that are not finite. Leave them out.`;
+    throw new InvalidArgumentError('set', message);
   }
-}
-
-/**
- * As `makeBricks`, with turns for the event loop. Rejects with the reason of the turns' signal.
- *
- * @param onProgress told how much of the work is done, from 0 to 1.
- */
-export async function makeBricksInTurns(
-  set: SplatSet<Harmonics>,
-  turns: Turns,
-  onProgress?: (fraction: number) => void,
-): Promise<MadeBricks> {
-  const steps = brickSteps(set);
-  for (;;) {
-    const { done, value } = steps.next();
-    if (done) return value;
-    onProgress?.(value);
-    await turns.give();
+  const shape = new BrickShape(cloud.count);
+  const counts = shape.cellCounts;
+  const levels: CellLevel[] = [levelOfChunks(cloud, counts[0])];
+  const merger = new CellMerger();
+  for (let level = 0; level + 1 < counts.length; level++) {
+    const own = levels[level];
+    const above = emptyLevel(cloud, counts[level + 1], own);
+    const leaves = level === 0 ? splatsOf(cloud) : blobsOf(cloud, own);
+    const below = levels[level - 1];
+    for (let cell = 0; cell < counts[level]; cell++) {
+      own.errors[cell] = mergeCell(
+        merger,
+        {
+          ...leaves,
+          first: CHUNK_SPLATS * cell,
+          count: shape.leavesOf(level, cell),
+          childErrors: below?.errors.subarray(CELL_CHILDREN * cell),
+          bounds: own.bounds.subarray(BOUNDS_WORDS * cell, BOUNDS_WORDS * (cell + 1)),
+        },
+        above,
+        CELL_ROOTS * cell,
+      );
+    }
+    levels.push(above);
   }
+  return new MadeBricks(cloud, shape, levels);
 }
 
 /** A scene in memory, in bricks: as if they were in a file. @throws as `makeBricks`. */
@@ -208,41 +213,6 @@ export function brickSceneOf(
     },
     end: () => {},
   };
-}
-
-/** Divides splats in short steps; yields how much is done after each. */
-function* brickSteps(set: SplatSet<Harmonics>): Generator<number, MadeBricks, void> {
-  const precision = { geometryPrecision: 'packed', shPrecision: BLOB_PRECISION.shPrecision } as const;
-  const cloud = packSet(set, precision);
-  if (cloud.count === 0) throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
-  if (cloud.count < set.count) {
-    const message = `${set.count - cloud.count} of ${set.count} splats have values that are not finite. Leave them out.`;
-    throw new InvalidArgumentError('set', message);
-  }
-  const shape = new BrickShape(cloud.count);
-  const counts = shape.cellCounts;
-  const total = counts.reduce((sum, count) => sum + count, 0);
-  const levels: CellLevel[] = [levelOfChunks(cloud, counts[0])];
-  const merger = new CellMerger();
-  let merged = 0;
-  for (let level = 0; level + 1 < counts.length; level++) {
-    const own = levels[level];
-    const above = emptyLevel(cloud, counts[level + 1], own);
-    const leaves = level === 0 ? splatsOf(cloud) : blobsOf(cloud, own);
-    const below = levels[level - 1];
-    for (let cell = 0; cell < counts[level]; cell++) {
-      mergeCell(merger, own, cell, shape.leavesOf(level, cell), leaves, below, above);
-      if (++merged % STEP_CELLS === 0) yield merged / total;
-    }
-    levels.push(above);
-  }
-  return new MadeBricks(cloud, shape, levels);
-}
-
-/** The leaves of a level. */
-interface Leaves {
-  readonly read: LeafReader;
-  readonly harmonics: Harmonics;
 }
 
 function splatsOf({ geometry: { words, chunks }, harmonics }: PackedCloud): Leaves {
@@ -293,49 +263,4 @@ function emptyLevel({ harmonics: { degree } }: PackedCloud, count: number, below
     geometry: new Uint32Array(count * CHUNK_SPLATS * BLOB_WORDS),
     harmonics: new Uint32Array(count * CHUNK_SPLATS * shWordsPerSplat(degree, BLOB_PRECISION.shPrecision)),
   };
-}
-
-/** Merges one cell, and makes its roots leaves of the level above. */
-function mergeCell(
-  merger: CellMerger,
-  own: CellLevel,
-  cell: number,
-  leafCount: number,
-  { read, harmonics }: Leaves,
-  below: CellLevel | undefined,
-  above: CellLevel,
-): void {
-  const leaf = emptyLeaf();
-  merger.begin();
-  for (let i = 0; i < leafCount; i++) {
-    read(cell * CHUNK_SPLATS + i, leaf);
-    merger.add(leaf, below ? below.errors[CELL_CHILDREN * cell + Math.floor(i / CELL_ROOTS)] : 0);
-  }
-  const rootCount = merger.merge();
-  own.errors[cell] = merger.error;
-  const start = CELL_ROOTS * cell;
-  const bounds = own.bounds.subarray(BOUNDS_WORDS * cell, BOUNDS_WORDS * (cell + 1));
-  for (let root = 0; root < rootCount; root++) {
-    merger.root(root, leaf);
-    // Rounding must not move it out of the cell.
-    for (let axis = 0; axis < 3; axis++)
-      leaf.position[axis] = Math.max(bounds[axis], Math.min(bounds[3 + axis], leaf.position[axis]));
-    packBlob(leaf, above.geometry, (start + root) * BLOB_WORDS);
-  }
-  const { degree } = harmonics;
-  if (degree === 0) return;
-  const width = coefficientsPerSplat(degree);
-  const values = new Float64Array(width);
-  const sums = new Float64Array(CELL_ROOTS * width);
-  for (let i = 0; i < leafCount; i++) {
-    readCoefficients(harmonics, cell * CHUNK_SPLATS + i, values);
-    const share = merger.shareOf(i);
-    const to = merger.rootOf(i) * width;
-    for (let k = 0; k < width; k++) sums[to + k] += share * values[k];
-  }
-  const shWords = shWordsPerSplat(degree, BLOB_PRECISION.shPrecision);
-  for (let root = 0; root < rootCount; root++) {
-    const mean = sums.subarray(root * width, (root + 1) * width);
-    packCoefficients(degree, BLOB_PRECISION.shPrecision, mean, above.harmonics, (start + root) * shWords);
-  }
 }

@@ -77,10 +77,11 @@ function withoutSubnormals(value: number): number {
  * small bounds.
  *
  * @param positions 3N finite coordinates.
+ * @param frame default: that of these centres; of a part of a cloud, the cloud's.
  * @returns N indices into the given order.
  */
-export function mortonOrder(positions: Float32Array, count: number): Uint32Array {
-  const steps = mortonSteps(positions, count);
+export function mortonOrder(positions: Float32Array, count: number, frame?: MortonFrame): Uint32Array {
+  const steps = mortonSteps(positions, count, frame);
   for (;;) {
     const { done, value } = steps.next();
     if (done) return value;
@@ -108,7 +109,11 @@ export async function mortonOrderInTurns(
 }
 
 /** Finds the storage order in short steps; yields how much is done after each. */
-function* mortonSteps(positions: Float32Array, count: number): Generator<number, Uint32Array, void> {
+function* mortonSteps(
+  positions: Float32Array,
+  count: number,
+  given?: MortonFrame,
+): Generator<number, Uint32Array, void> {
   const digitBits = count < MANY_SPLATS ? COLUMN_BITS / 2 : COLUMN_BITS;
   // For bounds, for codes, and twice to sort by each digit.
   const passes = 2 + 2 * ((COLUMNS * COLUMN_BITS) / digitBits);
@@ -123,7 +128,7 @@ function* mortonSteps(positions: Float32Array, count: number): Generator<number,
   }
   const bounds = emptyBounds();
   yield* overRows((from, to) => widenBounds(bounds, positions, from, to));
-  const frame = mortonFrame(bounds.min, bounds.max);
+  const frame = given ?? mortonFrame(bounds.min, bounds.max);
   const codes = Array.from({ length: COLUMNS }, () => new Uint16Array(count));
   let order: Uint32Array = new Uint32Array(count);
   yield* overRows((from, to) => {
@@ -166,6 +171,37 @@ function scatterRows(
   to: number,
 ): void {
   for (let i = from; i < to; i++) next[offsets[(column[order[i]] >> shift) & last]++] = order[i];
+}
+
+/** Bits per axis of a digit of `mortonDigits`. */
+const DIGIT_AXIS_BITS = 6;
+/** Values that a digit of `mortonDigits` can have. */
+export const MORTON_DIGITS = 1 << (3 * DIGIT_AXIS_BITS);
+/** Shifts of digits of `mortonDigits` that tell all codes apart, the most significant first. */
+export const MORTON_SHIFTS = [10, 5, 0] as const;
+
+/**
+ * Some bits of the Morton codes of rows: bits `shift` to `shift + 5` of each axis. Codes that agree
+ * in all bits above are in the order of these digits.
+ *
+ * @param rows whose first three values are the coordinates of a centre.
+ * @param width values of a row.
+ */
+export function mortonDigits(
+  rows: Float32Array,
+  width: number,
+  frame: MortonFrame,
+  shift: number,
+): Uint32Array {
+  const last = (1 << DIGIT_AXIS_BITS) - 1;
+  const digits = new Uint32Array(rows.length / width);
+  for (let i = 0; i < digits.length; i++) {
+    let digit = 0;
+    for (let axis = 0; axis < 3; axis++)
+      digit |= spread((mortonCell(rows[i * width + axis], axis, frame) >> shift) & last) << axis;
+    digits[i] = digit;
+  }
+  return digits;
 }
 
 /** The splats of `set` that `order` lists, in that order. */

@@ -146,8 +146,13 @@ const SAMPLES = 1 << 16;
 
 /** Indices of the splats, in storage order, that robust bounds are taken from. */
 export function boundsSamples(count: number): Uint32Array {
-  const step = Math.max(1, Math.floor(count / SAMPLES));
+  const step = boundsStep(count);
   return Uint32Array.from({ length: Math.ceil(count / step) }, (_, i) => i * step);
+}
+
+/** Robust bounds are taken from every so manieth splat, in storage order. */
+export function boundsStep(count: number): number {
+  return Math.max(1, Math.floor(count / SAMPLES));
 }
 
 /** Bounds of most sampled centres, scene space. @param axes their x, y and z about `origin`. */

@@ -4,6 +4,8 @@ import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
 import { givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import type { BrickResult, BrickTask } from './bricks/brick-tasks.ts';
+import type { BrickWriter, BrickWriterOptions } from './bricks/brick-writer.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } from './write-format.ts';
 
@@ -36,6 +38,26 @@ export async function writeSplats(
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[pathOf(formatName)]();
   return write(set, options);
+}
+
+/** A writer of scenes of any size in bricks, whose code is fetched first. See `BrickWriter`. */
+export async function openBrickWriter(options: BrickWriterOptions = {}): Promise<BrickWriter> {
+  const { BrickWriter } = await import('./bricks/brick-writer.ts');
+  return new BrickWriter(options);
+}
+
+/**
+ * Does a part of the work of a `BrickWriter`, in any thread: tasks and results can be posted, with
+ * `buffers` in place of copies.
+ *
+ * Rejects as the writer.
+ */
+export async function runBrickTask(
+  task: BrickTask,
+): Promise<{ readonly result: BrickResult; readonly buffers: readonly ArrayBuffer[] }> {
+  const { buffersOf, runTask } = await import('./bricks/brick-tasks.ts');
+  const result = await runTask(task);
+  return { result, buffers: [...buffersOf(result)] };
 }
 
 /** Whether `writeSplatPieces` writes the format of this name. */

@@ -15,9 +15,15 @@ export interface BrickHeader extends BrickCells {
   readonly harmonicsBytes: number;
 }
 
+/** What the header of a brick says about a cell. */
+interface WrittenCell extends Pick<BrickCell, 'bounds' | 'largestScale'> {
+  readonly child: Pick<BrickAddress, 'number'> | null;
+  readonly childErrors: ArrayLike<number>;
+}
+
 /** @param addressOf where in the file the brick of a number is. */
 export function writeBrickHeader(
-  { level, cells }: Pick<Brick, 'level' | 'cells'>,
+  { level, cells }: Pick<Brick, 'level'> & { readonly cells: readonly WrittenCell[] },
   number: number,
   parts: Pick<BrickHeader, 'geometryBytes' | 'harmonicsBytes'>,
   addressOf: (number: number) => BrickAddress,
@@ -36,7 +42,7 @@ export function writeBrickHeader(
     const { offset, bytes: childBytes } = addressOf(child.number);
     if (i === 0) view.setBigUint64(BRICK_HEADER.childrenOffset, BigInt(offset), true);
     view.setUint32(at + UPPER_CELL.childBytes, childBytes, true);
-    for (const [k, error] of childErrors.entries())
+    for (const [k, error] of Array.from(childErrors).entries())
       view.setUint16(at + UPPER_CELL.childErrors + 2 * k, error, true);
   }
   view.setUint32(BRICK_HEADER.crc, crc32(bytes.subarray(BRICK_HEADER.number)), true);

@@ -1,0 +1,356 @@
+import type { Brick, BrickCell } from '../../../data/bricks/brick.ts';
+import { CellMerger } from '../../../data/bricks/cell-merger.ts';
+import { BLOB_WORDS, blobReader, splatReader } from '../../../data/bricks/leaf-reader.ts';
+import { type Blobs, type Leaves, mergeCell } from '../../../data/bricks/merge-cell.ts';
+import { CHUNK_WORDS } from '../../../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
+import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
+import { chunkCountOf, logScalesOf, maxScaleOf } from '../../../data/packing/chunks.ts';
+import { packGeometry } from '../../../data/packing/geometry.ts';
+import { type Harmonics, type PackedHarmonics, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import {
+  MORTON_DIGITS,
+  type MortonFrame,
+  mortonDigits,
+  mortonOrder,
+} from '../../../data/packing/morton-order.ts';
+import type { Bounds } from '../../../data/packing/packed-cloud.ts';
+import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
+import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
+import { Turns } from '../../../data/turns.ts';
+import { packZlib } from '../../containers/pack-gzip.ts';
+import {
+  joinRecords,
+  type RecordFacts,
+  type Records,
+  recordsOf,
+  recordWords,
+  splatsOfRecords,
+} from './brick-records.ts';
+import { encodeGeometry } from './encode-geometry.ts';
+import { encodeHarmonics } from './encode-harmonics.ts';
+
+const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
+const { minPosition, maxPosition } = CHUNK_WORDS;
+/** Words of the bounds of a cell: least x, y, z, then largest. */
+export const BOUNDS_WORDS = 6;
+/** Leaves of a brick that is full. */
+export const BRICK_LEAVES = CELL_CHILDREN * CHUNK_SPLATS;
+const NOTHING = new Uint8Array(0);
+
+/** Facts about all splats of a scene. */
+export interface SceneFacts extends RecordFacts {
+  readonly frame: MortonFrame;
+  readonly splatCount: number;
+}
+
+/** Splats, to be kept as records. */
+interface RecordsTask {
+  readonly kind: 'records';
+  readonly set: SplatSet<Harmonics>;
+}
+
+/** Records, to be counted by a digit of their Morton codes. */
+interface CountTask {
+  readonly kind: 'count';
+  readonly parts: readonly Records[];
+  readonly facts: SceneFacts;
+  /** See `mortonDigits`. */
+  readonly shift: number;
+}
+
+/** Records, to be divided into buckets by that digit. */
+export interface DivideTask extends Omit<CountTask, 'kind'> {
+  readonly kind: 'divide';
+  /** By digit: the number of its bucket. */
+  readonly buckets: Uint32Array;
+  readonly bucketCount: number;
+}
+
+/** Records of a bucket, of which bricks of the lowest level are made. */
+interface SplatsTask {
+  readonly kind: 'splats';
+  readonly parts: readonly Records[];
+  readonly facts: SceneFacts;
+  /** Number of the bucket's first splat in storage order. */
+  readonly first: number;
+  /** Robust bounds are taken from every so manieth splat. */
+  readonly boundsStep: number;
+}
+
+/** Cells of an upper level, of which bricks are made: a multiple of sixteen, or all that are left. */
+interface BlobsTask {
+  readonly kind: 'blobs';
+  readonly level: number;
+  readonly degree: ShDegree;
+  readonly leaves: Blobs;
+  /** Leaves of the last cell; others are full. */
+  readonly lastLeaves: number;
+  readonly bounds: Float32Array<ArrayBuffer>;
+  /** Of the cells below. */
+  readonly childErrors: Uint16Array<ArrayBuffer>;
+}
+
+/** A part of the work of writing bricks that needs nothing but what it is given. */
+export type BrickTask = RecordsTask | CountTask | DivideTask | SplatsTask | BlobsTask;
+
+/** Bricks that follow each other, and what the level above needs of their cells. */
+export interface BricksMade {
+  /** Of each brick: bytes of its geometry, and of its harmonics. */
+  readonly sizes: Uint32Array<ArrayBuffer>;
+  /** Geometry and harmonics of all bricks. */
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  /** BOUNDS_WORDS per cell. */
+  readonly bounds: Float32Array<ArrayBuffer>;
+  /** Of each cell of the lowest level; empty above. */
+  readonly largestScales: Float32Array<ArrayBuffer>;
+  readonly errors: Uint16Array<ArrayBuffer>;
+  /** Places for sixteen roots of each cell. */
+  readonly roots: Blobs;
+}
+
+interface Results {
+  readonly records: Records & { readonly bounds: Bounds };
+  /** Records by digit. */
+  readonly count: Uint32Array<ArrayBuffer>;
+  readonly divide: {
+    /** By bucket, each in the order that they came in. */
+    readonly words: Uint32Array<ArrayBuffer>;
+    /** Records by bucket. */
+    readonly counts: Uint32Array<ArrayBuffer>;
+  };
+  readonly splats: BricksMade & {
+    /** Number of the first splat of the first brick. */
+    readonly first: number;
+    /** Sorted records of bricks that have splats of other buckets, too: at most two. */
+    readonly fragments: readonly { readonly first: number; readonly words: Uint32Array<ArrayBuffer> }[];
+    /** Positions that robust bounds are taken from. */
+    readonly samples: Float32Array<ArrayBuffer>;
+  };
+  readonly blobs: BricksMade;
+}
+
+/** What a task results in. */
+export type BrickResult<Task extends BrickTask = BrickTask> = Results[Task['kind']];
+
+/** Does a part of the work of writing bricks, in any thread. Rejects as `BrickWriter`. */
+export async function runTask(task: BrickTask): Promise<BrickResult> {
+  switch (task.kind) {
+    case 'records':
+      return recordsOf(task.set);
+    case 'count':
+      return countRecords(task);
+    case 'divide':
+      return divideRecords(task);
+    case 'splats':
+      return bricksOfSplats(task);
+    case 'blobs':
+      return bricksOfBlobs(task);
+  }
+}
+
+/** Buffers of a result, or of a task, to be posted without a copy. */
+export function buffersOf(value: unknown, found = new Set<ArrayBuffer>()): Set<ArrayBuffer> {
+  if (ArrayBuffer.isView(value)) found.add(value.buffer as ArrayBuffer);
+  else if (value instanceof Object) for (const each of Object.values(value)) buffersOf(each, found);
+  return found;
+}
+
+function digitsOf(words: Uint32Array<ArrayBuffer>, { facts, shift }: CountTask | DivideTask): Uint32Array {
+  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
+  return mortonDigits(floats, recordWords(facts.degree), facts.frame, shift);
+}
+
+function countRecords(task: CountTask): Uint32Array<ArrayBuffer> {
+  const counts = new Uint32Array(MORTON_DIGITS);
+  for (const part of task.parts)
+    for (const digit of digitsOf(joinRecords([part], task.facts), task)) counts[digit]++;
+  return counts;
+}
+
+function divideRecords(task: DivideTask): Results['divide'] {
+  const records = joinRecords(task.parts, task.facts);
+  const width = recordWords(task.facts.degree);
+  const buckets = digitsOf(records, task).map((digit) => task.buckets[digit]);
+  const counts = new Uint32Array(task.bucketCount);
+  for (const bucket of buckets) counts[bucket]++;
+  const next = new Uint32Array(task.bucketCount);
+  for (let bucket = 1; bucket < next.length; bucket++) next[bucket] = next[bucket - 1] + counts[bucket - 1];
+  const words = new Uint32Array(records.length);
+  for (let i = 0; i < buckets.length; i++) {
+    const [from, to] = [i * width, next[buckets[i]]++ * width];
+    for (let k = 0; k < width; k++) words[to + k] = records[from + k];
+  }
+  return { words, counts };
+}
+
+async function bricksOfSplats({ parts, facts, first, boundsStep }: SplatsTask): Promise<Results['splats']> {
+  const { degree, frame, splatCount } = facts;
+  const records = joinRecords(parts, facts);
+  const width = recordWords(degree);
+  const count = records.length / width;
+  const floats = new Float32Array(records.buffer, records.byteOffset, records.length);
+  const positions = new Float32Array(3 * count);
+  for (let i = 0; i < count; i++)
+    for (let axis = 0; axis < 3; axis++) positions[3 * i + axis] = floats[i * width + axis];
+  const order = mortonOrder(positions, count, frame);
+  const end = first + count;
+  const from = Math.min(end, Math.ceil(first / BRICK_LEAVES) * BRICK_LEAVES);
+  // The last brick of all may have fewer.
+  const to = end === splatCount ? end : Math.max(from, Math.floor(end / BRICK_LEAVES) * BRICK_LEAVES);
+  const fragmentOf = (start: number, stop: number) => {
+    const words = new Uint32Array((stop - start) * width);
+    for (let i = start; i < stop; i++) {
+      const at = order[i - first] * width;
+      words.set(records.subarray(at, at + width), (i - start) * width);
+    }
+    return { first: start, words };
+  };
+  const fragments = [fragmentOf(first, from), fragmentOf(to, end)].filter(({ words }) => words.length > 0);
+  const sampled: number[] = [];
+  for (let i = Math.ceil(from / boundsStep) * boundsStep; i < to; i += boundsStep) {
+    const at = 3 * order[i - first];
+    sampled.push(positions[at], positions[at + 1], positions[at + 2]);
+  }
+  const maker = new BrickMaker(0, degree, chunkCountOf(to - from));
+  for (let start = from; start < to; start += BRICK_LEAVES) {
+    const stop = Math.min(to, start + BRICK_LEAVES);
+    await maker.addSplats(splatsOfRecords(records, order.subarray(start - first, stop - first), facts));
+  }
+  return { ...maker.made(), first: from, fragments, samples: Float32Array.from(sampled) };
+}
+
+async function bricksOfBlobs(task: BlobsTask): Promise<BricksMade> {
+  const { level, degree, lastLeaves, bounds } = task;
+  const cellCount = bounds.length / BOUNDS_WORDS;
+  const maker = new BrickMaker(level, degree, cellCount);
+  for (let first = 0; first < cellCount; first += CELL_CHILDREN) {
+    const end = Math.min(cellCount, first + CELL_CHILDREN);
+    await maker.addBlobs(task, first, end, end === cellCount ? lastLeaves : CHUNK_SPLATS);
+  }
+  return maker.made();
+}
+
+/** Makes bricks of one level, one after another. */
+class BrickMaker {
+  readonly #level: number;
+  readonly #degree: ShDegree;
+  readonly #turns = new Turns(undefined);
+  readonly #merger = new CellMerger();
+  readonly #parts: Uint8Array<ArrayBuffer>[] = [];
+  readonly #bounds: Float32Array<ArrayBuffer>;
+  readonly #largestScales: Float32Array<ArrayBuffer>;
+  readonly #errors: Uint16Array<ArrayBuffer>;
+  readonly #roots: Blobs;
+  #cells = 0;
+
+  constructor(level: number, degree: ShDegree, cellCount: number) {
+    this.#level = level;
+    this.#degree = degree;
+    this.#bounds = new Float32Array(BOUNDS_WORDS * cellCount);
+    this.#largestScales = new Float32Array(level === 0 ? cellCount : 0);
+    this.#errors = new Uint16Array(cellCount);
+    this.#roots = {
+      geometry: new Uint32Array(cellCount * CELL_ROOTS * BLOB_WORDS),
+      harmonics: new Uint32Array(cellCount * CELL_ROOTS * shWordsPerSplat(degree, BLOB_PRECISION.shPrecision)),
+    };
+  }
+
+  /** Makes a brick of splats, in storage order. */
+  async addSplats(splats: SplatSet<PackedHarmonics>): Promise<void> {
+    const { words, chunks } = packGeometry(splats, 'packed');
+    const first = this.#cells;
+    const ranges = [];
+    for (let chunk = 0; chunk < chunkCountOf(splats.count); chunk++) {
+      const at = chunk * CHUNK_WORDS.count;
+      const to = BOUNDS_WORDS * (first + chunk);
+      this.#bounds.set(chunks.subarray(at + minPosition, at + minPosition + 3), to);
+      this.#bounds.set(chunks.subarray(at + maxPosition, at + maxPosition + 3), to + 3);
+      this.#largestScales[first + chunk] = maxScaleOf(chunks, chunk);
+      ranges.push(logScalesOf(chunks, chunk));
+    }
+    const geometry = words as Uint32Array<ArrayBuffer>;
+    const harmonics = splats.harmonics.words as Uint32Array<ArrayBuffer>;
+    const leaves = { read: splatReader(words, ranges), harmonics: splats.harmonics };
+    const cells = ranges.map(({ min, step }, i) =>
+      this.#cell(first + i, Math.min(CHUNK_SPLATS, splats.count - CHUNK_SPLATS * i), [min, step]),
+    );
+    await this.#add({ cells, geometry, harmonics }, leaves);
+  }
+
+  /** Makes a brick of cells `first` to before `end` of a task. */
+  async addBlobs(task: BlobsTask, first: number, end: number, lastLeaves: number): Promise<void> {
+    this.#bounds.set(task.bounds.subarray(BOUNDS_WORDS * first, BOUNDS_WORDS * end), BOUNDS_WORDS * first);
+    const shWords = shWordsPerSplat(this.#degree, BLOB_PRECISION.shPrecision);
+    const wordsOf = (words: Uint32Array<ArrayBuffer>, each: number) =>
+      words.subarray(first * CHUNK_SPLATS * each, end * CHUNK_SPLATS * each);
+    const geometry = wordsOf(task.leaves.geometry, BLOB_WORDS);
+    const harmonics = wordsOf(task.leaves.harmonics, shWords);
+    const { shPrecision: precision } = BLOB_PRECISION;
+    const packed = { degree: this.#degree, precision, wordsPerSplat: shWords, words: harmonics };
+    const cells = Array.from({ length: end - first }, (_, i) =>
+      this.#cell(first + i, first + i + 1 === end ? lastLeaves : CHUNK_SPLATS, [0, 0]),
+    );
+    const errors = task.childErrors.subarray(CELL_CHILDREN * first);
+    await this.#add({ cells, geometry, harmonics }, { read: blobReader(geometry), harmonics: packed }, errors);
+  }
+
+  made(): BricksMade {
+    const bytes = new Uint8Array(this.#parts.reduce((sum, { length }) => sum + length, 0));
+    let at = 0;
+    for (const part of this.#parts) {
+      bytes.set(part, at);
+      at += part.length;
+    }
+    return {
+      sizes: Uint32Array.from(this.#parts, ({ length }) => length),
+      bytes,
+      bounds: this.#bounds,
+      largestScales: this.#largestScales,
+      errors: this.#errors,
+      roots: this.#roots,
+    };
+  }
+
+  /** What encoding a cell of this brick needs. */
+  #cell(cell: number, leafCount: number, logScales: BrickCell['logScales']): BrickCell {
+    const [minX, minY, minZ, maxX, maxY, maxZ] = this.#boundsOf(cell);
+    const bounds = { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] } as const;
+    return { bounds, leafCount, logScales, largestScale: 0, child: null, childErrors: [], childRoots: [] };
+  }
+
+  #boundsOf(cell: number): Float32Array {
+    return this.#bounds.subarray(BOUNDS_WORDS * cell, BOUNDS_WORDS * (cell + 1));
+  }
+
+  async #add(
+    leavesOfBrick: Pick<Brick, 'cells' | 'geometry' | 'harmonics'>,
+    leaves: Leaves,
+    childErrors?: Uint16Array,
+  ): Promise<void> {
+    await this.#turns.give();
+    const brick = { ...leavesOfBrick, level: this.#level, rows: new Uint32Array(0) };
+    const degree = this.#degree;
+    const packed = Promise.all([
+      packZlib(encodeGeometry(brick)),
+      degree > 0 ? packZlib(encodeHarmonics(brick, degree)) : NOTHING,
+    ]);
+    // While other threads pack.
+    for (const [i, { leafCount }] of brick.cells.entries()) {
+      const cell = this.#cells++;
+      this.#errors[cell] = mergeCell(
+        this.#merger,
+        {
+          ...leaves,
+          first: CHUNK_SPLATS * i,
+          count: leafCount,
+          childErrors: childErrors?.subarray(CELL_CHILDREN * i),
+          bounds: this.#boundsOf(cell),
+        },
+        this.#roots,
+        CELL_ROOTS * cell,
+      );
+    }
+    this.#parts.push(...(await packed));
+  }
+}

@@ -1,0 +1,676 @@
+import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
+import { BrickShape } from '../../../data/bricks/brick-shape.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
+import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
+import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { emptyBounds } from '../../../data/packing/center-bounds.ts';
+import { trueShDegree } from '../../../data/packing/cloud-facts.ts';
+import { type Harmonics, isPacked, isPalette, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import { MORTON_DIGITS, MORTON_SHIFTS, mortonFrame } from '../../../data/packing/morton-order.ts';
+import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
+import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
+import {
+  agreedAntialiasing,
+  coefficientsPerSplat,
+  type ShDegree,
+  type SplatSet,
+} from '../../../data/splats/splat-set.ts';
+import type { PutBytes, WriteOptions } from '../write-format.ts';
+import { writeBrickHeader } from './brick-header.ts';
+import { movedCoordinate, type RecordRun, type Records, recordWords } from './brick-records.ts';
+import {
+  BOUNDS_WORDS,
+  BRICK_LEAVES,
+  type BrickResult,
+  type BricksMade,
+  type BrickTask,
+  type DivideTask,
+  runTask,
+  type SceneFacts,
+} from './brick-tasks.ts';
+import { brickHeaderBytes, FILE_HEADER_BYTES } from './bricks-layout.ts';
+import { writeFileHeader } from './file-header.ts';
+import { type MakeTemporaryFile, memoryFile, type TemporaryFile } from './temporary-files.ts';
+import { WorkQueue } from './work-queue.ts';
+
+const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
+
+/** Where a writer keeps what is not written yet, and who does its work. */
+export interface BrickWriterOptions {
+  /** Default: makes files in memory. */
+  readonly makeFile?: MakeTemporaryFile;
+  /** Does a task, and resolves with its result: `runBrickTask`, in any thread. Default: this one. */
+  readonly run?: (task: BrickTask) => Promise<BrickResult>;
+  /** Tasks that `run` does at once; default 1. */
+  readonly threads?: number;
+  /** Most splats that are sorted at once, at least 4,096; default 262,144. */
+  readonly bucketSplats?: number;
+  /** Ends the work, which then rejects with the signal's reason. */
+  readonly signal?: AbortSignal;
+}
+
+/** About 100 bytes each: some tens of megabytes in each thread. */
+const BUCKET_SPLATS = 1 << 18;
+/** Splats of one task before they are sorted. */
+const TASK_SPLATS = 1 << 17;
+/** Splats of a set that become records at once. */
+const SLICE_SPLATS = 1 << 15;
+/** Bricks of upper levels that are made at once. */
+const TASK_BRICKS = 8;
+
+/** How far the work is when each of its steps ends. */
+const PROGRESS = { counted: 0.03, divided: 0.1, splats: 0.9, blobs: 0.97, written: 1 } as const;
+
+/** Some records in a file. */
+interface StoredRun {
+  readonly run: RecordRun;
+  /** First byte. */
+  readonly at: number;
+}
+
+/** Records in the order that their splats came in. */
+interface StoredRecords {
+  readonly file: TemporaryFile;
+  readonly runs: readonly StoredRun[];
+}
+
+/** Bricks that lie together in the file of a level. */
+interface StoredBricks {
+  readonly firstBrick: number;
+  readonly count: number;
+  readonly at: number;
+  readonly byteCount: number;
+}
+
+/** A level of which bricks are made. */
+interface WrittenLevel {
+  /** Geometry and harmonics of bricks. */
+  readonly bricks: TemporaryFile;
+  readonly stored: StoredBricks[];
+  byteCount: number;
+  /** Roots of all cells: their geometry, then their harmonics. */
+  readonly roots: TemporaryFile;
+  /** See `BricksMade`, of all cells. */
+  readonly bounds: Float32Array<ArrayBuffer>;
+  readonly largestScales: Float32Array<ArrayBuffer>;
+  readonly errors: Uint16Array<ArrayBuffer>;
+  /** See `BricksMade`, of all bricks. */
+  readonly sizes: Uint32Array<ArrayBuffer>;
+}
+
+/**
+ * Writes a scene of any size in bricks: `add` takes its splats piece by piece, `finish` writes the
+ * file, whose bytes are those of `writeSplats` for all of them together. Splats are kept as records
+ * of 56 bytes and their packed harmonics (48 at degree 3) in a temporary file, and divided by their
+ * Morton codes into buckets, in another; each bucket is sorted and made into bricks by itself, and
+ * the roots of its cells are kept for the level above. Memory holds one bucket for each thread.
+ *
+ * Call `end` in any case.
+ */
+export class BrickWriter {
+  readonly #makeFile: MakeTemporaryFile;
+  readonly #bucketSplats: number;
+  readonly #queue: WorkQueue;
+  readonly #signal: AbortSignal | undefined;
+  readonly #files = new Set<TemporaryFile>();
+  #arrived: TemporaryFile | undefined;
+  #arrivedBytes = 0;
+  readonly #runs: StoredRun[] = [];
+  readonly #bounds: Bounds[] = [];
+  readonly #told = new Set<boolean | undefined>();
+  #slices = 0;
+  #count = 0;
+  #progress: (fraction: number) => void = () => {};
+
+  constructor(options: BrickWriterOptions = {}) {
+    const { makeFile = memoryFile, run = runTask, threads = 1, bucketSplats = BUCKET_SPLATS } = options;
+    this.#makeFile = makeFile;
+    this.#bucketSplats = bucketSplats;
+    this.#signal = options.signal;
+    this.#queue = new WorkQueue(run, threads);
+  }
+
+  /** Splats so far. */
+  get count(): number {
+    return this.#count;
+  }
+
+  /** Bytes of temporary files, at most, that so many splats take. @param degree of their harmonics. */
+  temporaryBytes(splatCount: number, degree: ShDegree): number {
+    // As they came in, and in buckets; bricks and roots are smaller, and are made when the first are gone.
+    return 2 * 4 * recordWords(degree) * splatCount;
+  }
+
+  /**
+   * Adds splats, whose memory may be used again once it resolves.
+   *
+   * Rejects with InvalidArgumentError 'set' if some are not finite, maybe a later call; with the
+   * signal's reason; as the storage does.
+   */
+  async add(set: SplatSet<Harmonics>): Promise<void> {
+    this.#arrived ??= await this.#newFile(undefined);
+    const file = this.#arrived;
+    if (set.count > 0) this.#told.add(set.isAntialiased);
+    for (let from = 0; from < set.count; from += SLICE_SPLATS) {
+      this.#signal?.throwIfAborted();
+      const slice = sliceOf(set, from, Math.min(set.count, from + SLICE_SPLATS));
+      const number = this.#slices++;
+      this.#count += slice.count;
+      await this.#queue.start({ kind: 'records', set: slice }, async ({ run, words, bounds }) => {
+        const at = this.#arrivedBytes;
+        this.#arrivedBytes += words.byteLength;
+        this.#runs[number] = { run, at };
+        this.#bounds[number] = bounds;
+        await file.write(bytesOf(words), at);
+      });
+    }
+  }
+
+  /**
+   * Writes the file, of which `put` takes the bytes from the first to the last.
+   *
+   * Rejects with InvalidArgumentError 'set' if there are no splats; as `add` and `put` do.
+   */
+  async finish(put: PutBytes, onProgress: WriteOptions['onProgress'] = () => {}): Promise<void> {
+    this.#progress = onProgress;
+    await this.#queue.drain();
+    if (this.#count === 0)
+      throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
+    const { facts, bounds } = this.#facts();
+    const shape = new BrickShape(facts.splatCount);
+    const levels = [await this.#newLevel(shape, 0, facts)];
+    const samples = await this.#makeSplats(facts, levels[0]);
+    for (let level = 1; level < shape.cellCounts.length; level++) {
+      levels.push(await this.#newLevel(shape, level, facts));
+      await this.#makeBlobs(shape, levels, facts);
+      this.#report('splats', 'blobs', level, shape.cellCounts.length - 1);
+    }
+    const axes = [0, 1, 2].map((axis) => samples.filter((_, i) => i % 3 === axis));
+    const isAntialiased = agreedAntialiasing([...this.#told].map((each) => ({ isAntialiased: each })));
+    const about = {
+      ...{ splatCount: facts.splatCount, shDegree: facts.degree, origin: facts.origin, bounds },
+      robustBounds: robustBounds(axes, facts.origin),
+      isAntialiased,
+    };
+    const offsets = offsetsOf(shape, levels);
+    const root = { number: 0, offset: offsets[0], bytes: offsets[1] - offsets[0] };
+    await put(writeFileHeader({ ...about, root }));
+    for (let level = levels.length - 1; level >= 0; level--)
+      await this.#putLevel(shape, levels, level, offsets, put);
+  }
+
+  /** Removes what is temporary. */
+  async end(): Promise<void> {
+    await this.#queue.end();
+    await Promise.all([...this.#files].map((file) => this.#remove(file)));
+  }
+
+  async #newFile(byteCount: number | undefined): Promise<TemporaryFile> {
+    const file = await this.#makeFile(byteCount);
+    this.#files.add(file);
+    return file;
+  }
+
+  async #remove(file: TemporaryFile): Promise<void> {
+    this.#files.delete(file);
+    await file.remove();
+  }
+
+  /** Tells the progress of a step. */
+  #report(from: keyof typeof PROGRESS | 0, to: keyof typeof PROGRESS, done: number, total: number): void {
+    const start = from === 0 ? 0 : PROGRESS[from];
+    this.#progress(start + (PROGRESS[to] - start) * (done / total));
+  }
+
+  #facts(): { readonly facts: SceneFacts; readonly bounds: Bounds } {
+    const runs = this.#runs.map(({ run }) => run);
+    const total = emptyBounds();
+    for (const [i, { origin }] of runs.entries()) {
+      for (let axis = 0; axis < 3; axis++) {
+        total.min[axis] = Math.min(total.min[axis], this.#bounds[i].min[axis] + origin[axis]);
+        total.max[axis] = Math.max(total.max[axis], this.#bounds[i].max[axis] + origin[axis]);
+      }
+    }
+    const [first] = runs;
+    const isOne = runs.every(({ origin }) => origin.every((value, axis) => value === first.origin[axis]));
+    const origin = isOne ? first.origin : chooseOrigin(total.min, total.max);
+    const own = emptyBounds();
+    for (const [i, run] of runs.entries()) {
+      for (let axis = 0; axis < 3; axis++) {
+        const moved = (value: number) => movedCoordinate(value, run.origin[axis], origin[axis]);
+        own.min[axis] = Math.min(own.min[axis], moved(this.#bounds[i].min[axis]));
+        own.max[axis] = Math.max(own.max[axis], moved(this.#bounds[i].max[axis]));
+      }
+    }
+    const reach: number[] = [];
+    for (const { harmonics } of runs)
+      for (const [band, value] of (harmonics.bandReach ?? []).entries())
+        reach[band] = Math.max(reach[band] ?? 0, value);
+    const inScene = (corner: Vec3): Vec3 => [
+      corner[0] + origin[0],
+      corner[1] + origin[1],
+      corner[2] + origin[2],
+    ];
+    return {
+      facts: {
+        origin,
+        degree: trueShDegree(reach),
+        frame: mortonFrame(own.min, own.max),
+        splatCount: this.#count,
+      },
+      bounds: { min: inScene(own.min), max: inScene(own.max) },
+    };
+  }
+
+  async #newLevel(shape: BrickShape, level: number, facts: SceneFacts): Promise<WrittenLevel> {
+    const cells = shape.cellCounts[level];
+    const isTop = level === shape.cellCounts.length - 1;
+    return {
+      bricks: await this.#newFile(undefined),
+      stored: [],
+      byteCount: 0,
+      roots: await this.#newFile(isTop ? 0 : 4 * cells * CELL_ROOTS * blobWords(facts)),
+      bounds: new Float32Array(BOUNDS_WORDS * cells),
+      largestScales: new Float32Array(cells),
+      errors: new Uint16Array(cells),
+      sizes: new Uint32Array(2 * Math.ceil(cells / CELL_CHILDREN)),
+    };
+  }
+
+  /** Makes the bricks of splats. Resolves with the positions that robust bounds are taken from. */
+  async #makeSplats(facts: SceneFacts, level: WrittenLevel): Promise<Float32Array> {
+    const { splatCount } = facts;
+    const step = boundsStep(splatCount);
+    const samples: Float32Array[] = [];
+    const seams = new Seams(facts);
+    let made = 0;
+    const ready: { readonly records: Records; readonly first: number }[] = [];
+    const makeBucket = (parts: readonly Records[], first: number) =>
+      this.#queue.start({ kind: 'splats', parts, facts, first, boundsStep: step }, async (result) => {
+        for (const fragment of result.fragments) {
+          const whole = seams.add(fragment);
+          if (whole) ready.push(whole);
+        }
+        samples.push(result.samples);
+        made += result.errors.length;
+        await this.#store(level, result.first / CHUNK_SPLATS, result, facts);
+        this.#report('divided', 'splats', made, level.errors.length);
+      });
+    const makeSeams = async () => {
+      for (let next = ready.pop(); next; next = ready.pop()) await makeBucket([next.records], next.first);
+    };
+    const arrived = { file: this.#arrived!, runs: this.#runs };
+    await this.#divide(arrived, facts, 0, 0, async (parts, first) => {
+      await makeBucket(parts, first);
+      await makeSeams();
+    });
+    await this.#queue.drain();
+    await makeSeams();
+    await this.#queue.drain();
+    const all = new Float32Array(samples.reduce((sum, { length }) => sum + length, 0));
+    let at = 0;
+    for (const part of samples) {
+      all.set(part, at);
+      at += part.length;
+    }
+    return all;
+  }
+
+  /**
+   * Divides records into buckets that can be sorted in memory, and hands these on in Morton order.
+   *
+   * @param depth digits by which they have been told apart already.
+   * @param first number of the first splat in storage order.
+   */
+  async #divide(
+    source: StoredRecords,
+    facts: SceneFacts,
+    depth: number,
+    first: number,
+    take: (parts: readonly Records[], first: number) => Promise<void>,
+  ): Promise<void> {
+    const count = countOf(source.runs);
+    if (count <= this.#bucketSplats) {
+      const parts = await this.#read(source);
+      if (depth === 0) await this.#remove(source.file);
+      return take(parts, first);
+    }
+    const shift = MORTON_SHIFTS[depth];
+    if (shift === undefined) {
+      // All have one Morton code, and are in order.
+      let next = first;
+      for (const runs of batchesOf(source.runs, this.#bucketSplats)) {
+        await take(await this.#read({ ...source, runs }), next);
+        next += countOf(runs);
+      }
+      return;
+    }
+    const counts = new Uint32Array(MORTON_DIGITS);
+    let done = 0;
+    for (const runs of batchesOf(source.runs, TASK_SPLATS)) {
+      const parts = await this.#read({ ...source, runs });
+      await this.#queue.start({ kind: 'count', parts, facts, shift }, async (found) => {
+        for (let digit = 0; digit < counts.length; digit++) counts[digit] += found[digit];
+        done += countOf(runs);
+        if (depth === 0) this.#report(0, 'counted', done, count);
+      });
+    }
+    await this.#queue.drain();
+    const { buckets, sizes } = bucketsOf(counts, this.#bucketSplats);
+    const words = recordWords(facts.degree);
+    const file = await this.#newFile(4 * words * count);
+    const starts = new Float64Array(sizes.length);
+    for (let i = 1; i < sizes.length; i++) starts[i] = starts[i - 1] + 4 * words * sizes[i - 1];
+    const next = starts.slice();
+    // Records of each bucket keep their order: tasks get their places in the order that they began in.
+    const waiting = new Map<number, BrickResult<DivideTask>>();
+    let [begun, placed] = [0, 0];
+    done = 0;
+    for (const runs of batchesOf(source.runs, TASK_SPLATS)) {
+      const parts = await this.#read({ ...source, runs });
+      const number = begun++;
+      const task = { kind: 'divide', parts, facts, shift, buckets, bucketCount: sizes.length } as const;
+      await this.#queue.start(task, async (result) => {
+        waiting.set(number, result);
+        const writes: Promise<void>[] = [];
+        for (let ready = waiting.get(placed); ready; ready = waiting.get(placed)) {
+          waiting.delete(placed++);
+          let from = 0;
+          for (const [bucket, own] of ready.counts.entries()) {
+            if (own === 0) continue;
+            const bytes = bytesOf(ready.words).subarray(from, from + 4 * words * own);
+            writes.push(file.write(bytes, next[bucket]));
+            from += bytes.length;
+            next[bucket] += bytes.length;
+          }
+        }
+        await Promise.all(writes);
+        done += countOf(runs);
+        if (depth === 0) this.#report('counted', 'divided', done, count);
+      });
+    }
+    await this.#queue.drain();
+    if (depth === 0) await this.#remove(source.file);
+    let start = first;
+    for (const [bucket, size] of sizes.entries()) {
+      const run = runOf(size, facts);
+      await this.#divide({ file, runs: [{ run, at: starts[bucket] }] }, facts, depth + 1, start, take);
+      start += size;
+    }
+    await this.#remove(file);
+  }
+
+  async #read({ file, runs }: StoredRecords): Promise<Records[]> {
+    this.#signal?.throwIfAborted();
+    return Promise.all(
+      runs.map(async ({ run, at }) => {
+        const bytes = await file.read(at, 4 * run.words * run.count);
+        return { run, words: new Uint32Array(bytes.buffer) };
+      }),
+    );
+  }
+
+  /** Keeps bricks, and what is known of their cells. */
+  async #store(level: WrittenLevel, firstCell: number, made: BricksMade, facts: SceneFacts): Promise<void> {
+    if (made.errors.length === 0) return;
+    const firstBrick = firstCell / CELL_CHILDREN;
+    const { byteCount: at } = level;
+    level.byteCount += made.bytes.length;
+    const count = made.sizes.length / 2;
+    level.stored.push({ firstBrick, count, at, byteCount: made.bytes.length });
+    level.sizes.set(made.sizes, 2 * firstBrick);
+    level.bounds.set(made.bounds, BOUNDS_WORDS * firstCell);
+    level.largestScales.set(made.largestScales, firstCell);
+    level.errors.set(made.errors, firstCell);
+    const writes = [level.bricks.write(made.bytes, at)];
+    if (level.errors.length > 1) {
+      const { geometry, harmonics } = made.roots;
+      const places = 4 * CELL_ROOTS * level.errors.length * BLOB_WORDS;
+      const each = 4 * CELL_ROOTS * (blobWords(facts) - BLOB_WORDS);
+      writes.push(level.roots.write(bytesOf(geometry), 4 * CELL_ROOTS * BLOB_WORDS * firstCell));
+      if (each > 0) writes.push(level.roots.write(bytesOf(harmonics), places + each * firstCell));
+    }
+    await Promise.all(writes);
+  }
+
+  /** Makes the bricks of the last of these levels from the roots of the one below. */
+  async #makeBlobs(
+    shape: BrickShape,
+    levels: readonly WrittenLevel[],
+    facts: SceneFacts,
+  ): Promise<void> {
+    const level = levels.length - 1;
+    const [below, own] = [levels[level - 1], levels[level]];
+    const belowCells = below.errors.length;
+    for (let first = 0; first < own.errors.length; first += TASK_BRICKS * CELL_CHILDREN) {
+      const end = Math.min(own.errors.length, first + TASK_BRICKS * CELL_CHILDREN);
+      const [firstBelow, endBelow] = [first * CELL_CHILDREN, Math.min(belowCells, end * CELL_CHILDREN)];
+      const bounds = new Float32Array(BOUNDS_WORDS * (end - first));
+      for (let cell = firstBelow; cell < endBelow; cell++) {
+        const to = Math.floor(cell / CELL_CHILDREN);
+        widen(below.bounds, cell, bounds, to - first, cell % CELL_CHILDREN === 0);
+        own.largestScales[to] = Math.max(own.largestScales[to], below.largestScales[cell]);
+      }
+      const rootsOf = async (start: number, words: number) => {
+        const each = 4 * CELL_ROOTS * words;
+        const found = await below.roots.read(start + each * firstBelow, each * (endBelow - firstBelow));
+        // Cells have places for all leaves.
+        const leaves = new Uint32Array((end - first) * CHUNK_SPLATS * words);
+        leaves.set(new Uint32Array(found.buffer));
+        return leaves;
+      };
+      const shWords = blobWords(facts) - BLOB_WORDS;
+      const leaves = {
+        geometry: await rootsOf(0, BLOB_WORDS),
+        harmonics: await rootsOf(4 * CELL_ROOTS * BLOB_WORDS * belowCells, shWords),
+      };
+      const childErrors = below.errors.slice(firstBelow, endBelow);
+      const lastLeaves = shape.leavesOf(level, end - 1);
+      const { degree } = facts;
+      const task = { kind: 'blobs', level, degree, leaves, lastLeaves, bounds, childErrors } as const;
+      await this.#queue.start(task, (made) => {
+        const { largestScales: _, ...others } = made;
+        const largestScales = own.largestScales.slice(first, end);
+        return this.#store(own, first, { ...others, largestScales }, facts);
+      });
+    }
+    await this.#queue.drain();
+    await this.#remove(below.roots);
+  }
+
+  async #putLevel(
+    shape: BrickShape,
+    levels: readonly WrittenLevel[],
+    level: number,
+    offsets: Float64Array,
+    put: PutBytes,
+  ): Promise<void> {
+    const { bricks, stored, sizes } = levels[level];
+    const firstNumber = level === levels.length - 1 ? 0 : shape.childOf(level + 1, 0);
+    const addressOf = (number: number) => {
+      return { number, offset: offsets[number], bytes: offsets[number + 1] - offsets[number] };
+    };
+    stored.sort((a, b) => a.firstBrick - b.firstBrick);
+    for (const { firstBrick, count, at, byteCount } of stored) {
+      this.#signal?.throwIfAborted();
+      const payload = await bricks.read(at, byteCount);
+      const start = offsets[firstNumber + firstBrick];
+      const file = new Uint8Array(offsets[firstNumber + firstBrick + count] - start);
+      let from = 0;
+      for (let brick = firstBrick; brick < firstBrick + count; brick++) {
+        const number = firstNumber + brick;
+        const [geometryBytes, harmonicsBytes] = sizes.subarray(2 * brick, 2 * brick + 2);
+        const { first, end } = shape.cellsOf(number);
+        const cells = [];
+        for (let cell = first; cell < end; cell++) cells.push(cellOf(shape, levels, level, cell));
+        const header = writeBrickHeader(
+          { level, cells },
+          number,
+          { geometryBytes, harmonicsBytes },
+          addressOf,
+        );
+        const to = offsets[number] - start;
+        const length = geometryBytes + harmonicsBytes;
+        file.set(header, to);
+        file.set(payload.subarray(from, from + length), to + header.length);
+        from += length;
+      }
+      await put(file);
+      this.#report('blobs', 'written', offsets[firstNumber + firstBrick + count], offsets[shape.brickCount]);
+    }
+    await this.#remove(bricks);
+  }
+}
+
+/** Fragments of bricks whose splats are in several buckets. */
+class Seams {
+  readonly #facts: SceneFacts;
+  readonly #bricks = new Map<number, { readonly words: Uint32Array<ArrayBuffer>; missing: number }>();
+
+  constructor(facts: SceneFacts) {
+    this.#facts = facts;
+  }
+
+  /** Adds sorted records. Returns those of their brick if that is whole. */
+  add({ first, words }: { readonly first: number; readonly words: Uint32Array }) {
+    const width = recordWords(this.#facts.degree);
+    const brick = Math.floor(first / BRICK_LEAVES);
+    const start = brick * BRICK_LEAVES;
+    const size = Math.min(BRICK_LEAVES, this.#facts.splatCount - start);
+    const seam = this.#bricks.get(brick) ?? { words: new Uint32Array(size * width), missing: size };
+    seam.words.set(words, (first - start) * width);
+    seam.missing -= words.length / width;
+    this.#bricks.set(brick, seam);
+    if (seam.missing > 0) return null;
+    this.#bricks.delete(brick);
+    return { records: { run: runOf(size, this.#facts), words: seam.words }, first: start };
+  }
+}
+
+/** A run of records of the one form. */
+function runOf(count: number, { degree, origin }: SceneFacts): RecordRun {
+  const { shPrecision: precision } = BLOB_PRECISION;
+  const wordsPerSplat = shWordsPerSplat(degree, precision);
+  return { count, words: recordWords(degree), origin, harmonics: { degree, precision, wordsPerSplat } };
+}
+
+function blobWords({ degree }: SceneFacts): number {
+  return BLOB_WORDS + shWordsPerSplat(degree, BLOB_PRECISION.shPrecision);
+}
+
+function countOf(runs: readonly StoredRun[]): number {
+  return runs.reduce((sum, { run }) => sum + run.count, 0);
+}
+
+/** Runs as they follow, in batches of no more splats; runs of more are cut. */
+function* batchesOf(runs: readonly StoredRun[], most: number): Generator<StoredRun[], void, void> {
+  let batch: StoredRun[] = [];
+  let room = most;
+  for (const { run, at } of runs) {
+    for (let from = 0; from < run.count; ) {
+      const count = Math.min(room, run.count - from);
+      batch.push({ run: { ...run, count }, at: at + 4 * run.words * from });
+      from += count;
+      room -= count;
+      if (room > 0) continue;
+      yield batch;
+      batch = [];
+      room = most;
+    }
+  }
+  if (batch.length > 0) yield batch;
+}
+
+/**
+ * Puts neighbouring digits into buckets of no more splats, if possible.
+ *
+ * @returns the bucket of each digit, and the splats of each bucket.
+ */
+function bucketsOf(counts: Uint32Array, most: number): { buckets: Uint32Array<ArrayBuffer>; sizes: number[] } {
+  const buckets = new Uint32Array(counts.length);
+  const sizes = [0];
+  for (const [digit, count] of counts.entries()) {
+    const last = sizes.length - 1;
+    if (sizes[last] > 0 && sizes[last] + count > most) sizes.push(count);
+    else sizes[last] += count;
+    buckets[digit] = sizes.length - 1;
+  }
+  return { buckets, sizes };
+}
+
+/** Some splats of a set, in memory of their own. */
+function sliceOf(set: SplatSet<Harmonics>, from: number, to: number): SplatSet<Harmonics> {
+  const { harmonics } = set;
+  return {
+    ...set,
+    count: to - from,
+    positions: set.positions.slice(3 * from, 3 * to),
+    logScales: set.logScales.slice(3 * from, 3 * to),
+    rotations: set.rotations.slice(4 * from, 4 * to),
+    opacityLogits: set.opacityLogits.slice(from, to),
+    colorDc: set.colorDc.slice(3 * from, 3 * to),
+    harmonics: harmonicsBetween(harmonics, from, to),
+    fileIndices: new Uint32Array(to - from),
+    dropped: {},
+  };
+}
+
+function harmonicsBetween(harmonics: Harmonics, from: number, to: number): Harmonics {
+  if (isPacked(harmonics)) {
+    const { words, wordsPerSplat } = harmonics;
+    return { ...harmonics, words: words.slice(wordsPerSplat * from, wordsPerSplat * to) };
+  }
+  if (isPalette(harmonics))
+    return {
+      ...harmonics,
+      entries: harmonics.entries.slice(),
+      indices: harmonics.indices.slice(from, to),
+    };
+  const width = coefficientsPerSplat(harmonics.degree);
+  return { ...harmonics, coefficients: harmonics.coefficients.slice(width * from, width * to) };
+}
+
+/** Widens the bounds of cell `to` to hold those of cell `from`. */
+function widen(source: Float32Array, from: number, target: Float32Array, to: number, isFirst: boolean): void {
+  for (let k = 0; k < BOUNDS_WORDS; k++) {
+    const value = source[BOUNDS_WORDS * from + k];
+    const at = BOUNDS_WORDS * to + k;
+    const wider = k < 3 ? Math.min : Math.max;
+    target[at] = isFirst ? value : wider(target[at], value);
+  }
+}
+
+/** Where each brick begins in the file, and where the last one ends. */
+function offsetsOf(shape: BrickShape, levels: readonly WrittenLevel[]): Float64Array {
+  const offsets = new Float64Array(shape.brickCount + 1);
+  offsets[0] = FILE_HEADER_BYTES;
+  for (let number = 0; number < shape.brickCount; number++) {
+    const { level, first, end } = shape.cellsOf(number);
+    const [geometry, harmonics] = levels[level].sizes.subarray((2 * first) / CELL_CHILDREN);
+    offsets[number + 1] = offsets[number] + brickHeaderBytes(level, end - first) + geometry + harmonics;
+  }
+  return offsets;
+}
+
+/** What the header of a brick says about a cell. */
+function cellOf(shape: BrickShape, levels: readonly WrittenLevel[], level: number, cell: number) {
+  const { bounds, largestScales } = levels[level];
+  const [minX, minY, minZ, maxX, maxY, maxZ] = bounds.subarray(BOUNDS_WORDS * cell);
+  const own = {
+    bounds: { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] },
+    largestScale: largestScales[cell],
+  } as const;
+  if (level === 0) return { ...own, child: null, childErrors: [] };
+  const { errors } = levels[level - 1];
+  return {
+    ...own,
+    child: { number: shape.childOf(level, cell) },
+    childErrors: errors.subarray(CELL_CHILDREN * cell, CELL_CHILDREN * (cell + 1)),
+  };
+}
+
+function bytesOf({ buffer, byteOffset, byteLength }: Uint32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
+  return new Uint8Array(buffer, byteOffset, byteLength);
+}

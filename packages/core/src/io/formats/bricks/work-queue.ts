@@ -1,0 +1,53 @@
+import type { BrickResult, BrickTask } from './brick-tasks.ts';
+
+/** Has tasks done, some at once. */
+export class WorkQueue {
+  readonly #run: (task: BrickTask) => Promise<BrickResult>;
+  /** One more than can be done: its data are there when it begins. */
+  readonly #most: number;
+  readonly #underWay = new Set<Promise<void>>();
+  #failure: { readonly error: unknown } | undefined;
+
+  /** @param threads tasks that `run` does at once. */
+  constructor(run: (task: BrickTask) => Promise<BrickResult>, threads: number) {
+    this.#run = run;
+    this.#most = threads + 1;
+  }
+
+  /**
+   * Starts a task once there is room. Resolves then; `use` is given its result later.
+   *
+   * Rejects as the first task that failed, or `use`.
+   */
+  async start<Task extends BrickTask>(
+    task: Task,
+    use: (result: BrickResult<Task>) => Promise<void>,
+  ): Promise<void> {
+    while (this.#underWay.size >= this.#most) await Promise.race(this.#underWay);
+    this.#throwFailure();
+    const work = this.#run(task)
+      .then((result) => use(result as BrickResult<Task>))
+      .catch((error) => {
+        this.#failure ??= { error };
+      })
+      .then(() => {
+        this.#underWay.delete(work);
+      });
+    this.#underWay.add(work);
+  }
+
+  /** Resolves once all tasks are done. Rejects as `start`. */
+  async drain(): Promise<void> {
+    await this.end();
+    this.#throwFailure();
+  }
+
+  /** Resolves once no task is under way. */
+  async end(): Promise<void> {
+    while (this.#underWay.size > 0) await Promise.all(this.#underWay);
+  }
+
+  #throwFailure(): void {
+    if (this.#failure) throw this.#failure.error;
+  }
+}
