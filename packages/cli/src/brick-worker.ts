@@ -1,5 +1,6 @@
 /** A thread that does tasks of a `BrickWriter`, one at a time. */
 import { parentPort } from 'node:worker_threads';
+import { deflateSync } from 'node:zlib';
 import { type BrickResult, type BrickTask, runBrickTask } from '@websplatter/core/write';
 
 /** What a thread answers to a task. */
@@ -10,7 +11,7 @@ export type BrickAnswer =
 
 parentPort?.on('message', async (task: BrickTask) => {
   try {
-    const { result, buffers } = await runBrickTask(task);
+    const { result, buffers } = await runBrickTask(task, (bytes) => new Uint8Array(deflateSync(bytes)));
     parentPort?.postMessage({ result } satisfies BrickAnswer, [...buffers]);
   } catch (error) {
     // Errors lose their class where they are posted.

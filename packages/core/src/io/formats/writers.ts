@@ -4,7 +4,7 @@ import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
 import { givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
-import type { BrickResult, BrickTask } from './bricks/brick-tasks.ts';
+import type { BrickResult, BrickTask, PackZlib } from './bricks/brick-tasks.ts';
 import type { BrickWriter, BrickWriterOptions } from './bricks/brick-writer.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } from './write-format.ts';
@@ -50,13 +50,17 @@ export async function openBrickWriter(options: BrickWriterOptions = {}): Promise
  * Does a part of the work of a `BrickWriter`, in any thread: tasks and results can be posted, with
  * `buffers` in place of copies.
  *
+ * @param pack packs as zlib does at level 6, in this thread; by default streams of the platform do,
+ *   in others.
+ *
  * Rejects as the writer.
  */
 export async function runBrickTask(
   task: BrickTask,
+  pack?: PackZlib,
 ): Promise<{ readonly result: BrickResult; readonly buffers: readonly ArrayBuffer[] }> {
   const { buffersOf, runTask } = await import('./bricks/brick-tasks.ts');
-  const result = await runTask(task);
+  const result = await runTask(task, pack);
   return { result, buffers: [...buffersOf(result)] };
 }
 

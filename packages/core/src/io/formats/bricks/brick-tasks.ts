@@ -133,8 +133,13 @@ interface Results {
 /** What a task results in. */
 export type BrickResult<Task extends BrickTask = BrickTask> = Results[Task['kind']];
 
+/** Packs bytes as a zlib stream, at its usual level. */
+export type PackZlib = (
+  bytes: Uint8Array<ArrayBuffer>,
+) => Uint8Array<ArrayBuffer> | Promise<Uint8Array<ArrayBuffer>>;
+
 /** Does a part of the work of writing bricks, in any thread. Rejects as `BrickWriter`. */
-export async function runTask(task: BrickTask): Promise<BrickResult> {
+export async function runTask(task: BrickTask, pack: PackZlib = packZlib): Promise<BrickResult> {
   switch (task.kind) {
     case 'records':
       return recordsOf(task.set);
@@ -143,9 +148,9 @@ export async function runTask(task: BrickTask): Promise<BrickResult> {
     case 'divide':
       return divideRecords(task);
     case 'splats':
-      return bricksOfSplats(task);
+      return bricksOfSplats(task, pack);
     case 'blobs':
-      return bricksOfBlobs(task);
+      return bricksOfBlobs(task, pack);
   }
 }
 
@@ -184,7 +189,10 @@ function divideRecords(task: DivideTask): Results['divide'] {
   return { words, counts };
 }
 
-async function bricksOfSplats({ parts, facts, first, boundsStep }: SplatsTask): Promise<Results['splats']> {
+async function bricksOfSplats(
+  { parts, facts, first, boundsStep }: SplatsTask,
+  pack: PackZlib,
+): Promise<Results['splats']> {
   const { degree, frame, splatCount } = facts;
   const records = joinRecords(parts, facts);
   const width = recordWords(degree);
@@ -212,7 +220,7 @@ async function bricksOfSplats({ parts, facts, first, boundsStep }: SplatsTask): 
     const at = 3 * order[i - first];
     sampled.push(positions[at], positions[at + 1], positions[at + 2]);
   }
-  const maker = new BrickMaker(0, degree, chunkCountOf(to - from));
+  const maker = new BrickMaker(0, degree, chunkCountOf(to - from), pack);
   for (let start = from; start < to; start += BRICK_LEAVES) {
     const stop = Math.min(to, start + BRICK_LEAVES);
     await maker.addSplats(splatsOfRecords(records, order.subarray(start - first, stop - first), facts));
@@ -220,10 +228,10 @@ async function bricksOfSplats({ parts, facts, first, boundsStep }: SplatsTask): 
   return { ...maker.made(), first: from, fragments, samples: Float32Array.from(sampled) };
 }
 
-async function bricksOfBlobs(task: BlobsTask): Promise<BricksMade> {
+async function bricksOfBlobs(task: BlobsTask, pack: PackZlib): Promise<BricksMade> {
   const { level, degree, lastLeaves, bounds } = task;
   const cellCount = bounds.length / BOUNDS_WORDS;
-  const maker = new BrickMaker(level, degree, cellCount);
+  const maker = new BrickMaker(level, degree, cellCount, pack);
   for (let first = 0; first < cellCount; first += CELL_CHILDREN) {
     const end = Math.min(cellCount, first + CELL_CHILDREN);
     await maker.addBlobs(task, first, end, end === cellCount ? lastLeaves : CHUNK_SPLATS);
@@ -235,6 +243,7 @@ async function bricksOfBlobs(task: BlobsTask): Promise<BricksMade> {
 class BrickMaker {
   readonly #level: number;
   readonly #degree: ShDegree;
+  readonly #pack: PackZlib;
   readonly #turns = new Turns(undefined);
   readonly #merger = new CellMerger();
   readonly #parts: Uint8Array<ArrayBuffer>[] = [];
@@ -244,9 +253,10 @@ class BrickMaker {
   readonly #roots: Blobs;
   #cells = 0;
 
-  constructor(level: number, degree: ShDegree, cellCount: number) {
+  constructor(level: number, degree: ShDegree, cellCount: number, pack: PackZlib) {
     this.#level = level;
     this.#degree = degree;
+    this.#pack = pack;
     this.#bounds = new Float32Array(BOUNDS_WORDS * cellCount);
     this.#largestScales = new Float32Array(level === 0 ? cellCount : 0);
     this.#errors = new Uint16Array(cellCount);
@@ -332,8 +342,8 @@ class BrickMaker {
     const brick = { ...leavesOfBrick, level: this.#level, rows: new Uint32Array(0) };
     const degree = this.#degree;
     const packed = Promise.all([
-      packZlib(encodeGeometry(brick)),
-      degree > 0 ? packZlib(encodeHarmonics(brick, degree)) : NOTHING,
+      this.#pack(encodeGeometry(brick)),
+      degree > 0 ? this.#pack(encodeHarmonics(brick, degree)) : NOTHING,
     ]);
     // While other threads pack.
     for (const [i, { leafCount }] of brick.cells.entries()) {

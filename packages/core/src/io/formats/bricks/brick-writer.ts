@@ -57,6 +57,8 @@ const BUCKET_SPLATS = 1 << 18;
 const TASK_SPLATS = 1 << 17;
 /** Splats of a set that become records at once. */
 const SLICE_SPLATS = 1 << 15;
+/** Buckets of each thread, at least: none is to wait for the others. */
+const THREAD_BUCKETS = 4;
 /** Bricks of upper levels that are made at once. */
 const TASK_BRICKS = 8;
 
@@ -112,6 +114,7 @@ interface WrittenLevel {
 export class BrickWriter {
   readonly #makeFile: MakeTemporaryFile;
   readonly #bucketSplats: number;
+  readonly #threads: number;
   readonly #queue: WorkQueue;
   readonly #signal: AbortSignal | undefined;
   readonly #files = new Set<TemporaryFile>();
@@ -128,6 +131,7 @@ export class BrickWriter {
     const { makeFile = memoryFile, run = runTask, threads = 1, bucketSplats = BUCKET_SPLATS } = options;
     this.#makeFile = makeFile;
     this.#bucketSplats = bucketSplats;
+    this.#threads = threads;
     this.#signal = options.signal;
     this.#queue = new WorkQueue(run, threads);
   }
@@ -332,7 +336,8 @@ export class BrickWriter {
     take: (parts: readonly Records[], first: number) => Promise<void>,
   ): Promise<void> {
     const count = countOf(source.runs);
-    if (count <= this.#bucketSplats) {
+    const mostSplats = this.#mostSplats(facts);
+    if (count <= mostSplats) {
       const parts = await this.#read(source);
       if (depth === 0) await this.#remove(source.file);
       return take(parts, first);
@@ -341,7 +346,7 @@ export class BrickWriter {
     if (shift === undefined) {
       // All have one Morton code, and are in order.
       let next = first;
-      for (const runs of batchesOf(source.runs, this.#bucketSplats)) {
+      for (const runs of batchesOf(source.runs, mostSplats)) {
         await take(await this.#read({ ...source, runs }), next);
         next += countOf(runs);
       }
@@ -358,7 +363,7 @@ export class BrickWriter {
       });
     }
     await this.#queue.drain();
-    const { buckets, sizes } = bucketsOf(counts, this.#bucketSplats);
+    const { buckets, sizes } = bucketsOf(counts, mostSplats);
     const words = recordWords(facts.degree);
     const file = await this.#newFile(4 * words * count);
     const starts = new Float64Array(sizes.length);
@@ -400,6 +405,13 @@ export class BrickWriter {
       start += size;
     }
     await this.#remove(file);
+  }
+
+  /** Most splats of a bucket. */
+  #mostSplats({ splatCount }: SceneFacts): number {
+    if (this.#threads === 1) return this.#bucketSplats;
+    const share = Math.ceil(splatCount / (THREAD_BUCKETS * this.#threads));
+    return Math.min(this.#bucketSplats, Math.max(BRICK_LEAVES, share));
   }
 
   async #read({ file, runs }: StoredRecords): Promise<Records[]> {
