@@ -1,6 +1,14 @@
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
-import { existsSync, lstatSync, mkdirSync, readdirSync, readFileSync, symlinkSync } from 'node:fs';
+import {
+  existsSync,
+  lstatSync,
+  mkdirSync,
+  readdirSync,
+  readFileSync,
+  readlinkSync,
+  symlinkSync,
+} from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
 import { TestFolder } from './testing/test-folder.ts';
@@ -83,6 +91,78 @@ binTest('- is standard input and standard output, and the report is on standard 
   expect(drawn).toMatchObject({ status: 0, stdout: expect.stringMatching(/^ *1024\n$/) });
   expect(drawn.stderr).toMatch(/^-: 8×8, 3 of 3 splats, [^\n]+\n$/);
   expect(shell('"$0" "$1" info - < scene.ply', folder.path).stdout).toMatch(/^splats +3$/m);
+});
+
+binTest('a scene of unknown size becomes bricks on the disk, with the bytes of one in memory', () => {
+  const folder = new TestFolder();
+  folder.scene();
+  for (const edit of ['', '--translate 1,2,3 --scale 2 --sh 0']) {
+    const expected = shell(`"$0" "$1" convert scene.ply whole.bricks ${edit}`, folder.path);
+    expect(expected.status, expected.stderr).toBe(0);
+    const piped = shell(`"$0" "$1" convert - out.bricks ${edit} < scene.ply`, folder.path);
+    expect(piped.status, piped.stderr).toBe(0);
+    expect(readFileSync(folder.file('out.bricks'))).toEqual(readFileSync(folder.file('whole.bricks')));
+  }
+  expect(readdirSync(folder.path).sort()).toEqual(['out.bricks', 'scene.ply', 'whole.bricks']);
+});
+
+binTest('parts that two processes made become one scene in bricks', async () => {
+  const folder = new TestFolder();
+  const scene = folder.scene();
+  const halves = ['a', 'b'].map(async (name, i) => {
+    const crop = i === 0 ? '--crop=-9,-9,-9,0.5,9,9' : '--crop=0.50001,-9,-9,9,9,9';
+    const child = spawn(process.execPath, [bin, 'convert', scene, folder.file(`${name}.bricks`), crop]);
+    return (await once(child, 'exit'))[0];
+  });
+  expect(await Promise.all(halves)).toEqual([0, 0]);
+  // The size of standard input is not known, so that these are joined on the disk.
+  const joined = shell('"$0" "$1" convert a.bricks - all.bricks --merge < b.bricks', folder.path);
+  expect(joined.stdout).toContain('all.bricks: 3 splats');
+  expect(shell('"$0" "$1" info all.bricks', folder.path).stdout).toMatch(/^splats +3$/m);
+});
+
+binTest('bricks need a folder for temporary files, and something to write', () => {
+  const folder = new TestFolder();
+  folder.scene();
+  for (const [args, message] of [
+    [
+      '--temp no',
+      'no: cannot take temporary data: there is no such file or folder; make room, or name another',
+    ],
+    ['--crop=5,5,5,6,6,6', 'None of 3 splats is between 5, 5, 5 and 6, 6, 6'],
+  ]) {
+    const { status, stderr } = shell(`"$0" "$1" convert - out.bricks ${args} < scene.ply`, folder.path);
+    expect(status).toBe(2);
+    expect(stderr).toContain(message);
+  }
+  expect(readdirSync(folder.path)).toEqual(['scene.ply']);
+});
+
+unixTest('temporary files have no names, so that nothing is left of a killed process', async ({ skip }) => {
+  if (!existsSync('/proc/self/fd')) skip('no /proc here');
+  const folder = new TestFolder();
+  const ply = readFileSync(folder.scene());
+  const start = ply.indexOf('end_header\n') + 'end_header\n'.length;
+  const child = spawn(process.execPath, [bin, 'convert', '-', folder.file('out.bricks')]);
+  const ended = once(child, 'exit');
+  // Some of the rows that the header promises, enough for the first piece.
+  child.stdin.on('error', () => {});
+  child.stdin.write(ply.toString('latin1', 0, start).replace('vertex 3', 'vertex 900000'), 'latin1');
+  child.stdin.write(Buffer.concat(Array.from({ length: 20_000 }, () => ply.subarray(start))));
+  const fds = `/proc/${child.pid}/fd`;
+  const openFiles = () =>
+    readdirSync(fds).map((fd) => {
+      try {
+        return readlinkSync(`${fds}/${fd}`);
+      } catch {
+        return '';
+      }
+    });
+  await expect.poll(openFiles).toContainEqual(expect.stringContaining('.part (deleted)'));
+  expect(readdirSync(folder.path)).toEqual(['scene.ply']);
+  child.kill('SIGKILL');
+  expect(await ended).toEqual([null, 'SIGKILL']);
+  expect(readdirSync(folder.path)).toEqual(['scene.ply']);
 });
 
 unixTest('files that are open elsewhere are written into', () => {

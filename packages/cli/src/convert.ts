@@ -204,7 +204,13 @@ async function inBuckets(
       ? sets[0].isAntialiased
       : undefined;
     const content: PutContent = (put) => writer.finish(put, onFraction);
-    return { inputs, set: { count: writer.count, isAntialiased, fileFacts: undefined }, shDegree, content, end };
+    return {
+      inputs,
+      set: { count: writer.count, isAntialiased, fileFacts: undefined },
+      shDegree,
+      content,
+      end,
+    };
   } catch (error) {
     await end();
     throw error;

@@ -18,12 +18,7 @@ import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Brick, BrickAddress, BrickCell, BrickScene } from './brick.ts';
 import { BrickShape } from './brick-shape.ts';
 import { CellMerger } from './cell-merger.ts';
-import {
-  BLOB_WORDS,
-  blobReader,
-  SPLAT_WORDS,
-  splatReader,
-} from './leaf-reader.ts';
+import { BLOB_WORDS, blobReader, SPLAT_WORDS, splatReader } from './leaf-reader.ts';
 import { type Leaves, mergeCell } from './merge-cell.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;

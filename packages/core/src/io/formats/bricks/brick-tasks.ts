@@ -262,7 +262,9 @@ class BrickMaker {
     this.#errors = new Uint16Array(cellCount);
     this.#roots = {
       geometry: new Uint32Array(cellCount * CELL_ROOTS * BLOB_WORDS),
-      harmonics: new Uint32Array(cellCount * CELL_ROOTS * shWordsPerSplat(degree, BLOB_PRECISION.shPrecision)),
+      harmonics: new Uint32Array(
+        cellCount * CELL_ROOTS * shWordsPerSplat(degree, BLOB_PRECISION.shPrecision),
+      ),
     };
   }
 
@@ -302,7 +304,11 @@ class BrickMaker {
       this.#cell(first + i, first + i + 1 === end ? lastLeaves : CHUNK_SPLATS, [0, 0]),
     );
     const errors = task.childErrors.subarray(CELL_CHILDREN * first);
-    await this.#add({ cells, geometry, harmonics }, { read: blobReader(geometry), harmonics: packed }, errors);
+    await this.#add(
+      { cells, geometry, harmonics },
+      { read: blobReader(geometry), harmonics: packed },
+      errors,
+    );
   }
 
   made(): BricksMade {

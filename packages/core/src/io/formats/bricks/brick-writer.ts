@@ -1,5 +1,5 @@
-import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
+import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
@@ -448,11 +448,7 @@ export class BrickWriter {
   }
 
   /** Makes the bricks of the last of these levels from the roots of the one below. */
-  async #makeBlobs(
-    shape: BrickShape,
-    levels: readonly WrittenLevel[],
-    facts: SceneFacts,
-  ): Promise<void> {
+  async #makeBlobs(shape: BrickShape, levels: readonly WrittenLevel[], facts: SceneFacts): Promise<void> {
     const level = levels.length - 1;
     const [below, own] = [levels[level - 1], levels[level]];
     const belowCells = below.errors.length;
@@ -600,7 +596,10 @@ function* batchesOf(runs: readonly StoredRun[], most: number): Generator<StoredR
  *
  * @returns the bucket of each digit, and the splats of each bucket.
  */
-function bucketsOf(counts: Uint32Array, most: number): { buckets: Uint32Array<ArrayBuffer>; sizes: number[] } {
+function bucketsOf(
+  counts: Uint32Array,
+  most: number,
+): { buckets: Uint32Array<ArrayBuffer>; sizes: number[] } {
   const buckets = new Uint32Array(counts.length);
   const sizes = [0];
   for (const [digit, count] of counts.entries()) {

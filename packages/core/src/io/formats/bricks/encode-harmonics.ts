@@ -128,7 +128,9 @@ function componentOf(
   const axis = Int8Array.from(exact, (value) => Math.round((AXIS_STEPS * value) / largest));
   const axisLength = Math.sqrt(axis.reduce((sum, value) => sum + value * value, 0));
   const values = new Int16Array(count);
-  const alongs = projections(axis, rests, count);
+  // Numbers that need no conversion at each use.
+  const weights = Float64Array.from(axis);
+  const alongs = projections(weights, rests, count);
   let squares = 0;
   let isZero = true;
   for (let i = 0; i < count; i++) {
@@ -143,15 +145,14 @@ function componentOf(
   for (let i = 0; i < count; i++) {
     if (values[i] === 0) continue;
     const along = length * values[i];
-    for (let k = 0; k < width; k++) rests[i * width + k] -= along * axis[k];
+    for (let k = 0; k < width; k++) rests[i * width + k] -= along * weights[k];
   }
   return { axis, length, ...written(values) };
 }
 
 /** Of each leaf: the sum of its coefficients times an axis. */
-function projections(axis: Int8Array, rests: Float64Array, count: number): Float64Array {
-  const width = axis.length;
-  const weights = Float64Array.from(axis);
+function projections(weights: Float64Array, rests: Float64Array, count: number): Float64Array {
+  const width = weights.length;
   const sums = new Float64Array(count);
   let i = 0;
   // Four at a time, which is as quick as one: sums wait for each other.
