@@ -45,14 +45,14 @@ export interface BrickWriterOptions {
   readonly run?: (task: BrickTask) => Promise<BrickResult>;
   /** Tasks that `run` does at once; default 1. */
   readonly threads?: number;
-  /** Most splats that are sorted at once, at least 4,096; default 262,144. */
+  /** Most splats that are sorted at once, at least 4,096; default 65,536. */
   readonly bucketSplats?: number;
   /** Ends the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
 }
 
-/** About 100 bytes each: some tens of megabytes in each thread. */
-const BUCKET_SPLATS = 1 << 18;
+/** About 100 bytes each, and as much for the bricks that are made of them. */
+const BUCKET_SPLATS = 1 << 16;
 /** Splats of one task before they are sorted. */
 const TASK_SPLATS = 1 << 17;
 /** Splats of a set that become records at once. */
