@@ -78,6 +78,9 @@ type OnFraction = (fraction: number, index?: number) => void;
 
 /** Larger files are not held in memory, but read several times where source and format allow it. */
 const HELD_BYTES = 1 << 28;
+/** Threads that make bricks at once: each takes about 140 MB, and all together less than 2 GB. */
+const MOST_THREADS = 12;
+
 /** Larger scenes, and those whose size is not known, are divided into bricks by threads, on the disk. */
 const HELD_BRICKS_BYTES = 1 << 24;
 
@@ -165,10 +168,11 @@ async function inBuckets(
   options: ConvertOptions,
   onFraction: OnFraction,
 ): Promise<Result> {
-  const threads = new BrickThreads(availableParallelism());
+  const threadCount = Math.min(availableParallelism(), MOST_THREADS);
+  const threads = new BrickThreads(threadCount);
   const folder = new TemporaryFolder(options.temp ?? (await folderOf(options.out)));
   const { makeFile } = folder;
-  const writer = await openBrickWriter({ makeFile, run: threads.run, threads: availableParallelism() });
+  const writer = await openBrickWriter({ makeFile, run: threads.run, threads: threadCount });
   const end = async () => {
     await writer.end();
     await threads.end();

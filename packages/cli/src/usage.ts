@@ -46,7 +46,7 @@ websplatter convert IN … OUT [options]
   --temp FOLDER          where temporary files of .bricks lie, up to 208 bytes a splat; by default the folder of OUT
   --json                 prints splats, bytes and notes as JSON
   One scene of more than 256 MiB that becomes PLY or SPZ is read several times instead of held in memory. Scenes of
-  any size, also from standard input and with --merge, become .bricks on the disk, by as many threads as there are cores.
+  any size, also from standard input and with --merge, become .bricks on the disk, by a thread for each core, at most 12.
 
 websplatter split IN.bricks FOLDER
   cuts a file into pieces of 4 MiB, FOLDER/IN.bricks.000, .001 and so on, for servers that answer no range requests;

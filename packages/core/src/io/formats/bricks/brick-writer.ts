@@ -323,7 +323,7 @@ export class BrickWriter {
   }
 
   /**
-   * Divides records into buckets that can be sorted in memory, and hands these on in Morton order.
+   * Divides records into buckets that can be sorted in memory, and hands these on.
    *
    * @param depth digits by which they have been told apart already.
    * @param first number of the first splat in storage order.
@@ -354,15 +354,17 @@ export class BrickWriter {
     }
     const counts = new Uint32Array(MORTON_DIGITS);
     let done = 0;
+    const counting: { readonly done: Promise<void> }[] = [];
     for (const runs of batchesOf(source.runs, TASK_SPLATS)) {
       const parts = await this.#read({ ...source, runs });
-      await this.#queue.start({ kind: 'count', parts, facts, shift }, async (found) => {
+      const started = await this.#queue.start({ kind: 'count', parts, facts, shift }, async (found) => {
         for (let digit = 0; digit < counts.length; digit++) counts[digit] += found[digit];
         done += countOf(runs);
         if (depth === 0) this.#report(0, 'counted', done, count);
       });
+      counting.push(started);
     }
-    await this.#queue.drain();
+    await this.#queue.drain(counting);
     const { buckets, sizes } = bucketsOf(counts, mostSplats);
     const words = recordWords(facts.degree);
     const file = await this.#newFile(4 * words * count);
@@ -373,11 +375,12 @@ export class BrickWriter {
     const waiting = new Map<number, BrickResult<DivideTask>>();
     let [begun, placed] = [0, 0];
     done = 0;
+    const dividing: { readonly done: Promise<void> }[] = [];
     for (const runs of batchesOf(source.runs, TASK_SPLATS)) {
       const parts = await this.#read({ ...source, runs });
       const number = begun++;
       const task = { kind: 'divide', parts, facts, shift, buckets, bucketCount: sizes.length } as const;
-      await this.#queue.start(task, async (result) => {
+      const started = await this.#queue.start(task, async (result) => {
         waiting.set(number, result);
         const writes: Promise<void>[] = [];
         for (let ready = waiting.get(placed); ready; ready = waiting.get(placed)) {
@@ -395,15 +398,21 @@ export class BrickWriter {
         done += countOf(runs);
         if (depth === 0) this.#report('counted', 'divided', done, count);
       });
+      dividing.push(started);
     }
-    await this.#queue.drain();
+    await this.#queue.drain(dividing);
     if (depth === 0) await this.#remove(source.file);
     let start = first;
-    for (const [bucket, size] of sizes.entries()) {
-      const run = runOf(size, facts);
-      await this.#divide({ file, runs: [{ run, at: starts[bucket] }] }, facts, depth + 1, start, take);
+    const parts = sizes.map((size, bucket) => {
+      const part = { run: runOf(size, facts), at: starts[bucket], first: start };
       start += size;
-    }
+      return part;
+    });
+    // Several at once: one that is to be divided again keeps few threads busy.
+    const lanes = depth === 0 ? Math.ceil(this.#threads / 2) : 1;
+    await inLanes(lanes, parts, ({ first: own, ...run }) =>
+      this.#divide({ file, runs: [run] }, facts, depth + 1, own, take),
+    );
     await this.#remove(file);
   }
 
@@ -570,6 +579,24 @@ function blobWords({ degree }: SceneFacts): number {
 
 function countOf(runs: readonly StoredRun[]): number {
   return runs.reduce((sum, { run }) => sum + run.count, 0);
+}
+
+/** Calls `each` for all items in order, so many at once. Rejects as the first that fails, when none runs. */
+async function inLanes<Item>(
+  lanes: number,
+  items: readonly Item[],
+  each: (item: Item) => Promise<void>,
+): Promise<void> {
+  const failures: unknown[] = [];
+  const left = items.values();
+  const lane = async () => {
+    for (const item of left) {
+      if (failures.length > 0) return;
+      await each(item).catch((error) => failures.push(error));
+    }
+  };
+  await Promise.all(Array.from({ length: lanes }, lane));
+  if (failures.length > 0) throw failures[0];
 }
 
 /** Runs as they follow, in batches of no more splats; runs of more are cut. */

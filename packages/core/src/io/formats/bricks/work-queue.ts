@@ -15,14 +15,15 @@ export class WorkQueue {
   }
 
   /**
-   * Starts a task once there is room. Resolves then; `use` is given its result later.
+   * Starts a task once there is room. Resolves then; `use` is given its result later, before `done`
+   * resolves.
    *
    * Rejects as the first task that failed, or `use`.
    */
   async start<Task extends BrickTask>(
     task: Task,
     use: (result: BrickResult<Task>) => Promise<void>,
-  ): Promise<void> {
+  ): Promise<{ readonly done: Promise<void> }> {
     while (this.#underWay.size >= this.#most) await Promise.race(this.#underWay);
     this.#throwFailure();
     const work = this.#run(task)
@@ -34,11 +35,12 @@ export class WorkQueue {
         this.#underWay.delete(work);
       });
     this.#underWay.add(work);
+    return { done: work };
   }
 
-  /** Resolves once all tasks are done. Rejects as `start`. */
-  async drain(): Promise<void> {
-    await this.end();
+  /** Resolves once these tasks are done; without any, once all are. Rejects as `start`. */
+  async drain(tasks?: readonly { readonly done: Promise<void> }[]): Promise<void> {
+    await (tasks ? Promise.all(tasks.map(({ done }) => done)) : this.end());
     this.#throwFailure();
   }
 
