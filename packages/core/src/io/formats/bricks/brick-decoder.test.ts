@@ -18,6 +18,7 @@ beforeEach(() => {
   FakeWorker.started = [];
   FakeWorker.requests = [];
   vi.stubGlobal('Worker', FakeWorker);
+  vi.stubGlobal('navigator', { hardwareConcurrency: 2 });
 });
 
 afterEach(() => {
@@ -48,6 +49,27 @@ describe('bricks that a worker decodes', () => {
     vi.stubGlobal('Worker', undefined);
     expect(await allBricks(await open())).toEqual(bricks);
     expect(FakeWorker.requests).toHaveLength(scene.brickCount);
+  });
+
+  test('are spread over no more workers than cores are left, and no more than four', async () => {
+    for (const [cores, workers] of [
+      [1, 1],
+      [2, 1],
+      [3, 2],
+      [64, 4],
+    ]) {
+      vi.stubGlobal('navigator', { hardwareConcurrency: cores });
+      FakeWorker.started = [];
+      const scene = await open();
+      await scene.read(scene.root);
+      expect(FakeWorker.started).toHaveLength(1);
+      const reads = Array.from({ length: 8 }, () => scene.read(scene.root));
+      const bricks = await Promise.all(reads);
+      for (const brick of bricks) expect(brick).toEqual(bricks[0]);
+      expect(FakeWorker.started).toHaveLength(workers);
+      scene.end();
+      expect(FakeWorker.started.filter(({ isTerminated }) => isTerminated)).toHaveLength(workers);
+    }
   });
 
   test.each(['throws', 'does not start'] as const)(

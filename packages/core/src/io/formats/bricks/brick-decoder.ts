@@ -8,6 +8,8 @@ import { endWorker } from '../../loading/try-worker.ts';
 import type { BrickFile } from './decode-brick.ts';
 import type { BrickReply, BrickRequest } from './serve-bricks.ts';
 
+/** Workers of a scene, at most: more decode faster than bricks are fetched and placed. */
+const MOST_WORKERS = 4;
 /** Longest that the calling thread is kept busy at a time: frames are drawn meanwhile. */
 const MAX_BUSY_MS = 4;
 
@@ -18,10 +20,38 @@ interface Wait {
 }
 
 /**
- * Decodes the bricks of a scene: in a worker where one can start, else on the calling thread. The
+ * Decodes the bricks of a scene in one worker, and in others where bricks would wait for it and
+ * there are cores for them. Arguments and errors are those of `BrickDecoder`.
+ */
+export class BrickDecoders {
+  readonly #all: BrickDecoder[];
+  readonly #sceneName: string;
+  readonly #most = Math.min(MOST_WORKERS, (globalThis.navigator?.hardwareConcurrency ?? 1) - 1);
+
+  constructor(sceneName: string) {
+    this.#sceneName = sceneName;
+    this.#all = [new BrickDecoder(sceneName)];
+  }
+
+  decode(...brick: Parameters<BrickDecoder['decode']>): Promise<Brick> {
+    let decoder = this.#all.reduce((least, each) => (each.waiting < least.waiting ? each : least));
+    if (decoder.waiting > 0 && this.#all.length < this.#most) {
+      decoder = new BrickDecoder(this.#sceneName);
+      this.#all.push(decoder);
+    }
+    return decoder.decode(...brick);
+  }
+
+  end(): void {
+    for (const decoder of this.#all) decoder.end();
+  }
+}
+
+/**
+ * Decodes bricks of a scene: in a worker where one can start, else on the calling thread. The
  * worker starts at once, and ends with `end`.
  */
-export class BrickDecoder {
+class BrickDecoder {
   readonly #ending = new AbortController();
   readonly #waits = new Map<number, Wait>();
   /** Null where none can start, and before it runs. */
@@ -35,6 +65,11 @@ export class BrickDecoder {
   constructor(sceneName: string) {
     this.#sceneName = sceneName;
     this.#starting = this.#start();
+  }
+
+  /** Bricks that it has not decoded yet. */
+  get waiting(): number {
+    return this.#waits.size;
   }
 
   /**

@@ -5,7 +5,7 @@ import { wrongArgument } from '../../../data/given.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { BrickDecoder } from './brick-decoder.ts';
+import { BrickDecoders } from './brick-decoder.ts';
 import { checkNested } from './brick-header.ts';
 import { brickHeaderBytes, mostBrickBytes } from './bricks-layout.ts';
 import { readFileHeader } from './file-header.ts';
@@ -25,17 +25,17 @@ export async function openBricks(
   source: SplatSource,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
 ): Promise<BrickScene> {
-  const decoder = new BrickDecoder(options.name ?? sourceName(source));
+  const decoders = new BrickDecoders(options.name ?? sourceName(source));
   try {
-    return await openWith(decoder, source, options);
+    return await openWith(decoders, source, options);
   } catch (error) {
-    decoder.end();
+    decoders.end();
     throw error;
   }
 }
 
 async function openWith(
-  decoder: BrickDecoder,
+  decoders: BrickDecoders,
   source: SplatSource,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
 ): Promise<BrickScene> {
@@ -74,7 +74,7 @@ async function openWith(
       const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
       throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
     }
-    const brick = await decoder.decode(bytes, address, { name, splatCount, shDegree }, signal);
+    const brick = await decoders.decode(bytes, address, { name, splatCount, shDegree }, signal);
     const parent = above.get(address);
     if (parent) checkNested(brick, parent, address, name);
     for (const cell of brick.cells) {
@@ -84,7 +84,7 @@ async function openWith(
     }
     return brick;
   };
-  const end = () => decoder.end();
+  const end = () => decoders.end();
   check(header.root);
   const { isAntialiased, origin, bounds, robustBounds, root } = header;
   return {
