@@ -1,6 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
-import { JsonFields } from './json-fields.ts';
+import { JsonFields } from '../json-fields.ts';
 
 /** Splats of a file, one after another. */
 export interface Run {
@@ -43,7 +43,7 @@ export function isStreamedMeta(json: unknown): boolean {
  * @throws SplatFileError 'bad-header', 'damaged', 'too-large'; 'unknown-format' for later versions
  */
 export function finestLevel(json: unknown, file: string): { files: LevelFile[]; notes: string[] } {
-  const meta = new JsonFields(json, '', file);
+  const meta = new JsonFields(json, '', file, 'metadata of SOG');
   const version = meta.get('version');
   if (version !== undefined && version !== 1) {
     const message = `it is streamed SOG of version ${shown(version)}; version 1 is read.`;

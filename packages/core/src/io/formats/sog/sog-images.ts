@@ -4,8 +4,8 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
+import type { PartReader, UncheckedPart } from '../part-reader.ts';
 import { type Run, splatsOf } from './finest-level.ts';
-import type { PartReader, UncheckedPart } from './part-reader.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 

@@ -3,7 +3,7 @@ import { shown } from '../../../data/printable.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
-import { JsonFields } from './json-fields.ts';
+import { JsonFields } from '../json-fields.ts';
 
 /** Values of a channel's bytes, as in the row of a splat. */
 export type ByteValues = Float32Array;
@@ -47,7 +47,7 @@ export interface SogHarmonics {
  * @throws SplatFileError 'bad-header'; 'unknown-format' for other versions
  */
 export function parseSogMeta(json: unknown, file: string): SogMeta {
-  const meta = new JsonFields(json, '', file);
+  const meta = new JsonFields(json, '', file, 'metadata of SOG');
   const version = meta.get('version');
   if (version !== undefined && version !== 2) {
     const message = `it is SOG of version ${shown(version)}; versions 1 and 2 are read. Export the scene again.`;

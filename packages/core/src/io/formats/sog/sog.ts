@@ -6,11 +6,11 @@ import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
 import { parseJson } from '../parse-json.ts';
+import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { finestLevel, isStreamedMeta, type Run, splatsOf } from './finest-level.ts';
-import { PartReader } from './part-reader.ts';
 import {
   ImageBudget,
   imageNames,

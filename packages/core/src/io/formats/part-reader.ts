@@ -1,10 +1,10 @@
-import { SplatFileError } from '../../../data/errors.ts';
-import { shown } from '../../../data/printable.ts';
-import { checkSize, limitsOf } from '../../sources/read-limits.ts';
-import { openPart, readOpenedPart } from '../../sources/read-part.ts';
-import type { UncheckedBytes } from '../../sources/splat-source.ts';
-import type { ReadProgress } from '../progress.ts';
-import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { SplatFileError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
+import { checkSize, limitsOf } from '../sources/read-limits.ts';
+import { openPart, readOpenedPart } from '../sources/read-part.ts';
+import type { UncheckedBytes } from '../sources/splat-source.ts';
+import type { ReadProgress } from './progress.ts';
+import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
 
 /** Far above the limit of any file system, and short enough for a message. */
 const MOST_PATH = 1024;

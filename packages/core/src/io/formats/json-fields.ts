@@ -1,5 +1,5 @@
-import { SplatFileError } from '../../../data/errors.ts';
-import { shown } from '../../../data/printable.ts';
+import { SplatFileError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
 
 /** Characters of the end of a place that messages name. */
 const MOST_PATH = 200;
@@ -10,8 +10,11 @@ export class JsonFields {
   /** Of this object within the file, with a dot at its end. */
   readonly #path: string;
   readonly #file: string;
+  readonly #what: string;
 
-  constructor(json: unknown, path: string, file: string) {
+  /** @param what the JSON is of, for messages: `metadata of SOG`. */
+  constructor(json: unknown, path: string, file: string, what: string) {
+    this.#what = what;
     this.#path = path.length <= MOST_PATH ? path : `…${path.slice(-MOST_PATH)}`;
     this.#file = file;
     if (typeof json !== 'object' || json === null || Array.isArray(json))
@@ -28,7 +31,7 @@ export class JsonFields {
   }
 
   fields(name: string): JsonFields {
-    return new JsonFields(this.get(name), `${this.#path}${name}.`, this.#file);
+    return new JsonFields(this.get(name), `${this.#path}${name}.`, this.#file, this.#what);
   }
 
   number(name: string): number {
@@ -61,7 +64,9 @@ export class JsonFields {
   list(name: string): JsonFields[] {
     const value = this.get(name);
     if (!Array.isArray(value)) return this.fail(name, 'a list');
-    return value.map((each, i) => new JsonFields(each, `${this.#path}${name}[${i}].`, this.#file));
+    return value.map(
+      (each, i) => new JsonFields(each, `${this.#path}${name}[${i}].`, this.#file, this.#what),
+    );
   }
 
   keys(): string[] {
@@ -74,8 +79,8 @@ export class JsonFields {
 
   #fail(property: string, value: unknown, expected: string): never {
     const found = value === undefined ? 'missing' : shown(typeof value === 'string' ? `"${value}"` : value);
-    const what = property === '' ? 'it' : property;
-    const message = `it is no metadata of SOG: ${what} is ${found}; it must be ${expected}.`;
+    const place = property === '' ? 'it' : property;
+    const message = `it is no ${this.#what}: ${place} is ${found}; it must be ${expected}.`;
     throw new SplatFileError('bad-header', this.#file, message, property === '' ? {} : { property });
   }
 }
