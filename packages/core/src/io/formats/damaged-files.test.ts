@@ -7,6 +7,7 @@ import { Choices, fuzz } from '../../testing/fuzz.ts';
 import { glbBytes, glbOfSpz, gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
 import { type KsplatLevel, ksplatBytes, randomSections } from '../../testing/ksplat-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
+import { radBytes, radFiles, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { checkDrawable, damagedBytes } from '../../testing/read-damaged.ts';
 import { droppedFiles, type SogFixture, sogExample, sogFiles } from '../../testing/sog-fixture.ts';
@@ -133,6 +134,16 @@ const KINDS: Readonly<Record<string, Kind>> = {
     format: 'splat',
     name: 'scene.splat',
     filesOf: (count) => ({ inner: splatRows(count) }),
+  },
+  '.rad': {
+    format: 'rad',
+    // Its leaves are somewhat more than half of its nodes.
+    filesOf: (count) => ({ inner: radBytes(randomNodes(2 * count, 1, true), { degree: 1, chunkSize: 100 }) }),
+  },
+  '.rad in several files': {
+    format: 'rad',
+    filesOf: (count) =>
+      radFiles(randomNodes(2 * count, 1, true), { degree: 1, chunkSize: 100, paletteSize: 2 }, 'a/'),
   },
   '.bricks': {
     format: 'bricks',

@@ -6,7 +6,18 @@ import { ALL_READERS } from './readers.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 
 test('people are told of common formats first, and of archives last', () => {
-  expect(FORMAT_TITLES).toEqual(['PLY', 'SPZ', 'SOG', 'glTF', '.splat', '.ksplat', '.bricks', 'zip', 'gzip']);
+  expect(FORMAT_TITLES).toEqual([
+    'PLY',
+    'SPZ',
+    'SOG',
+    'glTF',
+    '.rad',
+    '.splat',
+    '.ksplat',
+    '.bricks',
+    'zip',
+    'gzip',
+  ]);
 });
 
 /** Rows of a table of docs/formats.md, without its head. */
@@ -41,6 +52,7 @@ test.each([
   ['ply', 'ply\nformat ascii 1.0\n'],
   ['spz', 'NGSP\x04\0\0\0'],
   ['gltf', 'glTF\x02\0\0\0'],
+  ['rad', 'RAD0\x02\0\0\0{}'],
   ['splat', '\xff'.repeat(32)],
 ])('first bytes of %s count for more than the name of a .splat', (name, text) => {
   const firstBytes = Buffer.from(text, 'latin1');

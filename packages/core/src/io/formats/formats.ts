@@ -5,6 +5,7 @@ import { gzipFormat } from './gzip/gzip-format.ts';
 import { ksplatFormat } from './ksplat/ksplat-format.ts';
 import { plyFormat } from './ply/ply-format.ts';
 import { plyPointsFormat } from './ply-points/ply-points-format.ts';
+import { radFormat } from './rad/rad-format.ts';
 import { sogFormat } from './sog/sog-format.ts';
 import { splatFormat } from './splat/splat-format.ts';
 import type { SplatFormat } from './splat-format.ts';
@@ -23,6 +24,7 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = [
   spzFormat,
   sogFormat,
   gltfFormat,
+  radFormat,
   // By its name only: it leaves files that others know by their first bytes to those below.
   splatFormat,
   ksplatFormat,

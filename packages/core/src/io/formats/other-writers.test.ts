@@ -214,3 +214,31 @@ test('a .ksplat that GaussianSplats3D wrote from a PLY of ours holds the same sp
   // Those from 1/4 to 1/2 are multiples of 2^-12.
   expectWithin(worst.harmonics, 2 ** -12);
 });
+
+describe.each([2, 3] as const)('a .rad of degree %i that Spark made of a PLY of ours', (degree) => {
+  test('holds the same splats as its leaves, within the steps of its bytes', async () => {
+    const bytes = readFileSync(new URL(`../../testing/fixtures/degree-${degree}-lod.rad`, import.meta.url));
+    const header = bytes.subarray(0, 1000).toString('latin1');
+    const of = (name: string) => Number(new RegExp(`"${name}": (.*),`).exec(header)![1]);
+    const [rgbMin, rgbMax] = [of('rgbMin'), of('rgbMax')];
+    const clamp = (value: number, min: number, max: number) => Math.max(min, Math.min(max, value));
+    // Its writer cuts off a hundredth of all colours at either end.
+    const plain = fixtureSplats(degree);
+    const colorDc = plain.colorDc.map((dc) => (clamp(dc * SH_C0 + 0.5, rgbMin, rgbMax) - 0.5) / SH_C0);
+    const set = await readFixture(`degree-${degree}-lod.rad`);
+    expect(set).toMatchObject({ harmonics: { degree }, fileFacts: { format: 'rad' } });
+    expect(of('count')).toBeGreaterThan(set.count);
+    const { worst, mean, angle } = errorsOf(set, { ...plain, colorDc });
+    expectWithin(worst.position, 0);
+    // Steps of 21/254 of log scales, and of 1/255 of the range of colours, which were halves before.
+    expectWithin(worst.logScale, 21 / 254 / 2 + 2 ** -9);
+    expectWithin(worst.colorDc, ((rgbMax - rgbMin) / 255 / 2 + 2 ** -11) / SH_C0);
+    // Bytes from 0 to 2 in one of them, halves in the other.
+    expectWithin(worst.opacity, 1 / 255 + 2 ** -12);
+    // An axis of two bytes and an angle of one.
+    expect(angle).toBeLessThanOrEqual(2 * (Math.sqrt(18) / 255 + Math.PI / 255 / 4));
+    // Bytes from -1 to 1; or of clusters, for which there is no bound.
+    if (degree === 2) expectWithin(worst.harmonics, 0.5 / 127 + 2 ** -10);
+    else expectWithin(mean.harmonics, 0.05);
+  });
+});

@@ -2,6 +2,7 @@ import { expect, test } from 'vitest';
 import { WebSplatterError } from '../../data/errors.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
 import { type AnyJson, glbOfText, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
+import { chunkBytes, radOfTexts, radScene, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { checkDrawable } from '../../testing/read-damaged.ts';
 import { droppedFiles, sogExample, sogFiles } from '../../testing/sog-fixture.ts';
@@ -138,7 +139,36 @@ function gltfScene(choices: Choices): Scene {
   return { json, source: encoded };
 }
 
-const SCENES = { 'meta.json': sogScene, 'lod-meta.json': streamedScene, glTF: gltfScene };
+/** .rad: the header of the scene, or of one of its chunks. */
+function radSceneOf(choices: Choices): Scene {
+  const isTree = choices.isTrue(0.7);
+  const nodes = randomNodes(8 + choices.below(20), 1, isTree, choices.below(100));
+  const palette = choices.isTrue(0.3) ? { paletteSize: 4 } : {};
+  const { header, chunks } = radScene(nodes, { degree: 1, isTree, chunkSize: 8, ...palette });
+  const encodedChunks = (changed?: number, text = '') =>
+    chunks.map(({ json, payload }, i) => chunkBytes(i === changed ? text : JSON.stringify(json), payload));
+  if (choices.isTrue(0.5))
+    return {
+      json: { ...header, ...maybe(choices, { comment: 'a test', splatEncoding: { rgbMin: 0 } }) },
+      source: (text) => radOfTexts(text, encodedChunks()),
+    };
+  const changed = choices.below(chunks.length);
+  return {
+    json: chunks[changed].json,
+    source: (text) => {
+      const parts = encodedChunks(changed, text);
+      let end = 0;
+      const places = parts.map(({ length }) => {
+        const offset = end;
+        end += length;
+        return { offset, bytes: length };
+      });
+      return radOfTexts(JSON.stringify({ ...header, chunks: places }), parts);
+    },
+  };
+}
+
+const SCENES = { 'meta.json': sogScene, 'lod-meta.json': streamedScene, glTF: gltfScene, '.rad': radSceneOf };
 /** Of one processor, ms, for a text of this length: parsing alone takes a share of both. */
 const mostTimeMs = (characters: number) => 250 + characters / 5000;
 

@@ -1,0 +1,69 @@
+import { SplatFileError } from '../../../data/errors.ts';
+import { readExactly } from '../../sources/read-exactly.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import { checkCount } from '../check-count.ts';
+import { PartReader } from '../part-reader.ts';
+import { ReadProgress } from '../progress.ts';
+import type { ReadFormat } from '../splat-format.ts';
+import { SplatSetBuilder } from '../splat-set-builder.ts';
+import { LeafReader } from './leaf-reader.ts';
+import { RadChunk } from './rad-chunk.ts';
+import { readRadHeader } from './rad-header.ts';
+
+/**
+ * Reads the finest level of a `.rad`, version 1: the nodes without children. A splat's row is its
+ * node's place in the scene.
+ *
+ * A file has 'RAD0', the length of its JSON, that JSON, and chunks of nodes, or the names of files
+ * with one each. A chunk has 'RADC', the length of its JSON, that JSON, the length of the rest, and
+ * columns, each packed by itself as raw deflate, which the JSON calls `gz`. Parts are padded to 8
+ * bytes. Values are decoded as Spark does, but opacities above 1, which only nodes with children
+ * have, but for rounding: they are 1.
+ *
+ * Rejects with `SplatFileError`: 'bad-property' for encodings that version 1 has not,
+ * 'unknown-format' for other versions; 'bad-header', 'damaged', 'truncated', 'missing-part',
+ * 'too-large', 'empty'; and as `openPart`.
+ */
+export const read: ReadFormat = async (input, options) => {
+  const { name: file } = input;
+  const { shPrecision, onPiece, maxSplats, maxBytes } = options;
+  const header = await readRadHeader(input);
+  const { count, shDegree, isTree, chunks } = header;
+  if (!isTree) checkCount(count, file, maxSplats);
+  const progress = new ReadProgress(input, options.onProgress);
+  const parts = new PartReader(input, options, progress);
+  const partCount = chunks.filter(({ path }) => path !== null).length;
+  if (partCount > 0) parts.expect(partCount);
+  const builder = new SplatSetBuilder({
+    ...{ file, shDegree, shPrecision, onPiece, fileFacts: { format: 'rad' } },
+    widePositions: false,
+    promisedCount: count,
+    isHeld: false,
+  });
+  const leaves = new LeafReader(header, builder, file, maxSplats, async () => {
+    progress.report(builder.count);
+    await builder.handOn();
+    await input.reader.pause();
+  });
+  let packedBytes = 0;
+  let unpackedBytes = 0;
+  const checkUnpacked = (byteCount: number) => {
+    unpackedBytes += byteCount;
+    const limit = unpackedLimit({ maxBytes }, { totalBytes: packedBytes });
+    if (unpackedBytes <= limit) return;
+    const message = `it unpacks to ${unpackedBytes} bytes or more, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
+    throw new SplatFileError('too-large', file, message);
+  };
+  for (const [i, place] of chunks.entries()) {
+    const what = place.path ?? `chunk ${i}`;
+    const bytes =
+      place.path === null ? await readExactly(input, place.bytes, what) : await parts.read(place.path);
+    packedBytes += bytes.length;
+    const chunk = new RadChunk(bytes, place, `${file}, ${what}`, checkUnpacked);
+    await leaves.read(chunk, place.base, place.count);
+    progress.report(builder.count);
+  }
+  leaves.finish();
+  progress.finish(builder.count);
+  return builder.finish();
+};
