@@ -443,6 +443,11 @@ export class SplatEngine {
     return [...this.#views].toSorted((a, b) => b.drawnAs - a.drawnAs)[0];
   }
 
+  /** The clouds that the engine holds, oldest first. */
+  get clouds(): readonly SplatCloud[] {
+    return [...this.#clouds];
+  }
+
   /** GPU memory that the engine holds now. */
   memory(): EngineMemory {
     const clouds = [...this.#clouds].map((cloud) => ({

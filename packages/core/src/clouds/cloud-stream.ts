@@ -28,6 +28,10 @@ export interface StreamReport {
   /** Parts that are being fetched, and bytes of those that were. */
   readonly fetching: number;
   readonly fetchedBytes: number;
+  /** Of the last two seconds; 0 while nothing is being fetched. */
+  readonly bytesPerSecond: number;
+  /** Whether all that views need is there, as far as there is room; false before a view shows it. */
+  readonly isComplete: boolean;
   /**
    * Why the last fetch failed; null where none has. What is there stays, and nothing more is fetched
    * until `retry`, or, after a SplatSourceError, until the browser is online again.
@@ -38,15 +42,20 @@ export interface StreamReport {
 /** Brings what views need of a scene to the GPU. */
 export interface CloudStream {
   report(): StreamReport;
+  /**
+   * Calls `listener` each time that the report may have changed, which is as often as views draw.
+   * Returns a function that ends this; the end of the cloud does, too.
+   */
+  subscribe(listener: () => void): () => void;
   /** Fetches again what could not be. Of a file that has changed on its server, that fails again. */
   retry(): void;
   /** @internal Settles when nothing is missing that there is room for; null if nothing is. */
   readonly complete: Promise<void> | null;
   /**
-   * @internal Says how a view sees the scene, once for each time that it shows it. `redraw` is called
-   *   when that changes; the next call waits for its promise.
+   * @internal Says how a view sees the scene, once for each time that it shows it; null while that
+   *   is not known. `redraw` is called when that changes; the next call waits for its promise.
    */
-  see(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void;
+  see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
   /** @internal The view shows the scene no longer. */
   leave(view: object): void;
   /** @internal What is on the GPU stays as it is until `until` settles. */

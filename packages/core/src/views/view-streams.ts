@@ -11,7 +11,7 @@ export class ViewStreams {
    * Tells the streams of a frame's clouds how these are seen.
    *
    * @param reachedPx error that a budget of this detail led to last; null before that is known, and
-   *   then nothing more is fetched.
+   *   then what the view needs is not known either.
    */
   see({ clouds, detail, budget }: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
     const askedPx = cutErrorPx(detail, clouds);
@@ -24,8 +24,8 @@ export class ViewStreams {
     }
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());
-    if (budget && reachedPx === null) return;
-    for (const [stream, seen] of sights) stream.see(this, seen, redraw);
+    const isUnknown = budget && reachedPx === null;
+    for (const [stream, seen] of sights) stream.see(this, isUnknown ? null : seen, redraw);
   }
 
   /** Whether the last frame showed any. */

@@ -14,6 +14,7 @@ import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
+import type { StreamReport } from '../cloud-stream.ts';
 import { makeRayTree } from '../rays.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { slotBytes } from './brick-pool.ts';
@@ -160,6 +161,43 @@ describe('a streamed scene', () => {
     other.destroy();
   });
 
+  gpuTest('tells what it fetches, and when views have all that they need', async () => {
+    const { when, give } = signalOf();
+    const cloud = await engine.stream({
+      ...scene,
+      read: async (address, signal) => {
+        if (address.number > 0) await when;
+        return scene.read(address, signal);
+      },
+    });
+    const { stream } = cloud;
+    expect(engine.clouds).toContain(cloud);
+    expect(stream!.report()).toMatchObject({ isComplete: false, bytesPerSecond: 0 });
+    const seen: StreamReport[] = [];
+    const stop = stream!.subscribe(() => seen.push(stream!.report()));
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    expect(seen.at(-1)).toMatchObject({ isComplete: false, missingBricks: 1, fetching: 1 });
+    give();
+    await view.whenComplete();
+    expect(seen.some(({ bytesPerSecond }) => bytesPerSecond > 0)).toBe(true);
+    expect(seen.at(-1)).toMatchObject({ isComplete: true, missingBricks: 0, bytesPerSecond: 0 });
+    const before = seen.length;
+    stop();
+    // What a budget needs is known once a frame has been measured.
+    const budget = { detail: { maxSplats: 600 } };
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE, ...budget });
+    expect(stream!.report()).toMatchObject({ isComplete: false, missingBricks: 0 });
+    await view.whenComplete();
+    expect(stream!.report().isComplete).toBe(true);
+    expect(seen).toHaveLength(before);
+    stream!.subscribe(() => seen.push(stream!.report()));
+    cloud.destroy();
+    expect(seen.at(-1)).toMatchObject({ isComplete: false });
+    expect(engine.clouds).not.toContain(cloud);
+    view.destroy();
+  });
+
   gpuTest('tells a part that cannot be read, draws what is there, and goes on when called', async () => {
     let isBroken = true;
     const broken: BrickScene = {
@@ -173,7 +211,10 @@ describe('a streamed scene', () => {
     const { data, report } = await drawComplete(cloud);
     expect(data.some((value) => value > 0.1)).toBe(true);
     expect(report.missing).toBeGreaterThan(0);
-    expect(cloud.stream!.report().error).toBeInstanceOf(SplatSourceError);
+    expect(cloud.stream!.report()).toMatchObject({
+      error: expect.any(SplatSourceError),
+      isComplete: false,
+    });
     isBroken = false;
     const view = engine.createView();
     view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });

@@ -9,6 +9,8 @@ import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 const FETCHED_AT_ONCE = 4;
 /** Bricks that may wait in memory, a few hundred kilobytes each, while what is there must not change. */
 const MOST_ARRIVED = 32;
+/** Time over which bytes per second are counted. */
+const RATE_WINDOW_MS = 2000;
 
 interface Fetch {
   readonly above: PlacedCell;
@@ -21,6 +23,8 @@ interface Fetch {
 
 interface Viewer {
   readonly sights: readonly CloudSight[];
+  /** Whether these are of its last frame. */
+  readonly isCurrent: boolean;
   readonly redraw: () => Promise<unknown>;
 }
 
@@ -33,6 +37,7 @@ export class BrickStream implements CloudStream {
   readonly #pool: BrickPool;
   readonly #root: PlacedBrick;
   readonly #viewers = new Map<object, Viewer>();
+  readonly #listeners = new Set<() => void>();
   /** What the viewers want; null until it is asked for. */
   #known: BrickDemand | null = null;
   /** Views that are drawing what has changed, and those that are to draw it once more. */
@@ -45,6 +50,10 @@ export class BrickStream implements CloudStream {
   #missing: readonly LackingBrick[] = [];
   #refused = 0;
   #fetchedBytes: number;
+  /** Bricks of the last seconds, oldest first. */
+  #arrivals: readonly { readonly atMs: number; readonly bytes: number }[] = [];
+  /** When fetching began, after nothing was being fetched. */
+  #busySinceMs = 0;
   #error: Error | null = null;
   #isEnded = false;
   readonly #onOnline = () => {
@@ -67,10 +76,18 @@ export class BrickStream implements CloudStream {
     return this.#wait?.complete ?? null;
   }
 
-  see(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void {
-    this.#viewers.set(view, { sights, redraw });
+  see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
+    const before = this.#viewers.get(view)?.sights ?? [];
+    this.#viewers.set(view, { sights: sights ?? before, isCurrent: sights !== null, redraw });
     this.#known = null;
     this.#follow();
+  }
+
+  subscribe(listener: () => void): () => void {
+    // Each call has an entry of its own.
+    const entry = () => listener();
+    this.#listeners.add(entry);
+    return () => this.#listeners.delete(entry);
   }
 
   leave(view: object): void {
@@ -104,6 +121,11 @@ export class BrickStream implements CloudStream {
       refusedBricks: this.#refused,
       fetching: this.#fetches.size,
       fetchedBytes: this.#fetchedBytes,
+      bytesPerSecond: this.#bytesPerSecond,
+      isComplete:
+        this.#viewers.size > 0 &&
+        [...this.#viewers.values()].every(({ isCurrent }) => isCurrent) &&
+        this.#missing.length === this.#refused,
       error: this.#error,
     };
   }
@@ -115,6 +137,20 @@ export class BrickStream implements CloudStream {
     this.#scene.end();
     this.#viewers.clear();
     this.#settle();
+    this.#tell();
+    this.#listeners.clear();
+  }
+
+  get #bytesPerSecond(): number {
+    if (this.#fetches.size === 0) return 0;
+    const nowMs = performance.now();
+    const sinceMs = Math.max(this.#busySinceMs, nowMs - RATE_WINDOW_MS);
+    const bytes = this.#arrivals.reduce((sum, each) => sum + (each.atMs >= sinceMs ? each.bytes : 0), 0);
+    return nowMs > sinceMs ? (1000 * bytes) / (nowMs - sinceMs) : 0;
+  }
+
+  #tell(): void {
+    for (const listener of [...this.#listeners]) listener();
   }
 
   get #demand(): BrickDemand {
@@ -134,6 +170,7 @@ export class BrickStream implements CloudStream {
     if (!this.#error) this.#fetchRuns(possible.filter(({ number }) => !this.#fetches.has(number)));
     if (this.#fetches.size === 0) this.#settle();
     else this.#wait ??= pending();
+    this.#tell();
   }
 
   /** Fetches the most valuable bricks, each with others that are wanted and lie next to it. */
@@ -173,15 +210,23 @@ export class BrickStream implements CloudStream {
     const address = above.child!;
     const ending = new AbortController();
     const fetch: Fetch = { above, run, ending, brick: null };
+    if (this.#fetches.size === 0) this.#busySinceMs = performance.now();
     this.#fetches.set(address.number, fetch);
     try {
       fetch.brick = await this.#scene.read(address, ending.signal);
-      this.#fetchedBytes += address.bytes;
+      this.#takeArrival(address.bytes);
     } catch (error) {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.#error = error as Error;
     }
     this.#placeArrived();
+  }
+
+  #takeArrival(bytes: number): void {
+    const atMs = performance.now();
+    this.#fetchedBytes += bytes;
+    const recent = this.#arrivals.filter((each) => each.atMs > atMs - RATE_WINDOW_MS);
+    this.#arrivals = [...recent, { atMs, bytes }];
   }
 
   /** Places bricks that have arrived, unless what is there must not change; fetches others. */
