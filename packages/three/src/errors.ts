@@ -19,6 +19,19 @@ export class SplatsPrecisionError extends WebSplatterError {
   }
 }
 
+/**
+ * Parts of a scene that streams could not be fetched: `cause` says why. What is there is drawn, and
+ * `retry` goes on.
+ */
+export class SplatsStreamError extends WebSplatterError {
+  override readonly name = 'SplatsStreamError';
+  readonly retry: () => void;
+  constructor(cause: Error, retry: () => void) {
+    super('stream-interrupted', `Parts of a scene are missing. ${cause.message}`, { cause });
+    this.retry = retry;
+  }
+}
+
 /** Splats cannot be drawn into one of three's passes, because that pass cannot be interrupted. */
 export class SplatsPassError extends WebSplatterError {
   override readonly name = 'SplatsPassError';

@@ -12,12 +12,13 @@ export { clipVolumeOf, encodedColor } from './effect-options.ts';
 export {
   SplatsPassError,
   SplatsPrecisionError,
+  SplatsStreamError,
   SplatsUnsupportedRendererError,
   ThreeInternalsError,
 } from './errors.ts';
 export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { coverageOf, pickSplat } from './scene-queries.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
-export { type LoadedCloud, SplatData } from './splat-data.ts';
+export { type DataOptions, type LoadedCloud, SplatData } from './splat-data.ts';
 export { SplatLoader } from './splat-loader.ts';
 export { onStageTimings } from './stage-timings.ts';

@@ -2,6 +2,7 @@ import type {
   AccuracyChoice,
   AccuracyRequest,
   AccuracySettings,
+  CloudStream,
   Detail,
   ShDegree,
   SplatCloud,
@@ -26,7 +27,7 @@ export interface LayerCloud extends Object3D {
   hold(engine: SplatEngine, settings: AccuracySettings | null): void;
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
   requestFrame(): void;
-  announceDrawn(nowMs: number, drawn: readonly SplatEffect[]): void;
+  announceDrawn(nowMs: number, drawn: readonly SplatEffect[], stream: CloudStream | null): void;
   announceAccuracy(choice: AccuracyChoice): void;
   tell(error: unknown): boolean;
 }

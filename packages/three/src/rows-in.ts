@@ -31,6 +31,11 @@ export async function rowsIn(
     if (cloud instanceof Promise) continue;
     if (cloud.isPreview)
       throw new SplatSourceError(cloud.name, 'it is still loading: its rows are not known yet.');
+    if (cloud.stream)
+      throw new SplatSourceError(
+        cloud.name,
+        'only parts of it are there: seek rows in another format of the scene.',
+      );
     users.set(user, null);
     // The last frame may lack edits.
     edits?.flush(cloud);

@@ -3,6 +3,7 @@ import {
   type AccuracyRequest,
   type AccuracySettings,
   type ChooseAccuracyOptions,
+  type CloudStream,
   DestroyedError,
   type Detail,
   GpuLimitError,
@@ -24,11 +25,12 @@ import {
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
-import { SplatsPrecisionError } from './errors.ts';
+import { SplatsPrecisionError, type SplatsStreamError } from './errors.ts';
 import type { CloudLayer } from './layer-cloud.ts';
 import { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer, withBounds } from './splat-layer.ts';
+import { StreamFollower } from './stream-follower.ts';
 
 /** Code for effects that come from the scene or change with time: loaded when a cloud has some. */
 let later: typeof import('./scene-effects.ts') | null = null;
@@ -50,6 +52,12 @@ export interface SplatHit {
 export interface SplatCloudEventMap extends Object3DEventMap {
   /** The first frame with the current data has been submitted; not dispatched for previews. */
   firstframe: object;
+  /**
+   * A frame has been submitted that shows all that views need of a scene that streams, as far as
+   * there is room for it, after one that did not: again when the camera has moved to what was
+   * missing. Of other scenes, with `firstframe`.
+   */
+  complete: object;
   /** The next frame will differ without a change of the scene: shaders or data are ready. */
   needsframe: object;
   /** Settings have been chosen for a frame with this cloud, for a renderer's or cloud's target. */
@@ -107,7 +115,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   detail: Detail | null = null;
   /**
    * Called once for each error that keeps the cloud from being drawn, or from being drawn as
-   * exactly as requested (a SplatsPrecisionError). Without a listener, errors go to the console.
+   * exactly as requested (a SplatsPrecisionError), and each time that parts of a scene that streams
+   * cannot be fetched (a SplatsStreamError). Without a listener, errors go to the console.
    */
   onError: ((error: Error) => void) | null = null;
   /** Empty but for its bounds, by which Box3.setFromObject, and its users, include the cloud. */
@@ -127,6 +136,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
   #choice: AccuracyChoice | null = null;
+  /** Of the splats on the screen, on each engine. */
+  readonly #followers = new Map<CloudStream, StreamFollower>();
 
   constructor(data: SplatData | null = null) {
     super();
@@ -351,19 +362,42 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * @internal Called while a frame with the current data is recorded.
    *
    * @param drawn the effects of that frame; others while shaders for the current ones compile.
+   * @param stream of its cloud; null where all splats are there.
    */
-  announceDrawn(nowMs: number, drawn: readonly SplatEffect[]): void {
+  announceDrawn(nowMs: number, drawn: readonly SplatEffect[], stream: CloudStream | null = null): void {
     const data = this.#data!;
     this.#replaceDrawn(data);
     if (!this.#isAnnounced && !data.isPreview) {
       this.#isAnnounced = true;
-      // three is in the middle of its frame.
-      queueMicrotask(() => this.dispatchEvent({ type: 'firstframe' }));
+      this.#announce('firstframe');
+      if (!stream) this.#announce('complete');
     }
+    if (stream) this.#followerOf(stream).drawn();
     // Otherwise shaders compile: a frame is asked for when they are ready.
     if (this.#revealedAt(nowMs) >= 1 || !drawn.includes(reveal.effect)) return;
     this.#revealBeganMs ??= nowMs;
     queueMicrotask(() => this.requestFrame());
+  }
+
+  /** Dispatches an event once three, which is in the middle of its frame, is done with that. */
+  #announce(type: 'firstframe' | 'complete'): void {
+    queueMicrotask(() => this.dispatchEvent({ type }));
+  }
+
+  #followerOf(stream: CloudStream): StreamFollower {
+    const known = this.#followers.get(stream);
+    if (known) return known;
+    const follower = new StreamFollower(stream, {
+      requestFrame: () => queueMicrotask(() => this.requestFrame()),
+      onComplete: () => this.#announce('complete'),
+      onError: (error: SplatsStreamError) =>
+        queueMicrotask(() => {
+          if (this.onError) this.onError(error);
+          else console.warn(error);
+        }),
+    });
+    this.#followers.set(stream, follower);
+    return follower;
   }
 
   /**
@@ -385,7 +419,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   /** Lets go of the splats on the screen, unless they are `data`, which take their place. */
   #replaceDrawn(data: SplatData | null): void {
-    if (this.#drawn !== data) this.#drawn?.release(this);
+    if (this.#drawn === data) return;
+    for (const follower of this.#followers.values()) follower.end();
+    this.#followers.clear();
+    this.#drawn?.release(this);
     this.#drawn = data;
   }
 

@@ -28,6 +28,12 @@ interface Upload {
   claimed: (CloudPrecision & { readonly engineAccuracy: object; readonly met: Promise<void> }) | null;
 }
 
+/** How splats are loaded again. */
+export interface DataOptions extends SourceOptions {
+  /** See `SplatLoader.budgetBytes`. */
+  readonly budgetBytes?: number;
+}
+
 /** A cloud on the engine that has loaded it. */
 export interface LoadedCloud {
   readonly engine: SplatEngine;
@@ -39,7 +45,8 @@ export interface LoadedCloud {
 /**
  * Splats on the GPU of each engine that draws them, freed after the last user there. Those of an
  * address, File or Blob are in memory until their first upload at most: another engine, such as the
- * one after a lost device, reads them again. Those of other sources stay in memory.
+ * one after a lost device, reads them again. Those of other sources stay in memory. Of a scene that
+ * streams, each engine has what its own views need.
  */
 export class SplatData {
   /** Name for messages and labels. */
@@ -59,7 +66,7 @@ export class SplatData {
   edits: DataEdits | null = null;
   /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
   readonly #source: LastingSource | null;
-  readonly #sourceOptions: SourceOptions;
+  readonly #sourceOptions: DataOptions;
   /** Precision of new uploads. */
   readonly #precision: CloudPrecision;
   readonly #uploads = new Map<SplatEngine, Upload>();
@@ -78,7 +85,7 @@ export class SplatData {
     splats: PackedCloud | LoadedCloud,
     name = 'splats',
     source: LastingSource | URL | null = null,
-    sourceOptions: SourceOptions = {},
+    sourceOptions: DataOptions = {},
   ) {
     const isLoaded = 'engine' in splats;
     const { count, bounds, robustBounds } = isLoaded ? splats.cloud : splats;

@@ -265,7 +265,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
         // The view may have drawn its last frame instead.
         const shape = embedded.shape!.clouds[i];
         if (shape && object.uploadedTo(engine) === shape.cloud)
-          object.announceDrawn(nowMs, shape.effects.effects);
+          object.announceDrawn(nowMs, shape.effects.effects, shape.cloud.stream);
       });
     });
     this.material.show(views, 'color');

@@ -7,7 +7,7 @@ import {
   type SplatSource,
   SplatSourceError,
 } from '@websplatter/core';
-import { LoadingManager } from 'three/webgpu';
+import { LoadingManager, Sphere } from 'three/webgpu';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { splatEngineOf } from './create-splat-renderer.ts';
 import type { SplatData } from './splat-data.ts';
@@ -171,6 +171,26 @@ describe('a load for a renderer', () => {
     expect(load.mock.lastCall![1]).toMatchObject({
       precision: { geometryPrecision: 'packed', shPrecision: 'u8' },
     });
+  });
+
+  test('streams with its budget, on each renderer, in the only precision there is', async () => {
+    const { cloud, load, claim, engine, loader } = rendererAndLoader();
+    Object.assign(cloud, { name: 'city', stream: {} });
+    loader.budgetBytes = 1e8;
+    const data = await loader.loadAsync('https://a.test/city.bricks');
+    expect(load.mock.lastCall![1]).toMatchObject({ budgetBytes: 1e8 });
+    const next = fakeEngine();
+    void data.acquire(next.engine, {});
+    await expect.poll(() => next.load.mock.lastCall?.[1]).toMatchObject({ budgetBytes: 1e8 });
+    const user = {};
+    data.acquire(engine, user);
+    data.hold(engine, user, { geometryPrecision: 'packed', shPrecision: 'u8' });
+    expect(claim).not.toHaveBeenCalled();
+    // Refused by the cloud, so that users are told.
+    data.hold(engine, user, { geometryPrecision: 'f32', shPrecision: 'f16' });
+    expect(claim).toHaveBeenCalledOnce();
+    await expect(data.rowsIn(new Sphere())).rejects.toThrow(/only parts of it are there/);
+    data.release(user);
   });
 
   test('hands out the splats that have arrived, until it is aborted', async () => {

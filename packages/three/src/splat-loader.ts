@@ -15,7 +15,10 @@ import {
 } from '@websplatter/core';
 import { Loader, type LoadingManager } from 'three/webgpu';
 import { splatEngineOf } from './create-splat-renderer.ts';
-import { SplatData } from './splat-data.ts';
+import { type DataOptions, SplatData } from './splat-data.ts';
+
+/** Precision of scenes that stream, whatever is asked for. */
+const STREAMED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 
 /**
  * A Loader of all sources, and by its type also of addresses alone, as react-three-fiber's
@@ -45,6 +48,12 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    * three has its own setters for.
    */
   sourceOptions: SourceOptions = {};
+  /**
+   * GPU memory for a scene that streams, on each renderer, at most; default 512 MiB. Scenes that
+   * need less take less. Such a scene is there as soon as its coarsest part is; loaded without
+   * `detectSupport`, it is read as a whole.
+   */
+  budgetBytes?: number;
   #engine: SplatEngine | null = null;
   #accuracy: AccuracySettings | null = null;
   #aborter = new AbortController();
@@ -119,7 +128,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
     const readAgainFrom = lastingSource(source);
     const { requestHeader: headers, withCredentials, sourceOptions: given } = this;
     const credentials = withCredentials ? 'include' : 'same-origin';
-    const sourceOptions: SourceOptions = { ...given, request: { headers, credentials, ...given.request } };
+    const request: SourceOptions['request'] = { headers, credentials, ...given.request };
+    const sourceOptions: DataOptions = { ...given, request, budgetBytes: this.budgetBytes };
     const signal = AbortSignal.any([this.#aborter.signal, this.manager.abortController.signal]);
     const options = {
       ...sourceOptions,
@@ -130,8 +140,10 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
     if (engine && readAgainFrom !== null) {
       try {
         const precision = { geometryPrecision, shPrecision };
-        const dataOf = (cloud: SplatCloud) =>
-          new SplatData({ engine, cloud, precision }, name, readAgainFrom, sourceOptions);
+        const dataOf = (cloud: SplatCloud) => {
+          const loaded = { engine, cloud, precision: cloud.stream ? STREAMED : precision };
+          return new SplatData(loaded, name, readAgainFrom, sourceOptions);
+        };
         const show = onPreview && ((preview: SplatCloud) => signal.aborted || onPreview(dataOf(preview)));
         return dataOf(await engine.load(readAgainFrom, { ...options, precision, onPreview: show }));
       } catch (error) {
