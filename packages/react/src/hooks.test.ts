@@ -11,6 +11,7 @@ import {
   useSplatCollider,
   useSplatEffects,
   useSplatMemory,
+  useSplatStreams,
   useSplatsLoad,
   useStageTimings,
 } from './hooks.ts';
@@ -56,7 +57,12 @@ vi.mock('@websplatter/core/collider', () => ({ makeColliderMesh: vi.fn() }));
 
 const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
 /** State of the engine, which a test changes. */
-const engine = { memory: { totalBytes: 1 }, effects: [] as object[], accuracy: { rasterizer: 'quads' } };
+const engine = {
+  memory: { totalBytes: 1 },
+  effects: [] as object[],
+  accuracy: { rasterizer: 'quads' },
+  clouds: [] as object[],
+};
 
 let root: ReturnType<typeof createRoot>;
 
@@ -64,11 +70,19 @@ beforeEach(async () => {
   vi.useFakeTimers();
   vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
   vi.stubGlobal('document', { baseURI: 'https://example.org/' });
-  Object.assign(engine, { memory: { totalBytes: 1 }, effects: [], accuracy: { rasterizer: 'quads' } });
+  Object.assign(engine, {
+    memory: { totalBytes: 1 },
+    effects: [],
+    accuracy: { rasterizer: 'quads' },
+    clouds: [],
+  });
   const found = {
     memory: () => ({ ...engine.memory }),
     effects: () => [...engine.effects],
     drawnAccuracy: () => ({ ...engine.accuracy }),
+    get clouds() {
+      return [...engine.clouds];
+    },
   };
   vi.mocked(splatEngineOf).mockReturnValue(found as unknown as SplatEngine);
   vi.mocked(onStageTimings).mockClear();
@@ -110,6 +124,56 @@ async function measureFrames(count: number): Promise<void> {
     await vi.advanceTimersByTimeAsync(250);
   });
 }
+
+describe('useSplatStreams', () => {
+  /** A stream whose report a test changes. */
+  function fakeStream(report: object) {
+    const listeners = new Set<() => void>();
+    const subscribe = (listener: () => void) => {
+      listeners.add(listener);
+      return () => listeners.delete(listener);
+    };
+    const state = { report };
+    const change = (changed: object) => {
+      state.report = changed;
+      for (const listener of [...listeners]) listener();
+    };
+    return { stream: { report: () => state.report, subscribe, retry: vi.fn() }, state, change, listeners };
+  }
+
+  it('renders again after a change without a frame, and while parts are fetched', async () => {
+    const { stream, state, change, listeners } = fakeStream({ missingBricks: 0, fetching: 0 });
+    const renders = await rendersOf(() => useSplatStreams());
+    expect(renders.at(-1)).toEqual([]);
+    engine.clouds = [
+      { name: 'whole', stream: null },
+      { name: 'city', stream },
+    ];
+    await measureFrames(1);
+    expect(renders.at(-1)).toEqual([{ name: 'city', stream, missingBricks: 0, fetching: 0 }]);
+    const before = renders.length;
+    const later = () => act(async () => void (await vi.advanceTimersByTimeAsync(250)));
+    await later();
+    expect(renders).toHaveLength(before);
+    for (let i = 0; i < 3; i++) change({ missingBricks: 3, fetching: 2, bytesPerSecond: 7 });
+    await later();
+    expect(renders).toHaveLength(before + 1);
+    state.report = { missingBricks: 3, fetching: 2, bytesPerSecond: 5 };
+    await later();
+    expect(renders.at(-1)).toMatchObject([{ bytesPerSecond: 5 }]);
+    const error = new Error('the server is gone');
+    change({ missingBricks: 3, fetching: 0, error });
+    await later();
+    expect(renders.at(-1)![0].error).toBe(error);
+    const { length } = renders;
+    await later();
+    expect(renders).toHaveLength(length);
+    renders.at(-1)![0].stream.retry();
+    expect(stream.retry).toHaveBeenCalledOnce();
+    await act(async () => root.render(null));
+    expect(listeners.size).toBe(0);
+  });
+});
 
 describe.each([
   ['useSplatMemory', useSplatMemory, 'memory', { totalBytes: 2 }],

@@ -1,6 +1,12 @@
 'use client';
 
-export { useSplatAccuracy, useSplatEffects, useSplatMemory } from './use-engine.ts';
+export {
+  type SplatStream,
+  useSplatAccuracy,
+  useSplatEffects,
+  useSplatMemory,
+  useSplatStreams,
+} from './use-engine.ts';
 export { type SplatCollider, type SplatColliderOptions, useSplatCollider } from './use-splat-collider.ts';
 export { type SplatsLoad, useSplatsLoad } from './use-splats-load.ts';
 export { type StageTimingsSource, useStageTimings } from './use-stage-timings.ts';

@@ -32,6 +32,7 @@ export {
   SplatLoader,
   SplatsPassError,
   SplatsPrecisionError,
+  SplatsStreamError,
   SplatsUnsupportedRendererError,
   setSplatDetail,
   splatEngineOf,

@@ -3,10 +3,14 @@ import { SplatCache } from './splat-cache.ts';
 
 /** The cache of `<Splats>` and `useSplats` in all Canvases. Each load has a loader to abort. */
 export const sharedCache = new SplatCache<SplatData>(
-  async ({ source, accuracy, renderer, sourceOptions = {} }, { signal, onProgress, onPreview }) => {
+  async (
+    { source, accuracy, renderer, sourceOptions = {}, budgetBytes },
+    { signal, onProgress, onPreview },
+  ) => {
     const loader = new SplatLoader();
     loader.onPreview = onPreview;
     loader.sourceOptions = sourceOptions;
+    loader.budgetBytes = budgetBytes;
     if (accuracy) loader.setAccuracy(accuracy);
     if (renderer) loader.detectSupport(renderer);
     signal.addEventListener('abort', () => loader.abort());

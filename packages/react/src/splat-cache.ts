@@ -21,6 +21,8 @@ export interface SplatRequest {
   readonly renderer: object | undefined;
   /** How the first request for a file reads it. */
   readonly sourceOptions: SourceOptions | undefined;
+  /** GPU memory for a scene that streams; that of the first request for a file. */
+  readonly budgetBytes: number | undefined;
   /** Equal for requests that share an entry. */
   readonly key: string;
 }
@@ -190,10 +192,11 @@ export function requestFor(
   accuracy?: AccuracyRequest | null,
   renderer?: object,
   sourceOptions?: SourceOptions,
+  budgetBytes?: number,
 ): SplatRequest {
   if (source === '')
     throw new InvalidArgumentError('source', 'The address is empty. Pass null for no splats.');
-  return { source, accuracy, renderer, sourceOptions, key: sourceKeyOf(source) };
+  return { source, accuracy, renderer, sourceOptions, budgetBytes, key: sourceKeyOf(source) };
 }
 
 const objectKeys = new WeakMap<object, string>();

@@ -1,6 +1,6 @@
 import { createRoot, extend } from '@react-three/fiber';
 import { InvalidArgumentError, type RecoveryPace, type SplatEngine } from '@websplatter/core';
-import { SplatData, SplatsPrecisionError, splatEngineOf } from '@websplatter/three';
+import { SplatData, SplatsPrecisionError, SplatsStreamError, splatEngineOf } from '@websplatter/three';
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
@@ -11,6 +11,7 @@ import { useSplats } from './use-splats.ts';
 
 interface Load {
   readonly source: unknown;
+  readonly budgetBytes: unknown;
   readonly accuracy: unknown;
   /** For which the file is loaded. */
   readonly renderer: unknown;
@@ -34,6 +35,7 @@ vi.mock('@websplatter/three', async () => {
     dispose() {}
   }
   class SplatsPrecisionError extends Error {}
+  class SplatsStreamError extends Error {}
   class SplatsUnsupportedRendererError extends Error {}
   class SplatCloudObject extends three.Object3D {
     data: SplatData | null = null;
@@ -50,6 +52,7 @@ vi.mock('@websplatter/three', async () => {
     #renderer: unknown;
     #isAborted = false;
     onPreview = (_preview: SplatData) => {};
+    budgetBytes?: number;
     detectSupport(renderer: unknown) {
       this.#renderer = renderer;
       return this;
@@ -65,8 +68,9 @@ vi.mock('@websplatter/three', async () => {
       return new Promise<SplatData>((resolve, reject) => {
         const isAborted = () => this.#isAborted;
         const [accuracy, renderer] = [this.#accuracy, this.#renderer];
-        const { onPreview } = this;
-        test.loads.push({ source, accuracy, renderer, isAborted, onProgress, onPreview, resolve, reject });
+        const { onPreview, budgetBytes } = this;
+        const asked = { source, accuracy, renderer, budgetBytes };
+        test.loads.push({ ...asked, isAborted, onProgress, onPreview, resolve, reject });
       });
     }
   }
@@ -86,6 +90,7 @@ vi.mock('@websplatter/three', async () => {
     splatEngineOf,
     SplatLoader,
     SplatsPrecisionError,
+    SplatsStreamError,
     SplatsUnsupportedRendererError,
   };
 });
@@ -383,6 +388,35 @@ it('keeps splats that cannot be drawn as exactly as requested, and logs a warnin
   await act(async () => (object().onError as (error: unknown) => void)(error));
   expect(caught).toBeUndefined();
   expect(console.warn).toHaveBeenCalledWith(error);
+});
+
+it('keeps what is there of a scene whose parts cannot be fetched, and says so', async () => {
+  const a = splatData('a');
+  const error = new SplatsStreamError(new Error('gone'), () => {});
+  const report = () => act(async () => (object().onError as (error: unknown) => void)(error));
+  await show(splats({ src: a }));
+  await report();
+  expect(console.warn).toHaveBeenCalledWith(error);
+  const onError = vi.fn();
+  await show(splats({ src: a, onError }));
+  await report();
+  expect(onError).toHaveBeenCalledExactlyOnceWith(error);
+  expect(caught).toBeUndefined();
+  expect(object().data).toBe(a);
+});
+
+it('passes on the budget of the first request for a scene, and tells each time that it is complete', async () => {
+  const onComplete = vi.fn();
+  await show(
+    splats({ key: 1, src: 'city.bricks', budgetBytes: 1e8, onComplete }),
+    splats({ key: 2, src: 'city.bricks', budgetBytes: 2e8 }),
+  );
+  expect(test.loads.map(({ budgetBytes }) => budgetBytes)).toEqual([1e8]);
+  await act(async () => test.loads[0].resolve(splatData('city')));
+  expect(isFallbackShown()).toBe(false);
+  expect(onComplete).not.toHaveBeenCalled();
+  for (let i = 0; i < 2; i++) object().dispatchEvent({ type: 'complete' } as never);
+  expect(onComplete).toHaveBeenCalledTimes(2);
 });
 
 it('changes accuracy without reading or suspending, and reports the choice for a target', async () => {

@@ -10,6 +10,7 @@ import {
   onDeviceLost as listenForDeviceLoss,
   type SplatData,
   SplatsPrecisionError,
+  SplatsStreamError,
   SplatsUnsupportedRendererError,
   splatEngineOf,
 } from '@websplatter/three';
@@ -82,6 +83,11 @@ export interface SplatsProps
   detail?: Detail | null;
   /** Limits of reading `src`, and of fetching an address; the first request for a file decides. */
   sourceOptions?: SourceOptions;
+  /**
+   * GPU memory for a scene that streams, at most; default 512 MiB. Scenes that need less take less.
+   * The first request for a file decides.
+   */
+  budgetBytes?: number;
   /** The object in the scene. */
   ref?: Ref<SplatCloudObject>;
   /** Called when all splats have been read and are about to be drawn. */
@@ -90,12 +96,19 @@ export interface SplatsProps
   onProgress?: (event: ProgressEvent) => void;
   /** Called when the first frame with these splats has been submitted to the GPU. */
   onFirstFrame?: () => void;
+  /**
+   * Called when a frame shows all that the view needs of a scene that streams, as far as there is
+   * room for it, each time after frames that did not: again when the camera has moved to what was
+   * missing. For other scenes, called with `onFirstFrame`.
+   */
+  onComplete?: () => void;
   /** Called when settings were chosen for a target; `choice.why` says which and why. */
   onAccuracyChosen?: (choice: AccuracyChoice) => void;
   /**
    * Receives errors from reading and drawing; the splats on screen stay. Without it, errors reach
-   * the nearest error boundary, except a SplatsPrecisionError, which is logged: splats are then
-   * drawn less exactly than requested.
+   * the nearest error boundary, except two that are logged, because drawing goes on: a
+   * SplatsPrecisionError (splats are drawn less exactly than requested) and a SplatsStreamError
+   * (parts of a scene that streams are missing; call its `retry`).
    */
   onError?: (error: unknown) => void;
   /** Called once when the GPU device is lost, and with it everything that this Canvas draws. */
@@ -150,10 +163,12 @@ function Cloud({
   accuracy = null,
   detail = null,
   sourceOptions,
+  budgetBytes,
   ref,
   onLoad,
   onProgress,
   onFirstFrame,
+  onComplete,
   onAccuracyChosen,
   onError,
   onDeviceLost,
@@ -163,14 +178,19 @@ function Cloud({
   const object = useRef<SplatCloudObject>(null);
   useImperativeHandle(ref, () => object.current!, []);
   const invalidate = useThree((state) => state.invalidate);
-  const latest = useLatest({ onLoad, onFirstFrame, onAccuracyChosen, onError, onDeviceLost });
+  const latest = useLatest({ onLoad, onFirstFrame, onComplete, onAccuracyChosen, onError, onDeviceLost });
 
   const effectProps = takeEffectProps(objectProps);
   const uses = useSame(usesOfProps(effectProps), isSameUses);
   const sameDetail = useSame(detail, isSameValue);
   const animation = useSame(revealAnimationOf(effectProps), isSameValue);
 
-  const { splats, load } = useSource(src || null, renderer, accuracy, sourceOptions, onProgress);
+  const { splats, load } = useSource(
+    src || null,
+    renderer,
+    { accuracy, sourceOptions, budgetBytes },
+    onProgress,
+  );
   useEffect(() => {
     if (load?.status === 'failed') latest.current.onError?.(load.error);
   }, [load, latest]);
@@ -195,6 +215,7 @@ function Cloud({
         canvasStates.get(renderer)?.pace.recovered();
         latest.current.onFirstFrame?.();
       },
+      complete: () => latest.current.onComplete?.(),
       accuracychosen: ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice),
       needsframe: () => invalidate(),
     };
@@ -205,7 +226,8 @@ function Cloud({
     cloud.onError = (error) => {
       if (latest.current.onError) latest.current.onError(error);
       // Drawing goes on.
-      else if (error instanceof SplatsPrecisionError) console.warn(error);
+      else if (error instanceof SplatsPrecisionError || error instanceof SplatsStreamError)
+        console.warn(error);
       else setDrawError({ error });
     };
     return () => {

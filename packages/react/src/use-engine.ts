@@ -1,5 +1,12 @@
 // Hooks that follow the engine of a Canvas.
-import type { DrawnAccuracy, EffectEntry, EngineMemory, SplatEngine } from '@websplatter/core';
+import type {
+  CloudStream,
+  DrawnAccuracy,
+  EffectEntry,
+  EngineMemory,
+  SplatEngine,
+  StreamReport,
+} from '@websplatter/core';
 import { onStageTimings, splatEngineOf } from '@websplatter/three';
 import { useEffect, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
@@ -50,15 +57,55 @@ export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null {
   return useEngine(readAccuracy, renderer, 'useSplatAccuracy');
 }
 
+/** What is there of a scene that streams. */
+export interface SplatStream extends StreamReport {
+  /** That of the cloud. */
+  readonly name: string;
+  /** Its `retry` fetches again what could not be. */
+  readonly stream: CloudStream;
+}
+
+/**
+ * Returns what is there of each scene that a Canvas streams: how many bricks are on the GPU and how
+ * many are missing, bytes, bytes per second, and the error of the last fetch. Looks again a quarter
+ * of a second after a change, and while anything is fetched, and causes a render only if something
+ * has changed.
+ *
+ * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @returns null before the first look; an empty list where nothing streams.
+ * @throws InvalidArgumentError outside of a Canvas without `renderer`;
+ *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
+ */
+export function useSplatStreams(renderer?: object): readonly SplatStream[] | null {
+  return useEngine(readStreams, renderer, 'useSplatStreams', followStreams);
+}
+
+function readStreams({ clouds }: SplatEngine): readonly SplatStream[] {
+  return clouds.flatMap(({ name, stream }) => (stream ? { name, stream, ...stream.report() } : []));
+}
+
+/** Calls `look` when streams change, and soon while they fetch: their rates change by themselves. */
+function followStreams(streams: readonly SplatStream[], look: () => void): () => void {
+  const stops = streams.map(({ stream }) => stream.subscribe(look));
+  if (streams.some(({ fetching }) => fetching > 0)) look();
+  return () => {
+    for (const stop of stops) stop();
+  };
+}
+
 const readAccuracy = (engine: SplatEngine) => engine.drawnAccuracy();
 const readMemory = (engine: SplatEngine) => engine.memory();
 const readEffects = (engine: SplatEngine) => engine.effects();
 
-/** Returns the result of `read`, always the same function, on the engine. */
+/**
+ * Returns the result of `read` on the engine, read again after frames and when `follow`, told what
+ * was found, calls `look`. Both are always the same functions.
+ */
 function useEngine<Found>(
   read: (engine: SplatEngine) => Found,
   renderer: object | undefined,
   who: string,
+  follow?: (found: Found, look: () => void) => () => void,
 ): Found | null {
   const measured = useMeasuredRenderer(renderer, who);
   const engine = splatEngineOf(measured);
@@ -66,21 +113,26 @@ function useEngine<Found>(
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
     let latest: Found | null = null;
+    let unfollow: (() => void) | undefined;
+    const lookLater = () => {
+      timer ??= setTimeout(look, LOOK_AFTER_MS);
+    };
     const look = () => {
       timer = undefined;
       const now = read(engine);
+      unfollow?.();
+      unfollow = follow?.(now, lookLater);
       if (isSameValue(latest, now)) return;
       latest = now;
       setFound(now);
     };
     look();
-    const stop = onStageTimings(measured, () => {
-      timer ??= setTimeout(look, LOOK_AFTER_MS);
-    });
+    const stop = onStageTimings(measured, lookLater);
     return () => {
       stop();
+      unfollow?.();
       clearTimeout(timer);
     };
-  }, [measured, engine, read]);
+  }, [measured, engine, read, follow]);
   return found;
 }

@@ -1,8 +1,7 @@
-import type { AccuracyRequest, SourceOptions } from '@websplatter/core';
 import { SplatData } from '@websplatter/three';
 import { useCallback, useState, useSyncExternalStore } from 'react';
 import { sharedCache } from './shared-cache.ts';
-import { type CacheableSource, type LoadState, requestFor } from './splat-cache.ts';
+import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
 import { useLatest } from './use-latest.ts';
 
 /** Progress of a source, or of none. */
@@ -15,22 +14,22 @@ export interface SourceState {
 
 type Source = CacheableSource | SplatData | null;
 
+type SourceLoadOptions = Pick<SplatRequest, 'accuracy' | 'sourceOptions' | 'budgetBytes'>;
+
 /**
- * Loads `src`, if there is one, for `renderer`, packed for `accuracy` or the renderer's own unless
- * it was requested before. Keeps the previous splats until then; if there are none, returns
+ * Loads `src`, if there is one, for `renderer`, as `options` say unless it was requested before. Keeps the previous splats until then; if there are none, returns
  * previews.
  */
 export function useSource(
   src: Source,
   renderer: object,
-  accuracy: AccuracyRequest | null,
-  sourceOptions?: SourceOptions,
+  options: SourceLoadOptions,
   onProgress?: (event: ProgressEvent) => void,
 ): SourceState {
-  const load = useLoadState(src, renderer, accuracy, sourceOptions, onProgress);
+  const load = useLoadState(src, renderer, options, onProgress);
   const [shown, setShown] = useState(src);
   // Also holds the file on screen in the cache: `src` may change back.
-  const onScreen = useLoadState(shown, renderer, accuracy, sourceOptions);
+  const onScreen = useLoadState(shown, renderer, options);
   const takesOver = !src || load?.status === 'loaded' || onScreen?.status !== 'loaded';
   if (shown !== src && takesOver) setShown(src);
   // Previews are on one renderer alone.
@@ -47,13 +46,13 @@ export function useSource(
 function useLoadState(
   src: Source,
   renderer: object,
-  accuracy: AccuracyRequest | null,
-  sourceOptions?: SourceOptions,
+  options: SourceLoadOptions,
   onProgress?: (event: ProgressEvent) => void,
 ): LoadState<SplatData> | undefined {
   const latest = useLatest(onProgress);
+  const { accuracy, sourceOptions, budgetBytes } = options;
   const request =
-    !src || src instanceof SplatData ? null : requestFor(src, accuracy, renderer, sourceOptions);
+    !src || src instanceof SplatData ? null : requestFor(src, accuracy, renderer, sourceOptions, budgetBytes);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   const watch = useCallback(
     (onChange: () => void) => {

@@ -39,12 +39,13 @@ const NO_LOAD: SplatsLoad = {
  */
 export function useSplatsLoad(
   source: CacheableSource | null | undefined,
-  { accuracy, sourceOptions }: UseSplatsOptions = {},
+  { accuracy, sourceOptions, budgetBytes }: UseSplatsOptions = {},
 ): SplatsLoad {
   const renderer = useCanvasRenderer();
   // Fails here where it has to, and not in a load that other Canvases share.
   if (renderer) splatEngineOf(renderer);
-  const request = source && !isServer() ? requestFor(source, accuracy, renderer, sourceOptions) : null;
+  const request =
+    source && !isServer() ? requestFor(source, accuracy, renderer, sourceOptions, budgetBytes) : null;
   const [known, setKnown] = useState<{ readonly key: string; readonly load: SplatsLoad } | null>(null);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   useEffect(() => {

@@ -16,6 +16,11 @@ export interface UseSplatsOptions {
   readonly accuracy?: AccuracyRequest;
   /** Limits of reading, and how an address is fetched; the first request for a file decides. */
   readonly sourceOptions?: SourceOptions;
+  /**
+   * GPU memory for a scene that streams, at most, default 512 MiB; the first request for a file
+   * decides. Outside of a Canvas, such a scene is read as a whole.
+   */
+  readonly budgetBytes?: number;
 }
 
 /**
@@ -50,8 +55,8 @@ export function useSplats(
   const renderer = useCanvasRenderer();
   // Fails here where it has to, and not in a load that other Canvases share.
   if (renderer) splatEngineOf(renderer);
-  const request =
-    source == null ? null : requestFor(source, options.accuracy, renderer, options.sourceOptions);
+  const { accuracy, sourceOptions, budgetBytes } = options;
+  const request = source == null ? null : requestFor(source, accuracy, renderer, sourceOptions, budgetBytes);
   if (request && isServer()) {
     const reason = 'useSplats()';
     const message = `${reason} reads in browsers only: put a <Suspense> around it.`;
@@ -70,8 +75,8 @@ export function useSplats(
 
 /** Starts reading a file ahead of use, and keeps it until `useSplats.clear`. No-op on servers. */
 useSplats.preload = (source: CacheableSource, options: UseSplatsOptions = {}): void => {
-  const { accuracy, sourceOptions } = options;
-  if (!isServer()) sharedCache.preload(requestFor(source, accuracy, undefined, sourceOptions));
+  const { accuracy, sourceOptions, budgetBytes } = options;
+  if (!isServer()) sharedCache.preload(requestFor(source, accuracy, undefined, sourceOptions, budgetBytes));
 };
 
 /** Releases preloaded files, of `source` or all; those on screen go with their last user. */
