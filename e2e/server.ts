@@ -1,4 +1,4 @@
-import type { ServerResponse } from 'node:http';
+import type { IncomingMessage, ServerResponse } from 'node:http';
 import { encodePly } from '@websplatter/core';
 import { type Plugin, preview } from 'vite';
 import { inject } from 'vitest';
@@ -12,6 +12,9 @@ export const CONTENT_SECURITY_POLICY =
 /** Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. */
 export type ServedFiles = Readonly<Record<string, Uint8Array>>;
 
+/** `refuse`: with a status after which browsers do not try again. */
+export type PartAnswer = 'send' | 'hold' | 'refuse';
+
 export interface AppServer {
   /** Address of the app, with a slash at its end. */
   readonly url: string;
@@ -21,6 +24,13 @@ export interface AppServer {
   readonly sendRestOfSlowFile: () => void;
   /** Ends the connections of pages that have asked for `slow.ply`, without the rest. */
   readonly cutSlowFile: () => void;
+  /**
+   * Decides how requests for parts of `.bricks` files are answered from now on, if they begin at
+   * byte `from` (default 1: all but the first) or later. `send` also answers those that were held.
+   */
+  readonly answerParts: (how: PartAnswer, from?: number) => void;
+  /** Number of held requests whose browser still waits. */
+  readonly heldParts: () => number;
   /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;
   readonly close: () => Promise<void>;
@@ -39,6 +49,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   let dropped = withResolvers();
   let sendRest = () => {};
   let cut = () => {};
+  const parts = new PartServer();
   const testFiles: Plugin = {
     name: 'test-files',
     configurePreviewServer({ middlewares }) {
@@ -52,7 +63,8 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
         response.writeHead(204).end();
       });
       for (const [path, bytes] of Object.entries(files)) {
-        middlewares.use(`/${path}`, (_request, response: ServerResponse) => {
+        middlewares.use(`/${path}`, (request: IncomingMessage, response: ServerResponse) => {
+          if (path.endsWith('.bricks') && parts.answer(request, response, bytes)) return;
           response.writeHead(200, {
             'content-type': 'application/octet-stream',
             'content-length': bytes.length,
@@ -98,9 +110,48 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     whenEndlessFileIsDropped: () => dropped.promise,
     sendRestOfSlowFile: () => sendRest(),
     cutSlowFile: () => cut(),
+    answerParts: (how, from) => parts.decide(how, from),
+    heldParts: () => parts.held.size,
     requests: (path) => requests.get(path) ?? 0,
     close: () => server.close(),
   };
+}
+
+/** Answers requests for parts of files. */
+class PartServer {
+  /** Send what was held. */
+  readonly held = new Set<() => void>();
+  #how: PartAnswer = 'send';
+  #from = 1;
+
+  decide(how: PartAnswer, from = 1): void {
+    this.#how = how;
+    this.#from = from;
+    if (how === 'send') for (const send of [...this.held]) send();
+  }
+
+  /** Returns false for a request for the whole file. */
+  answer({ headers }: IncomingMessage, response: ServerResponse, bytes: Uint8Array): boolean {
+    const [, start, last] = (/^bytes=(\d+)-(\d+)$/.exec(headers.range ?? '') ?? []).map(Number);
+    if (start === undefined) return false;
+    const part = bytes.subarray(start, last + 1);
+    const send = () => {
+      this.held.delete(send);
+      response.writeHead(206, {
+        'content-type': 'application/octet-stream',
+        'content-length': part.length,
+        'content-range': `bytes ${start}-${start + part.length - 1}/${bytes.length}`,
+      });
+      response.end(part);
+    };
+    if (this.#how === 'send' || start < this.#from) send();
+    else if (this.#how === 'refuse') response.writeHead(403).end();
+    else {
+      this.held.add(send);
+      response.on('close', () => this.held.delete(send));
+    }
+    return true;
+  }
 }
 
 /** Folder of an app built as it is shipped, once for all test files. */

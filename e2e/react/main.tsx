@@ -12,6 +12,7 @@ import {
   Splats,
   SplatsFallback,
   type SplatsSource,
+  SplatsStreamError,
   splatEngineOf,
   useSplats,
 } from '@websplatter/react';
@@ -22,7 +23,12 @@ import {
   SplatMeasure,
   SplatStats,
 } from '@websplatter/react/components';
-import { type StageTimingsSource, useStageTimings } from '@websplatter/react/hooks';
+import {
+  type SplatStream,
+  type StageTimingsSource,
+  useSplatStreams,
+  useStageTimings,
+} from '@websplatter/react/hooks';
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
@@ -44,6 +50,8 @@ export interface SplatsDescription {
   readonly hasEvents?: boolean;
   /** Has a handler of errors, which are written down. */
   readonly hasErrors?: boolean;
+  /** Of a scene that streams, whose completions are written down, too. */
+  readonly budgetBytes?: number;
 }
 
 export interface LabelDescription {
@@ -81,6 +89,8 @@ export interface CanvasDescription {
   readonly wall?: readonly [number, number, number];
   /** Measures in centimetres. */
   readonly hasMeasure?: boolean;
+  /** Reports what streams. */
+  readonly hasStreams?: boolean;
   /** Fits the camera to the splats, with the margin 1. */
   readonly isFitted?: boolean;
 }
@@ -95,6 +105,10 @@ const page = {
   measurements: [] as Measurement[],
   /** Last result of useStageTimings. */
   timings: null as StageTimingsSource | null,
+  /** Last result of useSplatStreams. */
+  streams: null as readonly SplatStream[] | null,
+  /** The newest error of a scene that streams. */
+  streamError: null as SplatsStreamError | null,
   /** Times that a component has rendered whose only interest is in measurements. */
   timingRenders: 0,
   /** Effects that StrictMode has run. */
@@ -148,6 +162,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     labels = [],
     wall,
     hasMeasure,
+    hasStreams,
     isFitted,
     frameloop,
     accuracy,
@@ -214,6 +229,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
         </mesh>
       )}
       {timings && <Timings />}
+      {hasStreams && <Streams />}
       {timings === 'inside' && <SplatStats corner="bottom-right" />}
     </>
   );
@@ -286,10 +302,23 @@ function OneSplats({
       onLoad={(splats) => note(id, `load ${fileName(splats.name)}`)}
       onFirstFrame={() => note(id, 'firstframe')}
       onDeviceLost={() => note(id, 'devicelost')}
-      onError={hasErrors ? (error) => note(id, `error ${(error as Error).name}`) : undefined}
+      onComplete={props.budgetBytes ? () => note(id, 'complete') : undefined}
+      onError={
+        hasErrors
+          ? (error) => {
+              note(id, `error ${(error as Error).name}`);
+              if (error instanceof SplatsStreamError) page.streamError = error;
+            }
+          : undefined
+      }
       {...(hasEvents ? events : {})}
     />
   );
+}
+
+function Streams(): ReactNode {
+  page.streams = useSplatStreams();
+  return null;
 }
 
 function Timings(): ReactNode {
