@@ -28,6 +28,7 @@ const TOLD: readonly (keyof ViewerState)[] = [
   'accuracy',
   'comparison',
   'drawnDetail',
+  'streaming',
 ];
 
 export interface HudSources {

@@ -51,6 +51,27 @@ describe('HUD', () => {
     expect(text.source).toBe('GPU timestamps');
   });
 
+  it('says what is there of scenes that stream, and nothing of others', () => {
+    expect(hudText(stateWith(MEASURED))).toMatchObject({ bricks: '', fetched: '' });
+    const streaming = {
+      bricks: 1640,
+      residentBricks: 412,
+      missingBricks: 38,
+      fetchedBytes: 12_400_000,
+      bytesPerSecond: 3_140_000,
+      error: null,
+    };
+    expect(hudText(stateWith(MEASURED, { streaming }))).toMatchObject({
+      bricks: '412 of 1,640, 38 missing',
+      fetched: '12 MB, 3.1 MB/s',
+    });
+    const atRest = { ...streaming, missingBricks: 0, bytesPerSecond: 0 };
+    expect(hudText(stateWith(MEASURED, { streaming: atRest }))).toMatchObject({
+      bricks: '412 of 1,640',
+      fetched: '12 MB',
+    });
+  });
+
   it('names the detail that was drawn, where the labels of a split image do not', () => {
     const changes = { drawnDetail: { maxSplats: 1000 } };
     const state = stateWith(MEASURED, changes);

@@ -6,7 +6,7 @@ import {
   type StageTimings,
 } from '@websplatter/core';
 import { describeDetail } from '../formatting/detail-words.ts';
-import { formatCount, formatMs, formatRate, UNKNOWN } from '../formatting/format.ts';
+import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../formatting/format.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 
 /** Texts by the names of figures. Empty ones do not apply. */
@@ -14,8 +14,8 @@ export type Figures = Readonly<Record<string, string>>;
 
 /** The state as text; without the right side where there is none. */
 export function hudText(state: ViewerState): Figures {
-  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel, comparison, drawnDetail } =
-    state;
+  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
+  const { comparison, drawnDetail, streaming } = state;
   const isSplit = comparison?.kind === 'split';
   // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
   const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
@@ -30,6 +30,7 @@ export function hudText(state: ViewerState): Figures {
     loaded: formatCount(scene?.splats ?? Number.NaN),
     // The labels of a split image name it for each side.
     detail: isSplit ? '' : detailText(drawnDetail, statistics?.cutErrorPx ?? null),
+    ...streamFigures(streaming),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };
@@ -47,6 +48,18 @@ function stageFigures(statistics: FrameStatistics | null, rasterizer: Rasterizer
     otherRasterizer: statistics && rasterizer ? otherRasterizer(statistics, rasterizer) : '',
     rasterizerReason: statistics && rasterizer ? rasterizerReason(statistics, rasterizer) : '',
     visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
+  };
+}
+
+/** Empty where nothing streams. */
+function streamFigures(streaming: ViewerState['streaming']): Figures {
+  if (!streaming) return { bricks: '', fetched: '' };
+  const { residentBricks, bricks, missingBricks, fetchedBytes, bytesPerSecond } = streaming;
+  const missing = missingBricks > 0 ? `, ${formatCount(missingBricks)} missing` : '';
+  const rate = bytesPerSecond > 0 ? `, ${formatBytes(bytesPerSecond)}/s` : '';
+  return {
+    bricks: `${formatCount(residentBricks)} of ${formatCount(bricks)}${missing}`,
+    fetched: `${formatBytes(fetchedBytes)}${rate}`,
   };
 }
 

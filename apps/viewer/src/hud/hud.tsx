@@ -181,6 +181,14 @@ function FrameFacts({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }
         testId="visible-splats"
       />
       <HudRow label="Loaded" figure="loaded" testId="loaded-splats" />
+      <HudRow
+        label="Bricks"
+        figure="bricks"
+        title="Parts of the scene on the GPU; parts that this view would draw as well are missing"
+        isOptional
+        testId="bricks"
+      />
+      <HudRow label="Fetched" figure="fetched" isOptional testId="fetched" />
       <HudRow label="Detail" figure="detail" isOptional testId="detail" />
     </dl>
   );

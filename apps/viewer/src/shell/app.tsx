@@ -40,6 +40,7 @@ const Inspect = lazyComponent(async () => (await import('../inspecting/inspect.t
 const SavePanel = lazyComponent(async () => (await import('../saving/save-panel.tsx')).SavePanel);
 const Help = lazyComponent(async () => (await import('./help.tsx')).Help);
 const ReopenPanel = lazyComponent(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
+const StreamPanel = lazyComponent(async () => (await import('../messages/stream-panel.tsx')).StreamPanel);
 const FlightBanner = lazyComponent(
   async () => (await import('../navigation/flight-banner.tsx')).FlightBanner,
 );
@@ -138,6 +139,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             <div className="messages">
               <Notice store={store} />
               <Suspense>{isFlying && <FlightBanner store={store} viewer={viewer} />}</Suspense>
+              <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
               <WarningPanel store={store} />
               <FailurePanel store={store} />
               <Suspense>{hasErrorMap && <ErrorMapLegend store={store} viewer={viewer} />}</Suspense>

@@ -72,6 +72,7 @@ export function createViewerStore(): ViewerStore {
     drawnDetail: 'full',
     rightStatistics: null,
     rightRasterizer: null,
+    streaming: null,
     lastRender: null,
     frameRate: null,
     isIdle: true,

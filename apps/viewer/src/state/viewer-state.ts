@@ -8,6 +8,7 @@ import type {
   FrameRasterizer,
   FrameStatistics,
   RasterizerReport,
+  StreamReport,
 } from '@websplatter/core';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
@@ -110,6 +111,12 @@ export type MapFigures = {
   | { readonly kind: 'failure'; readonly message: string }
 );
 
+/** What is there of all scenes that stream. */
+export type Streaming = Pick<
+  StreamReport,
+  'bricks' | 'residentBricks' | 'missingBricks' | 'fetchedBytes' | 'bytesPerSecond' | 'error'
+>;
+
 export interface ViewerState {
   readonly status: ViewerStatus;
   /** Why there is no GPU, in the browser's words. */
@@ -211,6 +218,8 @@ export interface ViewerState {
   /** The same of the right side of a split image; null without one. */
   readonly rightStatistics: FrameStatistics | null;
   readonly rightRasterizer: RasterizerReport | null;
+  /** Null where nothing streams. */
+  readonly streaming: Streaming | null;
   readonly lastRender: RenderCall | null;
   /** Null after a single frame, which has no pace. */
   readonly frameRate: FrameRate | null;

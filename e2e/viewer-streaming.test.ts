@@ -1,0 +1,30 @@
+import { writeSplats } from '@websplatter/core/write';
+import { expect, it } from 'vitest';
+import { testScene } from './test-scene.ts';
+import { viewerHarness, waitForImage } from './viewer-page.ts';
+
+const harness = viewerHarness({ 'city.bricks': await writeSplats(testScene(40_000), 'bricks') });
+
+it('says how much of a scene is there, and fetches again what could not be', async () => {
+  harness.expectProblem(/403/);
+  harness.server.answerParts('refuse');
+  const page = await harness.open('?url=city.bricks');
+  const retry = page.getByTestId('stream-error').getByRole('button', { name: 'Retry' });
+  await retry.waitFor();
+  const figure = (name: string) => page.getByTestId(name).innerText();
+  await expect.poll(() => figure('bricks')).toBe('2 of 12, 10 missing');
+  harness.server.answerParts('hold');
+  await retry.click();
+  await retry.waitFor({ state: 'detached' });
+  expect(await page.getByTestId('error').count()).toBe(0);
+  harness.server.answerParts('send');
+  await waitForImage(page);
+  await expect.poll(() => figure('bricks')).toBe('12 of 12');
+  await expect.poll(() => figure('fetched')).toMatch(/^\d{3} kB$/);
+});
+
+it('says nothing of bricks where none are', async () => {
+  const page = await harness.openViewer('?scene=still-life-small');
+  expect(await page.getByTestId('bricks').isVisible()).toBe(false);
+  expect(await page.getByTestId('stream-error').count()).toBe(0);
+});
