@@ -32,8 +32,8 @@ export class SelectionBits {
   #buffer: GPUBuffer | null = null;
   /** By page of the frame; null for clouds whose effects take no selection. */
   #slices: readonly (PageSlice | null)[] = [];
-  /** By cloud of the frame: the versions of the selections that the buffer holds. */
-  readonly #written = new Map<number, readonly number[]>();
+  /** By cloud of the frame: the versions of the selections that the buffer holds, and of which rows. */
+  readonly #written = new Map<number, { readonly versions: readonly number[]; readonly rows: number }>();
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
     this.#memory = memory;
@@ -74,7 +74,11 @@ export class SelectionBits {
     if (!this.#buffer) return;
     for (const [cloudIndex, { instance, uses }] of clouds.entries()) {
       const selections = uses.map(({ use }) => use.selection).filter((selection) => selection !== null);
-      const written = this.#written.get(cloudIndex);
+      // In a pool, other splats take the place of splats.
+      const { pool, version } = instance.cloud;
+      const rowsVersion = pool ? version : 0;
+      const last = this.#written.get(cloudIndex);
+      const written = last?.rows === rowsVersion ? last.versions : [];
       for (const slice of this.#slices) {
         if (slice?.cloudIndex !== cloudIndex) continue;
         const { splatStart, splatCount, byteOffset, bytes } = slice;
@@ -82,14 +86,12 @@ export class SelectionBits {
         // Blobs, none of which stands for a selected splat: no bit of theirs is ever set.
         if (rows.length === 0) continue;
         for (const [i, selection] of selections.entries()) {
-          if (written?.[i] === selection.version) continue;
+          if (written[i] === selection.version) continue;
           this.#queue.writeBuffer(this.#buffer, byteOffset + i * bytes, selection.bitsOf(rows));
         }
       }
-      this.#written.set(
-        cloudIndex,
-        selections.map(({ version }) => version),
-      );
+      const versions = selections.map(({ version }) => version);
+      this.#written.set(cloudIndex, { versions, rows: rowsVersion });
     }
   }
 }

@@ -6,7 +6,7 @@ import {
   type FrameRasterizer,
 } from '../data/accuracy/accuracy.ts';
 import type { Camera } from '../data/camera/camera.ts';
-import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
+import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../data/given.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
 import { checkDetail, type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
@@ -171,7 +171,7 @@ const FRAMES_PER_VISIT = 3;
  * measured with the rest. With `details`, a picture per camera is held too, of 16 bytes per pixel.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the
- * reference; the reason of `signal`.
+ * reference; SplatSourceError for a scene that streams; the reason of `signal`.
  */
 export async function measureAccuracy(
   engine: MeasuredEngine,
@@ -255,6 +255,11 @@ export async function measureThen<Result>(
     throw new InvalidArgumentError('details', message);
   }
   const { clouds, signal } = options;
+  for (const { cloud } of clouds) {
+    if (!cloud.stream) continue;
+    const why = 'only parts of it are there, and pictures change as others come';
+    throw new SplatSourceError(cloud.name, `${why}: measure the scene in another format.`);
+  }
   const candidates = candidatesFor(options);
   const reference = engine.resolveAccuracy('reference');
   const planes = await leasePlanes(
