@@ -1,0 +1,289 @@
+import type { Brick, BrickCell } from '../../data/bricks/brick.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { ChunkLinks, LEVEL_CONSTANTS, LevelCell, MergeParameters } from '../../data/layout/level-structs.ts';
+import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
+import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import { BLOB_PRECISION } from '../../data/packing/precision.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Bindings, StageDefinition } from '../../gpu/pipelines.ts';
+import { mergeChunks } from '../../gpu/stages/merge-chunks.ts';
+import { mergeHarmonics } from '../../gpu/stages/merge-harmonics.ts';
+import { CloudPlanes } from '../cloud-planes.ts';
+import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
+import type { BlobPage } from '../levels.ts';
+
+const { CELL_CHILDREN } = LEVEL_CONSTANTS;
+/** Splats of a scene that streams, and the blobs that the GPU makes of them. */
+export const STREAM_PRECISION = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
+const SPLAT_WORDS = GEOMETRY_WORDS[STREAM_PRECISION.geometryPrecision];
+export const BLOB_WORDS = GEOMETRY_WORDS[BLOB_PRECISION.geometryPrecision];
+export const LINKS_BYTES = 4 * ChunkLinks.words;
+/** Words of these fields in a `ChunkLinks`. */
+const CELL_WORD = 0;
+export const CELL_ERROR_WORD = 1;
+const UNCOUNTED_WORD = 7;
+/** Bounds that are in no frustum. */
+const NOWHERE = 1e18;
+
+/** Bytes of the harmonics of a splat, or of a blob. */
+export function shBytes(shDegree: ShDegree): number {
+  return shDegree > 0 ? 4 * shWordsPerSplat(shDegree, STREAM_PRECISION.shPrecision) : 0;
+}
+
+/** Bytes that a chunk takes, with its cell and its blobs. */
+export function chunkBytes(shDegree: ShDegree): number {
+  const blobBytes = 4 * BLOB_WORDS + shBytes(shDegree);
+  const planes = CHUNK_SPLATS * (4 * SPLAT_WORDS + shBytes(shDegree) + blobBytes) + 4 * CHUNK_WORDS.count;
+  return planes + LevelCell.bytes + 2 * LINKS_BYTES;
+}
+
+/** The stages that make the blobs of chunks. */
+export function chunkStages(shDegree: ShDegree): readonly StageDefinition[] {
+  const merging = mergeChunks(STREAM_PRECISION.geometryPrecision);
+  return shDegree > 0 ? [merging, mergeHarmonics(shDegree, STREAM_PRECISION)] : [merging];
+}
+
+/** The upper levels of a pool, as stages that merge chunks bind them. */
+export interface UpperLevels {
+  /** Number of the first cell above the chunks. */
+  readonly start: number;
+  readonly page: BlobPage;
+}
+
+/** Cells of splats to write: their splats, packed, with those of each cell from a multiple of 256 on. */
+export type SplatCells = Pick<Brick, 'cells' | 'geometry' | 'harmonics' | 'rows'>;
+
+/**
+ * Room on the GPU for chunks of splats and their blobs, in pages: the lowest level of a pool. Chunk
+ * `i` is cell `i` of the pool. Runs of chunks are within one page.
+ */
+export class ChunkPages {
+  readonly planes: CloudPlanes;
+  readonly splatLinks: readonly GPUBuffer[];
+  readonly blobPages: readonly BlobPage[];
+  /** Row in the file of each place for a splat. */
+  readonly rows: Uint32Array;
+  /** Chunks of all pages but the last, a multiple of 16. */
+  readonly pageChunks: number;
+  /** Words of the `Chunk` structs of the splats: another array whenever they change. */
+  words: Float32Array<ArrayBuffer>;
+  readonly #device: GPUDevice;
+  readonly #dispatchRow: number;
+  readonly #shDegree: ShDegree;
+  readonly #cells: GPUBuffer;
+  /** The cell of chunks that hold nothing. */
+  readonly #nowhere: number;
+
+  /**
+   * @param cells the buffer of the pool's cells.
+   * @param nowhere number of the one that is never in sight.
+   */
+  constructor(
+    { device, dispatchRow }: DispatchContext,
+    memory: GpuMemory,
+    { name, shDegree }: { readonly name: string; readonly shDegree: ShDegree },
+    chunkCount: number,
+    cells: GPUBuffer,
+    nowhere: number,
+  ) {
+    const { limits } = device;
+    this.#device = device;
+    this.#dispatchRow = dispatchRow;
+    this.#shDegree = shDegree;
+    this.#cells = cells;
+    this.#nowhere = nowhere;
+    const bindingBytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
+    const widest = CELL_CHILDREN * CHUNK_SPLATS * Math.max(4 * BLOB_WORDS, shBytes(shDegree));
+    this.pageChunks = CELL_CHILDREN * Math.floor(bindingBytes / widest);
+    const ranges = Array.from({ length: Math.ceil(chunkCount / this.pageChunks) }, (_, page) => ({
+      start: CHUNK_SPLATS * this.pageChunks * page,
+      end: CHUNK_SPLATS * Math.min(chunkCount, this.pageChunks * (page + 1)),
+    }));
+    const plane = (what: string, bytesPerSplat: number) =>
+      ranges.map(({ start, end }, page) =>
+        poolBuffer(memory, `${name} ${what} ${page}`, bytesPerSplat * (end - start)),
+      );
+    const chunkPlane = (what: string, bytesPerChunk: number) => plane(what, bytesPerChunk / CHUNK_SPLATS);
+    this.planes = new CloudPlanes(memory, name, {
+      ...STREAM_PRECISION,
+      shDegree,
+      ranges,
+      chunks: chunkPlane('chunks', 4 * CHUNK_WORDS.count),
+      geometry: plane('geometry', 4 * SPLAT_WORDS),
+      harmonics: shDegree > 0 ? plane('spherical harmonics', shBytes(shDegree)) : [],
+    });
+    this.splatLinks = chunkPlane('splat links', LINKS_BYTES);
+    this.blobPages = ranges.map(({ start, end }, page) =>
+      makeBlobPage(memory, `${name} blob ${page}`, shDegree, cells, end - start),
+    );
+    this.rows = new Uint32Array(CHUNK_SPLATS * chunkCount);
+    this.words = new Float32Array(CHUNK_WORDS.count * chunkCount);
+  }
+
+  /** Writes cells with their splats to the chunks from `first` on, which draw nothing yet. */
+  write({ cells, geometry, harmonics, rows }: SplatCells, first: number): void {
+    const { queue } = this.#device;
+    const { page, chunk } = this.#placeOf(first);
+    const { geometry: splats, shRest, chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
+    queue.writeBuffer(splats, 4 * SPLAT_WORDS * CHUNK_SPLATS * chunk, geometry);
+    if (shRest) queue.writeBuffer(shRest, shBytes(this.#shDegree) * CHUNK_SPLATS * chunk, harmonics);
+    this.bound(cells, first);
+    const start = CHUNK_WORDS.count * first;
+    const words = CHUNK_WORDS.count * cells.length;
+    queue.writeBuffer(chunks, 4 * CHUNK_WORDS.count * chunk, this.words, start, words);
+    this.rows.set(rows, CHUNK_SPLATS * first);
+    this.clear(first, cells.length);
+  }
+
+  /** Adds dispatches that make the blobs of chunks, all full but the last. */
+  merge(dispatches: Dispatches, cells: readonly BrickCell[], first: number, upper: UpperLevels): void {
+    const { page, chunk } = this.#placeOf(first);
+    const { geometry, shRest, chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
+    const blobs = this.blobPages[page];
+    const bindings: Bindings = {
+      ...upperBindings(this.#cells, upper.page),
+      splats: geometry,
+      chunks,
+      splatLinks: this.splatLinks[page],
+      blobs: blobs.geometry,
+      blobLinks: blobs.links,
+      ...(shRest && { shRest, blobSh: blobs.shRest! }),
+    };
+    const parameters = MergeParameters.pack({
+      firstCell: first,
+      endCell: first + cells.length,
+      pageStart: this.pageChunks * page,
+      levelStart: 0,
+      nextLevelStart: 0,
+      upperStart: upper.start,
+      splatCount: CHUNK_SPLATS * (chunk + cells.length - 1) + cells.at(-1)!.leafCount,
+      hasNextLevel: 0,
+      dispatchRow: this.#dispatchRow,
+    });
+    for (const stage of chunkStages(this.#shDegree))
+      dispatches.add(stage, parameters, bindings, cells.length);
+  }
+
+  /** Writes what merging does not know: how many splats a chunk lacks, and the error at which its cell ends. */
+  writeHead({ leafCount }: BrickCell, chunk: number, cellError: number | undefined): void {
+    if (cellError !== undefined) this.#writeHeads(chunk, CELL_ERROR_WORD, cellError);
+    const { page, chunk: at } = this.#placeOf(chunk);
+    this.#writeWord(this.splatLinks[page], at, UNCOUNTED_WORD, CHUNK_SPLATS - leafCount);
+  }
+
+  /** Draws chunks that have been merged, or does not. */
+  show(chunks: readonly number[], isShown: boolean): void {
+    for (const chunk of chunks) this.#writeHeads(chunk, CELL_WORD, isShown ? chunk : this.#nowhere);
+  }
+
+  /** Takes out what chunks hold. */
+  clear(first: number, count: number): void {
+    const { page, chunk } = this.#placeOf(first);
+    const noLinks = emptyLinks(this.#nowhere, count);
+    for (const links of [this.splatLinks[page], this.blobPages[page].links])
+      this.#device.queue.writeBuffer(links, LINKS_BYTES * chunk, noLinks);
+  }
+
+  /** Gives chunks the bounds of cells, for counts on the CPU. */
+  bound(cells: readonly BrickCell[], first: number): void {
+    this.words = this.words.slice();
+    for (const [i, { bounds, logScales }] of cells.entries()) {
+      const at = CHUNK_WORDS.count * (first + i);
+      this.words.set(bounds.min, at + CHUNK_WORDS.minPosition);
+      this.words.set(bounds.max, at + CHUNK_WORDS.maxPosition);
+      this.words[at + CHUNK_WORDS.minLogScale] = logScales[0];
+      this.words[at + CHUNK_WORDS.logScaleStep] = logScales[1];
+    }
+  }
+
+  /** Gives chunks bounds that are never in sight, for counts on the CPU. */
+  unbound(first: number, end: number): void {
+    this.words = this.words.slice();
+    for (let chunk = first; chunk < end; chunk++) {
+      const at = CHUNK_WORDS.count * chunk;
+      this.words.fill(NOWHERE, at + CHUNK_WORDS.minPosition, at + CHUNK_WORDS.minPosition + 3);
+      this.words.fill(-NOWHERE, at + CHUNK_WORDS.maxPosition, at + CHUNK_WORDS.maxPosition + 3);
+    }
+  }
+
+  #writeHeads(chunk: number, word: number, value: number): void {
+    const { page, chunk: at } = this.#placeOf(chunk);
+    for (const links of [this.splatLinks[page], this.blobPages[page].links])
+      this.#writeWord(links, at, word, value);
+  }
+
+  #writeWord(links: GPUBuffer, chunk: number, word: number, value: number): void {
+    this.#device.queue.writeBuffer(links, LINKS_BYTES * chunk + 4 * word, Uint32Array.of(value));
+  }
+
+  /** The page of a chunk, and its number there. */
+  #placeOf(chunk: number): { readonly page: number; readonly chunk: number } {
+    const page = Math.floor(chunk / this.pageChunks);
+    return { page, chunk: chunk - this.pageChunks * page };
+  }
+}
+
+/** A buffer of a pool, which is written whenever parts of a scene come. */
+export function poolBuffer(memory: GpuMemory, label: string, bytes: number): GPUBuffer {
+  const { STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
+  return memory.createBuffer(label, bytes, STORAGE | COPY_SRC | COPY_DST);
+}
+
+/** Room for blobs, and their links. */
+export function makeBlobPage(
+  memory: GpuMemory,
+  what: string,
+  shDegree: ShDegree,
+  cells: GPUBuffer,
+  splatCount: number,
+): BlobPage {
+  const buffer = (part: string, bytes: number) => poolBuffer(memory, `${what} ${part}`, bytes);
+  return {
+    splatCount,
+    chunkCount: splatCount / CHUNK_SPLATS,
+    geometry: buffer('geometry', 4 * BLOB_WORDS * splatCount),
+    shRest: shDegree > 0 ? buffer('spherical harmonics', shBytes(shDegree) * splatCount) : null,
+    chunks: cells,
+    links: buffer('links', (LINKS_BYTES * splatCount) / CHUNK_SPLATS),
+  };
+}
+
+export function upperBindings(cells: GPUBuffer, { geometry, links, shRest }: BlobPage): Bindings {
+  return { cells, upper: geometry, upperLinks: links, ...(shRest && { upperSh: shRest }) };
+}
+
+/** Links of chunks that hold nothing. */
+export function emptyLinks(nowhere: number, chunkCount: number): Uint32Array<ArrayBuffer> {
+  const links = new Uint32Array(chunkCount * ChunkLinks.words);
+  for (let chunk = 0; chunk < chunkCount; chunk++) links[chunk * ChunkLinks.words + CELL_WORD] = nowhere;
+  return links;
+}
+
+/** The cell of chunks that hold nothing: in no frustum. */
+export function nowhereCell(nowhere: number): ArrayBuffer {
+  return LevelCell.pack({
+    minPosition: [NOWHERE, NOWHERE, NOWHERE],
+    maxPosition: [-NOWHERE, -NOWHERE, -NOWHERE],
+    parent: nowhere,
+  });
+}
+
+/** Writes the cells of a pool from `first` on. @param parent the cell above. */
+export function writeCells(
+  { queue }: GPUDevice,
+  buffer: GPUBuffer,
+  cells: readonly BrickCell[],
+  first: number,
+  parent: number,
+): void {
+  const contents = new ArrayBuffer(LevelCell.bytes * cells.length);
+  for (const [i, { bounds }] of cells.entries())
+    LevelCell.write(
+      contents,
+      { minPosition: bounds.min, maxPosition: bounds.max, parent },
+      LevelCell.bytes * i,
+    );
+  queue.writeBuffer(buffer, LevelCell.bytes * first, contents);
+}
