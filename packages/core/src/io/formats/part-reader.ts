@@ -42,10 +42,7 @@ export class PartReader {
   /** As `read`, but containers that check bytes themselves, such as archives, reject `check`. */
   async readUnchecked(path: string): Promise<UncheckedPart> {
     const { name } = this.#input;
-    if (path.length > MOST_PATH || path.split('/').some((part) => /^\.{0,2}$/.test(part))) {
-      const message = `it names a file "${shown(path)}", which may lie outside of its folder. Export the scene again.`;
-      throw new SplatFileError('damaged', name, message);
-    }
+    checkPath(path, name);
     if (this.#paths.has(path)) {
       const message = `it names the file ${path} twice. Export the scene again.`;
       throw new SplatFileError('damaged', name, message);
@@ -70,4 +67,11 @@ export class PartReader {
   pause(): Promise<void> {
     return this.#input.reader.pause();
   }
+}
+
+/** @throws SplatFileError 'damaged' unless a path stays within the folder of its scene. */
+export function checkPath(path: string, scene: string): void {
+  if (path.length <= MOST_PATH && !path.split('/').some((part) => /^\.{0,2}$/.test(part))) return;
+  const message = `it names a file "${shown(path)}", which may lie outside of its folder. Export the scene again.`;
+  throw new SplatFileError('damaged', scene, message);
 }

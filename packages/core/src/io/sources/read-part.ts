@@ -5,7 +5,7 @@ import { openUrl } from './open-url.ts';
 import { readAll } from './read-all.ts';
 import { limitsOf } from './read-limits.ts';
 import { shortName } from './source-kind.ts';
-import type { OpenedSource } from './splat-source.ts';
+import type { OpenedSource, RequestOptions } from './splat-source.ts';
 
 type PartOptions = Pick<SplatFormatOptions, 'signal' | 'maxBytes'>;
 
@@ -60,12 +60,26 @@ export async function readOpenedPart(
   }
 }
 
-/** Parts come from the origin of the scene: credentials go with them. */
 function openFetched(
-  { name, fetched }: SplatInput,
+  input: SplatInput,
   path: string,
   signal: AbortSignal | undefined,
 ): Promise<OpenedSource> {
+  const { url, request } = fetchedPart(input, path);
+  return openUrl(url, { name: shortName(path), request, signal });
+}
+
+/**
+ * Address of another file of a scene that was fetched. Parts come from the origin of the scene:
+ * credentials go with them.
+ *
+ * @param path from the folder of `input`.
+ * @throws SplatFileError 'missing-part' for scenes that were not fetched, and other origins.
+ */
+export function fetchedPart(
+  { name, fetched }: Pick<SplatInput, 'name' | 'fetched'>,
+  path: string,
+): { readonly url: string; readonly request: RequestOptions } {
   const missing = (message: string) => new SplatFileError('missing-part', name, message);
   if (!fetched)
     throw missing(`it needs ${path}, another file. Open all files of the scene together, or its address.`);
@@ -75,5 +89,5 @@ function openFetched(
     const advice = 'Put all files of the scene together';
     throw missing(`it needs ${shortName(path)}, which lies on another server. ${advice}.`);
   }
-  return openUrl(url.href, { name: shortName(path), request, signal });
+  return { url: url.href, request };
 }

@@ -5,7 +5,7 @@ import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { PartReader, UncheckedPart } from '../part-reader.ts';
-import { type Run, splatsOf } from './finest-level.ts';
+import { type Run, splatsOf } from './scene-tree.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 

@@ -4,6 +4,12 @@ import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { JsonFields } from '../json-fields.ts';
+import { parseJson } from '../parse-json.ts';
+
+/** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
+export const MAX_META_BYTES = 2 ** 26;
+/** About as many as numbers with their names take so many bytes. */
+const MOST_META_VALUES = 2 ** 23;
 
 /** Values of a channel's bytes, as in the row of a splat. */
 export type ByteValues = Float32Array;
@@ -38,6 +44,18 @@ export interface SogHarmonics {
   readonly paletteSize: number | undefined;
   readonly paletteFile: string;
   readonly labelsFile: string;
+}
+
+/**
+ * Parses a file with metadata, of one scene or of a streamed one.
+ *
+ * @param bytes all of it, or more than MAX_META_BYTES.
+ * @throws SplatFileError 'too-large', 'bad-header'
+ */
+export function parseMeta(bytes: Uint8Array, file: string): unknown {
+  if (bytes.length <= MAX_META_BYTES) return parseJson(bytes, file, MOST_META_VALUES);
+  const message = `its metadata has more than ${MAX_META_BYTES} bytes, which no scene needs.`;
+  throw new SplatFileError('too-large', file, message);
 }
 
 /**

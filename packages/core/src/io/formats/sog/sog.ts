@@ -5,12 +5,12 @@ import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
-import { parseJson } from '../parse-json.ts';
 import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
-import { finestLevel, isStreamedMeta, type Run, splatsOf } from './finest-level.ts';
+import { finestLevel } from './finest-level.ts';
+import { isStreamedMeta, type Run, splatsOf } from './scene-tree.ts';
 import {
   ImageBudget,
   imageNames,
@@ -19,14 +19,9 @@ import {
   openSogImages,
   type SogImages,
 } from './sog-images.ts';
-import { parseSogMeta, type SogMeta } from './sog-meta.ts';
+import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 import { joinPalettes, paletteEntries, type SogUnit } from './sog-palette.ts';
 import { sogRows, sogRowsOfPalette } from './sog-rows.ts';
-
-/** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
-const MAX_META_BYTES = 2 ** 26;
-/** About as many as numbers with their names take so many bytes. */
-const MOST_META_VALUES = 2 ** 23;
 
 /** A SOG whose images are being decoded. */
 interface OpenedUnit extends OpenedImages {
@@ -108,12 +103,6 @@ async function openUnits(
     units.push(runs ? unitOfRuns(unit, images, runs) : unit);
   }
   return { units, notes };
-}
-
-function parseMeta(bytes: Uint8Array, file: string): unknown {
-  if (bytes.length <= MAX_META_BYTES) return parseJson(bytes, file, MOST_META_VALUES);
-  const message = `its metadata has more than ${MAX_META_BYTES} bytes, which no scene needs.`;
-  throw new SplatFileError('too-large', file, message);
 }
 
 function unitOfRuns(unit: OpenedUnit, images: SogImages, runs: readonly Run[]): OpenedUnit {

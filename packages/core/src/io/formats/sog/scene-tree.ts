@@ -1,0 +1,135 @@
+import { SplatFileError } from '../../../data/errors.ts';
+import { shown } from '../../../data/printable.ts';
+import { JsonFields } from '../json-fields.ts';
+
+/** Splats of a file, one after another. */
+export interface Run {
+  readonly offset: number;
+  readonly count: number;
+}
+
+/** A run of a leaf of the tree, at one level. */
+export interface LeafRun extends Run {
+  /** 0 is the finest. */
+  readonly level: number;
+  /** Number of the file. */
+  readonly file: number;
+}
+
+/** A part of a streamed scene, as its tree has it. */
+export interface TreeLeaf {
+  /** The node of the tree, with its bounds and errors. */
+  readonly node: JsonFields;
+  /** At least one; the finest first, and no level twice. */
+  readonly runs: readonly LeafRun[];
+}
+
+/** The metadata of a streamed scene. */
+export interface SceneTree {
+  readonly levelCount: number;
+  /** Paths of the files, from the folder of the scene. */
+  readonly names: readonly string[];
+  readonly leaves: readonly TreeLeaf[];
+  /** Of each file that leaves name: its runs in order, which are all of it, and of one level. */
+  readonly runsOfFile: ReadonlyMap<number, readonly LeafRun[]>;
+  /** Path of a file that belongs to every level. */
+  readonly environment: string | null;
+}
+
+/** Whether JSON is that of streamed SOG (`lod-meta.json`). */
+export function isStreamedMeta(json: unknown): boolean {
+  return typeof json === 'object' && json !== null && Object.hasOwn(json, 'lodLevels');
+}
+
+/**
+ * Reads the tree of a streamed scene. Leaves without splats are left out.
+ *
+ * @throws SplatFileError 'bad-header', 'damaged'; 'unknown-format' for later versions
+ */
+export function readTree(json: unknown, file: string): SceneTree {
+  const meta = new JsonFields(json, '', file, 'metadata of SOG');
+  const version = meta.get('version');
+  if (version !== undefined && version !== 1) {
+    const message = `it is streamed SOG of version ${shown(version)}; version 1 is read.`;
+    throw new SplatFileError('unknown-format', file, message, { property: 'version' });
+  }
+  const damaged = (property: string, message: string) =>
+    new SplatFileError('damaged', file, `${message} Export the scene again.`, { property });
+  const levelCount = meta.count('lodLevels');
+  const names = meta.names('filenames');
+  const runsOfFile = new Map<number, LeafRun[]>();
+  const leaves: TreeLeaf[] = [];
+  const nodes = [meta.fields('tree')];
+  for (let node = nodes.pop(); node; node = nodes.pop()) {
+    if (node.has('children')) for (const child of node.list('children')) nodes.push(child);
+    if (!node.has('lods')) continue;
+    const lods = node.fields('lods');
+    const leafRuns: LeafRun[] = [];
+    for (const key of lods.keys()) {
+      const fields = lods.fields(key);
+      const level = /^(?:0|[1-9]\d*)$/.test(key) ? Number(key) : Number.NaN;
+      const index = fields.count('file');
+      if (!(level < levelCount && index < names.length)) {
+        const message = `a part of the scene is of level ${shown(`"${key}"`)} in the file ${index}, of ${levelCount} levels and ${names.length} files.`;
+        throw damaged('tree', message);
+      }
+      const run = { level, file: index, offset: fields.count('offset'), count: fields.count('count') };
+      if (run.count === 0) continue;
+      const runs = runsOfFile.get(index) ?? [];
+      runsOfFile.set(index, runs);
+      runs.push(run);
+      leafRuns.push(run);
+    }
+    if (leafRuns.length > 0) leaves.push({ node, runs: leafRuns.sort((a, b) => a.level - b.level) });
+  }
+  for (const [index, runs] of runsOfFile) checkRuns(runs, shown(names[index]), damaged);
+  checkCounts(meta, [...runsOfFile.values()], damaged);
+  const environment = meta.get('environment') ?? null;
+  if (typeof environment !== 'string' && environment !== null)
+    return meta.fail('environment', 'the path of a file');
+  return { levelCount, names, leaves, runsOfFile, environment };
+}
+
+/** Splats of runs. */
+export function splatsOf(runs: readonly Run[]): number {
+  return runs.reduce((sum, { count }) => sum + count, 0);
+}
+
+type Damaged = (property: string, message: string) => SplatFileError;
+
+/** Throws unless the runs of a file, which it sorts, are all of it and of one level. */
+function checkRuns(runs: LeafRun[], name: string, damaged: Damaged): void {
+  let end = 0;
+  for (const { level, offset, count } of runs.sort((a, b) => a.offset - b.offset)) {
+    if (level !== runs[0].level)
+      throw damaged('tree', `the file ${name} has splats of the levels ${runs[0].level} and ${level}.`);
+    if (offset !== end) {
+      const what = offset < end ? 'overlap' : 'leave out splats';
+      throw damaged(
+        'tree',
+        `the parts of the scene in the file ${name} ${what} at ${Math.min(offset, end)}.`,
+      );
+    }
+    end += count;
+  }
+}
+
+/** Throws unless files have as many splats as the scene says, which it may leave out. */
+function checkCounts(meta: JsonFields, files: readonly LeafRun[][], damaged: Damaged): void {
+  const found = new Map<number, number>();
+  for (const runs of files) found.set(runs[0].level, (found.get(runs[0].level) ?? 0) + splatsOf(runs));
+  if (meta.has('count')) {
+    const count = [...found.values()].reduce((sum, each) => sum + each, 0);
+    if (meta.count('count') !== count)
+      throw damaged('count', `its tree has ${count} splats, where it says ${meta.count('count')}.`);
+  }
+  if (!meta.has('counts')) return;
+  const counts = meta.get('counts');
+  if (!Array.isArray(counts)) meta.fail('counts', 'a list of counts');
+  for (const level of [...found.keys(), ...counts.keys()]) {
+    const count = found.get(level) ?? 0;
+    if (counts[level] === count) continue;
+    const message = `its tree has ${count} splats of level ${level}, where it says ${shown(counts[level])}.`;
+    throw damaged('counts', message);
+  }
+}
