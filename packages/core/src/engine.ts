@@ -41,7 +41,7 @@ import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import { sortDeviceOf } from './gpu/stages/sort-shape.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
-import { fileNameOf, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
+import { fileNameOf, isBlob, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { AccuracyTargets } from './views/accuracy-targets.ts';
@@ -109,8 +109,8 @@ const PIECE_BYTES = 4 << 20;
 /** Options of `engine.load`. */
 export interface LoadOptions extends ReadOptions {
   /**
-   * GPU memory for a scene in bricks, at most; default 512 MiB. Scenes that need less take less, and
-   * other scenes are loaded as a whole.
+   * GPU memory for a scene in bricks or a streamed SOG, at most; default 512 MiB. Scenes that need
+   * less take less, and other scenes are loaded as a whole.
    */
   readonly budgetBytes?: number;
   /** Precision of planes; default that of the engine's accuracy, even if that changes. */
@@ -301,6 +301,10 @@ export class SplatEngine {
     this.#checkUsable();
     checkLoadOptions(options);
     if (isStreamable(source, options.name)) return this.#loadBricks(source, options);
+    if (isStreamedSog(source, options.name)) {
+      const cloud = await this.#loadLeaves(source, options);
+      if (cloud) return cloud;
+    }
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
@@ -341,6 +345,17 @@ export class SplatEngine {
       scene.end();
       throw error;
     });
+  }
+
+  /** Null for an archive of something else than streamed SOG. */
+  async #loadLeaves(source: SplatSource, options: LoadOptions): Promise<SplatCloud | null> {
+    const { loadLeaves } = await import('./clouds/leaves/stream-leaves.ts').catch((cause) => {
+      throw new CodeUnavailableError('streaming', { cause });
+    });
+    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
+    const { onDestroyed } = this.#optionsOf({});
+    const cloud = await loadLeaves(this.#dispatchContext, source, { ...options, signal }, { onDestroyed });
+    return cloud && this.#own(cloud);
   }
 
   /** @internal Shows a scene in bricks, as `load` does. */
@@ -754,6 +769,14 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
     return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
   return { settings: requested, notices: [] };
+}
+
+/** Whether a source is, or may have, the metadata of streamed SOG, whose files are read as views need them. */
+function isStreamedSog(source: SplatSource, name: string | undefined): boolean {
+  const names = isFiles(source)
+    ? (source.paths ?? source.files.map((file: Partial<File>) => file?.name)).join('\n')
+    : fileNameOf(source, name);
+  return /^(?:.*\/)?lod-meta\.json$/im.test(names) || (isBlob(source) && /\.(?:sog|zip)$/i.test(names));
 }
 
 /** Whether a source is read in parts, as views need them. */

@@ -11,13 +11,21 @@ export interface CloudSight {
   };
   /** Factor of squared thresholds by which a budget has shifted them. */
   readonly squaredShift: number;
+  /**
+   * Most splats that it draws, if it has a budget, and whether it allows any error until then; else
+   * it draws what the cut asks for.
+   */
+  readonly budget?: { readonly splats: number; readonly isFinest: boolean } | null;
   /** Sides of its frustum, about the scene's origin. */
   readonly sides: readonly FrustumSide[];
 }
 
 /** What is on the GPU of a scene that streams. */
 export interface StreamReport {
-  /** Parts of the scene; those on the GPU; and those that it has room for. */
+  /**
+   * Parts of the scene, bricks of its file or, of streamed SOG, chunks of 256 splats of all levels;
+   * those on the GPU; and those that it has room for.
+   */
   readonly bricks: number;
   readonly residentBricks: number;
   readonly mostBricks: number;

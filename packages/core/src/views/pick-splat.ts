@@ -1,4 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import { NO_ROW } from '../data/bricks/leaf-scene.ts';
 import { pixelRay } from '../data/camera/camera.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { PICK_CONSTANTS, PickBlock, PickParameters } from '../data/layout/pick-structs.ts';
@@ -63,8 +64,9 @@ interface PickContext {
  * @param plan the plan of that frame.
  * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
  * @param yPx row, from the top.
- * @returns null if no splat reaches the cutoff at the pixel, for splats of previews, and for blobs
- *   of a cloud that is destroyed, or whose levels are made anew, before the answer.
+ * @returns null if no splat reaches the cutoff at the pixel, for splats of previews and of coarser
+ *   levels of a scene that streams, and for blobs of a cloud that is destroyed, or whose levels are
+ *   made anew, before the answer.
  * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking,
  *   DestroyedError if engine or device end before the result is read.
  */
@@ -100,13 +102,15 @@ export async function pickSplat(
     if (reason !== null) throw new DestroyedError('This pick', reason);
     return null;
   }
+  const splatIndex = cloud.fileIndices[storedIndex];
+  if (splatIndex === NO_ROW) return null;
   const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
   return {
     ...shares,
     cloudIndex,
     cloud,
     storedIndex,
-    splatIndex: cloud.fileIndices[storedIndex],
+    splatIndex,
     point: [along(0), along(1), along(2)],
   };
 }

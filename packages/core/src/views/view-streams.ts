@@ -16,11 +16,12 @@ export class ViewStreams {
   see({ clouds, detail, budget }: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
     const askedPx = cutErrorPx(detail, clouds);
     const squaredShift = budget && askedPx && reachedPx ? (reachedPx / askedPx) ** 2 : 1;
+    const limit = budget && { splats: budget.splats, isFinest: budget.leastShift === 0 };
     const sights = new Map<CloudStream, CloudSight[]>();
     for (const { instance, cut, sides } of clouds) {
       const { stream } = instance.cloud;
       if (!stream || !cut) continue;
-      sights.set(stream, [...(sights.get(stream) ?? []), { cut, sides, squaredShift }]);
+      sights.set(stream, [...(sights.get(stream) ?? []), { cut, sides, squaredShift, budget: limit }]);
     }
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());

@@ -21,9 +21,9 @@ export interface ResidentBrick extends ValuedBrick {
 }
 
 /** Bricks out of sight count as this much less: they are kept only where nothing else needs room. */
-const OUT_OF_SIGHT = 1e-12;
+export const OUT_OF_SIGHT = 1e-12;
 /** Least squared threshold, so that errors can be divided by it. */
-const LEAST_SQUARED = 1e-36;
+export const LEAST_SQUARED = 1e-36;
 /** Slack of tests in float32, as in chunk-groups. */
 const SLACK = 1e-4;
 
@@ -102,7 +102,7 @@ function squaredError(error: number): number {
 }
 
 /** As cut-cells finds it. */
-function squaredThreshold(
+export function squaredThreshold(
   { min, max }: Bounds,
   { camera, squaredPerDistance, leastSquared, margin }: CloudSight['cut'],
 ): number {
@@ -115,7 +115,7 @@ function squaredThreshold(
 }
 
 /** Whether splats in these bounds may reach past a side of the frustum into it. */
-function reachesIn(
+export function reachesIn(
   { normal, offset, reach }: FrustumSide,
   { min, max }: Bounds,
   largestScale: number,

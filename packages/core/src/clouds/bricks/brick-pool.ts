@@ -16,7 +16,7 @@ import { mergeHarmonics } from '../../gpu/stages/merge-harmonics.ts';
 import { openLeaves } from '../../gpu/stages/open-leaves.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
-import { SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
+import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import {
   BLOB_WORDS,
   CELL_ERROR_WORD,
@@ -28,11 +28,11 @@ import {
   makeBlobPage,
   nowhereCell,
   poolBuffer,
-  STREAM_PRECISION,
   shBytes,
   upperBindings,
   writeCells,
 } from './chunk-pages.ts';
+import { makePool, streamedCloud } from './make-pool.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
 /** Splats of a brick of the lowest level, and leaves of any other. */
@@ -124,23 +124,11 @@ export class BrickPool implements Levels {
    * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
    */
   static async make(context: DispatchContext, scene: BrickScene, slots: PoolSlots): Promise<BrickPool> {
-    const memory = context.memory.part();
-    await context.pipelines.prepare(stagesOf(scene.shDegree));
-    const { result: pool, checked } = memory.guard(scene.name, 'Give it fewer bytes.', () => {
-      try {
-        const made = new BrickPool({ ...context, memory }, memory, scene, slots);
-        made.#clear();
-        return made;
-      } catch (error) {
-        memory.destroyAll();
-        throw error;
-      }
+    return makePool(context, scene, stagesOf(scene.shDegree), (memory) => {
+      const made = new BrickPool({ ...context, memory }, memory, scene, slots);
+      made.#clear();
+      return made;
     });
-    await checked?.catch((error) => {
-      memory.destroyAll();
-      throw error;
-    });
-    return pool;
   }
 
   get splatLinks(): readonly GPUBuffer[] {
@@ -149,34 +137,7 @@ export class BrickPool implements Levels {
 
   /** The cloud of the scene. */
   cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
-    const { name, splatCount, origin, bounds, robustBounds, shDegree } = this.#scene;
-    const facts = {
-      declaredShDegree: shDegree,
-      trueShDegree: shDegree,
-      // What can be seen is not known before all is there.
-      shBandReach: Array.from({ length: shDegree }, () => Number.POSITIVE_INFINITY),
-      paletteEntries: null,
-      isIsotropic: false,
-      isAntialiased: this.#scene.isAntialiased ?? null,
-      fileFacts: null,
-    };
-    const contents = {
-      count: splatCount,
-      origin,
-      bounds,
-      robustBounds,
-      dropped: {},
-      fileIndices: this.#chunks.rows,
-      facts,
-      chunks: this.#chunks.words.buffer,
-      precision: STREAM_PRECISION,
-    };
-    const cloud = new SplatCloud(this.#context.device, this.#chunks.planes, contents, {
-      ...options,
-      name,
-      pool: this,
-    });
-    cloud.levels = this;
+    const cloud = streamedCloud(this.#context.device, this.#scene, this.#chunks, this, options);
     this.#cloud = cloud;
     return cloud;
   }

@@ -1,4 +1,5 @@
-import type { Brick, BrickCell } from '../../data/bricks/brick.ts';
+import type { BrickCell } from '../../data/bricks/brick.ts';
+import type { SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS, LevelCell, MergeParameters } from '../../data/layout/level-structs.ts';
@@ -52,9 +53,6 @@ export interface UpperLevels {
   readonly page: BlobPage;
 }
 
-/** Cells of splats to write: their splats, packed, with those of each cell from a multiple of 256 on. */
-export type SplatCells = Pick<Brick, 'cells' | 'geometry' | 'harmonics' | 'rows'>;
-
 /**
  * Room on the GPU for chunks of splats and their blobs, in pages: the lowest level of a pool. Chunk
  * `i` is cell `i` of the pool. Runs of chunks are within one page.
@@ -67,14 +65,14 @@ export class ChunkPages {
   readonly rows: Uint32Array;
   /** Chunks of all pages but the last, a multiple of 16. */
   readonly pageChunks: number;
-  /** Words of the `Chunk` structs of the splats: another array whenever they change. */
-  words: Float32Array<ArrayBuffer>;
   readonly #device: GPUDevice;
   readonly #dispatchRow: number;
   readonly #shDegree: ShDegree;
   readonly #cells: GPUBuffer;
   /** The cell of chunks that hold nothing. */
   readonly #nowhere: number;
+  #words: Float32Array<ArrayBuffer>;
+  #isGivenAway = false;
 
   /**
    * @param cells the buffer of the pool's cells.
@@ -119,7 +117,13 @@ export class ChunkPages {
       makeBlobPage(memory, `${name} blob ${page}`, shDegree, cells, end - start),
     );
     this.rows = new Uint32Array(CHUNK_SPLATS * chunkCount);
-    this.words = new Float32Array(CHUNK_WORDS.count * chunkCount);
+    this.#words = new Float32Array(CHUNK_WORDS.count * chunkCount);
+  }
+
+  /** Words of the `Chunk` structs of the splats; they stay as they are. */
+  get words(): Float32Array<ArrayBuffer> {
+    this.#isGivenAway = true;
+    return this.#words;
   }
 
   /** Writes cells with their splats to the chunks from `first` on, which draw nothing yet. */
@@ -132,7 +136,7 @@ export class ChunkPages {
     this.bound(cells, first);
     const start = CHUNK_WORDS.count * first;
     const words = CHUNK_WORDS.count * cells.length;
-    queue.writeBuffer(chunks, 4 * CHUNK_WORDS.count * chunk, this.words, start, words);
+    queue.writeBuffer(chunks, 4 * CHUNK_WORDS.count * chunk, this.#words, start, words);
     this.rows.set(rows, CHUNK_SPLATS * first);
     this.clear(first, cells.length);
   }
@@ -188,24 +192,30 @@ export class ChunkPages {
 
   /** Gives chunks the bounds of cells, for counts on the CPU. */
   bound(cells: readonly BrickCell[], first: number): void {
-    this.words = this.words.slice();
+    const words = this.#ownWords();
     for (const [i, { bounds, logScales }] of cells.entries()) {
       const at = CHUNK_WORDS.count * (first + i);
-      this.words.set(bounds.min, at + CHUNK_WORDS.minPosition);
-      this.words.set(bounds.max, at + CHUNK_WORDS.maxPosition);
-      this.words[at + CHUNK_WORDS.minLogScale] = logScales[0];
-      this.words[at + CHUNK_WORDS.logScaleStep] = logScales[1];
+      words.set(bounds.min, at + CHUNK_WORDS.minPosition);
+      words.set(bounds.max, at + CHUNK_WORDS.maxPosition);
+      words[at + CHUNK_WORDS.minLogScale] = logScales[0];
+      words[at + CHUNK_WORDS.logScaleStep] = logScales[1];
     }
   }
 
   /** Gives chunks bounds that are never in sight, for counts on the CPU. */
   unbound(first: number, end: number): void {
-    this.words = this.words.slice();
+    const words = this.#ownWords();
     for (let chunk = first; chunk < end; chunk++) {
       const at = CHUNK_WORDS.count * chunk;
-      this.words.fill(NOWHERE, at + CHUNK_WORDS.minPosition, at + CHUNK_WORDS.minPosition + 3);
-      this.words.fill(-NOWHERE, at + CHUNK_WORDS.maxPosition, at + CHUNK_WORDS.maxPosition + 3);
+      words.fill(NOWHERE, at + CHUNK_WORDS.minPosition, at + CHUNK_WORDS.minPosition + 3);
+      words.fill(-NOWHERE, at + CHUNK_WORDS.maxPosition, at + CHUNK_WORDS.maxPosition + 3);
     }
+  }
+
+  #ownWords(): Float32Array<ArrayBuffer> {
+    if (this.#isGivenAway) this.#words = this.#words.slice();
+    this.#isGivenAway = false;
+    return this.#words;
   }
 
   #writeHeads(chunk: number, word: number, value: number): void {

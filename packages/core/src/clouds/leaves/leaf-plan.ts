@@ -1,0 +1,120 @@
+import type { SceneLeaf } from '../../data/bricks/leaf-scene.ts';
+import { chunkCountOf } from '../../data/packing/chunks.ts';
+import { LEAST_SQUARED, OUT_OF_SIGHT, reachesIn, squaredThreshold } from '../bricks/brick-demand.ts';
+import type { CloudSight } from '../cloud-stream.ts';
+
+/** What views want of a leaf. Levels are places in its list: the last one, the coarsest, is always there. */
+export interface PlannedLeaf {
+  /** Whether any view may see it. */
+  readonly isSeen: boolean;
+  /** The coarsest level that is good enough for all views. */
+  readonly wanted: number;
+  /** The level that there is room for, of those up to the wanted one. */
+  readonly target: number;
+  /**
+   * How far the error of the coarsest level exceeds what the view that needs the leaf most allows,
+   * as a ratio of squares. Above 1, a finer level is wanted; it is much less out of sight.
+   */
+  readonly value: number;
+}
+
+/** A leaf as one view sees it. */
+interface SeenLeaf {
+  readonly isSeen: boolean;
+  /** By level; finer ones have no larger ones. */
+  readonly values: readonly number[];
+  wanted: number;
+}
+
+/**
+ * Which level of each leaf is to be there. Leaves are refined level by level, the one whose error
+ * exceeds most what a view allows first, as long as there is room. The plan follows from the views
+ * and the room alone, and not from what is there.
+ *
+ * The parts of a picture whose error takes equally many pixels take about as many splats for as
+ * much of it: so this order removes most error for the room that it takes.
+ *
+ * @param roomChunks chunks for levels but the coarsest ones, which have their own.
+ */
+export function planLeaves(
+  leaves: readonly SceneLeaf[],
+  sights: readonly CloudSight[],
+  roomChunks: number,
+): PlannedLeaf[] {
+  const views = sights.map((sight) => seenBy(leaves, sight));
+  const wanted = leaves.map(({ levels }, i) =>
+    views.reduce((finest, view) => Math.min(finest, view[i].wanted), levels.length - 1),
+  );
+  const worthOf = (i: number, level: number) =>
+    views.reduce((most, view) => (level > view[i].wanted ? Math.max(most, view[i].values[level]) : most), 0);
+  const chunksOf = (i: number, level: number) => {
+    const { levels } = leaves[i];
+    return level + 1 < levels.length ? chunkCountOf(levels[level].count) : 0;
+  };
+  const targets = refined(leaves, wanted, worthOf, chunksOf, roomChunks);
+  return leaves.map(({ levels }, i) => ({
+    isSeen: views.some((view) => view[i].isSeen),
+    wanted: wanted[i],
+    target: targets[i],
+    value: worthOf(i, levels.length - 1),
+  }));
+}
+
+/** What one view wants of each leaf, within its budget of splats. */
+function seenBy(leaves: readonly SceneLeaf[], { cut, sides, budget }: CloudSight): SeenLeaf[] {
+  const seen = leaves.map(({ bounds, levels }): SeenLeaf => {
+    if (!bounds) return { isSeen: true, values: levels.map(() => 0), wanted: 0 };
+    // Bounds hold each splat as far as its standard deviation.
+    const largestScale = Math.hypot(...bounds.max.map((value, axis) => value - bounds.min[axis])) / 2;
+    const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
+    const threshold = Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
+    const values = levels.map(({ error }) => (error * error * (isSeen ? 1 : OUT_OF_SIGHT)) / threshold);
+    const isFinest = isSeen && budget?.isFinest;
+    return { isSeen, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
+  });
+  if (!budget) return seen;
+  const splatsOf = (i: number, level: number) => (seen[i].isSeen ? leaves[i].levels[level].count : 0);
+  const coarsest = leaves.reduce((sum, { levels }, i) => sum + splatsOf(i, levels.length - 1), 0);
+  const wanted = seen.map((leaf) => leaf.wanted);
+  const within = refined(
+    leaves,
+    wanted,
+    (i, level) => seen[i].values[level],
+    splatsOf,
+    budget.splats - coarsest,
+  );
+  for (const [i, leaf] of seen.entries()) leaf.wanted = within[i];
+  return seen;
+}
+
+/**
+ * Refines leaves, from their coarsest levels down to the wanted ones, the most valuable first; a
+ * leaf whose next level has no room stays as it is.
+ *
+ * @param worthOf the value of refining a leaf that has this level; no more for finer ones.
+ * @param sizeOf the room that this level of a leaf takes.
+ */
+function refined(
+  leaves: readonly SceneLeaf[],
+  wanted: readonly number[],
+  worthOf: (leaf: number, level: number) => number,
+  sizeOf: (leaf: number, level: number) => number,
+  room: number,
+): number[] {
+  const reached = leaves.map(({ levels }) => levels.length - 1);
+  const steps: { leaf: number; level: number; value: number }[] = [];
+  for (const [leaf, coarsest] of reached.entries())
+    for (let level = coarsest; level > wanted[leaf]; level--)
+      steps.push({ leaf, level, value: worthOf(leaf, level) });
+  // No two are worth the same, and a level no more than a coarser one of the same leaf.
+  steps.sort((a, b) => b.value - a.value || a.leaf - b.leaf || b.level - a.level);
+  let left = room;
+  for (const { leaf, level } of steps) {
+    if (reached[leaf] !== level) continue;
+    const size = sizeOf(leaf, level - 1) - sizeOf(leaf, level);
+    if (size > left) continue;
+    left -= size;
+    reached[leaf] = level - 1;
+  }
+  return reached;
+}

@@ -1,0 +1,398 @@
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { beforeAll, describe, expect, onTestFinished, vi } from 'vitest';
+import { SplatEngine } from '../../create-engine.ts';
+import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
+import { perspectiveCamera } from '../../data/camera/camera.ts';
+import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { ChunkLinks } from '../../data/layout/level-structs.ts';
+import { nextTask } from '../../data/turns.ts';
+import { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { Pipelines } from '../../gpu/pipelines.ts';
+import { readWords } from '../../gpu/read-buffer.ts';
+import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
+import { readSplats } from '../../io/loading/read-splats.ts';
+import { compareImages } from '../../reference/compare-images.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { signalOf } from '../../testing/signal.ts';
+import { droppedFiles } from '../../testing/sog-fixture.ts';
+import { type StreamedSog, streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
+import { zipBytes } from '../../testing/zip-fixture.ts';
+import { chunkBytes } from '../bricks/chunk-pages.ts';
+import type { StreamReport } from '../cloud-stream.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
+import { streamLeaves } from './stream-leaves.ts';
+
+const SIZE = { widthPx: 96, heightPx: 64 };
+const lookFrom = (position: readonly [number, number, number]) =>
+  perspectiveCamera({ position, target: [0, 0, 0], up: [0, 1, 0], fovYDegrees: 40, aspect: 1.5 });
+
+describe('a streamed SOG', () => {
+  const set = randomSplats({ count: 12_000, seed: 2, shDegree: 1, logScales: [-6, -4] });
+  const environment = randomSplats({ count: 300, seed: 3, shDegree: 0, halfExtent: 4, logScales: [-3, -2] });
+  let engine: SplatEngine;
+  let sog: StreamedSog;
+  beforeAll(async () => {
+    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'balanced' });
+    sog = await streamedSog({ set, filesOfLevel: [4, 2, 1], leafCount: 12, environment });
+  });
+
+  const dropped = (from = sog) => droppedFiles(streamedSogFiles(from, 'scene/'));
+  const opened = async () => (await openLeaves(dropped()))!;
+  const contextOf = () => {
+    const { device } = engine;
+    return { device, memory: new GpuMemory(device), pipelines: new Pipelines(device), dispatchRow: 7 };
+  };
+  const stream = (scene: LeafScene, budgetBytes?: number) =>
+    streamLeaves(contextOf(), scene, { budgetBytes }, {});
+
+  async function drawComplete(cloud: SplatCloud, detail = {}, camera = lookFrom([0, 0, 4])) {
+    const view = engine.createView();
+    view.render({ camera, clouds: [{ cloud }], ...SIZE, ...detail });
+    await view.whenComplete();
+    const { data } = await view.readPixels();
+    const report = view.detail!;
+    view.destroy();
+    return { data, report };
+  }
+
+  /** A scene whose rows are ten times the number of their leaf, and their level. */
+  async function numberedScene(): Promise<LeafScene> {
+    const scene = await opened();
+    const read: LeafScene['read'] = async (file, signal) => {
+      const decoded = await scene.read(file, signal);
+      return {
+        pieces: async (leaf, level, pieceSignal): Promise<SplatCells[]> => {
+          const number = 10 * scene.leaves.indexOf(leaf) + leaf.levels.indexOf(level);
+          const pieces = await decoded.pieces(leaf, level, pieceSignal);
+          return pieces.map((piece) => ({ ...piece, rows: piece.rows.map(() => number) }));
+        },
+      };
+    };
+    return { ...scene, read };
+  }
+
+  /** The numbers of `numberedScene` of the chunks that are in sight for the CPU. */
+  function shownNumbers(cloud: SplatCloud): number[] {
+    const words = new Float32Array(cloud.chunks);
+    const chunkCount = words.length / CHUNK_WORDS.count;
+    return Array.from({ length: chunkCount }, (_, chunk) => chunk)
+      .filter((chunk) => words[CHUNK_WORDS.count * chunk + CHUNK_WORDS.minPosition] < 1e17)
+      .map((chunk) => cloud.fileIndices[CHUNK_SPLATS * chunk]);
+  }
+
+  /** The same of the chunks that the GPU draws. */
+  async function drawnNumbers(cloud: SplatCloud): Promise<number[]> {
+    const levels = cloud.levels!;
+    const ofPages = (pages: readonly GPUBuffer[]) =>
+      Promise.all(pages.map((page) => readWords(engine.device, page)));
+    const links = await ofPages(levels.splatLinks);
+    const blobLinks = await ofPages(levels.blobPages.slice(0, -1).map((page) => page.links));
+    const cellsOf = (pages: Uint32Array[]) =>
+      pages.flatMap((words) => [...words].filter((_, i) => i % ChunkLinks.words === 0));
+    expect(cellsOf(blobLinks)).toEqual(cellsOf(links));
+    return cellsOf(links).flatMap((cell, chunk) =>
+      cell === chunk ? [cloud.fileIndices[CHUNK_SPLATS * chunk]] : [],
+    );
+  }
+
+  gpuTest('shows a coarse picture at once, and in the end its finest level', async () => {
+    const whole = engine.add(await readSplats(dropped()));
+    const { data: full } = await drawComplete(whole);
+    const loaded = await engine.load(dropped());
+    expect(loaded.count).toBe(set.count + environment.count);
+    const { residentBricks, bricks, fetchedBytes } = loaded.stream!.report();
+    expect(residentBricks).toBeLessThan(0.3 * bricks);
+    expect((await drawComplete(loaded)).report).toMatchObject({ isComplete: true, missing: 0 });
+    expect(loaded.stream!.report().fetchedBytes).toBeGreaterThan(2 * fetchedBytes);
+    loaded.destroy();
+    const scene = await opened();
+    const { when, give } = signalOf();
+    const firstFiles = new Set(scene.leaves.map(({ levels }) => levels.at(-1)!.file));
+    const cloud = await stream({
+      ...scene,
+      read: async (file, signal) => {
+        if (!firstFiles.has(file)) await when;
+        return scene.read(file, signal);
+      },
+    });
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    const first = (await view.readPixels()).data;
+    expect(view.detail).toMatchObject({ isComplete: false });
+    expect(first.some((value) => value > 0.1)).toBe(true);
+    give();
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ isComplete: true, missing: 0 });
+    const { data } = await view.readPixels();
+    expect(compareImages(first, full, SIZE).psnrDb).toBeLessThan(40);
+    expect(compareImages(data, full, SIZE).psnrDb).toBeGreaterThan(60);
+    view.destroy();
+    whole.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('is loaded from an archive, too, and other archives as they were', async () => {
+    const { data } = await drawComplete(await engine.load(dropped()));
+    const files = streamedSogFiles(sog, 'a/');
+    for (const isDeflated of [false, true]) {
+      const cloud = await engine.load(new File([zipBytes(files, { isDeflated })], 'scene.zip'));
+      expect(cloud.stream).not.toBeNull();
+      expect((await drawComplete(cloud)).data).toEqual(data);
+      cloud.destroy();
+    }
+    const inside = Object.entries(sog.files).filter(([path]) => path.startsWith('0_0/'));
+    const other = await engine.load(new File([zipBytes(Object.fromEntries(inside))], 'scene.sog'));
+    expect(other.stream).toBeNull();
+    other.destroy();
+  });
+
+  gpuTest('draws one level of each leaf at each moment, while they come and go', async () => {
+    const scene = await numberedScene();
+    const random = seededRandom(5);
+    const chunks = scene.leaves.flatMap(({ levels }) => levels.map(({ count }) => Math.ceil(count / 256)));
+    const all = chunks.reduce((sum, count) => sum + count, 0);
+    const cloud = await stream(scene, 0.5 * all * chunkBytes(scene.shDegree));
+    const expectOneLevel = (numbers: readonly number[], when: string) => {
+      const shown = [...new Set(numbers)].sort((a, b) => a - b);
+      expect(
+        shown.map((number) => Math.floor(number / 10)),
+        when,
+      ).toEqual([...scene.leaves.keys()]);
+      for (const number of shown) {
+        const { count } = scene.leaves[Math.floor(number / 10)].levels[number % 10];
+        expect(numbers.filter((each) => each === number).length, when).toBe(Math.ceil(count / 256));
+      }
+      return shown;
+    };
+    let moments = 0;
+    let { version } = cloud;
+    Object.defineProperty(cloud, 'version', {
+      get: () => version,
+      set: (value: number) => {
+        version = value;
+        // Parts of one change are no moments.
+        queueMicrotask(() => {
+          moments++;
+          expectOneLevel(shownNumbers(cloud), `version ${version}`);
+        });
+      },
+    });
+    const view = engine.createView();
+    const seen = new Set<string>();
+    for (let step = 0; step < 25; step++) {
+      const position = [0, 1, 2].map(() => 5 * random() - 2.5) as [number, number, number];
+      const detail = random() < 0.2 ? 'full' : { maxErrorPx: 10 ** (2 * random() - 0.5) };
+      view.render({ camera: lookFrom(position), clouds: [{ cloud }], ...SIZE, detail });
+      // Some steps are taken before all is there.
+      if (random() < 0.6) await view.whenComplete();
+      else for (let turn = 0; turn < 20 * random(); turn++) await nextTask();
+      const { when, give } = signalOf();
+      cloud.stream!.hold(when);
+      const drawn = await drawnNumbers(cloud);
+      expect(drawn.sort()).toEqual(shownNumbers(cloud).sort());
+      seen.add(expectOneLevel(drawn, `step ${step}`).join());
+      give();
+    }
+    expect(seen.size).toBeGreaterThan(8);
+    expect(moments).toBeGreaterThan(25);
+    view.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('shows the same bit for bit, whatever it showed before, within its budget', async () => {
+    const scene = await opened();
+    const budgetBytes = 44 * chunkBytes(scene.shDegree);
+    const views = [
+      { camera: lookFrom([0.1, 0.3, 1.2]), detail: { maxErrorPx: 2 } },
+      { camera: lookFrom([1.2, 0.4, 0.2]), detail: 'full' },
+      { camera: lookFrom([9, 14, 21]), detail: { maxErrorPx: 1 } },
+      { camera: lookFrom([0.3, -2, 2]), detail: { maxSplats: 2500 } },
+    ] as const;
+    const found = [];
+    for (const { camera, detail } of views) {
+      const fresh = await stream(scene, budgetBytes);
+      expect(fresh.bytes).toBeLessThanOrEqual(budgetBytes);
+      found.push(await drawComplete(fresh, { detail }, camera));
+      expect(found.at(-1)!.report).toMatchObject({ isComplete: true });
+      fresh.destroy();
+    }
+    expect(found[1].report.missing).toBeGreaterThan(0);
+    expect(found[2].report.missing).toBe(0);
+    const cloud = await stream(scene, budgetBytes);
+    const held = cloud.bytes;
+    for (const i of [2, 0, 3, 1, 0, 2, 1, 3]) {
+      const { camera, detail } = views[i];
+      expect((await drawComplete(cloud, { detail }, camera)).data, `view ${i}`).toEqual(found[i].data);
+    }
+    expect(cloud.bytes).toBe(held);
+    cloud.destroy();
+  });
+
+  gpuTest('fetches only what a view needs, and within a budget of splats less', async () => {
+    const residentAfter = async (detail: object, camera = lookFrom([0, 0, 4])) => {
+      const cloud = await stream(await opened());
+      await drawComplete(cloud, detail, camera);
+      const { residentBricks } = cloud.stream!.report();
+      cloud.destroy();
+      return residentBricks;
+    };
+    const full = await residentAfter({});
+    const far = await residentAfter({ detail: { maxErrorPx: 1 } }, lookFrom([0, 0, 60]));
+    const budgeted = await residentAfter({ detail: { maxSplats: 2000 } });
+    const away = { ...lookFrom([0, 0, 4]), viewMatrix: lookFrom([0, 0, -4]).viewMatrix };
+    expect(far).toBeLessThan(0.3 * full);
+    expect(budgeted).toBeLessThan(0.7 * full);
+    expect(budgeted).toBeGreaterThan(far);
+    expect(await residentAfter({ detail: { maxErrorPx: 1 } }, away)).toBeGreaterThan(far);
+  });
+
+  gpuTest('tells what it fetches, and when views have all that they need', async () => {
+    const scene = await opened();
+    const { when, give } = signalOf();
+    let isFirst = true;
+    const cloud = await stream({
+      ...scene,
+      read: async (file, signal, onBytes) => {
+        if (!isFirst) await when;
+        return scene.read(file, signal, onBytes);
+      },
+    });
+    isFirst = false;
+    const { stream: own } = cloud;
+    expect(own!.report()).toMatchObject({ isComplete: false, bytesPerSecond: 0 });
+    const seen: StreamReport[] = [];
+    const stop = own!.subscribe(() => seen.push(own!.report()));
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    expect(seen.at(-1)).toMatchObject({ isComplete: false, fetching: 4, bytesPerSecond: 0 });
+    give();
+    await view.whenComplete();
+    expect(seen.some(({ bytesPerSecond }) => bytesPerSecond > 0)).toBe(true);
+    expect(seen.at(-1)).toMatchObject({ isComplete: true, missingBricks: 0, bytesPerSecond: 0 });
+    const before = seen.length;
+    stop();
+    // What a budget needs is known once a frame has been measured.
+    const budget = { detail: { maxSplats: 2000 } };
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE, ...budget });
+    expect(own!.report()).toMatchObject({ isComplete: false });
+    await view.whenComplete();
+    expect(own!.report().isComplete).toBe(true);
+    expect(seen).toHaveLength(before);
+    own!.subscribe(() => seen.push(own!.report()));
+    cloud.destroy();
+    expect(seen.at(-1)).toMatchObject({ isComplete: false });
+    view.destroy();
+  });
+
+  gpuTest('tells what cannot be read, draws what is there, and goes on when online or called', async () => {
+    const page = new EventTarget();
+    vi.stubGlobal('addEventListener', page.addEventListener.bind(page));
+    onTestFinished(() => void vi.unstubAllGlobals());
+    const scene = await opened();
+    const coarse = scene.leaves[0].levels.at(-1)!.file;
+    for (const [error, from] of [
+      [new SplatSourceError('0_0/meta.json', 'it is gone.'), SplatSourceError],
+      [new SplatFileError('damaged', '0_0/meta.json', 'it is damaged.'), SplatFileError],
+    ] as const) {
+      let isBroken = true;
+      const isCoarse = (file: number) => file === coarse || file === scene.leaves.at(-1)!.levels[0].file;
+      const broken: LeafScene = {
+        ...scene,
+        read: async (file, signal) => {
+          if (isBroken && !isCoarse(file)) throw error;
+          return scene.read(file, signal);
+        },
+      };
+      const cloud = await stream(broken);
+      const { data, report } = await drawComplete(cloud);
+      expect(data.some((value) => value > 0.1)).toBe(true);
+      expect(report.missing).toBeGreaterThan(0);
+      expect(cloud.stream!.report()).toMatchObject({ error: expect.any(from), isComplete: false });
+      isBroken = false;
+      const view = engine.createView();
+      view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+      page.dispatchEvent(new Event('online'));
+      if (from === SplatFileError) {
+        expect(cloud.stream!.report().error).toBeInstanceOf(from);
+        cloud.stream!.retry();
+      }
+      await view.whenComplete();
+      expect(cloud.stream!.report()).toMatchObject({ error: null, missingBricks: 0 });
+      view.destroy();
+      cloud.destroy();
+    }
+  });
+
+  gpuTest('finds the row of a splat where its finest level is there, and none where not', async () => {
+    const { meta, files } = sog;
+    const scene = { meta: { ...meta, environment: undefined }, files };
+    const whole = engine.add(await readSplats(dropped(scene)));
+    const cloud = await engine.load(dropped(scene));
+    const picks = async (shown: SplatCloud) => {
+      const view = engine.createView();
+      view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud: shown }], ...SIZE });
+      const found = [];
+      for (const xPx of [30, 40, 48, 55, 60]) found.push((await view.pick(xPx, 32))?.splatIndex);
+      const done = view.whenComplete();
+      await done;
+      const later = [];
+      for (const xPx of [30, 40, 48, 55, 60]) later.push((await view.pick(xPx, 32))?.splatIndex);
+      view.destroy();
+      return { found, later };
+    };
+    const { later: expected } = await picks(whole);
+    const { later } = await picks(cloud);
+    expect(expected.filter((row) => row !== undefined).length).toBeGreaterThan(3);
+    expect(later).toEqual(expected);
+    whole.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest(
+    'ends fetches with its last view and with its cloud, and leaves nothing of a failed load',
+    async () => {
+      const scene = await opened();
+      const signals: AbortSignal[] = [];
+      const { when, give } = signalOf();
+      let isFirst = true;
+      const slow: LeafScene = {
+        ...scene,
+        read: async (file, signal) => {
+          if (!isFirst) {
+            signals.push(signal!);
+            await when;
+          }
+          signal?.throwIfAborted();
+          return scene.read(file, signal);
+        },
+      };
+      const cloud = await stream(slow);
+      isFirst = false;
+      const view = engine.createView();
+      view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+      expect(signals.length).toBeGreaterThan(0);
+      view.destroy();
+      expect(signals.every(({ aborted }) => aborted)).toBe(true);
+      const other = engine.createView();
+      other.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+      cloud.destroy();
+      expect(signals.every(({ aborted }) => aborted)).toBe(true);
+      give();
+      other.destroy();
+      const { totalBytes } = engine.memory();
+      const aborted = { signal: AbortSignal.abort(new Error('enough')) };
+      await expect(engine.load(dropped(), aborted)).rejects.toThrow('enough');
+      await expect(engine.load(dropped(), { budgetBytes: 1000 })).rejects.toThrow(
+        /budgetBytes is 1000; .* needs/,
+      );
+      const { '2_0/quats.webp': _, ...others } = sog.files;
+      await expect(engine.load(dropped({ ...sog, files: others }))).rejects.toMatchObject({
+        code: 'missing-part',
+      });
+      expect(engine.memory().totalBytes).toBe(totalBytes);
+    },
+  );
+});

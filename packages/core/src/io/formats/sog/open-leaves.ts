@@ -1,0 +1,189 @@
+import type { LeafLevel, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { Bounds } from '../../../data/packing/packed-cloud.ts';
+import { loadOrPass } from '../../loading/load-splats.ts';
+import { openFiles } from '../../sources/open-files.ts';
+import { openSource } from '../../sources/open-source.ts';
+import { isFiles } from '../../sources/source-kind.ts';
+import type { LoadProgress, ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import { checkCount } from '../check-count.ts';
+import type { JsonFields } from './json-fields.ts';
+import { LeafRows } from './leaf-rows.ts';
+import { checkPath } from './part-reader.ts';
+import { readOpened } from './scene-files.ts';
+import { openParts } from './scene-parts.ts';
+import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
+import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
+
+/** Decoded files that are kept for leaves that may want them next: about four of half a million splats. */
+const KEPT_BYTES = 128 << 20;
+/** Rows are posted in pieces that a page copies without a pause. */
+const PIECE_BYTES = 4 << 20;
+/** That of the metadata of version 1, which does not tell. */
+const MOST_SH_DEGREE = 3;
+
+/** A file of the scene. */
+interface SceneFile {
+  readonly path: string;
+  /** Splats in it. */
+  readonly count: number;
+}
+
+/**
+ * Opens a streamed SOG, of which each file is fetched when it is asked for. Its own metadata is
+ * read at once, and that of a file of the finest level and of the environment.
+ *
+ * Rejects with SplatSourceError (cannot be fetched), SplatFileError for a scene that is damaged or
+ * lacks a file, InvalidArgumentError for what is no source, and the signal's reason.
+ *
+ * @returns null for an archive without `lod-meta.json`.
+ */
+export async function openLeaves(
+  source: SplatSource,
+  options: Omit<ReadOptions, 'onProgress'> = {},
+): Promise<LeafScene | null> {
+  const { signal, request, maxBytes, maxSplats } = options;
+  const parts = await openParts(source, options);
+  if (!parts) return null;
+  const { name } = parts;
+  const tree = readTree(parseMeta(parts.meta, name), name);
+  const metaOf = async (path: string): Promise<SogMeta> => {
+    const part = await parts.open(path);
+    const opened = isFiles(part)
+      ? openFiles(part, { name: path })
+      : await openSource(part, { name: path, request, signal });
+    const bytes = await readOpened(opened, options, MAX_META_BYTES + 1);
+    return parseSogMeta(parseMeta(bytes, path), path);
+  };
+
+  const { leaves, files, finestFile } = leavesOf(tree, name);
+  const { environment } = tree;
+  const metas: SogMeta[] = [];
+  if (finestFile !== null) metas.push(await metaOf(files[finestFile].path));
+  const finestRows = leaves.reduce((sum, { levels }) => sum + levels[0].count, 0);
+  let splatCount = finestRows;
+  if (environment !== null) {
+    const meta = await metaOf(environment);
+    metas.push(meta);
+    files.push({ path: environment, count: meta.count });
+    const level = { file: files.length - 1, offset: 0, count: meta.count, firstRow: finestRows, error: 0 };
+    leaves.push({ bounds: null, levels: [level] });
+    splatCount += meta.count;
+  }
+  checkCount(splatCount, name, Number.POSITIVE_INFINITY);
+  const degrees = metas.map(({ harmonics }) => (harmonics ? (harmonics.degree ?? MOST_SH_DEGREE) : 0));
+  const shDegree = degrees.reduce((most, degree) => (degree > most ? degree : most));
+  const { isAntialiased } = metas[0];
+
+  let fetchedBytes = 0;
+  const kept = new Map<number, LeafRows>();
+  const read: LeafScene['read'] = async (index, readSignal, onBytes) => {
+    const found = kept.get(index);
+    if (found) {
+      // The last one that was asked for is the last to go.
+      kept.delete(index);
+      kept.set(index, found);
+      return found;
+    }
+    const { path, count } = files[index];
+    const rows = new LeafRows({ file: path, count, shDegree });
+    let loadedBytes = 0;
+    const onProgress = (progress: LoadProgress) => {
+      const bytes = progress.loadedBytes - loadedBytes;
+      loadedBytes = progress.loadedBytes;
+      fetchedBytes += bytes;
+      onBytes?.(bytes);
+    };
+    const readOptions = { name: path, signal: readSignal, request, maxBytes, maxSplats, onProgress };
+    await loadOrPass(await parts.open(path), readOptions, {
+      sink: rows,
+      files: { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes: PIECE_BYTES },
+    });
+    kept.set(index, rows);
+    let bytes = [...kept.values()].reduce((sum, each) => sum + each.bytes, 0);
+    for (const [other, each] of kept) {
+      if (bytes <= KEPT_BYTES) break;
+      kept.delete(other);
+      bytes -= each.bytes;
+    }
+    return rows;
+  };
+  return {
+    ...{ name, splatCount, shDegree, origin: [0, 0, 0], leaves, read },
+    get fetchedBytes() {
+      return fetchedBytes;
+    },
+    ...(isAntialiased !== undefined && { isAntialiased }),
+  };
+}
+
+/** The leaves of a scene, and its files; `finestFile` has splats of the finest level. */
+function leavesOf(
+  tree: SceneTree,
+  name: string,
+): { leaves: SceneLeaf[]; files: SceneFile[]; finestFile: number | null } {
+  const finest = new Set(tree.leaves.map(({ runs }) => runs[0]));
+  const firstRows = new Map<LeafRun, number>();
+  let rows = 0;
+  let finestFile: number | null = null;
+  const files = tree.names.map((path) => ({ path, count: 0 }));
+  const paths = new Set<string>();
+  for (const [index, runs] of [...tree.runsOfFile].sort(([a], [b]) => a - b)) {
+    const { path } = files[index];
+    checkPath(path, name);
+    if (paths.has(path)) {
+      const message = `it names the file ${path} twice. Export the scene again.`;
+      throw new SplatFileError('damaged', name, message);
+    }
+    paths.add(path);
+    for (const run of runs) {
+      files[index].count += run.count;
+      if (!finest.has(run)) continue;
+      if (finestFile === null) finestFile = index;
+      firstRows.set(run, rows);
+      rows += run.count;
+    }
+  }
+  if (tree.environment !== null) checkPath(tree.environment, name);
+  const leaves = tree.leaves.map((leaf): SceneLeaf => {
+    const bounds = boundsOf(leaf.node);
+    const errors = errorsOf(leaf, bounds, tree.levelCount);
+    const levels = leaf.runs.map(
+      (run, i): LeafLevel => ({
+        file: run.file,
+        offset: run.offset,
+        count: run.count,
+        firstRow: firstRows.get(run) ?? null,
+        error: errors[i],
+      }),
+    );
+    return { bounds, levels };
+  });
+  return { leaves, files, finestFile };
+}
+
+function boundsOf(node: JsonFields): Bounds {
+  const bound = node.fields('bound');
+  const [minX, minY, minZ] = bound.numbers('min', 3);
+  const [maxX, maxY, maxZ] = bound.numbers('max', 3);
+  if (!(minX <= maxX && minY <= maxY && minZ <= maxZ)) bound.fail('max', 'no less than min');
+  return { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] };
+}
+
+/**
+ * How far each level of a leaf differs from its finest, as a length. Of a level's picture, the
+ * share of its energy that is wrong (`errors`, if the file has them; else all of it) is wrong by
+ * about as much as its splats are apart on a surface that fills the leaf's bounds.
+ */
+function errorsOf({ node, runs }: TreeLeaf, { min, max }: Bounds, levelCount: number): number[] {
+  const shares = node.has('errors') ? node.numbers('errors', levelCount) : null;
+  if (shares?.some((share) => share < 0)) node.fail('errors', 'a list of numbers from 0');
+  const [, middle, longest] = max.map((value, axis) => value - min[axis]).sort((a, b) => a - b);
+  let largest = 0;
+  return runs.map(({ level, count }, i) => {
+    if (i === 0) return 0;
+    const spacing = Math.max(Math.sqrt((longest * middle) / count), longest / count);
+    largest = Math.max(largest, spacing * Math.sqrt(Math.min(1, shares?.[level] ?? 1)));
+    return largest;
+  });
+}
