@@ -9,7 +9,7 @@ export interface CloudSight {
     readonly leastSquared: number;
     readonly margin: number;
   };
-  /** Factor of squared thresholds by which a budget has shifted them. */
+  /** Factor of squared thresholds by which a budget has shifted them; 0 where no error is allowed. */
   readonly squaredShift: number;
   /**
    * Most splats that it draws, if it has a budget, and whether it allows any error until then; else

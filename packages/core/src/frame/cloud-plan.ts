@@ -48,6 +48,8 @@ export interface CloudPlan {
   readonly inFull: string | null;
   /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
   readonly cut: LevelCut | null;
+  /** By which a stream ranks what is missing: the cut, or that of one pixel where no error is allowed. */
+  readonly sightCut: LevelCut | null;
   /** Whether the cut is refined, so that edited and selected splats are drawn one by one. */
   readonly isTouched: boolean;
 }
@@ -93,6 +95,7 @@ export function planCloud(
   const inFull = reasonInFull(cloud, detail, view, accuracy);
   const found = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
   const cut = found ?? (cloud.pool ? FINEST_CUT : null);
+  const sightCut = found ?? (cloud.pool && levelCut(cloud.levels, {}, view, projection, reach)) ?? cut;
   return {
     instance: {
       ...instance,
@@ -116,6 +119,7 @@ export function planCloud(
     ),
     inFull,
     cut,
+    sightCut,
     isTouched:
       cut !== null &&
       cloud.levels?.refinement != null &&

@@ -15,13 +15,20 @@ export class ViewStreams {
    */
   see({ clouds, detail, budget }: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
     const askedPx = cutErrorPx(detail, clouds);
-    const squaredShift = budget && askedPx && reachedPx ? (reachedPx / askedPx) ** 2 : 1;
-    const limit = budget && { splats: budget.splats, isFinest: budget.leastShift === 0 };
+    const isFull = detail === 'full';
+    const budgetShift = budget && askedPx && reachedPx ? (reachedPx / askedPx) ** 2 : 1;
+    const squaredShift = isFull ? 0 : budgetShift;
+    const limit = isFull
+      ? { splats: Number.POSITIVE_INFINITY, isFinest: true }
+      : budget && { splats: budget.splats, isFinest: budget.leastShift === 0 };
     const sights = new Map<CloudStream, CloudSight[]>();
-    for (const { instance, cut, sides } of clouds) {
+    for (const { instance, sightCut, sides } of clouds) {
       const { stream } = instance.cloud;
-      if (!stream || !cut) continue;
-      sights.set(stream, [...(sights.get(stream) ?? []), { cut, sides, squaredShift, budget: limit }]);
+      if (!stream || !sightCut) continue;
+      sights.set(stream, [
+        ...(sights.get(stream) ?? []),
+        { cut: sightCut, sides, squaredShift, budget: limit },
+      ]);
     }
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());

@@ -99,4 +99,20 @@ describe('the demand for bricks', () => {
     expect(ranked).toHaveLength(bricks.length - 1);
     for (const [i, each] of ranked.slice(1).entries()) expect(isWorthMore(each, ranked[i])).toBe(true);
   });
+
+  it('ranks by errors in pixels where none is allowed, and wants nothing out of sight', () => {
+    const valued = (offset: number, squaredShift: number) => {
+      const demand = new BrickDemand([{ ...sightFrom([0.3, -0.2, 1], cutAt(offset)), squaredShift }]);
+      const cells = cellsBelow(whole).filter(({ child }) => child);
+      return cells
+        .map((cell) => ({ number: cell.child!.number, value: demand.valueOf(cell) }))
+        .sort((a, b) => (isWorthMore(a, b) ? -1 : 1));
+    };
+    const numbers = (bricks: ReturnType<typeof valued>) => bricks.map(({ number }) => number);
+    const seen = valued(0, 0);
+    expect(seen.every(({ value }) => value > 1)).toBe(true);
+    expect(numbers(seen)).toEqual(numbers(valued(0, 1)));
+    expect(numbers(seen)).not.toEqual([...numbers(seen)].sort((a, b) => a - b));
+    expect(valued(-2.5, 0).some(({ value }) => value > 1)).toBe(false);
+  });
 });

@@ -24,6 +24,8 @@ export interface ResidentBrick extends ValuedBrick {
 export const OUT_OF_SIGHT = 1e-12;
 /** Least squared threshold, so that errors can be divided by it. */
 export const LEAST_SQUARED = 1e-36;
+/** Least squared shift: whatever a budget leads to is more. */
+const LEAST_SHIFT = 1e-80;
 /** Slack of tests in float32, as in chunk-groups. */
 const SLACK = 1e-4;
 
@@ -54,9 +56,11 @@ export class BrickDemand {
     const error = squaredError(Math.max(...childErrors));
     let most = 0;
     for (const { cut, squaredShift, sides } of this.#sights) {
-      const threshold = Math.max(LEAST_SQUARED, squaredShift * squaredThreshold(bounds, cut));
+      const ratio = error / Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
       const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
-      most = Math.max(most, (error / threshold) * (isSeen ? 1 : OUT_OF_SIGHT));
+      // Without an allowed error, too, the order is that of errors in pixels.
+      const value = isSeen ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
+      most = Math.max(most, value);
     }
     return most;
   }
