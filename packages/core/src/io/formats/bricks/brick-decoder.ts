@@ -33,13 +33,18 @@ export class BrickDecoders {
     this.#all = [new BrickDecoder(sceneName)];
   }
 
-  decode(...brick: Parameters<BrickDecoder['decode']>): Promise<Brick> {
+  decode(
+    bytes: Uint8Array<ArrayBuffer>,
+    address: BrickAddress,
+    file: BrickFile,
+    signal?: AbortSignal,
+  ): Promise<Brick> {
     let decoder = this.#all.reduce((least, each) => (each.waiting < least.waiting ? each : least));
     if (decoder.waiting > 0 && this.#all.length < this.#most) {
       decoder = new BrickDecoder(this.#sceneName);
       this.#all.push(decoder);
     }
-    return decoder.decode(...brick);
+    return decoder.decode(bytes, address, file, signal);
   }
 
   end(): void {

@@ -367,6 +367,6 @@ class BrickMaker {
         CELL_ROOTS * cell,
       );
     }
-    this.#parts.push(...(await packed));
+    for (const part of await packed) this.#parts.push(part);
   }
 }
