@@ -204,13 +204,10 @@ async function inBuckets(
     if (writer.count === 0 && options.crop) throw nothingLeft(splats, options.crop);
     const sets = inputs.map(({ set }) => set);
     const shDegree = sets.reduce<ShDegree>((most, set) => (set.shDegree > most ? set.shDegree : most), 0);
-    const isAntialiased = sets.every((set) => set.isAntialiased === sets[0].isAntialiased)
-      ? sets[0].isAntialiased
-      : undefined;
     const content: PutContent = (put) => writer.finish(put, onFraction);
     return {
       inputs,
-      set: { count: writer.count, isAntialiased, fileFacts: undefined },
+      set: { count: writer.count, isAntialiased: writer.isAntialiased, fileFacts: undefined },
       shDegree,
       content,
       end,

@@ -32,7 +32,7 @@ export async function split(args: readonly string[], console: Console): Promise<
   await mkdir(folder, { recursive: true }).catch((cause) => {
     throw new InputFileError(folder, `cannot be made: ${describeSystemError(cause)}`, undefined, { cause });
   });
-  // Whoever opens all pieces of the folder would take it for the end of this scene.
+  // A reader of all pieces in the folder would take it for the end of this scene.
   if (await stat(pathOf(pieceCount)).catch(() => null))
     throw new UsageError('FOLDER', `${pathOf(pieceCount)} is of a larger scene; remove its pieces first`);
   await writeFiles(pieces, [scene]);

@@ -15,13 +15,11 @@ import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../reference/compare-images.ts';
 import { type CutValues, cellThreshold } from '../../reference/cut-cells.ts';
 import { isDrawnAt, linkParts } from '../../reference/level-link.ts';
+import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { BrickPool, type PlacedBrick, type PlacedCell, slotBytes } from './brick-pool.ts';
-
-/** Views choose the rasteriser by its time; the two do not give the same bits. */
-const FIXED = { preset: 'balanced', rasterizer: 'quads' } as const;
 
 const SIZE = { widthPx: 96, heightPx: 64 };
 const camera = perspectiveCamera({
@@ -39,7 +37,7 @@ describe('a pool of bricks', () => {
   let whole: SplatCloud;
   beforeAll(async () => {
     const device = await shareTestDevice();
-    engine = await SplatEngine.create({ device, accuracy: FIXED });
+    engine = await SplatEngine.create({ device, accuracy: FIXED_RASTERIZER });
     scene = brickSceneOf(set);
     whole = engine.add(set);
     await whole.makeLevels();

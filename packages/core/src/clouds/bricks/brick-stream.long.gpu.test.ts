@@ -14,6 +14,7 @@ import { measureAccuracy } from '../../measure/measure-accuracy.ts';
 import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../reference/compare-images.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
+import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
@@ -21,9 +22,6 @@ import type { StreamReport } from '../cloud-stream.ts';
 import { makeRayTree } from '../rays.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { slotBytes } from './brick-pool.ts';
-
-/** Views choose the rasteriser by its time; the two do not give the same bits. */
-const FIXED = { preset: 'balanced', rasterizer: 'quads' } as const;
 
 const SIZE = { widthPx: 96, heightPx: 64 };
 const lookFrom = (position: readonly [number, number, number]) =>
@@ -34,7 +32,7 @@ describe('a streamed scene', () => {
   let engine: SplatEngine;
   let scene: BrickScene;
   beforeAll(async () => {
-    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED });
+    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED_RASTERIZER });
     scene = brickSceneOf(set);
   });
 

@@ -14,6 +14,7 @@ import { readWords } from '../../gpu/read-buffer.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
 import { compareImages } from '../../reference/compare-images.ts';
+import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { signalOf } from '../../testing/signal.ts';
@@ -25,9 +26,6 @@ import type { StreamReport } from '../cloud-stream.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { streamLeaves } from './stream-leaves.ts';
 
-/** Views choose the rasteriser by its time; the two do not give the same bits. */
-const FIXED = { preset: 'balanced', rasterizer: 'quads' } as const;
-
 const SIZE = { widthPx: 96, heightPx: 64 };
 const lookFrom = (position: readonly [number, number, number]) =>
   perspectiveCamera({ position, target: [0, 0, 0], up: [0, 1, 0], fovYDegrees: 40, aspect: 1.5 });
@@ -38,7 +36,7 @@ describe('a streamed SOG', () => {
   let engine: SplatEngine;
   let sog: StreamedSog;
   beforeAll(async () => {
-    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED });
+    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED_RASTERIZER });
     sog = await streamedSog({ set, filesOfLevel: [4, 2, 1], leafCount: 12, environment });
   });
 

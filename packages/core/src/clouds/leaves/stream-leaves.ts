@@ -1,5 +1,6 @@
 import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { inLanes } from '../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
@@ -79,25 +80,14 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
     leavesOf.set(file, [...(leavesOf.get(file) ?? []), i]);
   }
   const coarsest: SplatCells[][] = [];
-  const stop = new AbortController();
-  const stopSignal = signal ? AbortSignal.any([signal, stop.signal]) : stop.signal;
-  const files = [...leavesOf];
-  const readSome = async () => {
-    for (let next = files.shift(); next; next = files.shift()) {
-      const [file, inside] = next;
-      const decoded = await scene.read(file, stopSignal);
-      for (const i of inside) {
-        const leaf = scene.leaves[i];
-        coarsest[i] = await decoded.pieces(leaf, leaf.levels.at(-1)!, stopSignal);
-      }
+  await inLanes(FETCHED_AT_ONCE, [...leavesOf], async ([file, inside], stop) => {
+    const stopSignal = signal ? AbortSignal.any([signal, stop]) : stop;
+    const decoded = await scene.read(file, stopSignal);
+    for (const i of inside) {
+      const leaf = scene.leaves[i];
+      coarsest[i] = await decoded.pieces(leaf, leaf.levels.at(-1)!, stopSignal);
     }
-  };
-  try {
-    await Promise.all(Array.from({ length: FETCHED_AT_ONCE }, readSome));
-  } finally {
-    // One failure stops all other reading.
-    stop.abort();
-  }
+  });
   return coarsest;
 }
 

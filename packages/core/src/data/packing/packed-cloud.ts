@@ -150,7 +150,7 @@ export function boundsSamples(count: number): Uint32Array {
   return Uint32Array.from({ length: Math.ceil(count / step) }, (_, i) => i * step);
 }
 
-/** Robust bounds are taken from every so manieth splat, in storage order. */
+/** Robust bounds are taken from one splat of so many, in storage order. */
 export function boundsStep(count: number): number {
   return Math.max(1, Math.floor(count / SAMPLES));
 }

@@ -100,7 +100,7 @@ class RemotePieces {
       ({ length }) => {
         piece.bytes = length;
       },
-      // Whoever waits for it is told.
+      // Reads that wait for it are told.
       () => {},
     );
     return piece;

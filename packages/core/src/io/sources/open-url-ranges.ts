@@ -105,7 +105,7 @@ class RemoteFile {
     }
   }
 
-  /** Reads adjacent parts by one request, which ends when nobody waits for any of them. */
+  /** Reads adjacent parts by one request, which ends when all of them were aborted. */
   async #readRun(run: readonly AskedPart[]): Promise<void> {
     const ending = new AbortController();
     const settled = new AbortController();

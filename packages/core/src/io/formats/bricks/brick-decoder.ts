@@ -21,7 +21,7 @@ interface Wait {
 
 /**
  * Decodes the bricks of a scene in one worker, and in others where bricks would wait for it and
- * there are cores for them. Arguments and errors are those of `BrickDecoder`.
+ * there are cores for them.
  */
 export class BrickDecoders {
   readonly #all: BrickDecoder[];
@@ -33,18 +33,13 @@ export class BrickDecoders {
     this.#all = [new BrickDecoder(sceneName)];
   }
 
-  decode(
-    bytes: Uint8Array<ArrayBuffer>,
-    address: BrickAddress,
-    file: BrickFile,
-    signal?: AbortSignal,
-  ): Promise<Brick> {
-    let decoder = this.#all.reduce((least, each) => (each.waiting < least.waiting ? each : least));
-    if (decoder.waiting > 0 && this.#all.length < this.#most) {
-      decoder = new BrickDecoder(this.#sceneName);
-      this.#all.push(decoder);
-    }
-    return decoder.decode(bytes, address, file, signal);
+  /** The decoder of the next brick: that for which fewest wait. */
+  next(): BrickDecoder {
+    const least = this.#all.reduce((best, each) => (each.waiting < best.waiting ? each : best));
+    if (least.waiting === 0 || this.#all.length >= this.#most) return least;
+    const another = new BrickDecoder(this.#sceneName);
+    this.#all.push(another);
+    return another;
   }
 
   end(): void {

@@ -74,7 +74,7 @@ interface SplatsTask {
   readonly facts: SceneFacts;
   /** Number of the bucket's first splat in storage order. */
   readonly first: number;
-  /** Robust bounds are taken from every so manieth splat. */
+  /** Robust bounds are taken from one splat of so many. */
   readonly boundsStep: number;
 }
 

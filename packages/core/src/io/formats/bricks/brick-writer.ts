@@ -1,6 +1,7 @@
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
+import { inLanes } from '../../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
@@ -33,7 +34,7 @@ import {
 import { brickHeaderBytes, FILE_HEADER_BYTES } from './bricks-layout.ts';
 import { writeFileHeader } from './file-header.ts';
 import { type MakeTemporaryFile, memoryFile, type TemporaryFile } from './temporary-files.ts';
-import { WorkQueue } from './work-queue.ts';
+import { type StartedTask, WorkQueue } from './work-queue.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 
@@ -141,6 +142,11 @@ export class BrickWriter {
     return this.#count;
   }
 
+  /** Whether splats so far were trained with an antialias filter; undefined if they do not agree. */
+  get isAntialiased(): boolean | undefined {
+    return agreedAntialiasing([...this.#told].map((each) => ({ isAntialiased: each })));
+  }
+
   /** Bytes of temporary files, at most, that so many splats take. @param degree of their harmonics. */
   temporaryBytes(splatCount: number, degree: ShDegree): number {
     // As they came in, and in buckets; bricks and roots are smaller, and are made when the first are gone.
@@ -192,11 +198,10 @@ export class BrickWriter {
       this.#report('splats', 'blobs', level, shape.cellCounts.length - 1);
     }
     const axes = [0, 1, 2].map((axis) => samples.filter((_, i) => i % 3 === axis));
-    const isAntialiased = agreedAntialiasing([...this.#told].map((each) => ({ isAntialiased: each })));
     const about = {
       ...{ splatCount: facts.splatCount, shDegree: facts.degree, origin: facts.origin, bounds },
       robustBounds: robustBounds(axes, facts.origin),
-      isAntialiased,
+      isAntialiased: this.isAntialiased,
     };
     const offsets = offsetsOf(shape, levels);
     const root = { number: 0, offset: offsets[0], bytes: offsets[1] - offsets[0] };
@@ -354,7 +359,7 @@ export class BrickWriter {
     }
     const counts = new Uint32Array(MORTON_DIGITS);
     let done = 0;
-    const counting: { readonly done: Promise<void> }[] = [];
+    const counting: StartedTask[] = [];
     for (const runs of batchesOf(source.runs, TASK_SPLATS)) {
       const parts = await this.#read({ ...source, runs });
       const started = await this.#queue.start({ kind: 'count', parts, facts, shift }, async (found) => {
@@ -375,7 +380,7 @@ export class BrickWriter {
     const waiting = new Map<number, BrickResult<DivideTask>>();
     let [begun, placed] = [0, 0];
     done = 0;
-    const dividing: { readonly done: Promise<void> }[] = [];
+    const dividing: StartedTask[] = [];
     for (const runs of batchesOf(source.runs, TASK_SPLATS)) {
       const parts = await this.#read({ ...source, runs });
       const number = begun++;
@@ -579,24 +584,6 @@ function blobWords({ degree }: SceneFacts): number {
 
 function countOf(runs: readonly StoredRun[]): number {
   return runs.reduce((sum, { run }) => sum + run.count, 0);
-}
-
-/** Calls `each` for all items in order, so many at once. Rejects as the first that fails, when none runs. */
-async function inLanes<Item>(
-  lanes: number,
-  items: readonly Item[],
-  each: (item: Item) => Promise<void>,
-): Promise<void> {
-  const failures: unknown[] = [];
-  const left = items.values();
-  const lane = async () => {
-    for (const item of left) {
-      if (failures.length > 0) return;
-      await each(item).catch((error) => failures.push(error));
-    }
-  };
-  await Promise.all(Array.from({ length: lanes }, lane));
-  if (failures.length > 0) throw failures[0];
 }
 
 /** Runs as they follow, in batches of no more splats; runs of more are cut. */

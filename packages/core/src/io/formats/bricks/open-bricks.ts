@@ -74,7 +74,7 @@ async function openWith(
       const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
       throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
     }
-    const brick = await decoders.decode(bytes, address, { name, splatCount, shDegree }, signal);
+    const brick = await decoders.next().decode(bytes, address, { name, splatCount, shDegree }, signal);
     const parent = above.get(address);
     if (parent) checkNested(brick, parent, address, name);
     for (const cell of brick.cells) {

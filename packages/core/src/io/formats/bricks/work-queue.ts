@@ -1,5 +1,11 @@
 import type { BrickResult, BrickTask } from './brick-tasks.ts';
 
+/** A task that was started. */
+export interface StartedTask {
+  /** Resolves once it is done, whether it failed or not. */
+  readonly done: Promise<void>;
+}
+
 /** Has tasks done, some at once. */
 export class WorkQueue {
   readonly #run: (task: BrickTask) => Promise<BrickResult>;
@@ -23,7 +29,7 @@ export class WorkQueue {
   async start<Task extends BrickTask>(
     task: Task,
     use: (result: BrickResult<Task>) => Promise<void>,
-  ): Promise<{ readonly done: Promise<void> }> {
+  ): Promise<StartedTask> {
     while (this.#underWay.size >= this.#most) await Promise.race(this.#underWay);
     this.#throwFailure();
     const work = this.#run(task)
@@ -39,7 +45,7 @@ export class WorkQueue {
   }
 
   /** Resolves once these tasks are done; without any, once all are. Rejects as `start`. */
-  async drain(tasks?: readonly { readonly done: Promise<void> }[]): Promise<void> {
+  async drain(tasks?: readonly StartedTask[]): Promise<void> {
     await (tasks ? Promise.all(tasks.map(({ done }) => done)) : this.end());
     this.#throwFailure();
   }
