@@ -17,6 +17,7 @@ export {
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';
+export { taskBuffers as brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';
 export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';

@@ -28,6 +28,8 @@ export interface FilePlace {
   readonly row?: number;
   /** Line of a text header or text body, from 1. */
   readonly line?: number;
+  /** Bytes that the whole file has, at least, where it ends before. */
+  readonly expectedBytes?: number;
 }
 
 /** Why a file cannot be read, for programs. */

@@ -27,13 +27,22 @@ export interface RadNode {
 /**
  * Nodes of a tree, the root first, each with two or three children until there are as many; or
  * without children. Those with children may have opacities above 1.
+ *
+ * @param leafShare of nodes that have none although others behind them do.
  */
-export function randomNodes(count: number, degree: ShDegree, isTree: boolean, seed = 1): RadNode[] {
+export function randomNodes(
+  count: number,
+  degree: ShDegree,
+  isTree: boolean,
+  seed = 1,
+  leafShare = 0,
+): RadNode[] {
   const random = seededRandom(seed);
   const list = (length: number, next: () => number) => Array.from({ length }, next);
   let next = 1;
-  return list(count, random).map(() => {
-    const childCount = isTree ? Math.min(count - next, random() < 0.5 ? 2 : 3) : 0;
+  return list(count, random).map((_, node) => {
+    const isLeaf = !isTree || (next - node > 8 && leafShare > 0 && random() < leafShare);
+    const childCount = isLeaf ? 0 : Math.min(count - next, random() < 0.5 ? 2 : 3);
     const childStart = childCount > 0 ? next : 0;
     next += childCount;
     const turn = list(4, () => random() - 0.5);

@@ -9,14 +9,17 @@ import type { Brick } from './brick.ts';
  */
 export interface LeafScene {
   readonly name: string;
-  /** Splats of the finest levels together. */
+  /** Splats of the finest levels together, or more of them where that is not known. */
   readonly splatCount: number;
   readonly shDegree: ShDegree;
   /** Whether splats were trained with an antialias filter; absent if that is not known. */
   readonly isAntialiased?: boolean;
   /** Scene-space point that positions are relative to. */
   readonly origin: Vec3;
+  /** Those that are known: more are found, and are at the end, once the one above them has been decoded. */
   readonly leaves: readonly SceneLeaf[];
+  /** Most chunks of 256 splats that levels take together; undefined where leaves tell. */
+  readonly mostChunks?: number;
   /** Bytes of files that have been fetched so far. */
   readonly fetchedBytes: number;
   /**
@@ -34,16 +37,29 @@ export interface SceneLeaf {
   readonly bounds: Bounds | null;
   /** At least one; the finest first. */
   readonly levels: readonly LeafLevel[];
+  /**
+   * Number of the leaf, an earlier one, that this is a part of: the coarsest level of this one is in
+   * the same file as the finest of that one, and shown only with it. Undefined for others.
+   */
+  readonly above?: number;
+  /**
+   * Of leaves that are worth the same, that of the lowest rank is refined first; above that of the
+   * leaf above, and the same in whatever order leaves are found. By default its number.
+   */
+  readonly rank?: number;
 }
 
-/** One level of a leaf: splats of a file, one after another. */
+/** One level of a leaf. */
 export interface LeafLevel {
   /** Number of the file. */
   readonly file: number;
-  readonly offset: number;
+  /**
+   * Splats, with those of the coarsest levels of the leaves that are a part of it; no more than
+   * there are until the file has been decoded.
+   */
   readonly count: number;
-  /** Row of the first one in a load of the finest levels alone; null where it is not among these. */
-  readonly firstRow: number | null;
+  /** Chunks of 256 that these take. */
+  readonly chunkCount: number;
   /** How far it differs from the finest, as a length; never less than that of a finer level. */
   readonly error: number;
 }
@@ -51,12 +67,13 @@ export interface LeafLevel {
 /** A decoded file. */
 export interface LeafFile {
   /**
-   * The splats of a level of a leaf, which lies in this file, in pieces of up to sixteen cells.
-   * Those that are not finite are left out.
+   * The splats of a level of a leaf of this scene, which lies in this file, in pieces of up to
+   * sixteen cells, without those of leaves that are a part of it. Those that are not finite are left
+   * out.
    *
    * @throws SplatFileError 'damaged' for splats outside of the leaf; the signal's reason.
    */
-  readonly pieces: (leaf: SceneLeaf, level: LeafLevel, signal?: AbortSignal) => Promise<SplatCells[]>;
+  pieces(leaf: SceneLeaf, level: LeafLevel, signal?: AbortSignal): Promise<SplatCells[]>;
 }
 
 /** Cells of splats, packed: those of each cell from a multiple of 256 on. */

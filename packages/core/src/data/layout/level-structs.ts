@@ -85,8 +85,6 @@ export const LEVEL_CONSTANTS = {
   CUT_BINS: 128,
   /** Copies of the bins, which share the additions of all workgroups: those to one word take turns. */
   CUT_COPIES: 16,
-  /** Chunks that a workgroup counts. */
-  COUNTED_CHUNKS: 8,
   /** Most splats that may lie on top of each other in one blob. */
   MOST_OPACITY: 1000,
 } as const;

@@ -6,10 +6,6 @@ import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
 const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
-  {
-    pattern: /^$/,
-    message: 'the file is empty (or the stream has been read before); check the download or the path',
-  },
   { pattern: /^PK/, message: 'it is an empty zip archive, or a part of one that was split' },
   { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
   {
@@ -38,11 +34,15 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
  *
  * @param file its name in messages.
  * @param fileName its own name.
- * @throws SplatFileError 'unknown-format', which describes the bytes.
+ * @throws SplatFileError 'unknown-format', which describes the bytes; 'empty' without any.
  */
 export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
   const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));
   if (format) return format;
+  if (firstBytes.length === 0) {
+    const message = 'the file is empty (or the stream has been read before); check the download or the path.';
+    throw new SplatFileError('empty', file, message, { byte: 0 });
+  }
   throw new SplatFileError(
     'unknown-format',
     file,

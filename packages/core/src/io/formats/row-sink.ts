@@ -10,8 +10,8 @@ export interface RowSink {
   memory(): Promise<Uint8Array<ArrayBuffer>>;
   /**
    * Takes this many rows, at the beginning of that memory, which is no longer the caller's then.
-   * All pieces but the last are full. Of a palette, takes this many values, in pieces of their own,
-   * of which all but the last are full as well.
+   * All pieces but the last have whole chunks, and of rows that are decoded they are full. Of a
+   * palette, takes this many values, in pieces of their own, of which all but the last are full.
    *
    * @param rows in the same buffer as the memory, or in the one that it has moved to.
    */
@@ -20,7 +20,7 @@ export interface RowSink {
 
 /** Files whose rows go to a sink, if they are of that kind; it can be posted. */
 export interface RowFiles {
-  /** Files with fewer rows, or with more, are read as if there were no sink. */
+  /** Files with fewer rows, unless they are slow to come, or with more, are read without the sink. */
   readonly minRows: number;
   readonly maxRows: number;
   /** Bytes that are handed on at once, at most; but never less than a chunk of rows. */

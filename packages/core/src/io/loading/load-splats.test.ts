@@ -172,6 +172,32 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       expect(memories).toBe(1);
     });
 
+    test.each([
+      ['handed on as they come where they are slow', 300, true],
+      ['read here where they are there soon', 0, false],
+    ])('few rows of a server’s are %s', async (_, chunkMs, isPassed) => {
+      useWorkers(behaviour);
+      let nowMs = 0;
+      vi.spyOn(performance, 'now').mockImplementation(() => nowMs);
+      let at = 0;
+      const body = new ReadableStream<Uint8Array>({
+        pull(controller) {
+          nowMs += chunkMs;
+          controller.enqueue(ply.slice(at, at + 4000));
+          at += 4000;
+          if (at >= ply.length) controller.close();
+        },
+      });
+      const headers = { 'content-length': String(ply.length) };
+      vi.stubGlobal('fetch', async () => new Response(body, { headers }));
+      const sink = new RowList();
+      const files = { ...FILES, minRows: 301 };
+      const result = await loadOrPass('https://example.com/few.ply', {}, { sink, files });
+      expect(result === 'passed').toBe(isPassed);
+      const rows = isPassed ? ply.subarray(ply.length - 300 * 92) : new Uint8Array();
+      expect(Buffer.concat(sink.rows).equals(rows)).toBe(true);
+    });
+
     test('rows are read here where the sink takes no such files, or the size is not known', async () => {
       useWorkers(behaviour);
       const sink = new RowList();

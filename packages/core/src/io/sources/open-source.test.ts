@@ -231,7 +231,6 @@ describe('detectFormat', () => {
   });
 
   test.each([
-    { bytes: '', says: /file is empty/ },
     { bytes: 'PK\x05\x06', says: /zip archive/ },
     { bytes: '\x28\xb5\x2f\xfd', says: /zstd/ },
     { bytes: '{"asset":{"version":"1.1"},"geometricError":500', says: /3D Tiles/ },
@@ -248,5 +247,13 @@ describe('detectFormat', () => {
     expect(detect).toThrow(SplatFileError);
     expect(detect).toThrow(says);
     expect(detect).toThrow(/^thing\.bin: .*Formats read: .*PLY/);
+  });
+
+  test('a file without bytes is empty', () => {
+    const empty = expect.objectContaining({
+      code: 'empty',
+      message: expect.stringContaining('file is empty'),
+    });
+    expect(() => detectFormat(text(''), 'thing.bin')).toThrow(empty);
   });
 });

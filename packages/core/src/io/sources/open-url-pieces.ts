@@ -1,6 +1,7 @@
 import { piecePath } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
+import { KeptReads } from './kept-reads.ts';
 import { addressOf, openUrl } from './open-url.ts';
 import type { RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
@@ -49,19 +50,10 @@ export async function openUrlPieces(
   };
 }
 
-interface Piece {
-  readonly arrival: Promise<Uint8Array<ArrayBuffer>>;
-  readonly ending: AbortController;
-  /** Reads that wait for it, and its bytes once they are there. */
-  waiting: number;
-  bytes: number;
-}
-
 class RemotePieces {
   readonly #first: URL;
   readonly #request: RequestOptions | undefined;
-  /** By number, the one that was used last behind the others. */
-  readonly #pieces = new Map<number, Piece>();
+  readonly #pieces = new KeptReads<Uint8Array<ArrayBuffer>>(KEPT_BYTES, ({ length }) => length);
 
   constructor(first: URL, request: RequestOptions | undefined) {
     this.#first = first;
@@ -69,56 +61,13 @@ class RemotePieces {
   }
 
   /** Reads a piece; its request ends when no read waits for it. */
-  async read(index: number, signal: AbortSignal | undefined): Promise<Uint8Array<ArrayBuffer>> {
-    const piece = this.#pieces.get(index) ?? this.#fetch(index);
-    this.#pieces.delete(index);
-    this.#pieces.set(index, piece);
-    piece.waiting++;
-    let onAbort = () => {};
-    const aborted = new Promise<never>((_, reject) => {
-      onAbort = () => reject(signal!.reason);
-    });
-    signal?.addEventListener('abort', onAbort, { once: true });
-    try {
-      return await Promise.race([piece.arrival, aborted]);
-    } finally {
-      signal?.removeEventListener('abort', onAbort);
-      if (--piece.waiting === 0 && piece.bytes === 0) this.#end(index, piece);
-      this.#dropOthers();
-    }
+  read(index: number, signal: AbortSignal | undefined): Promise<Uint8Array<ArrayBuffer>> {
+    return this.#pieces.read(index, (ending) => this.#load(index, ending), signal);
   }
 
   wrongSize(index: number, found: number, pieceBytes: number): SplatSourceError {
     const message = `piece ${index} has ${found} bytes, more than the ${pieceBytes} of the first. Cut the scene again.`;
     return new SplatSourceError(shortName(this.#first.href), message);
-  }
-
-  #fetch(index: number): Piece {
-    const ending = new AbortController();
-    const piece: Piece = { arrival: this.#load(index, ending.signal), ending, waiting: 0, bytes: 0 };
-    piece.arrival.then(
-      ({ length }) => {
-        piece.bytes = length;
-      },
-      // Reads that wait for it are told.
-      () => {},
-    );
-    return piece;
-  }
-
-  #end(index: number, piece: Piece): void {
-    piece.ending.abort();
-    if (this.#pieces.get(index) === piece) this.#pieces.delete(index);
-  }
-
-  #dropOthers(): void {
-    let bytes = [...this.#pieces.values()].reduce((sum, piece) => sum + piece.bytes, 0);
-    for (const [index, piece] of this.#pieces) {
-      if (bytes <= KEPT_BYTES) return;
-      if (piece.waiting > 0) continue;
-      this.#pieces.delete(index);
-      bytes -= piece.bytes;
-    }
   }
 
   async #load(index: number, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {

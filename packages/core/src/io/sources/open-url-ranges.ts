@@ -43,8 +43,14 @@ export async function openUrlRanges(
     totalBytes: file.totalBytes,
     read: async (offset, byteCount, partSignal) => {
       partSignal?.throwIfAborted();
-      if (offset + byteCount <= first.length) return first.subarray(offset, offset + byteCount);
-      return file.read(offset, byteCount, partSignal);
+      const held = first.subarray(offset, offset + byteCount);
+      if (held.length === byteCount) return held;
+      const rest = await file.read(offset + held.length, byteCount - held.length, partSignal);
+      if (held.length === 0) return rest;
+      const bytes = new Uint8Array(held.length + rest.length);
+      bytes.set(held);
+      bytes.set(rest, held.length);
+      return bytes;
     },
   };
 }
@@ -202,7 +208,12 @@ class RemoteFile {
     const isWrong = isWhole || isPacked(response.headers) || (startsAt !== null && startsAt !== offset);
     if (!isOther && !isWrong) return;
     cancelBody(response);
-    if (isWhole) throw noParts(this.#name, `the server answered ${response.status} with the whole file`);
+    if (isWhole)
+      throw noParts(
+        this.#name,
+        `the server answered ${response.status} with the whole file`,
+        response.status,
+      );
     if (isOther) throw new SplatSourceError(this.#name, changed);
     throw noParts(this.#name, 'the server sent another part than it was asked for, or packed it');
   }
@@ -239,13 +250,18 @@ async function readSmall(
     const isLarge = opened.totalBytesCertain && (opened.totalBytes ?? 0) > MOST_WHOLE_BYTES;
     const bytes = isLarge ? null : await readAll(reader, MOST_WHOLE_BYTES + 1);
     if (bytes && bytes.length <= MOST_WHOLE_BYTES) return bytes;
-    throw noParts(name, `the server answered ${answer.status} with the whole file, of more than 64 MiB`);
+    throw noParts(
+      name,
+      `the server answered ${answer.status} with the whole file, of more than 64 MiB`,
+      answer.status,
+    );
   } finally {
     reader.close();
   }
 }
 
-function noParts(name: string, found: string): SplatSourceError {
+/** @param status of an answer with the whole file. */
+function noParts(name: string, found: string, status?: number): SplatSourceError {
   const advice = 'Host it where range requests are answered, or pass the file itself';
-  return new SplatSourceError(name, `${found}, but a scene in bricks is read in parts. ${advice}.`);
+  return new SplatSourceError(name, `${found}, but the scene is read in parts. ${advice}.`, status);
 }

@@ -16,11 +16,21 @@ export async function readExactly(
 ): Promise<Uint8Array<ArrayBuffer>> {
   const startByte = reader.byteOffset;
   const fail = (foundBytes: number): never => {
-    const message = `${what} take ${byteCount} bytes, the file has ${foundBytes} left. Download or export it again.`;
-    throw new SplatFileError('truncated', name, message, { byte: startByte + foundBytes });
+    throw truncated(name, what, { startByte, byteCount, foundBytes });
   };
   const leftBytes = totalBytesCertain && totalBytes !== undefined ? totalBytes - startByte : undefined;
   if (leftBytes !== undefined && leftBytes < byteCount) fail(leftBytes);
   const bytes = await readAll(reader, byteCount, isHeld && leftBytes !== undefined ? byteCount : 0);
   return bytes.length < byteCount ? fail(bytes.length) : bytes;
+}
+
+/** The error for a file that ends too early. */
+export function truncated(
+  name: string,
+  what: string,
+  { startByte, byteCount, foundBytes }: Readonly<Record<'startByte' | 'byteCount' | 'foundBytes', number>>,
+): SplatFileError {
+  const message = `${what} take ${byteCount} bytes, the file has ${foundBytes} left. Download or export it again.`;
+  const place = { byte: startByte + foundBytes, expectedBytes: startByte + byteCount };
+  return new SplatFileError('truncated', name, message, place);
 }

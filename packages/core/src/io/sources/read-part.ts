@@ -38,7 +38,7 @@ export async function readPart(
  * @param path from the folder of `input`.
  */
 export async function openPart(
-  input: SplatInput,
+  input: Pick<SplatInput, 'name' | 'fetched' | 'openPart'>,
   path: string,
   { signal }: PartOptions,
 ): Promise<OpenedSource> {
@@ -61,7 +61,7 @@ export async function readOpenedPart(
 }
 
 function openFetched(
-  input: SplatInput,
+  input: Pick<SplatInput, 'name' | 'fetched'>,
   path: string,
   signal: AbortSignal | undefined,
 ): Promise<OpenedSource> {

@@ -68,7 +68,7 @@ export interface DivideTask extends Omit<CountTask, 'kind'> {
 }
 
 /** Records of a bucket, of which bricks of the lowest level are made. */
-interface SplatsTask {
+export interface SplatsTask {
   readonly kind: 'splats';
   readonly parts: readonly Records[];
   readonly facts: SceneFacts;
@@ -154,7 +154,7 @@ export async function runTask(task: BrickTask, pack: PackZlib = packZlib): Promi
   }
 }
 
-/** Buffers of a result, or of a task, to be posted without a copy. */
+/** Buffers of a result, to be posted without a copy. */
 export function buffersOf(value: unknown, found = new Set<ArrayBuffer>()): Set<ArrayBuffer> {
   if (ArrayBuffer.isView(value)) found.add(value.buffer as ArrayBuffer);
   else if (value instanceof Object) for (const each of Object.values(value)) buffersOf(each, found);

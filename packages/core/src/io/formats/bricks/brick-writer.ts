@@ -7,20 +7,23 @@ import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { trueShDegree } from '../../../data/packing/cloud-facts.ts';
-import { type Harmonics, isPacked, isPalette, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import { type Harmonics, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
 import { MORTON_DIGITS, MORTON_SHIFTS, mortonFrame } from '../../../data/packing/morton-order.ts';
 import { chooseOrigin } from '../../../data/packing/origin.ts';
 import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
-import {
-  agreedAntialiasing,
-  coefficientsPerSplat,
-  type ShDegree,
-  type SplatSet,
-} from '../../../data/splats/splat-set.ts';
+import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
 import { writeBrickHeader } from './brick-header.ts';
-import { movedCoordinate, type RecordRun, type Records, recordWords } from './brick-records.ts';
+import {
+  type BrickJournal,
+  bucketsName,
+  type MadeEntry,
+  MadeRanges,
+  type StoredRun,
+  type StoredSplats,
+} from './brick-journal.ts';
+import { movedCoordinate, type Records, recordWords } from './brick-records.ts';
 import {
   BOUNDS_WORDS,
   BRICK_LEAVES,
@@ -33,6 +36,8 @@ import {
 } from './brick-tasks.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES } from './bricks-layout.ts';
 import { writeFileHeader } from './file-header.ts';
+import { batchesOf, bucketsOf, countOf, runOf, Seams } from './record-runs.ts';
+import { sliceOf } from './slice-set.ts';
 import { type MakeTemporaryFile, memoryFile, type TemporaryFile } from './temporary-files.ts';
 import { type StartedTask, WorkQueue } from './work-queue.ts';
 
@@ -50,6 +55,8 @@ export interface BrickWriterOptions {
   readonly bucketSplats?: number;
   /** Ends the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
+  /** Where finished work is noted, so that another writer can go on: see `BrickWriter.resume`. */
+  readonly journal?: BrickJournal;
 }
 
 /** About 100 bytes each, and as much for the bricks that are made of them. */
@@ -66,16 +73,9 @@ const TASK_BRICKS = 8;
 /** How far the work is when each of its steps ends. */
 const PROGRESS = { counted: 0.03, divided: 0.1, splats: 0.9, blobs: 0.97, written: 1 } as const;
 
-/** Some records in a file. */
-interface StoredRun {
-  readonly run: RecordRun;
-  /** First byte. */
-  readonly at: number;
-}
-
 /** Records in the order that their splats came in. */
 interface StoredRecords {
-  readonly file: TemporaryFile;
+  readonly open: () => Promise<TemporaryFile>;
   readonly runs: readonly StoredRun[];
 }
 
@@ -103,6 +103,18 @@ interface WrittenLevel {
   readonly sizes: Uint32Array<ArrayBuffer>;
 }
 
+/** The level of splats while its bricks are made. */
+interface LowestLevel {
+  readonly facts: SceneFacts;
+  readonly level: WrittenLevel;
+  readonly seams: Seams;
+  /** Records of bricks that lie in several buckets, all of which have been sorted, by first splat. */
+  readonly whole: Map<number, Records>;
+  /** Positions that robust bounds are taken from. */
+  readonly samples: Float32Array[];
+  madeCells: number;
+}
+
 /**
  * Writes a scene of any size in bricks: `add` takes its splats piece by piece, `finish` writes the
  * file, whose bytes are those of `writeSplats` for all of them together. Splats are kept as records
@@ -127,6 +139,14 @@ export class BrickWriter {
   #slices = 0;
   #count = 0;
   #progress: (fraction: number) => void = () => {};
+  readonly #journal: BrickJournal | undefined;
+  /** What the journal knows. */
+  #noted = { slices: 0, rows: 0 };
+  /** By `bucketsName`: splats of each bucket of a file. */
+  readonly #divided = new Map<string, readonly number[]>();
+  readonly #made = new MadeRanges();
+  /** Once all splats have come. */
+  #lowest: LowestLevel | undefined;
 
   constructor(options: BrickWriterOptions = {}) {
     const { makeFile = memoryFile, run = runTask, threads = 1, bucketSplats = BUCKET_SPLATS } = options;
@@ -134,6 +154,7 @@ export class BrickWriter {
     this.#bucketSplats = bucketSplats;
     this.#threads = threads;
     this.#signal = options.signal;
+    this.#journal = options.journal;
     this.#queue = new WorkQueue(run, threads);
   }
 
@@ -145,6 +166,47 @@ export class BrickWriter {
   /** Whether splats so far were trained with an antialias filter; undefined if they do not agree. */
   get isAntialiased(): boolean | undefined {
     return agreedAntialiasing([...this.#told].map((each) => ({ isAntialiased: each })));
+  }
+
+  /**
+   * Goes on where the writer of this journal has ended, before anything is added. Finished are all
+   * splats up to a `keep`, each division into buckets, and the bricks of each bucket. Bricks above
+   * the lowest level are made anew, and so is the file.
+   *
+   * @returns rows of the source that need not be added again. Rejects as the journal does.
+   */
+  async resume(): Promise<number> {
+    for await (const entry of this.#journal?.entries() ?? []) {
+      if (entry.kind === 'divided') this.#divided.set(bucketsName(entry.depth, entry.first), entry.sizes);
+      else if (entry.kind === 'made') {
+        this.#lowest ??= await this.#newLowest();
+        if (entry.range) this.#made.add(entry.range);
+        else this.#lowest.whole.delete(entry.made.first);
+        this.#takeSplats(this.#lowest, entry);
+      } else {
+        for (const each of entry.told) this.#told.add(each ?? undefined);
+        for (const each of entry.bounds) this.#bounds.push(each);
+        for (const each of entry.runs) {
+          this.#runs.push(each);
+          this.#arrivedBytes = Math.max(this.#arrivedBytes, each.at + 4 * each.run.words * each.run.count);
+        }
+        this.#noted = { slices: this.#runs.length, rows: entry.rows };
+        this.#slices = this.#runs.length;
+        this.#count += countOf(entry.runs);
+      }
+    }
+    return this.#noted.rows;
+  }
+
+  /** Notes that all splats of so many rows of the source have been added. Rejects as `add`. */
+  async keep(rows: number): Promise<void> {
+    if (!this.#journal) return;
+    await this.#queue.drain();
+    const { slices } = this.#noted;
+    const told = [...this.#told].map((each) => each ?? null);
+    const entry = { rows, runs: this.#runs.slice(slices), bounds: this.#bounds.slice(slices), told };
+    this.#noted = { slices: this.#runs.length, rows };
+    await this.#journal.note({ kind: 'arrived', ...entry });
   }
 
   /** Bytes of temporary files, at most, that so many splats take. @param degree of their harmonics. */
@@ -160,8 +222,7 @@ export class BrickWriter {
    * signal's reason; as the storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
-    this.#arrived ??= await this.#newFile(undefined);
-    const file = this.#arrived;
+    const file = await this.#openArrived();
     if (set.count > 0) this.#told.add(set.isAntialiased);
     for (let from = 0; from < set.count; from += SLICE_SPLATS) {
       this.#signal?.throwIfAborted();
@@ -190,8 +251,9 @@ export class BrickWriter {
       throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
     const { facts, bounds } = this.#facts();
     const shape = new BrickShape(facts.splatCount);
-    const levels = [await this.#newLevel(shape, 0, facts)];
-    const samples = await this.#makeSplats(facts, levels[0]);
+    this.#lowest ??= await this.#newLowest();
+    const levels = [this.#lowest.level];
+    const samples = await this.#makeSplats(this.#lowest);
     for (let level = 1; level < shape.cellCounts.length; level++) {
       levels.push(await this.#newLevel(shape, level, facts));
       await this.#makeBlobs(shape, levels, facts);
@@ -216,8 +278,13 @@ export class BrickWriter {
     await Promise.all([...this.#files].map((file) => this.#remove(file)));
   }
 
-  async #newFile(byteCount: number | undefined): Promise<TemporaryFile> {
-    const file = await this.#makeFile(byteCount);
+  async #openArrived(): Promise<TemporaryFile> {
+    this.#arrived ??= await this.#newFile(undefined, 'arrived');
+    return this.#arrived;
+  }
+
+  async #newFile(byteCount: number | undefined, name?: string): Promise<TemporaryFile> {
+    const file = await this.#makeFile(byteCount, name);
     this.#files.add(file);
     return file;
   }
@@ -277,10 +344,10 @@ export class BrickWriter {
     const cells = shape.cellCounts[level];
     const isTop = level === shape.cellCounts.length - 1;
     return {
-      bricks: await this.#newFile(undefined),
+      bricks: await this.#newFile(undefined, `bricks-${level}`),
       stored: [],
       byteCount: 0,
-      roots: await this.#newFile(isTop ? 0 : 4 * cells * CELL_ROOTS * blobWords(facts)),
+      roots: await this.#newFile(isTop ? 0 : 4 * cells * CELL_ROOTS * blobWords(facts), `roots-${level}`),
       bounds: new Float32Array(BOUNDS_WORDS * cells),
       largestScales: new Float32Array(cells),
       errors: new Uint16Array(cells),
@@ -288,32 +355,39 @@ export class BrickWriter {
     };
   }
 
+  async #newLowest(): Promise<LowestLevel> {
+    const { facts } = this.#facts();
+    const level = await this.#newLevel(new BrickShape(facts.splatCount), 0, facts);
+    return { facts, level, seams: new Seams(facts), whole: new Map(), samples: [], madeCells: 0 };
+  }
+
   /** Makes the bricks of splats. Resolves with the positions that robust bounds are taken from. */
-  async #makeSplats(facts: SceneFacts, level: WrittenLevel): Promise<Float32Array> {
-    const { splatCount } = facts;
-    const step = boundsStep(splatCount);
-    const samples: Float32Array[] = [];
-    const seams = new Seams(facts);
-    let made = 0;
-    const ready: { readonly records: Records; readonly first: number }[] = [];
-    const makeBucket = (parts: readonly Records[], first: number) =>
+  async #makeSplats(lowest: LowestLevel): Promise<Float32Array> {
+    const { facts, level, whole, samples } = lowest;
+    const step = boundsStep(facts.splatCount);
+    const makeBricks = (parts: readonly Records[], first: number, range: MadeEntry['range']) =>
       this.#queue.start({ kind: 'splats', parts, facts, first, boundsStep: step }, async (result) => {
-        for (const fragment of result.fragments) {
-          const whole = seams.add(fragment);
-          if (whole) ready.push(whole);
-        }
-        samples.push(result.samples);
-        made += result.errors.length;
-        await this.#store(level, result.first / CHUNK_SPLATS, result, facts);
-        this.#report('divided', 'splats', made, level.errors.length);
+        const { bytes, roots, ...made } = result;
+        const at = level.byteCount;
+        const stored = { made, at, byteCount: bytes.length };
+        level.byteCount += bytes.length;
+        await this.#write(level, made.first / CHUNK_SPLATS, at, result, facts);
+        await this.#journal?.note({ kind: 'made', range, ...stored });
+        this.#takeSplats(lowest, stored);
+        this.#report('divided', 'splats', lowest.madeCells, level.errors.length);
       });
     const makeSeams = async () => {
-      for (let next = ready.pop(); next; next = ready.pop()) await makeBucket([next.records], next.first);
+      for (const [first, records] of whole) {
+        whole.delete(first);
+        await makeBricks([records], first, null);
+      }
     };
-    const arrived = { file: this.#arrived!, runs: this.#runs };
+    const arrived = { runs: this.#runs, open: () => this.#openArrived() };
     await this.#divide(arrived, facts, 0, 0, async (parts, first) => {
-      await makeBucket(parts, first);
+      const count = parts.reduce((sum, { run }) => sum + run.count, 0);
+      const started = await makeBricks(parts, first, { first, count });
       await makeSeams();
+      return started;
     });
     await this.#queue.drain();
     await makeSeams();
@@ -332,31 +406,68 @@ export class BrickWriter {
    *
    * @param depth digits by which they have been told apart already.
    * @param first number of the first splat in storage order.
+   * @returns what `take` started.
    */
   async #divide(
     source: StoredRecords,
     facts: SceneFacts,
     depth: number,
     first: number,
-    take: (parts: readonly Records[], first: number) => Promise<void>,
-  ): Promise<void> {
+    take: (parts: readonly Records[], first: number) => Promise<StartedTask>,
+  ): Promise<readonly StartedTask[]> {
     const count = countOf(source.runs);
+    if (this.#made.hold(first, count)) return [];
     const mostSplats = this.#mostSplats(facts);
-    if (count <= mostSplats) {
-      const parts = await this.#read(source);
-      if (depth === 0) await this.#remove(source.file);
-      return take(parts, first);
-    }
-    const shift = MORTON_SHIFTS[depth];
-    if (shift === undefined) {
+    if (count <= mostSplats) return [await take(await this.#read(source), first)];
+    const started: StartedTask[] = [];
+    if (depth === MORTON_SHIFTS.length) {
       // All have one Morton code, and are in order.
       let next = first;
       for (const runs of batchesOf(source.runs, mostSplats)) {
-        await take(await this.#read({ ...source, runs }), next);
-        next += countOf(runs);
+        const size = countOf(runs);
+        if (!this.#made.hold(next, size))
+          started.push(await take(await this.#read({ ...source, runs }), next));
+        next += size;
       }
-      return;
+      return started;
     }
+    const name = bucketsName(depth, first);
+    const file = await this.#newFile(4 * recordWords(facts.degree) * count, name);
+    let sizes = this.#divided.get(name);
+    if (!sizes) {
+      sizes = await this.#split(source, facts, depth, file);
+      await this.#journal?.note({ kind: 'divided', depth, first, sizes });
+    }
+    if (depth === 0) await this.#remove(await source.open());
+    let start = 0;
+    const parts = sizes.map((size) => {
+      const at = 4 * recordWords(facts.degree) * start;
+      const part = { run: runOf(size, facts), at, first: first + start };
+      start += size;
+      return part;
+    });
+    // Several at once: one that is to be divided again keeps few threads busy.
+    const lanes = depth === 0 ? Math.ceil(this.#threads / 2) : 1;
+    const open = async () => file;
+    await inLanes(lanes, parts, async ({ first: own, ...run }) => {
+      for (const each of await this.#divide({ open, runs: [run] }, facts, depth + 1, own, take))
+        started.push(each);
+    });
+    // Who goes on needs what is not noted.
+    if (this.#journal) await this.#queue.drain(started);
+    await this.#remove(file);
+    return started;
+  }
+
+  /** Writes records to `file` bucket by bucket. Resolves with the number in each. */
+  async #split(
+    source: StoredRecords,
+    facts: SceneFacts,
+    depth: number,
+    file: TemporaryFile,
+  ): Promise<readonly number[]> {
+    const count = countOf(source.runs);
+    const shift = MORTON_SHIFTS[depth];
     const counts = new Uint32Array(MORTON_DIGITS);
     let done = 0;
     const counting: StartedTask[] = [];
@@ -370,12 +481,10 @@ export class BrickWriter {
       counting.push(started);
     }
     await this.#queue.drain(counting);
-    const { buckets, sizes } = bucketsOf(counts, mostSplats);
-    const words = recordWords(facts.degree);
-    const file = await this.#newFile(4 * words * count);
-    const starts = new Float64Array(sizes.length);
-    for (let i = 1; i < sizes.length; i++) starts[i] = starts[i - 1] + 4 * words * sizes[i - 1];
-    const next = starts.slice();
+    const { buckets, sizes } = bucketsOf(counts, this.#mostSplats(facts));
+    const next = new Float64Array(sizes.length);
+    for (let i = 1; i < sizes.length; i++)
+      next[i] = next[i - 1] + 4 * recordWords(facts.degree) * sizes[i - 1];
     // Records of each bucket keep their order: tasks get their places in the order that they began in.
     const waiting = new Map<number, BrickResult<DivideTask>>();
     let [begun, placed] = [0, 0];
@@ -393,7 +502,7 @@ export class BrickWriter {
           let from = 0;
           for (const [bucket, own] of ready.counts.entries()) {
             if (own === 0) continue;
-            const bytes = bytesOf(ready.words).subarray(from, from + 4 * words * own);
+            const bytes = bytesOf(ready.words).subarray(from, from + 4 * recordWords(facts.degree) * own);
             writes.push(file.write(bytes, next[bucket]));
             from += bytes.length;
             next[bucket] += bytes.length;
@@ -406,30 +515,20 @@ export class BrickWriter {
       dividing.push(started);
     }
     await this.#queue.drain(dividing);
-    if (depth === 0) await this.#remove(source.file);
-    let start = first;
-    const parts = sizes.map((size, bucket) => {
-      const part = { run: runOf(size, facts), at: starts[bucket], first: start };
-      start += size;
-      return part;
-    });
-    // Several at once: one that is to be divided again keeps few threads busy.
-    const lanes = depth === 0 ? Math.ceil(this.#threads / 2) : 1;
-    await inLanes(lanes, parts, ({ first: own, ...run }) =>
-      this.#divide({ file, runs: [run] }, facts, depth + 1, own, take),
-    );
-    await this.#remove(file);
+    return sizes;
   }
 
   /** Most splats of a bucket. */
   #mostSplats({ splatCount }: SceneFacts): number {
-    if (this.#threads === 1) return this.#bucketSplats;
+    // Buckets of the writer before must be those of this one.
+    if (this.#threads === 1 || this.#journal) return this.#bucketSplats;
     const share = Math.ceil(splatCount / (THREAD_BUCKETS * this.#threads));
     return Math.min(this.#bucketSplats, Math.max(BRICK_LEAVES, share));
   }
 
-  async #read({ file, runs }: StoredRecords): Promise<Records[]> {
+  async #read({ open, runs }: StoredRecords): Promise<Records[]> {
     this.#signal?.throwIfAborted();
+    const file = await open();
     return Promise.all(
       runs.map(async ({ run, at }) => {
         const bytes = await file.read(at, 4 * run.words * run.count);
@@ -438,27 +537,37 @@ export class BrickWriter {
     );
   }
 
-  /** Keeps bricks, and what is known of their cells. */
-  async #store(level: WrittenLevel, firstCell: number, made: BricksMade, facts: SceneFacts): Promise<void> {
-    if (made.errors.length === 0) return;
-    const firstBrick = firstCell / CELL_CHILDREN;
-    const { byteCount: at } = level;
-    level.byteCount += made.bytes.length;
-    const count = made.sizes.length / 2;
-    level.stored.push({ firstBrick, count, at, byteCount: made.bytes.length });
-    level.sizes.set(made.sizes, 2 * firstBrick);
-    level.bounds.set(made.bounds, BOUNDS_WORDS * firstCell);
-    level.largestScales.set(made.largestScales, firstCell);
-    level.errors.set(made.errors, firstCell);
-    const writes = [level.bricks.write(made.bytes, at)];
-    if (level.errors.length > 1) {
+  /** Keeps bricks of a level, and the roots of their cells. */
+  async #write(
+    { bricks, roots, errors }: WrittenLevel,
+    firstCell: number,
+    at: number,
+    made: Pick<BricksMade, 'bytes' | 'roots'>,
+    facts: SceneFacts,
+  ): Promise<void> {
+    if (made.bytes.length === 0) return;
+    const writes = [bricks.write(made.bytes, at)];
+    if (errors.length > 1) {
       const { geometry, harmonics } = made.roots;
-      const places = 4 * CELL_ROOTS * level.errors.length * BLOB_WORDS;
+      const places = 4 * CELL_ROOTS * errors.length * BLOB_WORDS;
       const each = 4 * CELL_ROOTS * (blobWords(facts) - BLOB_WORDS);
-      writes.push(level.roots.write(bytesOf(geometry), 4 * CELL_ROOTS * BLOB_WORDS * firstCell));
-      if (each > 0) writes.push(level.roots.write(bytesOf(harmonics), places + each * firstCell));
+      writes.push(roots.write(bytesOf(geometry), 4 * CELL_ROOTS * BLOB_WORDS * firstCell));
+      if (each > 0) writes.push(roots.write(bytesOf(harmonics), places + each * firstCell));
     }
     await Promise.all(writes);
+  }
+
+  /** Takes what is known of bricks of splats. */
+  #takeSplats(lowest: LowestLevel, { made, at, byteCount }: StoredSplats): void {
+    const { level, seams, samples, whole } = lowest;
+    for (const fragment of made.fragments) {
+      const seam = seams.add(fragment);
+      if (seam) whole.set(seam.first, seam.records);
+    }
+    samples.push(made.samples);
+    lowest.madeCells += made.errors.length;
+    level.byteCount = Math.max(level.byteCount, at + byteCount);
+    takeMade(level, made.first / CHUNK_SPLATS, made, at, byteCount);
   }
 
   /** Makes the bricks of the last of these levels from the roots of the one below. */
@@ -492,14 +601,16 @@ export class BrickWriter {
       const lastLeaves = shape.leavesOf(level, end - 1);
       const { degree } = facts;
       const task = { kind: 'blobs', level, degree, leaves, lastLeaves, bounds, childErrors } as const;
-      await this.#queue.start(task, (made) => {
-        const { largestScales: _, ...others } = made;
+      await this.#queue.start(task, async (made) => {
         const largestScales = own.largestScales.slice(first, end);
-        return this.#store(own, first, { ...others, largestScales }, facts);
+        const { length } = made.bytes;
+        const at = own.byteCount;
+        own.byteCount += length;
+        takeMade(own, first, { ...made, largestScales }, at, length);
+        await this.#write(own, first, at, made, facts);
       });
     }
     await this.#queue.drain();
-    await this.#remove(below.roots);
   }
 
   async #putLevel(
@@ -542,119 +653,28 @@ export class BrickWriter {
       await put(file);
       this.#report('blobs', 'written', offsets[firstNumber + firstBrick + count], offsets[shape.brickCount]);
     }
-    await this.#remove(bricks);
   }
 }
 
-/** Fragments of bricks whose splats are in several buckets. */
-class Seams {
-  readonly #facts: SceneFacts;
-  readonly #bricks = new Map<number, { readonly words: Uint32Array<ArrayBuffer>; missing: number }>();
-
-  constructor(facts: SceneFacts) {
-    this.#facts = facts;
-  }
-
-  /** Adds sorted records. Returns those of their brick if that is whole. */
-  add({ first, words }: { readonly first: number; readonly words: Uint32Array }) {
-    const width = recordWords(this.#facts.degree);
-    const brick = Math.floor(first / BRICK_LEAVES);
-    const start = brick * BRICK_LEAVES;
-    const size = Math.min(BRICK_LEAVES, this.#facts.splatCount - start);
-    const seam = this.#bricks.get(brick) ?? { words: new Uint32Array(size * width), missing: size };
-    seam.words.set(words, (first - start) * width);
-    seam.missing -= words.length / width;
-    this.#bricks.set(brick, seam);
-    if (seam.missing > 0) return null;
-    this.#bricks.delete(brick);
-    return { records: { run: runOf(size, this.#facts), words: seam.words }, first: start };
-  }
-}
-
-/** A run of records of the one form. */
-function runOf(count: number, { degree, origin }: SceneFacts): RecordRun {
-  const { shPrecision: precision } = BLOB_PRECISION;
-  const wordsPerSplat = shWordsPerSplat(degree, precision);
-  return { count, words: recordWords(degree), origin, harmonics: { degree, precision, wordsPerSplat } };
+/** Takes what is known of bricks, and of their cells. */
+function takeMade(
+  level: WrittenLevel,
+  firstCell: number,
+  made: Omit<BricksMade, 'bytes' | 'roots'>,
+  at: number,
+  byteCount: number,
+): void {
+  if (made.errors.length === 0) return;
+  const firstBrick = firstCell / CELL_CHILDREN;
+  level.stored.push({ firstBrick, count: made.sizes.length / 2, at, byteCount });
+  level.sizes.set(made.sizes, 2 * firstBrick);
+  level.bounds.set(made.bounds, BOUNDS_WORDS * firstCell);
+  level.largestScales.set(made.largestScales, firstCell);
+  level.errors.set(made.errors, firstCell);
 }
 
 function blobWords({ degree }: SceneFacts): number {
   return BLOB_WORDS + shWordsPerSplat(degree, BLOB_PRECISION.shPrecision);
-}
-
-function countOf(runs: readonly StoredRun[]): number {
-  return runs.reduce((sum, { run }) => sum + run.count, 0);
-}
-
-/** Runs as they follow, in batches of no more splats; runs of more are cut. */
-function* batchesOf(runs: readonly StoredRun[], most: number): Generator<StoredRun[], void, void> {
-  let batch: StoredRun[] = [];
-  let room = most;
-  for (const { run, at } of runs) {
-    for (let from = 0; from < run.count; ) {
-      const count = Math.min(room, run.count - from);
-      batch.push({ run: { ...run, count }, at: at + 4 * run.words * from });
-      from += count;
-      room -= count;
-      if (room > 0) continue;
-      yield batch;
-      batch = [];
-      room = most;
-    }
-  }
-  if (batch.length > 0) yield batch;
-}
-
-/**
- * Puts neighbouring digits into buckets of no more splats, if possible.
- *
- * @returns the bucket of each digit, and the splats of each bucket.
- */
-function bucketsOf(
-  counts: Uint32Array,
-  most: number,
-): { buckets: Uint32Array<ArrayBuffer>; sizes: number[] } {
-  const buckets = new Uint32Array(counts.length);
-  const sizes = [0];
-  for (const [digit, count] of counts.entries()) {
-    const last = sizes.length - 1;
-    if (sizes[last] > 0 && sizes[last] + count > most) sizes.push(count);
-    else sizes[last] += count;
-    buckets[digit] = sizes.length - 1;
-  }
-  return { buckets, sizes };
-}
-
-/** Some splats of a set, in memory of their own. */
-function sliceOf(set: SplatSet<Harmonics>, from: number, to: number): SplatSet<Harmonics> {
-  const { harmonics } = set;
-  return {
-    ...set,
-    count: to - from,
-    positions: set.positions.slice(3 * from, 3 * to),
-    logScales: set.logScales.slice(3 * from, 3 * to),
-    rotations: set.rotations.slice(4 * from, 4 * to),
-    opacityLogits: set.opacityLogits.slice(from, to),
-    colorDc: set.colorDc.slice(3 * from, 3 * to),
-    harmonics: harmonicsBetween(harmonics, from, to),
-    fileIndices: new Uint32Array(to - from),
-    dropped: {},
-  };
-}
-
-function harmonicsBetween(harmonics: Harmonics, from: number, to: number): Harmonics {
-  if (isPacked(harmonics)) {
-    const { words, wordsPerSplat } = harmonics;
-    return { ...harmonics, words: words.slice(wordsPerSplat * from, wordsPerSplat * to) };
-  }
-  if (isPalette(harmonics))
-    return {
-      ...harmonics,
-      entries: harmonics.entries.slice(),
-      indices: harmonics.indices.slice(from, to),
-    };
-  const width = coefficientsPerSplat(harmonics.degree);
-  return { ...harmonics, coefficients: harmonics.coefficients.slice(width * from, width * to) };
 }
 
 /** Widens the bounds of cell `to` to hold those of cell `from`. */

@@ -7,8 +7,14 @@ export interface TemporaryFile {
   remove(): Promise<void>;
 }
 
-/** Makes an empty file. @param byteCount how large it will be, if known. Rejects as `write`. */
-export type MakeTemporaryFile = (byteCount: number | undefined) => Promise<TemporaryFile>;
+/**
+ * Makes an empty file, or one of any contents if it has a name. Rejects as `write`.
+ *
+ * @param byteCount how large it will be, if known.
+ * @param name of what a writer with a journal needs again; the file is the same as long as it is
+ *   not removed.
+ */
+export type MakeTemporaryFile = (byteCount: number | undefined, name?: string) => Promise<TemporaryFile>;
 
 /** Bytes of the first memory of a file whose size is not known. */
 const FIRST_BYTES = 1 << 20;

@@ -172,7 +172,7 @@ describe('refuses', () => {
     const lengths = Array.from({ length: bytes.length }, (_, i) => i);
     for (const length of lengths.filter((each) => each > ends - 20 || each % 100 === 0)) {
       const outcome = await outcomeOf(bytes.slice(0, length), 'a.ksplat', length % 2 ? 300 : undefined);
-      expect(outcome).toMatchObject({ code: length === 0 ? 'unknown-format' : 'truncated' });
+      expect(outcome).toMatchObject({ code: length === 0 ? 'empty' : 'truncated' });
     }
   });
 });

@@ -1,4 +1,5 @@
 import { SplatFileError } from '../../../data/errors.ts';
+import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { fromHalfBits } from '../../../data/layout/half.ts';
 import { type RowLayout, rowsWithin } from '../../../data/packing/row-layout.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
@@ -22,6 +23,12 @@ const READ_SCALAR: Readonly<Record<PlyType, ReadScalar>> = {
   float64: (view, offset, littleEndian) => view.getFloat64(offset, littleEndian),
 };
 
+/** Time in which a piece of rows is to arrive: parts of a file are shown as it comes. */
+const PIECE_MS = 500;
+/** The first piece is this part of one: it is shown early, however slow the others are. */
+const FIRST_PART = 1 / 16;
+/** A piece is no more than so many times as large as the one before, lest a file stall in it. */
+const MOST_GROWTH = 2;
 /** Rows with lists between two reports of progress. */
 const ROWS_PER_REPORT = 1024;
 
@@ -57,15 +64,25 @@ export async function passRows(
   const { count, strideBytes, pieceRows } = layout;
   const vertex = body.header.elements[body.vertexIndex];
   await skipTo(reader, body, progress);
-  for (let row = 0; row < count; row += pieceRows) {
-    const rowCount = Math.min(pieceRows, count - row);
+  let atOnce = wholeChunks(FIRST_PART * pieceRows, pieceRows);
+  for (let row = 0, rowCount = 0; row < count; row += rowCount) {
+    rowCount = Math.min(atOnce, count - row);
     const memory = await sink.memory();
+    const beganMs = performance.now();
+    const expectedBytes = reader.byteOffset + (count - row) * strideBytes;
     const onPart = () => progress.report(row);
     const rows = memory.subarray(0, rowCount * strideBytes);
     const filled = await reader.readInto(rows, sink.mayDetach, onPart);
-    if (!filled) throw truncatedError(reader, body, vertex, row);
+    if (!filled) throw truncatedError(reader, body, vertex, row, expectedBytes);
     sink.take(rowCount, filled);
+    const elapsedMs = performance.now() - beganMs;
+    atOnce = wholeChunks(rowCount * Math.min(MOST_GROWTH, PIECE_MS / elapsedMs), pieceRows);
   }
+}
+
+/** @returns about as many rows in whole chunks, at least one and no more than a piece. */
+function wholeChunks(rows: number, pieceRows: number): number {
+  return Math.min(pieceRows, CHUNK_SPLATS * Math.max(1, Math.floor(rows / CHUNK_SPLATS)));
 }
 
 /** Reads a binary body up to and including the splats, which go to `builder`. */
@@ -92,7 +109,7 @@ async function skipTo(reader: ByteReader, body: PlyBody, progress: ReadProgress)
 }
 
 /** Bytes of one row; undefined if lists make rows differ. */
-function rowBytes(element: PlyElement): number | undefined {
+export function rowBytes(element: PlyElement): number | undefined {
   if (element.properties.some(({ countType }) => countType !== undefined)) return undefined;
   return element.properties.reduce((sum, { type }) => sum + TYPE_BYTES[type], 0);
 }
@@ -107,7 +124,10 @@ async function readFixedRows(
   const vertex = body.header.elements[body.vertexIndex];
   const decodeRow = rowDecoder(body, vertex, builder.row);
   for (let row = 0; row < vertex.count; ) {
-    if (!(await reader.fill(stride))) throw truncatedError(reader, body, vertex, row);
+    if (!(await reader.fill(stride))) {
+      const expectedBytes = reader.byteOffset + (vertex.count - row) * stride;
+      throw truncatedError(reader, body, vertex, row, expectedBytes);
+    }
     const rowCount = Math.min(vertex.count - row, Math.floor(reader.available / stride));
     for (let i = 0; i < rowCount; i++) {
       decodeRow(reader.view, reader.start + i * stride);
@@ -196,8 +216,10 @@ function truncatedError(
   body: PlyBody,
   element: PlyElement,
   row?: number,
+  expectedBytes?: number,
 ): SplatFileError {
   const byte = reader.byteOffset + reader.available;
   const message = `the file ends before its ${element.count} rows of ${clip(element.name)} do. Download or export it again.`;
-  return new SplatFileError('truncated', body.file, message, { element: element.name, row, byte });
+  const place = { element: element.name, row, byte, expectedBytes };
+  return new SplatFileError('truncated', body.file, message, place);
 }

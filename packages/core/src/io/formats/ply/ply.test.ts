@@ -637,7 +637,8 @@ describe('refuses', () => {
   test('a cut-off stream of unknown size names the row and the byte', async () => {
     const error = await fileErrorOf(readSplats(chunked(whole.subarray(0, whole.length - 57), [100])));
     expect(error.code).toBe('truncated');
-    expect(error.place).toEqual({ element: 'vertex', row: 2, byte: whole.length - 57 });
+    const expectedBytes = whole.length;
+    expect(error.place).toEqual({ element: 'vertex', row: 2, byte: expectedBytes - 57, expectedBytes });
   });
 
   test('a list of negative length', async () => {

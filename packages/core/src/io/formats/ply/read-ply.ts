@@ -55,6 +55,8 @@ const FLAT: PlyVariant = {
 
 /** Most elements that a message names. */
 const MOST_LISTED = 8;
+/** Files of few rows that come within this time are packed before shaders for that would compile. */
+const SOON_MS = 500;
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
 
 /**
@@ -107,8 +109,9 @@ export async function readPlyWith(
   if (
     rowsTo &&
     layout &&
-    takesCount(rowsTo.files, vertex.count) &&
-    mayHold(input, vertex.count * layout.strideBytes)
+    mayHold(input, vertex.count * layout.strideBytes) &&
+    (takesCount(rowsTo.files, vertex.count) ||
+      (vertex.count < rowsTo.files.minRows && (await isSlow(input, vertex.count * layout.strideBytes))))
   ) {
     await rowsTo.sink.begin({ ...layout, isAntialiased, fileFacts });
     await passRows(reader, body, layout, rowsTo.sink, progress);
@@ -137,6 +140,18 @@ export async function readPlyWith(
   const set = builder.finish();
   variant?.complete?.(set);
   return set;
+}
+
+/** Waits for the splats for a while, and returns whether that was too short: then parts are shown. */
+async function isSlow({ reader, isHeld }: SplatInput, splatBytes: number): Promise<boolean> {
+  if (isHeld) return false;
+  const endMs = performance.now() + SOON_MS;
+  while (reader.available < splatBytes) {
+    if (performance.now() >= endMs) return true;
+    // At the end, reading says what is missing.
+    if (!(await reader.fill(reader.available + 1))) return false;
+  }
+  return false;
 }
 
 /** The element that holds splats, and the replacement of missing properties; throws without. */
@@ -259,7 +274,7 @@ function checkCounts(
         source.name,
         `${vertex.count} splats need at least ${neededBytes} bytes after the header, the file has ${availableBytes}. ` +
           'Download or export it again.',
-        { element: 'vertex', byte: source.totalBytes },
+        { element: 'vertex', byte: source.totalBytes, expectedBytes: bodyStart + neededBytes },
       );
     }
   }

@@ -76,7 +76,15 @@ function valuesOf(
 ): Float32Array | Uint32Array {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   const length = bytes.length / VALUE_BYTES[encoding];
-  const floats = (value: (i: number) => number) => Float32Array.from({ length }, (_, i) => value(i));
+  const filled = <Values extends Float32Array | Uint32Array>(
+    values: Values,
+    value: (i: number) => number,
+  ) => {
+    for (let i = 0; i < length; i++) values[i] = value(i);
+    return values;
+  };
+  const floats = (value: (i: number) => number) => filled(new Float32Array(length), value);
+  const words = (value: (i: number) => number) => filled(new Uint32Array(length), value);
   const ranged = (at: (i: number) => number) => {
     const [min, max] = [bound('min'), bound('max')];
     return floats((i) => min + (at(i) / 255) * (max - min));
@@ -91,9 +99,8 @@ function valuesOf(
     case 'f16':
       return floats((i) => fromHalfBits(view.getUint16(2 * i, true)));
     case 'f32_lebytes': {
-      const bits = Uint32Array.from(
-        { length },
-        (_, i) =>
+      const bits = words(
+        (i) =>
           bytes[i] | (bytes[length + i] << 8) | (bytes[2 * length + i] << 16) | (bytes[3 * length + i] << 24),
       );
       return new Float32Array(bits.buffer);
@@ -118,9 +125,9 @@ function valuesOf(
         return value === Number.NEGATIVE_INFINITY ? FLAT_LOG_SCALE : value;
       });
     case 'u16':
-      return Uint32Array.from({ length }, (_, i) => view.getUint16(2 * i, true));
+      return words((i) => view.getUint16(2 * i, true));
     case 'u32':
-      return Uint32Array.from({ length }, (_, i) => view.getUint32(4 * i, true));
+      return words((i) => view.getUint32(4 * i, true));
     case 'oct88r8':
       throw new RangeError('oct88r8 is an encoding of orientations');
   }

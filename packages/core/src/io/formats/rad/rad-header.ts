@@ -1,12 +1,10 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
-import { readExactly } from '../../sources/read-exactly.ts';
 import { checkCount } from '../check-count.ts';
 import { JsonFields } from '../json-fields.ts';
 import { latin1 } from '../latin1.ts';
 import { parseJson } from '../parse-json.ts';
-import type { SplatInput } from '../splat-format.ts';
 import { CHUNK_MAGIC } from './rad-format.ts';
 
 /** Magic and length of the JSON, of a scene and of a chunk. */
@@ -20,6 +18,8 @@ const VERSION = 1;
 
 /** A part of a scene's nodes. */
 export interface ChunkPlace {
+  /** Bytes between those before the chunks and this one; 0 in a file of its own. */
+  readonly offset: number;
   readonly bytes: number;
   /** Nodes before it, and in it. */
   readonly base: number;
@@ -29,6 +29,8 @@ export interface ChunkPlace {
 }
 
 export interface RadHeader {
+  /** Bytes before the chunks. */
+  readonly bytes: number;
   /** Nodes of all levels of detail. */
   readonly count: number;
   readonly shDegree: ShDegree;
@@ -44,15 +46,19 @@ export function padded(size: number): number {
   return Math.ceil(size / ALIGNMENT) * ALIGNMENT;
 }
 
+/** Reads the next bytes of a file, all of them. @param what they are, for messages. */
+export type ReadNext = (byteCount: number, what: string) => Promise<Uint8Array<ArrayBuffer>>;
+
 /**
  * Reads what is before the chunks.
  *
  * Rejects with SplatFileError: 'unknown-format' for other versions, and a chunk without its scene;
- * 'bad-header', 'damaged', 'truncated', 'too-large', 'empty'.
+ * 'bad-header', 'damaged', 'too-large', 'empty'; and as `next`.
+ *
+ * @param file names it in messages.
  */
-export async function readRadHeader(input: SplatInput): Promise<RadHeader> {
-  const { name: file } = input;
-  const prefix = await readExactly(input, PREFIX_BYTES, 'the header');
+export async function readRadHeader(file: string, next: ReadNext): Promise<RadHeader> {
+  const prefix = await next(PREFIX_BYTES, 'the header');
   if (latin1(prefix.subarray(0, 4)) === CHUNK_MAGIC) {
     const message = 'it is one chunk of a scene. Open the .rad file that it belongs to, with all of them.';
     throw new SplatFileError('unknown-format', file, message, { byte: 0 });
@@ -62,8 +68,9 @@ export async function readRadHeader(input: SplatInput): Promise<RadHeader> {
     const message = `its header has ${length} bytes; at most ${MOST_JSON_BYTES} are read. Export it in parts.`;
     throw new SplatFileError('too-large', file, message, { byte: 4 });
   }
-  const bytes = await readExactly(input, padded(length), 'the header');
-  return headerOf(parseRadJson(bytes.subarray(0, length), file, 'header of a .rad'), file);
+  const bytes = await next(padded(length), 'the header');
+  const fields = parseRadJson(bytes.subarray(0, length), file, 'header of a .rad');
+  return { ...headerOf(fields, file), bytes: PREFIX_BYTES + padded(length) };
 }
 
 /**
@@ -80,7 +87,7 @@ export function parseRadJson(bytes: Uint8Array, file: string, what: string): Jso
   throw new SplatFileError('unknown-format', file, message, { property: 'version' });
 }
 
-function headerOf(fields: JsonFields, file: string): RadHeader {
+function headerOf(fields: JsonFields, file: string): Omit<RadHeader, 'bytes'> {
   const type = fields.get('type');
   if (type !== 'gsplat') {
     const message = `it is a .rad of ${shown(type)}; those of gsplat are read.`;
@@ -118,6 +125,6 @@ function chunksOf(fields: JsonFields, count: number, file: string): ChunkPlace[]
     if (offset !== start) throw damaged(`chunk ${i} begins at ${offset}, where ${start} follows.`);
     if (path === null) end += bytes;
     const base = i * chunkSize;
-    return { bytes, path, base, count: Math.min(chunkSize, count - base) };
+    return { offset, bytes, path, base, count: Math.min(chunkSize, count - base) };
   });
 }

@@ -27,7 +27,7 @@ import { readRadHeader } from './rad-header.ts';
 export const read: ReadFormat = async (input, options) => {
   const { name: file } = input;
   const { shPrecision, onPiece, maxSplats, maxBytes } = options;
-  const header = await readRadHeader(input);
+  const header = await readRadHeader(file, (byteCount, what) => readExactly(input, byteCount, what));
   const { count, shDegree, isTree, chunks } = header;
   if (!isTree) checkCount(count, file, maxSplats);
   const progress = new ReadProgress(input, options.onProgress);

@@ -21,10 +21,7 @@ export class TreeCheck {
 
   /** Takes an inner node. @throws SplatFileError 'damaged' */
   add(node: number, childStart: number, childCount: number): void {
-    if (childStart <= node || childStart + childCount > this.#nodeCount) {
-      const found = `the children of node ${node} are ${childStart} to ${childStart + childCount - 1}`;
-      throw this.#damaged(`${found}, which must be behind it and within its ${this.#nodeCount} nodes`);
-    }
+    checkFamily(node, childStart, childCount, this.#nodeCount, this.#file);
     if (this.#length === this.#families.length) {
       const larger = new Float64Array(2 * this.#length);
       larger.set(this.#families);
@@ -42,10 +39,23 @@ export class TreeCheck {
       next += family % COUNTS;
     }
     if (next === this.#nodeCount) return;
-    throw this.#damaged(`node ${next} has no parent, or the one before it has several`);
+    throw wrongTree(this.#file, `node ${next} has no parent, or the one before it has several`);
   }
+}
 
-  #damaged(message: string): SplatFileError {
-    return new SplatFileError('damaged', this.#file, `its tree is wrong: ${message}. Export it again.`);
-  }
+/** @throws SplatFileError 'damaged' unless the children of a node are behind it and in the scene. */
+export function checkFamily(
+  node: number,
+  childStart: number,
+  childCount: number,
+  nodeCount: number,
+  file: string,
+): void {
+  if (childStart > node && childStart + childCount <= nodeCount) return;
+  const found = `the children of node ${node} are ${childStart} to ${childStart + childCount - 1}`;
+  throw wrongTree(file, `${found}, which must be behind it and within its ${nodeCount} nodes`);
+}
+
+export function wrongTree(file: string, message: string): SplatFileError {
+  return new SplatFileError('damaged', file, `its tree is wrong: ${message}. Export it again.`);
 }

@@ -1,7 +1,9 @@
-import type { LeafLevel, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
+import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError } from '../../../data/errors.ts';
+import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { loadOrPass } from '../../loading/load-splats.ts';
+import { KeptReads } from '../../sources/kept-reads.ts';
 import { openFiles } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
 import { isFiles } from '../../sources/source-kind.ts';
@@ -9,7 +11,7 @@ import type { LoadProgress, ReadOptions, SplatSource } from '../../sources/splat
 import { checkCount } from '../check-count.ts';
 import type { JsonFields } from '../json-fields.ts';
 import { checkPath } from '../part-reader.ts';
-import { LeafRows } from './leaf-rows.ts';
+import { LeafRows, type LeafSplats } from './leaf-rows.ts';
 import { readOpened } from './scene-files.ts';
 import { openParts } from './scene-parts.ts';
 import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
@@ -66,7 +68,7 @@ export async function openLeaves(
     const meta = await metaOf(environment);
     metas.push(meta);
     files.push({ path: environment, count: meta.count });
-    const level = { file: files.length - 1, offset: 0, count: meta.count, firstRow: finestRows, error: 0 };
+    const level = levelOf({ file: files.length - 1, offset: 0, count: meta.count }, finestRows, 0);
     leaves.push({ bounds: null, levels: [level] });
     splatCount += meta.count;
   }
@@ -76,15 +78,8 @@ export async function openLeaves(
   const { isAntialiased } = metas[0];
 
   let fetchedBytes = 0;
-  const kept = new Map<number, LeafRows>();
-  const read: LeafScene['read'] = async (index, readSignal, onBytes) => {
-    const found = kept.get(index);
-    if (found) {
-      // The last one that was asked for is the last to go.
-      kept.delete(index);
-      kept.set(index, found);
-      return found;
-    }
+  const kept = new KeptReads<LeafRows>(KEPT_BYTES, ({ bytes }) => bytes);
+  const load = async (index: number, ending: AbortSignal, onBytes?: (bytes: number) => void) => {
     const { path, count } = files[index];
     const rows = new LeafRows({ file: path, count, shDegree });
     let loadedBytes = 0;
@@ -94,20 +89,15 @@ export async function openLeaves(
       fetchedBytes += bytes;
       onBytes?.(bytes);
     };
-    const readOptions = { name: path, signal: readSignal, request, maxBytes, maxSplats, onProgress };
+    const readOptions = { name: path, signal: ending, request, maxBytes, maxSplats, onProgress };
     await loadOrPass(await parts.open(path), readOptions, {
       sink: rows,
       files: { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes: PIECE_BYTES },
     });
-    kept.set(index, rows);
-    let bytes = [...kept.values()].reduce((sum, each) => sum + each.bytes, 0);
-    for (const [other, each] of kept) {
-      if (bytes <= KEPT_BYTES) break;
-      kept.delete(other);
-      bytes -= each.bytes;
-    }
     return rows;
   };
+  const read: LeafScene['read'] = (index, end, onBytes) =>
+    kept.read(index, (ending) => load(index, ending, onBytes), end);
   return {
     ...{ name, splatCount, shDegree, origin: [0, 0, 0], leaves, read },
     get fetchedBytes() {
@@ -148,18 +138,18 @@ function leavesOf(
   const leaves = tree.leaves.map((leaf): SceneLeaf => {
     const bounds = boundsOf(leaf.node);
     const errors = errorsOf(leaf, bounds, tree.levelCount);
-    const levels = leaf.runs.map(
-      (run, i): LeafLevel => ({
-        file: run.file,
-        offset: run.offset,
-        count: run.count,
-        firstRow: firstRows.get(run) ?? null,
-        error: errors[i],
-      }),
-    );
+    const levels = leaf.runs.map((run, i) => levelOf(run, firstRows.get(run) ?? null, errors[i]));
     return { bounds, levels };
   });
   return { leaves, files, finestFile };
+}
+
+function levelOf(
+  { file, offset, count }: Omit<LeafRun, 'level'>,
+  firstRow: number | null,
+  error: number,
+): LeafSplats {
+  return { file, offset, count, firstRow, error, chunkCount: chunkCountOf(count) };
 }
 
 function boundsOf(node: JsonFields): Bounds {

@@ -162,7 +162,7 @@ describe('doubtful rows', () => {
 describe('refuses', () => {
   test.each([
     ['a web page', Buffer.from('<!doctype html><title>404</title>'.padEnd(64)), 'unknown-format', /web page/],
-    ['nothing', new Uint8Array(0), 'unknown-format', /is empty/],
+    ['nothing', new Uint8Array(0), 'empty', /is empty/],
     [
       'half a row',
       encode([plain, plain]).subarray(0, 48),
@@ -260,7 +260,7 @@ describe('refuses', () => {
       for (const chunkBytes of [undefined, 64]) {
         const outcome = await outcomeOf(bytes.slice(0, length), 'a.splat', chunkBytes);
         if (length > 0 && length % 32 === 0) expect(outcome).toMatchObject({ count: length / 32 });
-        else expect(outcome).toMatchObject({ code: length === 0 ? 'unknown-format' : 'truncated' });
+        else expect(outcome).toMatchObject({ code: length === 0 ? 'empty' : 'truncated' });
       }
     }
   });

@@ -1,0 +1,82 @@
+import type { Bounds } from '../../../data/packing/packed-cloud.ts';
+import type { RecordRun } from './brick-records.ts';
+import type { BrickResult, SplatsTask } from './brick-tasks.ts';
+
+/** Some records in a file. */
+export interface StoredRun {
+  readonly run: RecordRun;
+  /** First byte. */
+  readonly at: number;
+}
+
+/** Splats came, and are in the file `arrived`. */
+export interface ArrivedEntry {
+  readonly kind: 'arrived';
+  /** Rows of the source until then, those that hold no splats among them. */
+  readonly rows: number;
+  readonly runs: readonly StoredRun[];
+  /** Of each of these runs. */
+  readonly bounds: readonly Bounds[];
+  /** What sets said about antialiasing; null: nothing. */
+  readonly told: readonly (boolean | null)[];
+}
+
+/** Records were divided into the buckets of the file `bucketsName(depth, first)`. */
+export interface DividedEntry {
+  readonly kind: 'divided';
+  /** Digits by which they had been told apart before. */
+  readonly depth: number;
+  /** Number of their first splat in storage order. */
+  readonly first: number;
+  /** Splats of each bucket. */
+  readonly sizes: readonly number[];
+}
+
+/** Bricks of splats, in the files of the lowest level. */
+export interface StoredSplats {
+  readonly made: Omit<BrickResult<SplatsTask>, 'bytes' | 'roots'>;
+  /** First byte of the bricks. */
+  readonly at: number;
+  readonly byteCount: number;
+}
+
+/** Bricks were made. */
+export interface MadeEntry extends StoredSplats {
+  readonly kind: 'made';
+  /** The splats they were made of, in storage order; null: those that wait for others of their brick. */
+  readonly range: { readonly first: number; readonly count: number } | null;
+}
+
+export type JournalEntry = ArrivedEntry | DividedEntry | MadeEntry;
+
+/** Finished work of a writer, for another one that goes on with it in the same files. */
+export interface BrickJournal {
+  /** What was noted, from the first on. */
+  entries(): AsyncIterable<JournalEntry>;
+  /** Resolves once the entry lasts, and all that was written to files with names before. */
+  note(entry: JournalEntry): Promise<void>;
+}
+
+export function bucketsName(depth: number, first: number): string {
+  return `buckets-${depth}-${first}`;
+}
+
+/** Splats of which bricks are made, in ranges of storage order. */
+export class MadeRanges {
+  readonly #counts = new Map<number, number>();
+
+  add({ first, count }: { readonly first: number; readonly count: number }): void {
+    this.#counts.set(first, count);
+  }
+
+  /** Whether they hold all of `count` splats from `first` on. */
+  hold(first: number, count: number): boolean {
+    let at = first;
+    while (at < first + count) {
+      const next = this.#counts.get(at);
+      if (next === undefined) return false;
+      at += next;
+    }
+    return true;
+  }
+}

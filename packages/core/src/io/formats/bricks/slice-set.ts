@@ -1,0 +1,34 @@
+import { type Harmonics, isPacked, isPalette } from '../../../data/packing/harmonics.ts';
+import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
+
+/** Some splats of a set, in memory of their own. */
+export function sliceOf(set: SplatSet<Harmonics>, from: number, to: number): SplatSet<Harmonics> {
+  const { harmonics } = set;
+  return {
+    ...set,
+    count: to - from,
+    positions: set.positions.slice(3 * from, 3 * to),
+    logScales: set.logScales.slice(3 * from, 3 * to),
+    rotations: set.rotations.slice(4 * from, 4 * to),
+    opacityLogits: set.opacityLogits.slice(from, to),
+    colorDc: set.colorDc.slice(3 * from, 3 * to),
+    harmonics: harmonicsBetween(harmonics, from, to),
+    fileIndices: new Uint32Array(to - from),
+    dropped: {},
+  };
+}
+
+function harmonicsBetween(harmonics: Harmonics, from: number, to: number): Harmonics {
+  if (isPacked(harmonics)) {
+    const { words, wordsPerSplat } = harmonics;
+    return { ...harmonics, words: words.slice(wordsPerSplat * from, wordsPerSplat * to) };
+  }
+  if (isPalette(harmonics))
+    return {
+      ...harmonics,
+      entries: harmonics.entries.slice(),
+      indices: harmonics.indices.slice(from, to),
+    };
+  const width = coefficientsPerSplat(harmonics.degree);
+  return { ...harmonics, coefficients: harmonics.coefficients.slice(width * from, width * to) };
+}

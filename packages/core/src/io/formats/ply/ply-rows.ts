@@ -1,0 +1,85 @@
+import { SplatFileError } from '../../../data/errors.ts';
+import type { ShDegree } from '../../../data/splats/splat-set.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
+import { openBlob } from '../../sources/open-blob.ts';
+import { latin1 } from '../latin1.ts';
+import { rowBytes } from './ply-binary.ts';
+import { readPlyHeader, TYPE_BYTES } from './ply-header.ts';
+import { shDegreeOf } from './sh-properties.ts';
+
+/** Rows that lie together: the first of them, and how many. */
+export type RowRun = readonly [first: number, count: number];
+
+/** The splats of a binary PLY, of which any can be had without reading others. */
+export interface PlyRows {
+  readonly count: number;
+  readonly strideBytes: number;
+  readonly isLittleEndian: boolean;
+  /** Bytes of a row before each of its log scales that are float32. */
+  readonly scaleOffsets: readonly number[];
+  readonly shDegree: ShDegree;
+  /** A PLY of these rows, of which nothing is in memory. */
+  readonly fileOf: (runs: readonly RowRun[]) => File;
+}
+
+/**
+ * Opens a PLY for its rows. Only the header is read.
+ *
+ * Rejects with SplatFileError: 'bad-header', 'bad-property', 'unknown-format' for splats that are
+ * not rows of one length, 'truncated'; SplatSourceError; the signal's reason.
+ */
+export async function openPlyRows(file: Blob, name: string, signal?: AbortSignal): Promise<PlyRows> {
+  const reader = new ByteReader(openBlob(file, name), signal, Number.POSITIVE_INFINITY);
+  try {
+    const { elements, format } = await readPlyHeader(reader, name);
+    const text = latin1(new Uint8Array(await file.slice(0, reader.byteOffset).arrayBuffer()));
+    const index = elements.findIndex((element) => element.name === 'vertex');
+    const vertex = elements[index];
+    const widths = elements.slice(0, index + 1).map(rowBytes);
+    const isSplats = ['f_dc_0', 'rot_0'].every((each) => vertex?.properties.some((own) => own.name === each));
+    if (!isSplats || format === 'ascii' || widths.includes(undefined)) {
+      const message =
+        'only a binary PLY of splats as trained, without lists, can be read in parts. Open it as a whole.';
+      throw new SplatFileError('unknown-format', name, message);
+    }
+    const strideBytes = widths[index]!;
+    const start = elements
+      .slice(0, index)
+      .reduce((sum, { count }, i) => sum + count * widths[i]!, reader.byteOffset);
+    if (start + vertex.count * strideBytes > file.size) {
+      const needed = start + vertex.count * strideBytes;
+      const message = `its ${vertex.count} splats end at byte ${needed}, the file at ${file.size}. Download or export it again.`;
+      throw new SplatFileError('truncated', name, message, { element: 'vertex', byte: file.size });
+    }
+    const fileOf = (runs: readonly RowRun[]) => {
+      const total = runs.reduce((sum, [, count]) => sum + count, 0);
+      const slices = runs.map(([first, count]) =>
+        file.slice(start + first * strideBytes, start + (first + count) * strideBytes),
+      );
+      return new File([latin1Bytes(withCounts(text, total)), ...slices], name);
+    };
+    const scaleOffsets: number[] = [];
+    let offset = 0;
+    for (const property of vertex.properties) {
+      if (/^scale_\d$/.test(property.name) && property.type === 'float32') scaleOffsets.push(offset);
+      offset += TYPE_BYTES[property.type];
+    }
+    const isLittleEndian = format === 'binary_little_endian';
+    const { count } = vertex;
+    return { count, strideBytes, isLittleEndian, scaleOffsets, shDegree: shDegreeOf(vertex, name), fileOf };
+  } finally {
+    reader.close();
+  }
+}
+
+/** A header with another number of vertices, and nothing else. */
+function withCounts(header: string, vertices: number): string {
+  return header.replace(
+    /((?:^|[\r\n])[ \t]*element[ \t]+(\S+)[ \t]+)\d+/g,
+    (_, before, name) => `${before}${name === 'vertex' ? vertices : 0}`,
+  );
+}
+
+function latin1Bytes(text: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from(text, (character) => character.charCodeAt(0));
+}

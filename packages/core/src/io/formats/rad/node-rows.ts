@@ -1,0 +1,136 @@
+import { SplatFileError } from '../../../data/errors.ts';
+import { colorDcOf, logitOf } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import type { RadChunk } from './rad-chunk.ts';
+import type { RadHeader } from './rad-header.ts';
+
+/** Harmonics by degree: of nodes, and of the entries of a palette. */
+const OWN_HARMONICS = ['sh1', 'sh2', 'sh3'] as const;
+const PALETTE_HARMONICS = ['sh1_code', 'sh2_code', 'sh3_code'] as const;
+/** Where each degree's coefficients begin, behind those of the ones below. */
+const DEGREE_STARTS = [0, 9, 24];
+
+type Column = Float32Array | Uint32Array;
+
+/** Harmonics of `rowCount` rows: of each degree a column. */
+export interface HarmonicsColumns {
+  readonly rowCount: number;
+  readonly degrees: readonly Column[];
+}
+
+/** The palette of all nodes, from the first chunk; undefined if nodes have harmonics of their own. */
+export async function readPalette(
+  chunk: RadChunk,
+  { shDegree, paletteSize }: RadHeader,
+): Promise<HarmonicsColumns | undefined> {
+  return paletteSize === undefined ? undefined : harmonicsOf(chunk, PALETTE_HARMONICS, shDegree, paletteSize);
+}
+
+/** The nodes of a chunk, as rows of splats. */
+export class NodeRows {
+  readonly #count: number;
+  readonly #centers: Column;
+  readonly #alphas: Column;
+  readonly #colors: Column;
+  readonly #logScales: Column;
+  readonly #rotations: Column;
+  /** Of each node its place in the palette. */
+  readonly #labels: Column | undefined;
+  readonly #harmonics: HarmonicsColumns;
+
+  private constructor(
+    count: number,
+    columns: readonly Column[],
+    labels: Column | undefined,
+    harmonics: HarmonicsColumns,
+  ) {
+    this.#count = count;
+    [this.#centers, this.#alphas, this.#colors, this.#logScales, this.#rotations] = columns;
+    this.#labels = labels;
+    this.#harmonics = harmonics;
+  }
+
+  /**
+   * Decodes the nodes of a chunk. Rejects as `RadChunk.column`, and with SplatFileError 'damaged'.
+   *
+   * @param palette from `readPalette`.
+   */
+  static async read(
+    chunk: RadChunk,
+    count: number,
+    shDegree: number,
+    palette: HarmonicsColumns | undefined,
+    file: string,
+  ): Promise<NodeRows> {
+    const columns: Column[] = [];
+    for (const name of ['center', 'alpha', 'rgb', 'scales', 'orientation'] as const)
+      columns.push(await chunk.column(name, count));
+    if (!palette || shDegree === 0)
+      return new NodeRows(
+        count,
+        columns,
+        undefined,
+        await harmonicsOf(chunk, OWN_HARMONICS, shDegree, count),
+      );
+    const labels = await chunk.column('sh_label', count);
+    const wrong = labels.find((label) => label >= palette.rowCount);
+    if (wrong === undefined) return new NodeRows(count, columns, labels, palette);
+    const message = `a node has the harmonics ${wrong} of ${palette.rowCount}. Export it again.`;
+    throw new SplatFileError('damaged', file, message, { property: 'sh_label' });
+  }
+
+  get bytes(): number {
+    const geometry = [this.#centers, this.#alphas, this.#colors, this.#logScales, this.#rotations];
+    const own = [...geometry, ...(this.#labels ? [this.#labels] : this.#harmonics.degrees)];
+    return own.reduce((sum, { byteLength }) => sum + byteLength, 0);
+  }
+
+  /** A coordinate of the middle of a node. */
+  center(node: number, axis: number): number {
+    return this.#centers[axis * this.#count + node];
+  }
+
+  /** The opacity of a node as the file has it. */
+  alpha(node: number): number {
+    return this.#alphas[node];
+  }
+
+  /** The largest of the scales of a node. */
+  largestScale(node: number): number {
+    const [x, y, z] = [0, 1, 2].map((axis) => this.#logScales[axis * this.#count + node]);
+    return Math.exp(Math.max(x, y, z));
+  }
+
+  /** Writes a node into `row`, with an opacity of at most 1. */
+  fill(row: Float64Array, node: number): void {
+    const count = this.#count;
+    for (let k = 0; k < 3; k++) {
+      const at = k * count + node;
+      row[ROW_SLOT.position + k] = this.#centers[at];
+      row[ROW_SLOT.logScale + k] = this.#logScales[at];
+      row[ROW_SLOT.colorDc + k] = colorDcOf(this.#colors[at]);
+      // x, y, z behind w.
+      row[ROW_SLOT.rotation + 1 + k] = this.#rotations[at];
+    }
+    row[ROW_SLOT.rotation] = this.#rotations[3 * count + node];
+    row[ROW_SLOT.opacity] = logitOf(Math.min(1, this.#alphas[node]));
+    const { rowCount, degrees } = this.#harmonics;
+    const entry = this.#labels ? this.#labels[node] : node;
+    for (const [degree, column] of degrees.entries()) {
+      const start = ROW_SLOT.harmonics + DEGREE_STARTS[degree];
+      const width = column.length / rowCount;
+      for (let k = 0; k < width; k++) row[start + k] = column[k * rowCount + entry];
+    }
+  }
+}
+
+async function harmonicsOf(
+  chunk: RadChunk,
+  names: typeof OWN_HARMONICS | typeof PALETTE_HARMONICS,
+  shDegree: number,
+  rowCount: number,
+): Promise<HarmonicsColumns> {
+  const degrees: Column[] = [];
+  for (const name of names.slice(0, shDegree)) degrees.push(await chunk.column(name, rowCount));
+  return { rowCount, degrees };
+}

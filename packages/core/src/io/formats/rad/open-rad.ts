@@ -1,0 +1,291 @@
+import type { SceneLeaf, SplatCells } from '../../../data/bricks/leaf-scene.ts';
+import { type LeafLevel, type LeafScene, NO_ROW } from '../../../data/bricks/leaf-scene.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import { emptyBounds } from '../../../data/packing/center-bounds.ts';
+import { chunkCountOf } from '../../../data/packing/chunks.ts';
+import { mortonOrder } from '../../../data/packing/morton-order.ts';
+import type { Bounds } from '../../../data/packing/packed-cloud.ts';
+import { logitOf } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
+import { KeptReads } from '../../sources/kept-reads.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import { packPieces } from '../cell-columns.ts';
+import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
+import { RadChunk } from './rad-chunk.ts';
+import { openRadSource, type RadSource } from './rad-source.ts';
+import { type Stack, stackOf } from './stacked-opacity.ts';
+import { wrongTree } from './tree-check.ts';
+import type { TreePart } from './tree-parts.ts';
+import { type ChunkRange, type DividedPart, ROOT_PART, TreeDivider, type TreeNodes } from './tree-parts.ts';
+
+/** Leaves that begin in a chunk of a large scene, of which each may end with a chunk that is not full. */
+const LEAVES_OF_CHUNK = 32;
+/** Decoded chunks that are kept for leaves that may want them next: eight of degree 3. */
+const KEPT_BYTES = 128 << 20;
+/** Least error of what is not the finest level: splats without any extent are to be refined, too. */
+const LEAST_ERROR = 1e-9;
+
+/** A decoded chunk. */
+interface NodeChunk extends TreeNodes {
+  readonly rows: NodeRows;
+  readonly bytes: number;
+}
+
+/** A leaf, and the part of the tree that its finest level is. */
+interface OwnLeaf {
+  readonly number: number;
+  readonly leaf: SceneLeaf & { readonly levels: LeafLevel[] };
+  readonly part: TreePart;
+  /** Undefined for what is always shown. */
+  readonly above: OwnLeaf | undefined;
+  /** Leaves that are a part of it, in the order of its division; null until that is known. */
+  below: readonly OwnLeaf[] | null;
+}
+
+/**
+ * Opens a `.rad` with a tree, of which each chunk is read when it is asked for. The first one is
+ * read at once, and tells the first leaves: the nodes of it whose children lie in the same other
+ * chunk are the coarsest level of one, and what lies below them in that chunk is its finest. Of
+ * that, the nodes whose children lie in yet other chunks are the coarsest levels of more leaves.
+ *
+ * Rejects with SplatSourceError (cannot be fetched), SplatFileError for a scene that is damaged or
+ * lacks a file, InvalidArgumentError for what is no source, and the signal's reason.
+ *
+ * @returns null for a scene that is no tree, or a single chunk, a stream, what is no .rad, and a
+ *   large one on a server that sends it as a whole.
+ */
+export async function openRad(
+  source: SplatSource,
+  options: Omit<ReadOptions, 'onProgress'> = {},
+): Promise<LeafScene | null> {
+  const opened = await openRadSource(source, options);
+  if (!opened?.header.isTree || opened.header.chunks.length < 2) return null;
+  const scene = new RadScene(opened, options);
+  await scene.readRoot(options.signal);
+  return scene;
+}
+
+class RadScene implements LeafScene {
+  readonly name: string;
+  readonly splatCount: number;
+  readonly shDegree: LeafScene['shDegree'];
+  readonly origin = [0, 0, 0] as const;
+  readonly leaves: SceneLeaf[] = [];
+  readonly mostChunks: number;
+  fetchedBytes = 0;
+  readonly #source: RadSource;
+  readonly #maxBytes: number | undefined;
+  readonly #tree: TreeDivider;
+  readonly #own = new Map<SceneLeaf, OwnLeaf>();
+  /** By number, and numbers by what they have. */
+  readonly #files: ChunkRange[] = [];
+  readonly #fileNumbers = new Map<string, number>();
+  readonly #chunks = new KeptReads<NodeChunk>(KEPT_BYTES, ({ bytes }) => bytes);
+  #palette: HarmonicsColumns | undefined;
+  /** Leaves whose finest level was never decoded. */
+  #unknownCount = 1;
+
+  constructor(source: RadSource, { maxBytes }: Pick<ReadOptions, 'maxBytes'>) {
+    const { count, shDegree, chunks } = source.header;
+    this.name = source.name;
+    this.splatCount = count;
+    this.shDegree = shDegree;
+    this.mostChunks = chunkCountOf(count) + LEAVES_OF_CHUNK * chunks.length;
+    this.#source = source;
+    this.#maxBytes = maxBytes;
+    this.#tree = new TreeDivider(count, chunks[0].count, source.name);
+  }
+
+  /** Reads the first chunk, and finds the leaves that it tells of. */
+  async readRoot(signal: AbortSignal | undefined): Promise<void> {
+    const chunk = await this.#chunk(0, signal);
+    const level = this.#levelOf(ROOT_PART.chunks, 1, 1, 0);
+    const root: OwnLeaf = {
+      number: 0,
+      leaf: { bounds: null, levels: [level], rank: 0 },
+      part: ROOT_PART,
+      above: undefined,
+      below: null,
+    };
+    this.leaves.push(root.leaf);
+    this.#own.set(root.leaf, root);
+    this.#divide(root, [chunk]);
+  }
+
+  read: LeafScene['read'] = async (file, signal, onBytes) => {
+    const { first, last } = this.#files[file];
+    const numbers = Array.from({ length: last - first + 1 }, (_, i) => first + i);
+    const chunks = await Promise.all(numbers.map((number) => this.#chunk(number, signal, onBytes)));
+    const divided = new Map<OwnLeaf, DividedPart>();
+    const divide = (own: OwnLeaf) => {
+      const found = divided.get(own) ?? this.#divide(own, chunks);
+      divided.set(own, found);
+      return found;
+    };
+    return {
+      pieces: async (leaf, level, end) => {
+        const own = this.#own.get(leaf)!;
+        const { above } = own;
+        const nodes =
+          above && level === leaf.levels.at(-1)
+            ? divide(above).inner[above.below!.indexOf(own)].nodes
+            : divide(own).leaves;
+        return this.#cells(nodes, chunks, end);
+      },
+    };
+  };
+
+  #chunk(
+    number: number,
+    signal: AbortSignal | undefined,
+    onBytes?: (bytes: number) => void,
+  ): Promise<NodeChunk> {
+    return this.#chunks.read(number, (ending) => this.#load(number, ending, onBytes), signal);
+  }
+
+  async #load(number: number, signal: AbortSignal, onBytes?: (bytes: number) => void): Promise<NodeChunk> {
+    const { name, header } = this.#source;
+    const place = header.chunks[number];
+    const file = `${name}, ${place.path ?? `chunk ${number}`}`;
+    const packed = await this.#source.read(number, signal, (bytes) => {
+      this.fetchedBytes += bytes;
+      onBytes?.(bytes);
+    });
+    const limit = unpackedLimit({ maxBytes: this.#maxBytes }, { totalBytes: packed.length });
+    let unpackedBytes = 0;
+    const chunk = new RadChunk(packed, place, file, (byteCount) => {
+      signal.throwIfAborted();
+      unpackedBytes += byteCount;
+      if (unpackedBytes <= limit) return;
+      const message = `it unpacks to ${unpackedBytes} bytes or more, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
+      throw new SplatFileError('too-large', file, message);
+    });
+    const { base, count } = place;
+    const childCounts = await chunk.column('child_count', count);
+    const childStarts = await chunk.column('child_start', count);
+    if (number === 0) this.#palette = await readPalette(chunk, header);
+    const rows = await NodeRows.read(chunk, count, header.shDegree, this.#palette, file);
+    const bytes = rows.bytes + childCounts.byteLength + childStarts.byteLength;
+    return { base, count, childCounts, childStarts, rows, bytes };
+  }
+
+  /** Divides what a leaf's finest level is; the first time, that tells the leaves that are a part of it. */
+  #divide(own: OwnLeaf, chunks: readonly NodeChunk[]): DividedPart {
+    const divided = this.#tree.divide(own.part, chunks, own.below === null);
+    if (own.below) return divided;
+    const { leaf, part } = own;
+    // The root is always shown: what is a part of it is as if it had nothing above.
+    const isRoot = own.above === undefined;
+    let count = divided.leaves.length;
+    let chunkCount = chunkCountOf(count);
+    own.below = divided.inner.map(({ nodes, below }, i) => {
+      const { bounds, error, splatCount } = factsOf(nodes, chunks);
+      const childCount = below.counts.reduce((sum, each) => sum + each, 0);
+      const finest = this.#levelOf(below.chunks, childCount, chunkCountOf(childCount), 0);
+      const coarsest = this.#levelOf(part.chunks, splatCount, chunkCountOf(splatCount), error);
+      count += isRoot ? 0 : coarsest.count;
+      chunkCount += isRoot ? 0 : coarsest.chunkCount;
+      const found: OwnLeaf = {
+        number: this.leaves.length + i,
+        leaf: {
+          ...{ bounds, levels: [finest, coarsest], rank: below.starts[0] },
+          ...(!isRoot && { above: own.number }),
+        },
+        part: below,
+        above: own,
+        below: null,
+      };
+      this.#own.set(found.leaf, found);
+      return found;
+    });
+    leaf.levels[0] = { ...leaf.levels[0], count, chunkCount };
+    for (const found of own.below) this.leaves.push(found.leaf);
+    this.#unknownCount += own.below.length - 1;
+    if (this.#unknownCount === 0 && this.#tree.leftCount > 0)
+      throw wrongTree(this.name, `${this.#tree.leftCount} nodes have no parent`);
+    return divided;
+  }
+
+  /** Packs nodes in Morton order, those that stand for others as several splats each. */
+  async #cells(
+    nodes: Uint32Array,
+    chunks: readonly NodeChunk[],
+    signal: AbortSignal | undefined,
+  ): Promise<SplatCells[]> {
+    const finite = nodes.filter((node) => {
+      const [{ rows }, i] = placeIn(chunks, node);
+      return [0, 1, 2].every((axis) => Number.isFinite(rows.center(i, axis)));
+    });
+    const centers = new Float32Array(3 * finite.length);
+    for (const [at, node] of finite.entries()) {
+      const [{ rows }, i] = placeIn(chunks, node);
+      for (let axis = 0; axis < 3; axis++) centers[3 * at + axis] = rows.center(i, axis);
+    }
+    const splats: { readonly node: number; readonly copy: number }[] = [];
+    for (const at of mortonOrder(centers, finite.length)) {
+      const node = finite[at];
+      const copies = stackIn(chunks, node).opacities.length;
+      for (let copy = 0; copy < copies; copy++) splats.push({ node, copy });
+    }
+    const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(this.shDegree));
+    const fill = (at: number) => {
+      const { node, copy } = splats[at];
+      const [{ rows, childCounts }, i] = placeIn(chunks, node);
+      rows.fill(row, i);
+      if (childCounts[i] === 0) return node;
+      const { opacities, growth } = stackIn(chunks, node);
+      row[ROW_SLOT.opacity] = logitOf(opacities[copy]);
+      for (let axis = 0; axis < 3; axis++) row[ROW_SLOT.logScale + axis] += growth;
+      return NO_ROW;
+    };
+    return packPieces(splats.length, this.shDegree, row, fill, signal);
+  }
+
+  #levelOf(chunks: ChunkRange, count: number, chunkCount: number, error: number): LeafLevel {
+    const key = `${chunks.first} ${chunks.last}`;
+    const file = this.#fileNumbers.get(key) ?? this.#files.push(chunks) - 1;
+    this.#fileNumbers.set(key, file);
+    return { file, count, chunkCount, error };
+  }
+}
+
+/** The chunk of a node, and its place there. */
+function placeIn(chunks: readonly NodeChunk[], node: number): [chunk: NodeChunk, i: number] {
+  const chunk = chunks[Math.floor((node - chunks[0].base) / chunks[0].count)];
+  return [chunk, node - chunk.base];
+}
+
+/** How a node is drawn: what stands for no others is one splat. */
+function stackIn(chunks: readonly NodeChunk[], node: number): Stack {
+  const [{ rows, childCounts }, i] = placeIn(chunks, node);
+  return stackOf(childCounts[i] > 0 ? rows.alpha(i) : Math.min(1, rows.alpha(i)));
+}
+
+/** Where nodes lie, how far their picture differs from that of what is below, and their splats. */
+function factsOf(
+  nodes: Uint32Array,
+  chunks: readonly NodeChunk[],
+): { bounds: Bounds; error: number; splatCount: number } {
+  const { min, max } = emptyBounds();
+  let areas = 0;
+  let weighted = 0;
+  let splatCount = 0;
+  for (const node of nodes) {
+    const [{ rows }, i] = placeIn(chunks, node);
+    splatCount += stackIn(chunks, node).opacities.length;
+    const scale = rows.largestScale(i);
+    if (![0, 1, 2].every((axis) => Number.isFinite(rows.center(i, axis))) || !Number.isFinite(scale))
+      continue;
+    areas += scale ** 2;
+    weighted += scale ** 4;
+    for (let axis = 0; axis < 3; axis++) {
+      min[axis] = Math.min(min[axis], rows.center(i, axis) - scale);
+      max[axis] = Math.max(max[axis], rows.center(i, axis) + scale);
+    }
+  }
+  const bounds: Bounds = areas > 0 ? { min, max } : { min: [0, 0, 0], max: [0, 0, 0] };
+  const error = areas > 0 ? Math.max(LEAST_ERROR, Math.sqrt(weighted / areas)) : LEAST_ERROR;
+  return { bounds, error, splatCount };
+}

@@ -1,0 +1,87 @@
+import { SplatSourceError } from '../../../data/errors.ts';
+import { openFiles } from '../../sources/open-files.ts';
+import { openRanges } from '../../sources/open-ranges.ts';
+import { addressOf } from '../../sources/open-url.ts';
+import { truncated } from '../../sources/read-exactly.ts';
+import { openPart, readOpenedPart } from '../../sources/read-part.ts';
+import { isFiles, isStream } from '../../sources/source-kind.ts';
+import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import { latin1 } from '../latin1.ts';
+import { checkPath } from '../part-reader.ts';
+import { RAD_MAGIC } from './rad-format.ts';
+import { type RadHeader, readRadHeader } from './rad-header.ts';
+
+/** Bytes that are read at once: the header of a scene of a hundred million nodes. */
+const FIRST_BYTES = 1 << 17;
+/** The status of an answer with all of a file. */
+const OK = 200;
+
+/** A scene of which each chunk is read by itself. */
+export interface RadSource {
+  readonly name: string;
+  readonly header: RadHeader;
+  /**
+   * Reads a chunk. Rejects as `openRad`.
+   *
+   * @param onBytes receives how many bytes have come since its last call.
+   */
+  readonly read: (
+    chunk: number,
+    signal?: AbortSignal,
+    onBytes?: (bytes: number) => void,
+  ) => Promise<Uint8Array<ArrayBuffer>>;
+}
+
+/**
+ * Null for a stream, for what is no .rad, and for a large one on a server that sends it as a whole.
+ * Rejects as `openRad`.
+ */
+export async function openRadSource(
+  source: SplatSource,
+  options: Omit<ReadOptions, 'onProgress'>,
+): Promise<RadSource | null> {
+  const { signal, request, maxBytes } = options;
+  if (isStream(source)) return null;
+  const ranges = await openRanges(source, FIRST_BYTES, options).catch((error) => {
+    if (error instanceof SplatSourceError && error.status === OK) return null;
+    throw error;
+  });
+  if (!ranges || latin1(await ranges.read(0, RAD_MAGIC.length, signal)) !== RAD_MAGIC) return null;
+  const { name, totalBytes } = ranges;
+  const readAt = async (startByte: number, byteCount: number, what: string, end = signal) => {
+    const check = (foundBytes: number) => {
+      if (foundBytes < byteCount) throw truncated(name, what, { startByte, byteCount, foundBytes });
+    };
+    if (totalBytes !== undefined) check(Math.max(0, totalBytes - startByte));
+    const bytes = await ranges.read(startByte, byteCount, end);
+    check(bytes.length);
+    return bytes;
+  };
+  let at = 0;
+  const header = await readRadHeader(name, async (byteCount, what) => {
+    at += byteCount;
+    return readAt(at - byteCount, byteCount, what);
+  });
+  const isAddress = typeof source === 'string' || source instanceof URL;
+  const scene = {
+    name,
+    ...(isAddress && { fetched: { url: addressOf(String(source), name).href, request: request ?? {} } }),
+    ...(isFiles(source) && { openPart: openFiles(source, options).openPart }),
+  };
+  const read: RadSource['read'] = async (chunk, end, onBytes) => {
+    const { path, offset, bytes: byteCount } = header.chunks[chunk];
+    if (path === null) {
+      const bytes = await readAt(header.bytes + offset, byteCount, `chunk ${chunk}`, end);
+      onBytes?.(bytes.length);
+      return bytes;
+    }
+    checkPath(path, name);
+    const partOptions = { signal: end, maxBytes };
+    let before = 0;
+    return readOpenedPart(await openPart(scene, path, partOptions), partOptions, () => (loadedBytes) => {
+      onBytes?.(loadedBytes - before);
+      before = loadedBytes;
+    });
+  };
+  return { name, header, read };
+}

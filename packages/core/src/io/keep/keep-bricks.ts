@@ -1,0 +1,134 @@
+import { WebSplatterError } from '../../data/errors.ts';
+import { given } from '../../data/given.ts';
+import { fromPostedError } from '../loading/load-messages.ts';
+import { startWorker, workerStopped } from '../loading/start-worker.ts';
+import { shortName } from '../sources/source-kind.ts';
+import type { KeepReply, KeepRequest } from './keep-messages.ts';
+import { findBricks, lockName, StorageRoomError } from './kept-scenes.ts';
+import { sceneKey } from './scene-key.ts';
+
+/** Options of `keepBricks`. */
+export interface KeepOptions {
+  /**
+   * Ends the work, which can be gone on with; and afterwards the use of the scene, which nothing
+   * removes until then or until the page ends.
+   */
+  readonly signal?: AbortSignal;
+  /** Told how much of the work is done, from 0 to 1. */
+  readonly onProgress?: (fraction: number) => void;
+}
+
+/** Workers that help the one that reads and writes, at most: each takes about 140 MB. */
+const MOST_HELPERS = 4;
+/** Threads that are left to the page and the browser. */
+const OTHER_THREADS = 2;
+
+/**
+ * The scene in bricks that `keepBricks` has made of this file, or of one of the same name, size,
+ * date and samples of its bytes; null if it has not. For `engine.load`.
+ *
+ * @param options.signal ends the use of the scene, which nothing removes until then, or until the
+ *   page ends.
+ *
+ * Rejects with WebSplatterError 'storage-unavailable' where the browser has no private file system;
+ * SplatSourceError if the file cannot be read; the signal's reason.
+ */
+export async function keptBricks(
+  file: File,
+  options: Pick<KeepOptions, 'signal'> = {},
+): Promise<File | null> {
+  const { signal } = given(options);
+  given(file, { slice: 'a function', name: 'a string' }, 'file');
+  signal?.throwIfAborted();
+  return useBricks(await sceneKey(file), file.name, signal);
+}
+
+/**
+ * Arranges a binary PLY of any size for streaming, in workers and in the private file system of the
+ * page's origin, and returns it as a file in bricks for `engine.load`; at once if it was kept
+ * before, see `keptBricks`. Its splats and levels are those of `websplatter convert`. Work that has
+ * ended, by the signal or with the page, is gone on with the next time. Of several pages that want
+ * the same scene, one does the work and the others wait. Scenes that are not in use are removed
+ * where there is no room otherwise, those first that were not asked for longest.
+ *
+ * Takes up to 208 bytes of storage per splat meanwhile, and about 40 when it is done.
+ *
+ * Rejects with StorageRoomError; SplatFileError as `samplePly`, or for damaged files;
+ * SplatSourceError if the file cannot be read, or has changed; WebSplatterError
+ * 'storage-unavailable' as `keptBricks`, 'worker-failed' if a worker dies or cannot start; the
+ * signal's reason.
+ */
+export async function keepBricks(file: File, options: KeepOptions = {}): Promise<File> {
+  const { signal } = given(options);
+  given(file, { slice: 'a function', name: 'a string' }, 'file');
+  signal?.throwIfAborted();
+  const key = await sceneKey(file);
+  for (;;) {
+    const bricks = await useBricks(key, file.name, signal);
+    if (bricks) return bricks;
+    await navigator.locks.request(lockName(key), { signal }, () => makeBricks(key, file, options));
+  }
+}
+
+/** The bricks of a scene, in use until the signal aborts or the page ends; null if there are none. */
+function useBricks(key: string, fileName: string, signal: AbortSignal | undefined): Promise<File | null> {
+  return new Promise((resolve, reject) => {
+    const use = async () => {
+      const file = await findBricks(key);
+      resolve(file && new File([file], fileName.replace(/(\.ply)?$/i, '.bricks')));
+      if (!file || signal?.aborted) return;
+      await new Promise((end) => signal?.addEventListener('abort', end, { once: true }));
+    };
+    navigator.locks.request(lockName(key), { mode: 'shared', signal }, use).catch(reject);
+  });
+}
+
+/** Makes the bricks, unless another page has done so. Its lock is held. */
+async function makeBricks(key: string, file: File, { signal, onProgress }: KeepOptions): Promise<void> {
+  const workers: Worker[] = [];
+  const stop = new AbortController();
+  const start = async () => {
+    const find = async () => (await import('./make-worker.ts')).makeKeepWorker;
+    const worker = await startWorker(find, signal);
+    if (worker) workers.push(worker);
+    return worker;
+  };
+  try {
+    const cores = navigator.hardwareConcurrency ?? 1;
+    const helperCount = Math.max(0, Math.min(MOST_HELPERS, cores - OTHER_THREADS));
+    const [worker, ...helpers] = await Promise.all(Array.from({ length: 1 + helperCount }, start));
+    const name = shortName(file.name);
+    if (!worker) {
+      const message = `${name}: the worker that arranges it could not be started.`;
+      throw new WebSplatterError('worker-failed', message);
+    }
+    await new Promise<void>((resolve, reject) => {
+      signal?.addEventListener('abort', () => reject(signal.reason), { signal: stop.signal });
+      signal?.throwIfAborted();
+      const fail = (event: Partial<ErrorEvent>) =>
+        reject(workerStopped(name, 'worker that arranges it', event));
+      for (const each of workers) {
+        each.onerror = fail;
+        each.onmessageerror = fail;
+      }
+      worker.onmessage = ({ data }: MessageEvent<KeepReply>) => {
+        if (data.kind === 'kept') resolve();
+        else if (data.kind === 'no-room')
+          reject(new StorageRoomError(file.name, data.neededBytes, data.availableBytes));
+        else if (data.kind === 'error') reject(fromPostedError(data.error));
+        else if (data.kind === 'progress' && !signal?.aborted) onProgress?.(data.fraction);
+      };
+      const ports = helpers.flatMap((helper) => {
+        if (!helper) return [];
+        const { port1, port2 } = new MessageChannel();
+        helper.postMessage({ keep: 'tasks', port: port2 } satisfies KeepRequest, [port2]);
+        return [port1];
+      });
+      const request: KeepRequest = { keep: 'scene', key, file, fileName: file.name, helpers: ports };
+      worker.postMessage(request, ports);
+    });
+  } finally {
+    stop.abort();
+    for (const each of workers) each.terminate();
+  }
+}

@@ -1,0 +1,67 @@
+import { given, wrongArgument } from '../../data/given.ts';
+import { openPlyRows, type PlyRows, type RowRun } from '../formats/ply/ply-rows.ts';
+import { blobRanges } from '../sources/range-source.ts';
+import { sourceName } from '../sources/source-kind.ts';
+
+/** Options of `samplePly`. */
+export interface SamplePlyOptions {
+  /** Most splats of the sample; default 200,000. */
+  readonly splats?: number;
+  readonly signal?: AbortSignal;
+}
+
+const SAMPLE_SPLATS = 200_000;
+/**
+ * Rows that are read together. In Chromium, a sample of 200,000 rows in runs of 256 took half the
+ * time of one in runs of 64.
+ */
+const RUN_ROWS = 256;
+
+/**
+ * A PLY of some splats of another one, for a first picture of a scene that takes long to read: runs
+ * of up to 256 rows at even distances. Nothing else is read. For n times as many splats, those of
+ * the sample are √n times as large: they cover as much then. (A picture of one in 64 splats of the
+ * built-in still life, of 128 x 128 pixels by `reference`, has 18.9 dB against all; 6.3 dB with
+ * splats as they were, and 17.8 with ∛n.)
+ *
+ * @returns the file itself if it has no more splats.
+ *
+ * Rejects with SplatFileError for anything but a binary PLY of splats whose rows have one length
+ * ('unknown-format', 'bad-header', 'bad-property', 'truncated'), SplatSourceError if it cannot be
+ * read, InvalidArgumentError for a number below 1, and the signal's reason.
+ */
+export async function samplePly(file: Blob, options: SamplePlyOptions = {}): Promise<Blob> {
+  const { splats = SAMPLE_SPLATS, signal } = given(options);
+  if (!(splats >= 1)) throw wrongArgument('splats', splats, 'a number of at least 1');
+  const name = sourceName(file);
+  const rows = await openPlyRows(file, name, signal);
+  if (rows.count <= splats) return file;
+  const sample = rows.fileOf(sampledRuns(rows.count, splats));
+  const bytes = await blobRanges(sample, name).read(0, sample.size, signal);
+  growRows(bytes, rows, Math.floor(splats));
+  return new File([bytes], name);
+}
+
+/** Makes the splats of a sample larger, whose rows end a file. */
+function growRows(
+  { buffer, length }: Uint8Array<ArrayBuffer>,
+  { count, strideBytes, isLittleEndian, scaleOffsets }: PlyRows,
+  sampled: number,
+): void {
+  const view = new DataView(buffer);
+  const growth = Math.log(count / sampled) / 2;
+  for (let row = length - sampled * strideBytes; row < length; row += strideBytes)
+    for (const offset of scaleOffsets) {
+      const logScale = view.getFloat32(row + offset, isLittleEndian);
+      view.setFloat32(row + offset, logScale + growth, isLittleEndian);
+    }
+}
+
+/** Runs at even distances, with so many of `count` rows together. */
+export function sampledRuns(count: number, sampled: number): RowRun[] {
+  const most = Math.floor(sampled);
+  const runs = Math.ceil(most / RUN_ROWS);
+  const taken = (run: number) => Math.floor((run * most) / runs);
+  const left = (run: number) => Math.floor((run * (count - most)) / runs);
+  return Array.from({ length: runs }, (_, i) => [taken(i) + left(i), taken(i + 1) - taken(i)] as const);
+}

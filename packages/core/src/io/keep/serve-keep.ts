@@ -1,0 +1,153 @@
+import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
+import { runTask } from '../formats/bricks/brick-tasks.ts';
+import { BrickWriter } from '../formats/bricks/brick-writer.ts';
+import { plyFormat } from '../formats/ply/ply-format.ts';
+import { openPlyRows } from '../formats/ply/ply-rows.ts';
+import { read } from '../formats/ply/read-ply.ts';
+import { onlyOf } from '../formats/splat-format.ts';
+import { toPostedError } from '../loading/load-messages.ts';
+import { readSource } from '../loading/read-source.ts';
+import { Helpers, serveTasks } from './helpers.ts';
+import { JournalFile } from './journal-file.ts';
+import type { KeepPort, KeepRequest } from './keep-messages.ts';
+import {
+  ABOUT_FILE,
+  type AboutScene,
+  BRICKS_FILE,
+  bytesIn,
+  noteUse,
+  readAbout,
+  removeFiles,
+  removeKept,
+  StorageRoomError,
+  sceneFolder,
+  unusedScenes,
+} from './kept-scenes.ts';
+import { makeRoom, roomUpTo } from './make-room.ts';
+import { StorageFiles, UNNAMED } from './storage-files.ts';
+
+/** To be raised where journals or temporary files change. */
+const VERSION = 1;
+/** Of what is not gone on with. */
+const NO_VERSION = 0;
+const JOURNAL_FILE = 'journal';
+/** Rows of the source between two entries of the journal: about a second. */
+const KEEP_ROWS = 1 << 19;
+/** Part of the work that is done when all splats have come. */
+const READING_PART = 0.15;
+
+/** Does what the page asks for, once. */
+export function serveKeep(port: KeepPort): void {
+  port.onmessage = ({ data }) => {
+    if (data.keep === 'tasks') serveTasks(data.port);
+    else void answer(port, data);
+  };
+  port.postMessage({ kind: 'ready' });
+}
+
+async function answer(port: KeepPort, request: Extract<KeepRequest, { keep: 'scene' }>): Promise<void> {
+  try {
+    await keepScene(request, (fraction) => port.postMessage({ kind: 'progress', fraction }));
+    port.postMessage({ kind: 'kept' });
+  } catch (error) {
+    if (error instanceof StorageRoomError) {
+      const { neededBytes, availableBytes } = error;
+      port.postMessage({ kind: 'no-room', neededBytes, availableBytes });
+    } else port.postMessage({ kind: 'error', error: toPostedError(error) });
+  }
+}
+
+/**
+ * Arranges a PLY for streaming in the folder of its key, or goes on with that. The caller holds its
+ * lock.
+ */
+async function keepScene(
+  { key, file, fileName, helpers }: Extract<KeepRequest, { keep: 'scene' }>,
+  onProgress: (fraction: number) => void,
+): Promise<void> {
+  const rows = await openPlyRows(file, fileName);
+  const folder = await sceneFolder(key);
+  const files = new StorageFiles(folder);
+  const before = await readAbout(folder);
+  // Another page may have made it meanwhile.
+  if (before?.isWhole) return;
+  const about: AboutScene = { fileName, isWhole: false, version: VERSION };
+  const canGoOn = before?.version === VERSION;
+  await removeFiles(folder, (name) => !canGoOn || name.startsWith(UNNAMED));
+  await writeAbout(files, about);
+  await noteUse(folder);
+  const journalFile = await files.open(JOURNAL_FILE);
+  const journal = new JournalFile(journalFile, journalFile.handle.getSize(), files.flush);
+  const writer = new BrickWriter({
+    makeFile: files.makeFile,
+    run: helpers.length > 0 ? new Helpers(helpers).run : runTask,
+    threads: Math.max(1, helpers.length),
+    journal,
+  });
+  const ownBytes = await bytesIn(folder);
+  const neededBytes = writer.temporaryBytes(rows.count, rows.shDegree);
+  const { hasRoom } = files;
+  const missingBytes = Math.max(0, neededBytes - ownBytes);
+  await makeRoom(missingBytes, await unusedScenes(key), { hasRoom, remove: removeKept }, fileName);
+  try {
+    await addRows(writer, rows, (fraction) => onProgress(READING_PART * fraction));
+    const bricks = await files.open(BRICKS_FILE);
+    let byteCount = 0;
+    await writer.finish(
+      async (part) => {
+        await bricks.write(part, byteCount);
+        byteCount += part.length;
+      },
+      (fraction) => onProgress(READING_PART + (1 - READING_PART) * fraction),
+    );
+    bricks.handle.truncate(byteCount);
+    files.flush();
+  } catch (error) {
+    if ((error as Error).name !== 'QuotaExceededError') {
+      // Files that contradict the journal would do so again.
+      if (!(error instanceof WebSplatterError)) await writeAbout(files, { ...about, version: NO_VERSION });
+      throw error;
+    }
+    const ownBytesNow = await bytesIn(folder);
+    throw new StorageRoomError(fileName, neededBytes, ownBytesNow + (await roomUpTo(neededBytes, hasRoom)));
+  }
+  await writeAbout(files, { ...about, isWhole: true });
+  // Using it removes the other files.
+  files.close();
+}
+
+/** Adds the rows that the journal does not know. */
+async function addRows(
+  writer: BrickWriter,
+  { count, fileOf }: Awaited<ReturnType<typeof openPlyRows>>,
+  onProgress: (fraction: number) => void,
+): Promise<void> {
+  let row = await writer.resume();
+  if (row === count) return;
+  let kept = row;
+  const onPiece: NonNullable<Parameters<typeof readSource>[1]['onPiece']> = async (piece) => {
+    await writer.add(piece);
+    row += Object.values(piece.dropped).reduce((sum, dropped) => sum + dropped, piece.count);
+    onProgress(row / count);
+    if (row - kept < KEEP_ROWS) return;
+    await writer.keep(row);
+    kept = row;
+  };
+  const options = { shPrecision: 'f32', maxSplats: Number.POSITIVE_INFINITY, onPiece } as const;
+  try {
+    await onPiece(await readSource(fileOf([[row, count - row]]), options, onlyOf(plyFormat, read)));
+  } catch (error) {
+    // The rows that are left may all be none.
+    const isEmpty = error instanceof SplatFileError && error.code === 'empty';
+    if (!isEmpty || writer.count === 0) throw error;
+  }
+  await writer.keep(count);
+}
+
+async function writeAbout(files: StorageFiles, about: AboutScene): Promise<void> {
+  const file = await files.open(ABOUT_FILE);
+  const bytes = new TextEncoder().encode(JSON.stringify(about));
+  file.handle.truncate(0);
+  await file.write(bytes, 0);
+  files.flush();
+}

@@ -1,0 +1,104 @@
+import type { MakeTemporaryFile, TemporaryFile } from '../formats/bricks/temporary-files.ts';
+import { whenFree } from './kept-scenes.ts';
+
+/** Begin the names of files that nothing goes on with. */
+export const UNNAMED = 'temporary-';
+/** A handle of a file that only one can have, as workers get it. */
+interface SyncHandle {
+  read(bytes: Uint8Array, options: { readonly at: number }): number;
+  write(bytes: Uint8Array, options: { readonly at: number }): number;
+  getSize(): number;
+  truncate(byteCount: number): void;
+  flush(): void;
+  close(): void;
+}
+
+/** A file of a folder that is open. */
+interface OpenFile extends TemporaryFile {
+  readonly handle: SyncHandle;
+}
+
+/** Files in a folder of the private file system, open until they are removed or all are closed. */
+export class StorageFiles {
+  readonly #folder: FileSystemDirectoryHandle;
+  readonly #open = new Map<string, OpenFile>();
+  /** Files with bytes that may not last. */
+  readonly #written = new Set<SyncHandle>();
+  #made = 0;
+
+  constructor(folder: FileSystemDirectoryHandle) {
+    this.#folder = folder;
+  }
+
+  readonly makeFile: MakeTemporaryFile = (_, name) => this.open(name ?? `${UNNAMED}${this.#made++}`);
+
+  /** Opens a file, which is made if it is not there. */
+  async open(name: string): Promise<OpenFile> {
+    const known = this.#open.get(name);
+    if (known) return known;
+    const entry = await this.#folder.getFileHandle(name, { create: true });
+    const handle = await openHandle(entry);
+    const file: OpenFile = {
+      handle,
+      write: async (bytes, at) => {
+        this.#written.add(handle);
+        // Private windows of Chromium 156 say 4294967288 where there is no room.
+        const written = handle.write(bytes, { at });
+        if (written !== bytes.length)
+          throw new DOMException('Nothing more can be written.', 'QuotaExceededError');
+      },
+      read: async (at, count) => {
+        const bytes = new Uint8Array(count);
+        for (let from = 0; from < count; ) {
+          const read = handle.read(bytes.subarray(from), { at: at + from });
+          if (read === 0) throw new Error(`${name} ends at byte ${at + from}.`);
+          from += read;
+        }
+        return bytes;
+      },
+      remove: async () => {
+        handle.close();
+        this.#written.delete(handle);
+        this.#open.delete(name);
+        await this.#folder.removeEntry(name);
+      },
+    };
+    this.#open.set(name, file);
+    return file;
+  }
+
+  /** Whether so many bytes can be written besides what is there. */
+  readonly hasRoom = async (byteCount: number): Promise<boolean> => {
+    const file = await this.open(`${UNNAMED}room`);
+    try {
+      file.handle.truncate(byteCount);
+      return file.handle.getSize() === byteCount;
+    } catch (error) {
+      if ((error as Error).name !== 'QuotaExceededError') throw error;
+      return false;
+    } finally {
+      await file.remove();
+    }
+  };
+
+  /** Makes all that was written last. */
+  readonly flush = (): void => {
+    for (const handle of this.#written) handle.flush();
+    this.#written.clear();
+  };
+
+  /** Closes all files. */
+  close(): void {
+    for (const { handle } of this.#open.values()) handle.close();
+    this.#open.clear();
+    this.#written.clear();
+  }
+}
+
+function openHandle(file: FileSystemFileHandle): Promise<SyncHandle> {
+  // TypeScript knows it in workers alone.
+  const { createSyncAccessHandle } = file as unknown as {
+    createSyncAccessHandle: () => Promise<SyncHandle>;
+  };
+  return whenFree(() => createSyncAccessHandle.call(file));
+}
