@@ -46,6 +46,7 @@ struct Head {
   zero: i32,
   /// From this shift on, the cell above is drawn instead.
   closed: i32,
+  chunk: u32,
   /// Whether links are to be read, and whether all of the cell is in sight.
   isCounted: bool,
   isWhole: bool,
@@ -54,7 +55,10 @@ struct Head {
   pairs: u32,
 }
 
+/// Of the chunks whose links are to be read, in any order: most chunks have nothing to count, and
+/// CPUs take as long for each as for those that have.
 var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
+var<workgroup> headCount: atomic<u32>;
 /// Of these chunks: changes of the number from bin to bin, which wrap around below 0.
 var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
 
@@ -62,13 +66,15 @@ var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
 fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, view.dispatchRow);
   let first = index * COUNTED_CHUNKS;
-  if (lane < COUNTED_CHUNKS && first + lane < page.chunkCount) { heads[lane] = headOf(first + lane); }
+  if (lane < COUNTED_CHUNKS && first + lane < page.chunkCount) {
+    let head = headOf(first + lane);
+    if (head.isCounted) { heads[atomicAdd(&headCount, 1u)] = head; }
+  }
   workgroupBarrier();
   // Most nodes begin there, and additions to one word take turns.
   var inFirst = 0u;
-  for (var i = 0u; i < COUNTED_CHUNKS; i++) {
-    if (heads[i].isCounted) { inFirst += countNode(heads[i], first + i, lane); }
-  }
+  let count = atomicLoad(&headCount);
+  for (var i = 0u; i < count; i++) { inFirst += countNode(heads[i], lane); }
   if (inFirst != 0u) { atomicAdd(&bins[0], inFirst); }
   workgroupBarrier();
   if (lane < CUT_BINS) {
@@ -81,6 +87,7 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
 fn headOf(chunk: u32) -> Head {
   let cell = cells[links[chunk].cell];
   var head: Head;
+  head.chunk = chunk;
   head.zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
   head.closed = NEVER;
   if (cell.parent != NO_CELL) {
@@ -106,8 +113,8 @@ fn headOf(chunk: u32) -> Head {
 }
 
 /// Counts one splat or blob; returns what is to be added to the first bin.
-fn countNode(head: Head, chunk: u32, lane: u32) -> u32 {
-  let link = links[chunk].links[lane];
+fn countNode(head: Head, lane: u32) -> u32 {
+  let link = links[head.chunk].links[lane];
   if (link == 0u || isAlwaysDrawn(link)) { return 0u; }
   let start = binOf(shiftTo(errorOf(link), head.zero));
   var end = binOf(head.closed);
@@ -118,7 +125,7 @@ fn countNode(head: Head, chunk: u32, lane: u32) -> u32 {
     change = select(0u, 0xffffffffu, lane < head.pairs);
   }
   if (change == 0u || start >= end || start >= CUT_BINS) { return 0u; }
-  @if(!FRUSTUM_CULLING) if (!head.isWhole && !isInSight(chunk, lane)) { return 0u; }
+  @if(!FRUSTUM_CULLING) if (!head.isWhole && !isInSight(head.chunk, lane)) { return 0u; }
   if (start > 0u) { atomicAdd(&bins[start], change); }
   if (end < CUT_BINS) { atomicSub(&bins[end], change); }
   return select(0u, change, start == 0u);

@@ -300,7 +300,7 @@ fn link(splatChunk: u32, blobChunk: u32, lane: u32, own: Own, bits: u32) {
   @if(UPPER) upperLinks[chunk].links[select(own.slot, lane, own.isSplat)] = bits;
 }
 
-/// Writes what the links of both chunks have in common.
+/// Writes what the links of both chunks have in common. A cell's error that is there already stays.
 fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u32, pairs: u32) {
   let splatScale = bitcast<f32>(atomicLoad(&largestScale[0]));
   let blobScale = bitcast<f32>(atomicLoad(&largestScale[1]));
@@ -310,13 +310,16 @@ fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u
   @if(UPPER) let ofSplats = &upperLinks[splatChunk];
   @if(!UPPER) let ofBlobs = &blobLinks[blobChunk];
   @if(UPPER) let ofBlobs = &upperLinks[blobChunk];
+  // The file of a brick tells its cells' errors, which devices may round differently.
+  let known = (*ofSplats).cellError;
+  let ownError = select(error, known, known > 0u);
   (*ofSplats).cell = cell;
-  (*ofSplats).cellError = error;
+  (*ofSplats).cellError = ownError;
   (*ofSplats).leastError = leastSplat;
   (*ofSplats).largestParentError = atomicLoad(&largestParentError);
   (*ofSplats).largestScale = splatScale;
   (*ofBlobs).cell = cell;
-  (*ofBlobs).cellError = error;
+  (*ofBlobs).cellError = ownError;
   (*ofBlobs).leastError = leastBlob;
   (*ofBlobs).largestParentError = ERROR_BOUNDLESS;
   (*ofBlobs).largestScale = blobScale;

@@ -17,6 +17,7 @@ const ENGINE_NUMBERS: Readonly<Record<string, Rule>> = {
   tileBudgetBytes: AMOUNT,
   submissionBudgetMs: ['a number above 0', (value) => value > 0],
   memoryBudgetBytes: AMOUNT,
+  streamBudgetBytes: AMOUNT,
 };
 
 const FIT_MODES: readonly FitMode[] = ['exact', 'auto'];

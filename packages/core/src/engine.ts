@@ -1,5 +1,4 @@
 import { checkLoadOptions } from './check-options.ts';
-import type { StreamOptions } from './clouds/bricks/stream-scene.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
 import type { CloudLevels } from './clouds/cloud-levels.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
@@ -10,6 +9,7 @@ import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
+import type { StreamContext, StreamOptions, StreamShares } from './clouds/stream-budget.ts';
 import {
   type Accuracy,
   type AccuracySettings,
@@ -91,7 +91,16 @@ export interface EngineOptions extends DeviceOptions {
    * no limit of its own. Anything beyond is refused with a GpuLimitError before it is allocated.
    */
   readonly memoryBudgetBytes?: number;
-  /** Files with at least this many rows are packed on the GPU. For tests of small files; default 65,536. */
+  /**
+   * GPU memory for all scenes together that stream and are loaded without a `budgetBytes` of their
+   * own, at most; default 512 MiB. Each gets an equal share, and what some have no use for goes to
+   * the others.
+   */
+  readonly streamBudgetBytes?: number;
+  /**
+   * Files with at least this many rows are packed on the GPU, and those that are slow to come. For
+   * tests of small files; default 65,536.
+   */
   readonly ingestMinRows?: number;
   /** A fault in one shader, for tests that must fail with it; see `ShaderMutation` of `@websplatter/core/inspect`. */
   readonly mutation?: ShaderMutation;
@@ -109,14 +118,15 @@ const PIECE_BYTES = 4 << 20;
 /** Options of `engine.load`. */
 export interface LoadOptions extends ReadOptions {
   /**
-   * GPU memory for a scene in bricks or a streamed SOG, at most; default 512 MiB. Scenes that need
-   * less take less, and other scenes are loaded as a whole.
+   * GPU memory for a scene in bricks or a streamed SOG, at most; default a share of the engine's
+   * `streamBudgetBytes`. Scenes that need less take less, and other scenes are loaded as a whole.
    */
   readonly budgetBytes?: number;
   /** Precision of planes; default that of the engine's accuracy, even if that changes. */
   readonly precision?: CloudPrecision;
   /**
-   * Called again and again while a large file arrives, with a cloud of the splats that are there.
+   * Called again and again while a file arrives that is large or takes longer than half a second,
+   * with a cloud of the splats that are there.
    * Show it instead of the one before, which is destroyed as soon as this returns. The last one
    * lasts until the load fails, or else as long as the cloud that `load` resolves with, and looks
    * the same; those before it show at most 786,432 visible splats, the first in the file, so that
@@ -198,6 +208,7 @@ export class SplatEngine {
   readonly #tileBudgetBytes: number;
   readonly #submissionBudgetMs: number;
   readonly #ingestMinRows: number;
+  readonly #streamShares: StreamShares;
   #planeMaker: Promise<PlaneMaker> | null = null;
   readonly #targets: AccuracyTargets;
   readonly #views = new Set<SplatView | EmbeddedView>();
@@ -224,6 +235,8 @@ export class SplatEngine {
     this.#tileBudgetBytes = options.tileBudgetBytes ?? DEFAULT_TILE_BUDGET_BYTES;
     this.#submissionBudgetMs = options.submissionBudgetMs ?? DEFAULT_SUBMISSION_BUDGET_MS;
     this.#ingestMinRows = options.ingestMinRows ?? INGEST_MIN_ROWS;
+    const { streamBudgetBytes: budgetBytes } = options;
+    this.#streamShares = { budgetBytes, sharers: new Set(), turn: Promise.resolve() };
     this.#targets = new AccuracyTargets({
       measure: async (target, frame, options) => {
         // Most pages never use a target, so they do not load this module.
@@ -301,8 +314,9 @@ export class SplatEngine {
     this.#checkUsable();
     checkLoadOptions(options);
     if (isStreamable(source, options.name)) return this.#loadBricks(source, options);
-    if (isStreamedSog(source, options.name)) {
-      const cloud = await this.#loadLeaves(source, options);
+    const inLeaves = namesInLeaves(source, options.name);
+    if (inLeaves) {
+      const cloud = await this.#loadLeaves(inLeaves, source, options);
       if (cloud) return cloud;
     }
     const { accuracy } = this;
@@ -347,14 +361,15 @@ export class SplatEngine {
     });
   }
 
-  /** Null for an archive of something else than streamed SOG. */
-  async #loadLeaves(source: SplatSource, options: LoadOptions): Promise<SplatCloud | null> {
+  /** Null for what turns out to be another scene: see `loadLeaves`. */
+  async #loadLeaves(names: string, source: SplatSource, options: LoadOptions): Promise<SplatCloud | null> {
     const { loadLeaves } = await import('./clouds/leaves/stream-leaves.ts').catch((cause) => {
       throw new CodeUnavailableError('streaming', { cause });
     });
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
     const { onDestroyed } = this.#optionsOf({});
-    const cloud = await loadLeaves(this.#dispatchContext, source, { ...options, signal }, { onDestroyed });
+    const streamOptions = { ...options, signal };
+    const cloud = await loadLeaves(this.#streamContext, names, source, streamOptions, { onDestroyed });
     return cloud && this.#own(cloud);
   }
 
@@ -366,7 +381,7 @@ export class SplatEngine {
     });
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
     const { onDestroyed } = this.#optionsOf({});
-    const cloud = await streamScene(this.#dispatchContext, scene, { ...options, signal }, { onDestroyed });
+    const cloud = await streamScene(this.#streamContext, scene, { ...options, signal }, { onDestroyed });
     return this.#own(cloud);
   }
 
@@ -572,6 +587,10 @@ export class SplatEngine {
     };
   }
 
+  get #streamContext(): StreamContext {
+    return { ...this.#dispatchContext, shares: this.#streamShares };
+  }
+
   /** Takes the rows of one file to the GPU. */
   #rowsTo(options: RowIngestOptions) {
     return {
@@ -771,12 +790,13 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
   return { settings: requested, notices: [] };
 }
 
-/** Whether a source is, or may have, the metadata of streamed SOG, whose files are read as views need them. */
-function isStreamedSog(source: SplatSource, name: string | undefined): boolean {
+/** Names of a source that is, or may have, a scene in leaves, whose files are read as views need them. */
+function namesInLeaves(source: SplatSource, name: string | undefined): string | null {
   const names = isFiles(source)
     ? (source.paths ?? source.files.map((file: Partial<File>) => file?.name)).join('\n')
     : fileNameOf(source, name);
-  return /^(?:.*\/)?lod-meta\.json$/im.test(names) || (isBlob(source) && /\.(?:sog|zip)$/i.test(names));
+  const isLeading = /(?:^|\/)lod-meta\.json$|\.rad$/im.test(names);
+  return isLeading || (isBlob(source) && /\.(?:sog|zip)$/i.test(names)) ? names : null;
 }
 
 /** Whether a source is read in parts, as views need them. */

@@ -108,6 +108,14 @@ export class CloudLevels implements Levels {
     return this.counts[0];
   }
 
+  levelOf(cell: number): number {
+    let end = 0;
+    return this.counts.findIndex((count) => {
+      end += count;
+      return cell < end;
+    });
+  }
+
   childCell(cell: number, slot: number): number {
     return childCell(this.counts, { cell, slot });
   }

@@ -60,10 +60,19 @@ export interface CloudStream {
   /** @internal Settles when nothing is missing that there is room for; null if nothing is. */
   readonly complete: Promise<void> | null;
   /**
-   * @internal Says how a view sees the scene, once for each time that it shows it; null while that
-   *   is not known. `redraw` is called when that changes; the next call waits for its promise.
+   * @internal Says how a view sees the scene, once for each time that it shows it and with each
+   *   frame that it is about to draw; null while that is not known. `redraw` is called when what is
+   *   there changes; the next call waits for its promise.
    */
   see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
+  /** @internal Says how a view sees the scene in the frame of its last `see`, now that it is known. */
+  learn(view: object, sights: readonly CloudSight[]): void;
+  /** @internal A view has submitted a frame that shows the scene. */
+  shown(): void;
+  /** @internal Parts that the view would draw, as far as is known, and that are not there. */
+  missingFor(view: object): number;
+  /** @internal Cells whose leaves, or splats, stand for what views lack. */
+  lackingCells(): Set<number>;
   /** @internal The view shows the scene no longer. */
   leave(view: object): void;
   /** @internal What is on the GPU stays as it is until `until` settles. */

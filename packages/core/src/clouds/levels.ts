@@ -21,6 +21,8 @@ export interface Levels {
   /** Refines cuts around splats that are drawn one by one; null where nothing does. */
   readonly refinement: Refinement | null;
   readonly bytes: number;
+  /** Level of a cell; 0 for those of chunks of splats that are none of a coarser level. */
+  levelOf(cell: number): number;
   /**
    * Returns the cell below a leaf of a cell above the chunks; null if it is not on the GPU.
    *

@@ -1,22 +1,14 @@
 import { stillLifeCameras } from '@websplatter/scenes';
-import { afterEach, beforeAll, describe, expect, test, vi } from 'vitest';
-import { filterSplats } from '../data/editing/filter-splats.ts';
+import { afterEach, describe, expect, test, vi } from 'vitest';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { fakeWorker } from '../testing/fake-worker.ts';
 import { objectScene } from '../testing/object-scene.ts';
-import {
-  expectRaysAsShown,
-  isBare,
-  isCovered,
-  partWithin2Percent,
-  randomRays,
-} from '../testing/random-rays.ts';
+import { expectRaysAsShown, partWithin2Percent, randomRays } from '../testing/random-rays.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
-import { everyOf, stillLife } from '../testing/still-life.ts';
-import type { TrueRay } from '../testing/true-rays.ts';
+import { stillLife } from '../testing/still-life.ts';
 import { type BuildPort, serveBuilder } from './geometry-builder.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
@@ -132,52 +124,7 @@ describe('1,000 random rays, against picks of the reference,', () => {
 
   test('at an object alone all hit within 2 % of the depth, and miss where fewer than 10 % is covered', async () =>
     expectRaysAsShown(await objectScene()));
-
-  describe('at a still life whose splats share blobs,', () => {
-    let rays: TrueRay[];
-    let tree: RayTree;
-    beforeAll(async () => {
-      // Without its surroundings, so that there is something to miss.
-      const set = within(everyOf(await stillLife('still-life'), 2), [0, 0.3, 0], 0.8);
-      tree = await makeRayTree(pack(set), { mostBlobs: Math.round(set.count / 4.6) });
-      rays = randomRays(set, stillLifeCameras.slice(0, 5));
-    });
-
-    test('miss where fewer than 10 % is covered, and hit where more than half is', () => {
-      const [bare, covered] = [rays.filter(isBare), rays.filter(isCovered)];
-      expect(bare.length).toBeGreaterThan(100);
-      expect(covered.length).toBeGreaterThan(300);
-      const hit = ({ origin, direction, options }: TrueRay) => tree.cast(origin, direction, options) !== null;
-      const right = [...bare.filter((ray) => !hit(ray)), ...covered.filter(hit)];
-      expect(right.length / (bare.length + covered.length)).toBeGreaterThan(0.97);
-    });
-
-    test('hit within 2 % of the depth, nine in ten', () => {
-      expect(partWithin2Percent(tree, rays)).toBeGreaterThan(0.9);
-    });
-
-    test('tell which labels are hidden', () => {
-      // A label a tenth of its distance before or behind what is seen.
-      const isRight = ({ origin, direction, opacity, depthView, options }: TrueRay, side: number) => {
-        const isHidden = opacity > 0.5 && side > 1;
-        const label = (opacity > 0.5 ? depthView : 1) * side;
-        const hit = tree.cast(origin, direction, options);
-        return (hit !== null && hit.distance < label) === isHidden;
-      };
-      const clear = rays.filter((ray) => isBare(ray) || isCovered(ray));
-      const right = [0.9, 1.1].flatMap((side) => clear.filter((ray) => isRight(ray, side)));
-      expect(right.length / (2 * clear.length)).toBeGreaterThan(0.98);
-    });
-  });
 });
-
-/** The splats within `radius` of `center`. */
-function within(set: SplatSet<Harmonics>, center: Vec3, radius: number): SplatSet<Harmonics> {
-  return filterSplats(set, (index) => {
-    const offset = center.map((c, axis) => set.positions[3 * index + axis] - c);
-    return Math.hypot(...offset) < radius;
-  });
-}
 
 describe('a ray tree that a worker makes', () => {
   const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, RAY_BUILDERS));

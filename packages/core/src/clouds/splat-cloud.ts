@@ -109,7 +109,7 @@ export class SplatCloud {
   /** Numbers of dropped rows of the file, by reason. */
   readonly dropped: DropCounts;
   /** Row in the file of each stored splat. */
-  readonly fileIndices: Uint32Array;
+  fileIndices: Uint32Array;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
   /** @internal */
@@ -117,7 +117,7 @@ export class SplatCloud {
   /** @internal One `Chunk` struct per chunk; never changes, but another may take its place. */
   chunks: ArrayBuffer;
   /** @internal */
-  readonly planes: CloudPlanes;
+  planes: CloudPlanes;
   /** @internal */
   readonly leases: CloudLeases;
   /** Device that holds the cloud. */
@@ -135,7 +135,7 @@ export class SplatCloud {
   /** @internal Blobs to draw instead of splats that are too small to tell apart; null: none. */
   levels: Levels | null = null;
   /** @internal Null where all splats are on the GPU. */
-  readonly pool: CloudPool | null;
+  pool: CloudPool | null;
   /** Brings the parts of its scene that views need to the GPU; null where all is there. */
   stream: CloudStream | null = null;
   /** @internal Grows whenever edits change what frames show. */
@@ -356,6 +356,25 @@ export class SplatCloud {
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
     return this.planes.pagesFor(given(wanted, {}, 'wanted'));
+  }
+
+  /**
+   * @internal Shows what is in another pool, which has taken the place of its own.
+   *
+   * @param checked as for a new cloud.
+   */
+  takePool(
+    pool: CloudPool & Levels,
+    { planes, fileIndices, chunks }: Pick<SplatCloud, 'planes' | 'fileIndices' | 'chunks'>,
+    checked: Promise<void> | null,
+  ): void {
+    this.pool = pool;
+    this.levels = pool;
+    this.planes = planes;
+    this.fileIndices = fileIndices;
+    this.chunks = chunks;
+    this.version++;
+    this.#awaitMemory(checked).catch(() => {});
   }
 
   /** Frees the GPU memory; frames already submitted are not affected. */

@@ -1,17 +1,35 @@
 import { SplatSourceError } from '../data/errors.ts';
 import type { CloudSight, CloudStream, StreamReport } from './cloud-stream.ts';
 import { FetchRate } from './fetch-rate.ts';
+import { OwnFrames } from './own-frames.ts';
+import { SightMotion } from './sight-motion.ts';
+
+/** Part of the time from frame to frame that a turn may take. */
+const STEP_SHARE = 1 / 4;
 
 interface Viewer {
-  readonly sights: readonly CloudSight[];
+  sights: readonly CloudSight[];
   /** Whether these are of its last frame. */
-  readonly isCurrent: boolean;
-  readonly redraw: () => Promise<unknown>;
+  isCurrent: boolean;
+  redraw: () => Promise<unknown>;
+  readonly ownFrames: OwnFrames;
+  readonly motion: SightMotion;
+  /** Whether the stream has asked for its next frame. */
+  isAsked: boolean;
+  /** Whether something has changed since its last frame, and its own next one is to show that. */
+  isBehind: boolean;
 }
 
-/** What all streams do alike: they follow views, draw these again, and tell listeners and waits. */
+/**
+ * What all streams do alike: they follow views, draw these again, and tell listeners and waits.
+ * What has arrived waits for its turn to change what is there. While a view draws frame after
+ * frame by itself, there is a small turn after each of its frames, whose successor shows it; at
+ * rest, turns take all and views are drawn again after each.
+ */
 export abstract class ViewedStream implements CloudStream {
   readonly #viewers = new Map<object, Viewer>();
+  #sights: readonly CloudSight[] | null = null;
+  #foreseen: readonly CloudSight[] | null = null;
   readonly #listeners = new Set<() => void>();
   /** Views that are drawing what has changed, and those that are to draw it once more. */
   readonly #drawing = new Set<object>();
@@ -21,12 +39,20 @@ export abstract class ViewedStream implements CloudStream {
   readonly #onOnline = () => {
     if (this.error instanceof SplatSourceError) this.retry();
   };
+  #isTurnDue = false;
+  #isShown = false;
+  /** Time that a part took with all that draws it, at best, ms. */
+  #partMs = Number.POSITIVE_INFINITY;
+  /** Runs until views may be at rest that draw by themselves. */
+  #restTimer: ReturnType<typeof setTimeout> | null = null;
   /** Settles when nothing is missing that could be there; null if it is so. */
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
   protected readonly rate = new FetchRate();
   /** Of the last fetch; nothing is fetched while there is one. */
   protected error: Error | null = null;
   protected isEnded = false;
+  /** Whether there is a picture of the scene. */
+  protected isPictured = false;
 
   constructor() {
     // Pages and workers are told; elsewhere there is no such event.
@@ -35,16 +61,82 @@ export abstract class ViewedStream implements CloudStream {
 
   abstract report(): StreamReport;
 
+  abstract missingFor(view: object): number;
+  abstract lackingCells(): Set<number>;
+
   /** Views see something else, what is there may change again, or what failed is to be fetched. */
   protected abstract follow(): void;
+
+  /** Resolves when the device has done all that was submitted. */
+  protected abstract whenDone(): Promise<unknown>;
+
+  /** Whether something has arrived, or is to go, that waits for its turn. */
+  protected abstract get isWaiting(): boolean;
+
+  /**
+   * Changes what is there, by what waits: at most by so many parts, which take the device a while.
+   * Returns how many there were, or 0 if views show the same as before.
+   */
+  protected abstract change(mostParts: number): number;
 
   get complete(): Promise<void> | null {
     return this.#wait?.complete ?? null;
   }
 
   see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
-    const before = this.#viewers.get(view)?.sights ?? [];
-    this.#viewers.set(view, { sights: sights ?? before, isCurrent: sights !== null, redraw });
+    let viewer = this.#viewers.get(view);
+    if (!viewer) {
+      viewer = {
+        sights: [],
+        isCurrent: false,
+        redraw,
+        ownFrames: new OwnFrames(),
+        motion: new SightMotion(),
+        isAsked: false,
+        isBehind: false,
+      };
+      this.#viewers.set(view, viewer);
+    }
+    if (!viewer.isAsked) this.#follow(viewer.ownFrames);
+    viewer.isAsked = false;
+    viewer.isBehind = false;
+    viewer.redraw = redraw;
+    if (sights) viewer.motion.take(sights, performance.now());
+    this.#know(viewer, sights);
+    if (this.foreseen.length > 0) this.#awaitRest();
+    this.#arrangeTurn(true);
+  }
+
+  /** Takes a frame that is about to be submitted. */
+  #follow(ownFrames: OwnFrames): void {
+    ownFrames.begin(performance.now());
+    const end = () => ownFrames.end(performance.now());
+    queueMicrotask(() => this.whenDone().then(end, end));
+  }
+
+  shown(): void {
+    if (this.#isShown) return;
+    this.#isShown = true;
+    const begin = () => {
+      this.isPictured = true;
+      this.follow();
+    };
+    // Hosts submit it before they yield.
+    queueMicrotask(() => this.whenDone().then(begin, begin));
+  }
+
+  learn(view: object, sights: readonly CloudSight[]): void {
+    const viewer = this.#viewers.get(view);
+    if (viewer) this.#know(viewer, sights);
+  }
+
+  #know(viewer: Viewer, sights: readonly CloudSight[] | null): void {
+    viewer.isCurrent = sights !== null;
+    if (sights) {
+      viewer.sights = sights;
+      this.#sights = null;
+      this.#foreseen = null;
+    }
     this.follow();
   }
 
@@ -57,13 +149,18 @@ export abstract class ViewedStream implements CloudStream {
 
   leave(view: object): void {
     this.#stale.delete(view);
+    this.#sights = null;
+    this.#foreseen = null;
     if (this.#viewers.delete(view)) this.follow();
   }
 
   hold(until: Promise<unknown>): void {
     this.#holds.add(until);
+    const frames = [...this.#viewers.values()].map(({ ownFrames }) => ownFrames);
+    for (const each of frames) each.prolong();
     const release = () => {
       this.#holds.delete(until);
+      for (const each of frames) each.end(performance.now());
       this.follow();
     };
     until.then(release, release);
@@ -76,15 +173,28 @@ export abstract class ViewedStream implements CloudStream {
 
   end(): void {
     this.isEnded = true;
+    if (this.#restTimer !== null) clearTimeout(this.#restTimer);
     globalThis.removeEventListener?.('online', this.#onOnline);
     this.#viewers.clear();
     this.settle(true);
     this.#listeners.clear();
   }
 
-  /** What the views see. */
-  protected get sights(): CloudSight[] {
-    return [...this.#viewers.values()].flatMap(({ sights }) => sights);
+  /** What one view sees. */
+  protected sightsOf(view: object): readonly CloudSight[] {
+    return this.#viewers.get(view)?.sights ?? [];
+  }
+
+  /** What the views see: the same list until that changes. */
+  protected get sights(): readonly CloudSight[] {
+    this.#sights ??= [...this.#viewers.values()].flatMap(({ sights }) => sights);
+    return this.#sights;
+  }
+
+  /** What views in motion will see soon: the same list until that changes. */
+  protected get foreseen(): readonly CloudSight[] {
+    this.#foreseen ??= this.#viewersInMotion.flatMap(({ motion }) => motion.foresee());
+    return this.#foreseen;
   }
 
   /** Whether the needs of all views are known, of which there are some. */
@@ -92,37 +202,122 @@ export abstract class ViewedStream implements CloudStream {
     return this.#viewers.size > 0 && [...this.#viewers.values()].every(({ isCurrent }) => isCurrent);
   }
 
-  /** Whether what is there must not change. */
-  protected get isHeld(): boolean {
-    return this.#holds.size > 0;
-  }
-
-  /** Lets `complete` wait until nothing is under way any more, and tells listeners. */
+  /**
+   * Lets `complete` wait until nothing is under way any more and views show it, and tells listeners.
+   * What waits gets its turn.
+   */
   protected settle(isAtRest: boolean): void {
-    if (isAtRest) {
+    const isShown = this.#stale.size === 0 && !this.#isBehind;
+    if (this.isEnded || (isAtRest && isShown && !this.isWaiting)) {
       this.#wait?.end();
       this.#wait = null;
     } else this.#wait ??= pending();
     for (const listener of [...this.#listeners]) listener();
+    this.#arrangeTurn(false);
   }
 
-  /** Draws all views again. */
-  protected redraw(): void {
-    for (const view of this.#viewers.keys()) void this.#redraw(view);
+  /** @param isAfterFrame whether a view has just planned a frame. */
+  #arrangeTurn(isAfterFrame: boolean): void {
+    if (this.isEnded || this.#isTurnDue || this.#holds.size > 0 || !this.isWaiting) return;
+    if (this.#viewersInMotion.length > 0) {
+      this.#awaitRest();
+      if (!isAfterFrame) return;
+    } else if (this.#drawing.size > 0) return;
+    this.#isTurnDue = true;
+    // A view that says what it sees is about to draw what is there.
+    queueMicrotask(() => this.#takeTurn());
+  }
+
+  #takeTurn(): void {
+    this.#isTurnDue = false;
+    if (this.isEnded || this.#holds.size > 0) return;
+    const startMs = performance.now();
+    const stepMs = this.#viewersInMotion.reduce(
+      (least, { ownFrames }) => Math.min(least, ownFrames.stepMs),
+      Number.POSITIVE_INFINITY,
+    );
+    const isAtRest = stepMs === Number.POSITIVE_INFINITY;
+    const fitting = Math.max(1, Math.floor((STEP_SHARE * stepMs) / this.#partMs));
+    const parts = this.change(isAtRest ? Number.POSITIVE_INFINITY : fitting);
+    if (parts > 0) {
+      const drawn = this.redraw();
+      if (isAtRest) void this.#timeParts(parts, startMs, drawn);
+    } else this.follow();
+  }
+
+  /** Settles when what is there may change. */
+  protected async untilFree(): Promise<void> {
+    while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
+  }
+
+  /**
+   * Has all views show what has changed: by their own next frames where they draw by themselves.
+   * Returns what settles as the others have been drawn.
+   */
+  protected redraw(): Promise<void>[] {
+    const nowMs = performance.now();
+    const drawn: Promise<void>[] = [];
+    for (const [view, viewer] of this.#viewers) {
+      if (viewer.ownFrames.restMs(nowMs) > 0) viewer.isBehind = true;
+      else drawn.push(this.#redraw(view, viewer));
+    }
+    if (this.#isBehind) this.#awaitRest();
+    this.follow();
+    return drawn;
+  }
+
+  async #timeParts(parts: number, startMs: number, drawn: readonly Promise<void>[]): Promise<void> {
+    await Promise.all(drawn);
+    if (drawn.length > 0) this.#partMs = Math.min(this.#partMs, (performance.now() - startMs) / parts);
+  }
+
+  /** Whether the next frame of a view is to show what has changed. */
+  get #isBehind(): boolean {
+    return [...this.#viewers.values()].some(({ isBehind }) => isBehind);
+  }
+
+  /** Those that draw frame after frame by themselves. */
+  get #viewersInMotion(): readonly Viewer[] {
+    const nowMs = performance.now();
+    return [...this.#viewers.values()].filter(({ ownFrames }) => ownFrames.restMs(nowMs) > 0);
+  }
+
+  /** Draws views that have come to rest, and gives what waits its turn. */
+  #awaitRest(): void {
+    if (this.#restTimer !== null) return;
+    const nowMs = performance.now();
+    const restMs = this.#viewersInMotion.reduce(
+      (most, { ownFrames }) => Math.max(most, ownFrames.restMs(nowMs)),
+      0,
+    );
+    // Even if they have just come to rest: what waits, waits for this alone.
+    this.#restTimer = setTimeout(() => {
+      this.#restTimer = null;
+      const nowMs = performance.now();
+      for (const [view, viewer] of this.#viewers) {
+        if (viewer.ownFrames.restMs(nowMs) > 0) continue;
+        viewer.motion.stop();
+        if (viewer.isBehind) void this.#redraw(view, viewer);
+      }
+      this.#foreseen = null;
+      if (this.#isBehind || this.foreseen.length > 0) this.#awaitRest();
+      this.follow();
+    }, Math.ceil(restMs));
   }
 
   /** Draws a view again; once more after that, if anything has changed meanwhile. */
-  async #redraw(view: object): Promise<void> {
+  async #redraw(view: object, viewer: Viewer): Promise<void> {
+    viewer.isBehind = false;
     this.#stale.add(view);
     if (this.#drawing.has(view)) return;
     this.#drawing.add(view);
-    // The view itself tells what fails.
-    while (this.#stale.delete(view))
-      await this.#viewers
-        .get(view)
-        ?.redraw()
-        .catch(() => {});
+    while (this.#stale.delete(view)) {
+      viewer.isAsked = true;
+      // The view itself tells what fails.
+      await viewer.redraw().catch(() => {});
+    }
     this.#drawing.delete(view);
+    if (!this.isEnded) this.follow();
   }
 }
 

@@ -171,7 +171,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     cutSplats,
     shiftCells,
     ...GEOMETRY.flatMap((geometryPrecision) =>
-      (['bounding-box', 'frustum'] as const).map((culling) => cutCount({ geometryPrecision, culling })),
+      (['bounding-box', 'frustum'] as const).flatMap((culling) =>
+        [false, true].map((isNarrow) => cutCount({ geometryPrecision, culling, sortDevice: { isNarrow } })),
+      ),
     ),
     planCut,
     openLeaves,

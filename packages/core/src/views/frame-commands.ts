@@ -20,8 +20,8 @@ type Stamps = GPUComputePassTimestampWrites & GPURenderPassTimestampWrites;
 
 /** Time of a workgroup on the slowest devices. */
 const SLOWEST_WORKGROUP_MS = 1;
-/** Workgroups of a dispatch whose number only the GPU knows: fewer would be dispatched directly. */
-const INDIRECT_WORKGROUPS = 65_536;
+/** Taken for the workgroups of a dispatch whose number only the GPU knows. */
+const GUESSED_WORKGROUPS = 65_536;
 
 /**
  * Records a frame as a list of commands that can be submitted one by one, each in a pass of its
@@ -70,11 +70,12 @@ function recordedPass(
   let pipeline: GPURenderPipeline;
   let group: GPUBindGroup | null | undefined;
   const own: FrameCommand[] = [];
-  const add = (workgroups: number, run: (pass: Pass, part?: CommandPart) => void) => {
+  const add = (workgroups: number | null, run: (pass: Pass, part?: CommandPart) => void) => {
     const [used, bound, index] = [pipeline, group, own.length];
     own.push({
       stage: stageNameOf(used),
-      slowestMs: SLOWEST_WORKGROUP_MS * workgroups,
+      slowestMs: SLOWEST_WORKGROUP_MS * (workgroups ?? GUESSED_WORKGROUPS),
+      isGuess: workgroups === null,
       encode: (encoder, part) => {
         const begins = index === 0 && (part?.first ?? 0) === 0;
         const ends = index === own.length - 1 && (part?.isLast ?? true);
@@ -98,7 +99,7 @@ function recordedPass(
         pass.dispatchWorkgroups(...(part ? dispatchSize(part.count, dispatchRow) : ([x, y, z] as const))),
       ),
     dispatchWorkgroupsIndirect: (...where: [GPUBuffer, number]) =>
-      add(INDIRECT_WORKGROUPS, (pass) => pass.dispatchWorkgroupsIndirect(...where)),
+      add(null, (pass) => pass.dispatchWorkgroupsIndirect(...where)),
     draw: (vertices: number) => add(0, (pass) => pass.draw(vertices)),
     drawIndirect: (...where: [GPUBuffer, number]) =>
       add(0, (pass, part) => {

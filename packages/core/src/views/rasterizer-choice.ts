@@ -97,7 +97,7 @@ export class RasterizerChoice {
     this.#rasterizer = options.remembered ?? 'tiles';
     this.#reason = options.remembered
       ? `${options.remembered} were faster on this device before`
-      : 'both are not compared yet';
+      : 'they have not been compared yet';
   }
 
   /** The rasteriser for the next frame. */

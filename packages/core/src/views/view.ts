@@ -277,6 +277,7 @@ export abstract class View {
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
+      levelBytes: (cloudIndex: number) => preprocess.levelBytes(cloudIndex),
       selectionBytes: (cloudIndex: number) => preprocess.selectionBytes(cloudIndex),
       testedDepthBytes: bytesOf([shared.hostDepth]) + resolveDepth.bytes,
       writtenDepthBytes: bytesOf([
@@ -537,6 +538,7 @@ export abstract class View {
   protected shown(request: FrameRequest): void {
     this.#accuracy.show(request);
     this.#detail?.show(request);
+    this.streams.shown();
   }
 
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
@@ -566,13 +568,11 @@ export abstract class View {
       tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
     );
     if (drawn) this.#detail?.learn(drawn, statistics.timing);
-    const before = this.#reached;
     this.#statistics = statistics;
     this.#reached = { detail: drawn?.detail ?? 'full', errorPx: statistics.cutErrorPx };
-    // What a budget leads to is known only now; a newer frame has told or will tell.
-    const isNews =
-      before.errorPx !== statistics.cutErrorPx || !isSameDetail(before.detail, this.#reached.detail);
-    if (isNews && drawn?.budget && drawn === this.prepared) this.#tellStreams(drawn);
+    // Frames that were planned before this was known need what it leads to as well.
+    if (isSameDetail(this.#reached.detail, this.prepared.detail))
+      this.streams.learn(this.prepared, this.#reached.errorPx);
     this.onStatistics?.(statistics);
     return statistics;
   }

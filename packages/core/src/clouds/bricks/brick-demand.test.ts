@@ -115,4 +115,27 @@ describe('the demand for bricks', () => {
     expect(numbers(seen)).not.toEqual([...numbers(seen)].sort((a, b) => a - b));
     expect(valued(-2.5, 0).some(({ value }) => value > 1)).toBe(false);
   });
+
+  it('wants what is foreseen after all that it would draw, and before the rest', async () => {
+    const some = await placed(scene.root, 2);
+    const soon = sightFrom([0, 0, 1.5]);
+    // As coarse as to need two bricks.
+    const now = { ...soon, squaredShift: new BrickDemand([soon]).lacking(some)[2].value };
+    const numbers = (bricks: readonly { readonly number: number }[]) => bricks.map(({ number }) => number);
+    const blind = new BrickDemand([now]);
+    const demand = new BrickDemand([now], [soon]);
+    const lacking = demand.lacking(some, true);
+    const needed = lacking.filter(({ value }) => value > 1);
+    expect(needed).toEqual(blind.lacking(some));
+    expect(lacking.slice(0, needed.length)).toEqual(needed);
+    expect(demand.lacking(some)).toEqual(needed);
+    const ahead = new Set(numbers(new BrickDemand([soon]).lacking(some)));
+    expect(new Set(numbers(lacking))).toEqual(new Set([...numbers(needed), ...ahead]));
+    expect(needed).toHaveLength(2);
+    expect(lacking.length).toBeGreaterThan(2);
+    expect(numbers(blind.lacking(some, true))).toEqual(numbers(needed));
+    for (const { cells, above } of cellsBelow(whole).flatMap(({ below }) => below ?? []))
+      for (const cell of cells)
+        if (cell.child) expect(demand.valueOf(cell)).toBeLessThanOrEqual(demand.valueOf(above!));
+  });
 });

@@ -26,20 +26,30 @@ export const OUT_OF_SIGHT = 1e-12;
 export const LEAST_SQUARED = 1e-36;
 /** Least squared shift: whatever a budget leads to is more. */
 const LEAST_SHIFT = 1e-80;
+/** Values of bricks that would be drawn, and of those that would be soon. */
+export const DRAWN = 1;
+/** Divides logarithms of values, so that none of what is only foreseen is that of a drawn brick. */
+const FORESEEN_SCALE = 1024;
+const DRAWN_SOON = Math.log1p(DRAWN) / FORESEEN_SCALE;
 /** Slack of tests in float32, as in chunk-groups. */
 const SLACK = 1e-4;
 
 /**
  * What views want of a scene. The value of a brick is how far the error that it takes away exceeds
- * what the view that needs it most allows, as a ratio of squares: above 1, the brick would be drawn.
+ * what the view that needs it most allows, as a ratio of squares: above `DRAWN`, the brick would be
+ * drawn. Of the others, those that would be in a view as it is foreseen are worth more than
+ * `DRAWN_SOON`, and the rest less.
  */
 export class BrickDemand {
   readonly #sights: readonly CloudSight[];
+  readonly #foreseen: readonly CloudSight[];
   /** Those that are known: most cells are asked for with each brick that arrives. */
   readonly #values = new Map<PlacedCell, number>();
 
-  constructor(sights: Iterable<CloudSight>) {
-    this.#sights = [...sights];
+  /** @param foreseen how views that move will see the scene. */
+  constructor(sights: readonly CloudSight[], foreseen: readonly CloudSight[] = []) {
+    this.#sights = sights;
+    this.#foreseen = foreseen;
   }
 
   /** The value of the brick below a cell. */
@@ -52,26 +62,24 @@ export class BrickDemand {
     return value;
   }
 
-  #find({ bounds, largestScale, childErrors }: PlacedCell): number {
-    const error = squaredError(Math.max(...childErrors));
-    let most = 0;
-    for (const { cut, squaredShift, sides } of this.#sights) {
-      const ratio = error / Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
-      const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
-      // Without an allowed error, too, the order is that of errors in pixels.
-      const value = isSeen ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
-      most = Math.max(most, value);
-    }
-    return most;
+  #find(cell: PlacedCell): number {
+    const value = mostExceeded(cell, this.#sights);
+    if (value > DRAWN || this.#foreseen.length === 0) return value;
+    return Math.log1p(Math.max(value, mostExceeded(cell, this.#foreseen))) / FORESEEN_SCALE;
   }
 
-  /** Bricks that would be drawn if they were there, the most valuable first. */
-  lacking(root: PlacedBrick): LackingBrick[] {
+  /**
+   * Bricks that would be drawn if they were there, the most valuable first.
+   *
+   * @param isAhead whether also those that would be drawn soon.
+   */
+  lacking(root: PlacedBrick, isAhead = false): LackingBrick[] {
+    const least = isAhead && this.#foreseen.length > 0 ? DRAWN_SOON : DRAWN;
     const lacking: LackingBrick[] = [];
     const visit = (cell: PlacedCell) => {
       if (!cell.child) return;
       const value = this.valueOf(cell);
-      if (value <= 1) return;
+      if (value <= least) return;
       if (cell.below) for (const each of cell.below.cells) visit(each);
       else lacking.push({ above: cell, value, number: cell.child.number });
     };
@@ -95,6 +103,23 @@ export class BrickDemand {
  */
 export function isWorthMore(a: ValuedBrick, b: ValuedBrick): boolean {
   return a.value > b.value || (a.value === b.value && a.number < b.number);
+}
+
+/** How far the error of a cell's brick exceeds what the view that needs it most allows. */
+function mostExceeded(
+  { bounds, largestScale, childErrors }: PlacedCell,
+  sights: readonly CloudSight[],
+): number {
+  const error = squaredError(Math.max(...childErrors));
+  let most = 0;
+  for (const { cut, squaredShift, sides } of sights) {
+    const ratio = error / Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
+    const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
+    // Without an allowed error, too, the order is that of errors in pixels.
+    const value = isSeen ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
+    most = Math.max(most, value);
+  }
+  return most;
 }
 
 const bits = new DataView(new ArrayBuffer(4));

@@ -11,28 +11,26 @@ import {
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { mergeChunks } from '../../gpu/stages/merge-chunks.ts';
-import { mergeHarmonics } from '../../gpu/stages/merge-harmonics.ts';
 import { openLeaves } from '../../gpu/stages/open-leaves.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import {
   BLOB_WORDS,
-  CELL_ERROR_WORD,
   ChunkPages,
   chunkBytes,
-  chunkStages,
   emptyLinks,
+  freeBlobPage,
   LINKS_BYTES,
   makeBlobPage,
+  mergeStages,
   nowhereCell,
   poolBuffer,
   shBytes,
   upperBindings,
   writeCells,
 } from './chunk-pages.ts';
-import { makePool, streamedCloud } from './make-pool.ts';
+import { makePool, resizedPool, streamedCloud } from './make-pool.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
 /** Splats of a brick of the lowest level, and leaves of any other. */
@@ -49,8 +47,8 @@ export interface PoolSlots {
 /** A cell of a brick on the GPU. */
 export interface PlacedCell extends BrickCell {
   readonly brick: PlacedBrick;
-  /** Its place among the cells of the pool. */
-  readonly cell: number;
+  /** Its place among the cells of the pool; like the slot of its brick, another in one of another size. */
+  cell: number;
   /** The brick with the cells below; null while it is not on the GPU. */
   below: PlacedBrick | null;
 }
@@ -59,7 +57,7 @@ export interface PlacedCell extends BrickCell {
 export interface PlacedBrick {
   readonly address: BrickAddress;
   readonly level: number;
-  readonly slot: number;
+  slot: number;
   readonly cells: readonly PlacedCell[];
   /** The cell above; null for the root. */
   readonly above: PlacedCell | null;
@@ -72,6 +70,12 @@ export function slotBytes(shDegree: ShDegree): { readonly lowest: number; readon
     lowest: CELL_CHILDREN * chunkBytes(shDegree),
     upper: 2 * BRICK_LEAVES * blobBytes + CELL_CHILDREN * (LevelCell.bytes + 2 * LINKS_BYTES),
   };
+}
+
+/** Bytes of a pool. */
+export function poolBytes(shDegree: ShDegree, { lowest, upper }: PoolSlots): number {
+  const bytes = slotBytes(shDegree);
+  return lowest * bytes.lowest + upper * bytes.upper + LevelCell.bytes;
 }
 
 /**
@@ -98,7 +102,14 @@ export class BrickPool implements Levels {
   };
   #cloud: SplatCloud | null = null;
 
-  private constructor(context: DispatchContext, memory: GpuMemory, scene: BrickScene, slots: PoolSlots) {
+  /** @param before a pool whose bricks this one takes over, to lie in its first slots; it must have room. */
+  private constructor(
+    context: DispatchContext,
+    memory: GpuMemory,
+    scene: BrickScene,
+    slots: PoolSlots,
+    before: BrickPool | null = null,
+  ) {
     const { name, shDegree } = scene;
     this.#context = context;
     this.#memory = memory;
@@ -108,12 +119,26 @@ export class BrickPool implements Levels {
     this.cellCount = CELL_CHILDREN * (slots.lowest + slots.upper) + 1;
     this.chunkCells = CELL_CHILDREN * slots.lowest;
     this.cells = poolBuffer(memory, `${name} cells`, LevelCell.bytes * this.cellCount);
-    this.#chunks = new ChunkPages(context, memory, scene, this.chunkCells, this.cells, this.#nowhere);
+    // Blobs, more than half of a pool, go first, and are made anew: so there is room for two pools.
+    if (before) before.#chunks.freeBlobs();
     const upperLeaves = 2 * BRICK_LEAVES * slots.upper;
-    this.blobPages = [
-      ...this.#chunks.blobPages,
-      makeBlobPage(memory, `${name} upper blob`, shDegree, this.cells, upperLeaves),
-    ];
+    const upperPage = makeBlobPage(memory, `${name} upper blob`, shDegree, this.cells, upperLeaves);
+    if (before) this.#copyLeaves(before, upperPage);
+    const moves = Object.values(before ? before.#placed.lowest : []).map(({ slot, cells }, i) => ({
+      from: CELL_CHILDREN * slot,
+      to: CELL_CHILDREN * i,
+      count: cells.length,
+    }));
+    this.#chunks = new ChunkPages(
+      context,
+      memory,
+      scene,
+      this.chunkCells,
+      this.cells,
+      this.#nowhere,
+      before && { pages: before.#chunks, moves },
+    );
+    this.blobPages = [...this.#chunks.blobPages, upperPage];
     const downFrom = (count: number) => Array.from({ length: count }, (_, i) => count - 1 - i);
     this.#free = { lowest: downFrom(slots.lowest), upper: downFrom(slots.upper) };
   }
@@ -124,11 +149,34 @@ export class BrickPool implements Levels {
    * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
    */
   static async make(context: DispatchContext, scene: BrickScene, slots: PoolSlots): Promise<BrickPool> {
-    return makePool(context, scene, stagesOf(scene.shDegree), (memory) => {
+    return makePool(context, scene, rootStages(scene), (memory) => {
       const made = new BrickPool({ ...context, memory }, memory, scene, slots);
       made.#clear();
       return made;
     });
+  }
+
+  /** Resolves when bricks of a level can be placed: from the start, as the root, once shaders are compiled. */
+  ready(level: number): Promise<void> {
+    return this.#context.pipelines.prepare(stagesOf(this.#scene, kindOf(level)));
+  }
+
+  /**
+   * Makes a pool of another size, with room for all that is in this one, which takes its place in
+   * its cloud; both together take no more memory than the larger one. Splats and leaves are copied
+   * on the GPU, and their blobs made anew. Returns this pool if the engine's budget holds no other.
+   */
+  resized(slots: PoolSlots): BrickPool {
+    const [bytes, held] = [slots, this.slots].map((each) => poolBytes(this.#scene.shDegree, each));
+    return (
+      resizedPool(this.#memory, this.#cloud!, bytes - held, () => {
+        const pool = new BrickPool(this.#context, this.#memory, this.#scene, slots, this);
+        pool.#clear();
+        pool.#takeOver(this);
+        pool.#cloud = this.#cloud;
+        return { pool, pages: pool.#chunks };
+      }) ?? this
+    );
   }
 
   get splatLinks(): readonly GPUBuffer[] {
@@ -164,13 +212,20 @@ export class BrickPool implements Levels {
 
   /**
    * Puts a brick into a free slot, makes its blobs and draws it from then on where its parent is too
-   * coarse.
+   * coarse. `ready` must have resolved.
    *
    * @param above the cell whose `child` the brick is; null for the root.
+   * @param instead a brick of the same kind that goes first, where no slot is free.
    * @throws SplatFileError if the brick does not fit its place; nothing is changed then.
    */
-  place(brick: Brick, address: BrickAddress, above: PlacedCell | null): PlacedBrick {
+  place(
+    brick: Brick,
+    address: BrickAddress,
+    above: PlacedCell | null,
+    instead: PlacedBrick | null = null,
+  ): PlacedBrick {
     this.#check(brick, address, above);
+    if (instead) this.remove(instead);
     const kind = kindOf(brick.level);
     const slot = this.#free[kind].pop()!;
     const start = this.#firstCell(kind, slot);
@@ -184,19 +239,15 @@ export class BrickPool implements Levels {
     placed.cells = brick.cells.map((cell, i) => ({ ...cell, brick: placed, cell: start + i, below: null }));
     this.#placed[kind][slot] = placed;
     writeCells(this.#context.device, this.cells, placed.cells, start, above?.cell ?? NO_CELL);
-    if (kind === 'lowest') this.#chunks.write(brick, start);
+    if (kind === 'lowest') this.#chunks.write(brick, start, above?.childErrors);
     else this.#writeLeaves(brick, placed);
     const dispatches = new Dispatches(this.#context);
-    this.#merge(dispatches, placed);
-    for (const cell of placed.cells) if (brick.level > 0) this.#open(dispatches, cell);
-    dispatches.submit(`${this.#scene.name} brick`);
-    this.#writeHeads(placed);
+    this.#show(dispatches, placed);
     if (above) {
       above.below = placed;
-      const opening = new Dispatches(this.#context);
-      this.#open(opening, above);
-      opening.submit(`${this.#scene.name} brick`);
+      this.#open(dispatches, above);
     }
+    dispatches.submit(`${this.#scene.name} brick`);
     this.#changed();
     return placed;
   }
@@ -219,11 +270,20 @@ export class BrickPool implements Levels {
     this.#changed();
   }
 
+  levelOf(cell: number): number {
+    return this.#placed.upper[Math.floor((cell - this.chunkCells) / CELL_CHILDREN)]?.level ?? 0;
+  }
+
   childCell(cell: number, slot: number): number | null {
     const index = cell - this.chunkCells;
     const brick = this.#placed.upper[Math.floor(index / CELL_CHILDREN)];
     const below = brick?.cells[index % CELL_CHILDREN]?.below;
     return below?.cells[Math.floor(slot / CELL_ROOTS)]?.cell ?? null;
+  }
+
+  /** Resolves when the device has done all that was submitted. */
+  whenDone(): Promise<unknown> {
+    return this.#context.device.queue.onSubmittedWorkDone();
   }
 
   destroy(): void {
@@ -255,23 +315,81 @@ export class BrickPool implements Levels {
     if (level === 0 && !cells.every(isFull)) wrong('has cells with gaps');
   }
 
+  /** Adds dispatches that make blobs of what has been written of a brick, and draw it. */
+  #show(dispatches: Dispatches, placed: PlacedBrick): void {
+    this.#merge(dispatches, placed);
+    for (const cell of placed.cells) if (placed.level > 0) this.#open(dispatches, cell);
+  }
+
+  /** Shows the bricks of another pool, whose splats and leaves are here in the same order. */
+  #takeOver(before: BrickPool): void {
+    // Slots that are free are left out.
+    for (const kind of ['lowest', 'upper'] as const)
+      for (const brick of Object.values(before.#placed[kind])) {
+        const slot = this.#free[kind].pop()!;
+        const start = this.#firstCell(kind, slot);
+        if (kind === 'lowest') {
+          const first = CHUNK_SPLATS * CELL_CHILDREN * brick.slot;
+          const rows = before.#chunks.rows.subarray(first, first + CHUNK_SPLATS * brick.cells.length);
+          this.#chunks.keep({ cells: brick.cells, rows }, start, brick.above?.childErrors);
+        }
+        brick.slot = slot;
+        for (const [i, cell] of brick.cells.entries()) cell.cell = start + i;
+        this.#placed[kind][slot] = brick;
+      }
+    for (const brick of this.bricks) {
+      const { cells, above, level } = brick;
+      writeCells(this.#context.device, this.cells, cells, cells[0].cell, above?.cell ?? NO_CELL);
+      if (level > 0) this.#writeErrors(brick);
+      const dispatches = new Dispatches(this.#context);
+      this.#show(dispatches, brick);
+      dispatches.submit(`${this.#scene.name} brick`);
+    }
+  }
+
+  /** Copies the leaves above the lowest level of another pool, and frees what holds them. */
+  #copyLeaves(before: BrickPool, page: BlobPage): void {
+    const encoder = this.#context.device.createCommandEncoder({ label: 'pool' });
+    const from = before.blobPages.at(-1)!;
+    const copy = (read: GPUBuffer | null, written: GPUBuffer | null) => {
+      if (!read || !written) return;
+      const bytes = read.size / before.slots.upper;
+      for (const [i, { slot }] of Object.values(before.#placed.upper).entries())
+        encoder.copyBufferToBuffer(read, bytes * slot, written, bytes * i, bytes);
+    };
+    copy(from.geometry, page.geometry);
+    copy(from.shRest, page.shRest);
+    this.#context.device.queue.submit([encoder.finish()]);
+    freeBlobPage(this.#memory, from);
+    this.#memory.destroy(before.cells);
+  }
+
   /** Writes the leaves of a brick above, with the errors of their cells, for the merging. */
-  #writeLeaves({ cells, geometry, harmonics }: Brick, { slot }: PlacedBrick): void {
+  #writeLeaves({ cells, geometry, harmonics }: Brick, placed: PlacedBrick): void {
     const { queue } = this.#context.device;
-    const { geometry: blobs, shRest, links } = this.blobPages.at(-1)!;
-    this.#clearLinks('upper', slot);
+    const { geometry: blobs, shRest } = this.blobPages.at(-1)!;
     const shWords = harmonics.length / (geometry.length / BLOB_WORDS);
-    for (const [i, { childErrors, childRoots }] of cells.entries()) {
-      const chunk = 2 * (CELL_CHILDREN * slot + i);
+    for (const i of cells.keys()) {
+      const chunk = 2 * (CELL_CHILDREN * placed.slot + i);
       const part = (words: Uint32Array<ArrayBuffer>, perLeaf: number) =>
         words.subarray(CHUNK_SPLATS * perLeaf * i, CHUNK_SPLATS * perLeaf * (i + 1));
       queue.writeBuffer(blobs, 4 * CHUNK_SPLATS * BLOB_WORDS * chunk, part(geometry, BLOB_WORDS));
       if (shRest) queue.writeBuffer(shRest, 4 * CHUNK_SPLATS * shWords * chunk, part(harmonics, shWords));
-      const own = emptyLinks(this.#nowhere, 1);
-      for (const [k, roots] of childRoots.entries())
-        own.fill(childErrors[k], HEAD_WORDS + CELL_ROOTS * k, HEAD_WORDS + CELL_ROOTS * k + roots);
-      queue.writeBuffer(links, LINKS_BYTES * chunk, own);
     }
+    this.#writeErrors(placed);
+  }
+
+  #writeErrors({ cells, slot, above }: PlacedBrick): void {
+    // Leaves and blobs of a cell end at the same error.
+    const cellErrors = above?.childErrors.flatMap((error) => [error, error]);
+    const own = emptyLinks(this.#nowhere, 2 * CELL_CHILDREN, cellErrors);
+    for (const [i, { childErrors, childRoots }] of cells.entries()) {
+      const leaves = ChunkLinks.words * 2 * i + HEAD_WORDS;
+      for (const [k, roots] of childRoots.entries())
+        own.fill(childErrors[k], leaves + CELL_ROOTS * k, leaves + CELL_ROOTS * k + roots);
+    }
+    const { links } = this.blobPages.at(-1)!;
+    this.#context.device.queue.writeBuffer(links, LINKS_BYTES * 2 * CELL_CHILDREN * slot, own);
   }
 
   /** Makes the blobs of a brick. */
@@ -295,7 +413,8 @@ export class BrickPool implements Levels {
       dispatchRow: this.#context.dispatchRow,
     });
     const bindings = upperBindings(this.cells, page);
-    for (const stage of upperStages(shDegree)) dispatches.add(stage, parameters, bindings, cells.length);
+    for (const stage of mergeStages(shDegree).upper)
+      dispatches.add(stage, parameters, bindings, cells.length);
   }
 
   /** Lets the leaves of a cell stand for the brick below, or not. */
@@ -304,24 +423,6 @@ export class BrickPool implements Levels {
     const chunk = 2 * (cell - this.chunkCells);
     const { links: upperLinks } = this.blobPages.at(-1)!;
     dispatches.add(openLeaves, OpenedLeaves.pack({ chunk, errors }), { upperLinks }, 1);
-  }
-
-  /**
-   * Writes what merging does not know: the errors at which cells end and the leaves above begin,
-   * whatever the GPU has found for them, and how many splats a chunk lacks.
-   */
-  #writeHeads({ level, slot, cells, above }: PlacedBrick): void {
-    const { queue } = this.#context.device;
-    const { links } = this.blobPages.at(-1)!;
-    for (const [i, cell] of cells.entries()) {
-      const error = above?.childErrors[i];
-      if (level === 0) this.#chunks.writeHead(cell, cell.cell, error);
-      else if (error !== undefined) {
-        const chunk = 2 * (CELL_CHILDREN * slot + i);
-        for (const at of [chunk, chunk + 1])
-          queue.writeBuffer(links, LINKS_BYTES * at + 4 * CELL_ERROR_WORD, Uint32Array.of(error));
-      }
-    }
   }
 
   #clearLinks(kind: Kind, slot: number): void {
@@ -357,11 +458,13 @@ function kindOf(level: number): Kind {
   return level === 0 ? 'lowest' : 'upper';
 }
 
-function upperStages(shDegree: ShDegree): readonly StageDefinition[] {
-  const merging = mergeChunks('upper');
-  return shDegree > 0 ? [merging, mergeHarmonics(shDegree, 'upper')] : [merging];
+/** The stages that placing a brick takes. */
+function stagesOf({ shDegree }: BrickScene, kind: Kind): readonly StageDefinition[] {
+  const { chunks, upper } = mergeStages(shDegree);
+  return [...(kind === 'lowest' ? chunks : upper), openLeaves];
 }
 
-function stagesOf(shDegree: ShDegree): readonly StageDefinition[] {
-  return [...chunkStages(shDegree), ...upperStages(shDegree), openLeaves];
+/** The stages that placing the root takes. */
+export function rootStages(scene: BrickScene): readonly StageDefinition[] {
+  return stagesOf(scene, scene.brickCount === 1 ? 'lowest' : 'upper');
 }

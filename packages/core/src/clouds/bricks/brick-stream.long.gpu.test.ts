@@ -1,9 +1,10 @@
+import { createServer } from 'node:http';
+import type { AddressInfo } from 'node:net';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
+import { afterEach, beforeAll, describe, expect, onTestFinished, vi } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
-import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { SplatEdits } from '../../data/splats/splat-edits.ts';
 import { SplatSelection } from '../../data/splats/splat-selection.ts';
@@ -13,19 +14,15 @@ import { writeSplats } from '../../io/formats/writers.ts';
 import { measureAccuracy } from '../../measure/measure-accuracy.ts';
 import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../reference/compare-images.ts';
+import { expectEnds, expectReports } from '../../testing/expect-stream.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
+import { drawComplete, lookFrom, SIZE } from '../../testing/look-at-streams.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
-import type { StreamReport } from '../cloud-stream.ts';
 import { makeRayTree } from '../rays.ts';
-import type { SplatCloud } from '../splat-cloud.ts';
-import { slotBytes } from './brick-pool.ts';
-
-const SIZE = { widthPx: 96, heightPx: 64 };
-const lookFrom = (position: readonly [number, number, number]) =>
-  perspectiveCamera({ position, target: [0, 0, 0], up: [0, 1, 0], fovYDegrees: 40, aspect: 1.5 });
+import { poolBytes } from './brick-pool.ts';
 
 describe('a streamed scene', () => {
   const set = randomSplats({ count: 40_000, seed: 2, shDegree: 0, logScales: [-7, -4] });
@@ -37,16 +34,6 @@ describe('a streamed scene', () => {
   });
 
   afterEach(() => vi.unstubAllGlobals());
-
-  async function drawComplete(cloud: SplatCloud, detail = {}, camera = lookFrom([0, 0, 4])) {
-    const view = engine.createView();
-    view.render({ camera, clouds: [{ cloud }], ...SIZE, ...detail });
-    await view.whenComplete();
-    const { data } = await view.readPixels();
-    const report = view.detail!;
-    view.destroy();
-    return { data, report };
-  }
 
   gpuTest('shows its coarsest part at once, and in the end what a load shows', async () => {
     const whole = engine.add(set);
@@ -69,7 +56,7 @@ describe('a streamed scene', () => {
     await view.whenComplete();
     expect(view.detail).toMatchObject({ isComplete: true, missing: 0 });
     const { data } = await view.readPixels();
-    const full = (await drawComplete(whole)).data;
+    const full = (await drawComplete(engine, whole)).data;
     expect(compareImages(data, full, SIZE).psnrDb).toBeGreaterThan(70);
     expect(compareImages(first, full, SIZE).psnrDb).toBeLessThan(40);
     expect(cloud.stream!.report()).toMatchObject({ residentBricks: scene.brickCount, fetching: 0 });
@@ -83,10 +70,10 @@ describe('a streamed scene', () => {
     const cloud = await engine.load(new File([file], 'scene.bricks'));
     expect(cloud.stream!.report()).toMatchObject({ bricks: scene.brickCount, residentBricks: 1 });
     expect(cloud.stream!.report().fetchedBytes).toBeLessThan(0.5 * file.byteLength);
-    const { data } = await drawComplete(cloud);
+    const { data } = await drawComplete(engine, cloud);
     const streamed = await engine.load(new Blob([file]).stream(), { name: 'scene.bricks' });
     expect(streamed.stream).toBeNull();
-    expect(compareImages(data, (await drawComplete(streamed)).data, SIZE).psnrDb).toBeGreaterThan(60);
+    expect(compareImages(data, (await drawComplete(engine, streamed)).data, SIZE).psnrDb).toBeGreaterThan(60);
     await expect(engine.load(new File([file.slice(0, 5000)], 'cut.bricks'))).rejects.toThrow(SplatFileError);
     await expect(engine.load(new File([file], 'a.bricks'), { budgetBytes: 0 })).rejects.toThrow(
       /budgetBytes is 0/,
@@ -95,12 +82,39 @@ describe('a streamed scene', () => {
     cloud.destroy();
   });
 
+  gpuTest('asks for less than 2 MB until its first picture is drawn, and for no byte twice', async () => {
+    const splats = randomSplats({ count: 150_000, seed: 2, shDegree: 3, logScales: [-7, -4] });
+    const file = await writeSplats(splats, 'bricks');
+    expect(file.byteLength).toBeGreaterThan(4e6);
+    let askedBytes = 0;
+    const server = createServer((request, response) => {
+      const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range!)!;
+      const part = file.subarray(Number(first), Number(last) + 1);
+      askedBytes += part.length;
+      const range = `bytes ${first}-${Number(first) + part.length - 1}/${file.length}`;
+      response.writeHead(206, { etag: '"1"', 'content-range': range }).end(part);
+    });
+    onTestFinished(() => void server.close());
+    await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+    const { port } = server.address() as AddressInfo;
+    const cloud = await engine.load(`http://127.0.0.1:${port}/scene.bricks`);
+    const view = engine.createView();
+    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    await view.whenDrawn();
+    expect(askedBytes).toBeLessThan(2e6);
+    await view.whenComplete();
+    expect(cloud.stream!.report()).toMatchObject({ isComplete: true, missingBricks: 0 });
+    expect(askedBytes).toBe(file.length);
+    view.destroy();
+    cloud.destroy();
+  });
+
   gpuTest('has a worker of its own as long as its cloud is there', async () => {
     const FakeWorker = fakeWorker((port: BrickPort) => serveBricks(port));
     vi.stubGlobal('Worker', FakeWorker);
     const file = new File([await writeSplats(set, 'bricks')], 'scene.bricks');
     const cloud = await engine.load(file);
-    await drawComplete(cloud);
+    await drawComplete(engine, cloud);
     expect(cloud.stream!.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
     expect(FakeWorker.requests).toHaveLength(scene.brickCount);
     expect(FakeWorker.started.map(({ isTerminated }) => isTerminated)).toEqual([false]);
@@ -118,10 +132,10 @@ describe('a streamed scene', () => {
 
   gpuTest('fetches only what a view needs', async () => {
     const cloud = await engine.stream(scene);
-    await drawComplete(cloud, { detail: { maxErrorPx: 2 } });
+    await drawComplete(engine, cloud, { detail: { maxErrorPx: 2 } });
     const coarse = cloud.stream!.report();
     expect(coarse.residentBricks).toBeLessThan(scene.brickCount);
-    await drawComplete(cloud, {}, lookFrom([0, 0, -100]));
+    await drawComplete(engine, cloud, {}, lookFrom([0, 0, -100]));
     expect(cloud.stream!.report().residentBricks).toBe(scene.brickCount);
     cloud.destroy();
   });
@@ -129,14 +143,13 @@ describe('a streamed scene', () => {
   gpuTest(
     'stays within its budget, and shows the best that this holds, whatever it showed before',
     async () => {
-      const bytes = slotBytes(scene.shDegree);
-      const budgetBytes = 4 * bytes.lowest + 4 * bytes.upper;
+      const budgetBytes = poolBytes(scene.shDegree, { lowest: 4, upper: 4 });
       const cloud = await engine.stream(scene, { budgetBytes });
-      expect(cloud.bytes).toBeLessThan(budgetBytes);
+      expect(cloud.bytes).toBeLessThanOrEqual(budgetBytes);
       const detail = { detail: { maxErrorPx: 0.2 } };
       const views = [lookFrom([0, 0, 1.2]), lookFrom([1.2, 0, 0]), lookFrom([0, 0, 1.2])];
       const found = [];
-      for (const camera of views) found.push(await drawComplete(cloud, detail, camera));
+      for (const camera of views) found.push(await drawComplete(engine, cloud, detail, camera));
       const held = cloud.bytes;
       expect(cloud.stream!.report().residentBricks).toBeLessThanOrEqual(8);
       expect(found[2].report).toMatchObject({ isComplete: true });
@@ -151,10 +164,10 @@ describe('a streamed scene', () => {
   gpuTest('shows within a budget of splats the same, whatever it showed before', async () => {
     const [fresh, other] = [await engine.stream(scene), await engine.stream(scene)];
     const budget = { detail: { maxSplats: 600 } };
-    const found = await drawComplete(fresh, budget);
+    const found = await drawComplete(engine, fresh, budget);
     expect(found.report).toMatchObject({ isComplete: true, missing: 0 });
-    await drawComplete(other, { detail: { maxErrorPx: 0.05 } }, lookFrom([0, 1, 1]));
-    expect((await drawComplete(other, budget)).data).toEqual(found.data);
+    await drawComplete(engine, other, { detail: { maxErrorPx: 0.05 } }, lookFrom([0, 1, 1]));
+    expect((await drawComplete(engine, other, budget)).data).toEqual(found.data);
     const view = engine.createView();
     const request = { camera: lookFrom([0, 0, 4]), clouds: [{ cloud: other }], ...SIZE, ...budget };
     const { visibleSplats } = await drawMeasured(engine, view, { ...request, force: true });
@@ -163,6 +176,25 @@ describe('a streamed scene', () => {
     view.destroy();
     fresh.destroy();
     other.destroy();
+  });
+
+  gpuTest('knows what a budget needs, however many frames come before that is known', async () => {
+    const budget = { detail: { maxSplats: 600 } };
+    const other = await engine.stream(scene);
+    const { data } = await drawComplete(engine, other, budget);
+    const cloud = await engine.stream(scene);
+    const view = engine.createView();
+    const request = { camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE, ...budget };
+    for (let frame = 0; frame < 3; frame++) view.render({ ...request, force: true });
+    // One that stands takes the place of its equal before.
+    view.render(request);
+    await view.whenComplete();
+    expect(cloud.stream!.report()).toMatchObject({ isComplete: true, missingBricks: 0 });
+    expect(cloud.stream!.report().residentBricks).toBe(other.stream!.report().residentBricks);
+    expect((await view.readPixels()).data).toEqual(data);
+    view.destroy();
+    other.destroy();
+    cloud.destroy();
   });
 
   gpuTest('tells what it fetches, and when views have all that they need', async () => {
@@ -174,32 +206,14 @@ describe('a streamed scene', () => {
         return scene.read(address, signal);
       },
     });
-    const { stream } = cloud;
     expect(engine.clouds).toContain(cloud);
-    expect(stream!.report()).toMatchObject({ isComplete: false, bytesPerSecond: 0 });
-    const seen: StreamReport[] = [];
-    const stop = stream!.subscribe(() => seen.push(stream!.report()));
-    const view = engine.createView();
-    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
-    expect(seen.at(-1)).toMatchObject({ isComplete: false, missingBricks: 1, fetching: 1 });
-    give();
-    await view.whenComplete();
-    expect(seen.some(({ bytesPerSecond }) => bytesPerSecond > 0)).toBe(true);
-    expect(seen.at(-1)).toMatchObject({ isComplete: true, missingBricks: 0, bytesPerSecond: 0 });
-    const before = seen.length;
-    stop();
-    // What a budget needs is known once a frame has been measured.
-    const budget = { detail: { maxSplats: 600 } };
-    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE, ...budget });
-    expect(stream!.report()).toMatchObject({ isComplete: false, missingBricks: 0 });
-    await view.whenComplete();
-    expect(stream!.report().isComplete).toBe(true);
-    expect(seen).toHaveLength(before);
-    stream!.subscribe(() => seen.push(stream!.report()));
-    cloud.destroy();
-    expect(seen.at(-1)).toMatchObject({ isComplete: false });
+    const fetching = { missingBricks: 1, fetching: 1 };
+    await expectReports(
+      engine,
+      { cloud, camera: lookFrom([0, 0, 4]), ...SIZE },
+      { give, fetching, splats: 600 },
+    );
     expect(engine.clouds).not.toContain(cloud);
-    view.destroy();
   });
 
   gpuTest('tells a part that cannot be read, draws what is there, and goes on when called', async () => {
@@ -212,7 +226,7 @@ describe('a streamed scene', () => {
       },
     };
     const cloud = await engine.stream(broken);
-    const { data, report } = await drawComplete(cloud);
+    const { data, report } = await drawComplete(engine, cloud);
     expect(data.some((value) => value > 0.1)).toBe(true);
     expect(report.missing).toBeGreaterThan(0);
     expect(cloud.stream!.report()).toMatchObject({
@@ -229,9 +243,35 @@ describe('a streamed scene', () => {
     cloud.destroy();
   });
 
+  gpuTest('tells each view what its own picture lacks', async () => {
+    const cloud = await engine.stream(scene);
+    const { when, give } = signalOf();
+    cloud.stream!.hold(when);
+    const request = { clouds: [{ cloud }], ...SIZE, detail: { maxErrorPx: 0.5 } };
+    const away = lookFrom([0, 0, 4], [0, 0, 8]);
+    const cameras = [lookFrom([0, 0, 1.2]), away, lookFrom([0, 0, 90]), lookFrom([0, 0, 1.2])];
+    const [view, other] = [engine.createView(), engine.createView()];
+    other.render({ ...request, camera: cameras[0] });
+    await other.whenDrawn();
+    const missing = [];
+    for (const camera of cameras) {
+      view.render({ ...request, camera });
+      await view.whenDrawn();
+      missing.push(view.detail!.missing);
+      await engine.device.queue.onSubmittedWorkDone();
+      expect(view.detail!.missing).toBe(missing.at(-1));
+    }
+    expect(missing).toEqual([1, 0, 0, 1]);
+    expect(other.detail!.missing).toBe(1);
+    give();
+    await view.whenComplete();
+    expect(view.detail).toMatchObject({ missing: 0, isComplete: true });
+    for (const each of [view, other, cloud]) each.destroy();
+  });
+
   gpuTest('refuses what takes all splats, and keeps what it has', async () => {
     const cloud = await engine.stream(scene);
-    const { data } = await drawComplete(cloud);
+    const { data } = await drawComplete(engine, cloud);
     await expect(makeRayTree(cloud)).rejects.toThrow(/scene: only parts of it are there/);
     await expect(followEdits(cloud, new SplatEdits())).rejects.toThrow(SplatSourceError);
     const f32 = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
@@ -252,8 +292,8 @@ describe('a streamed scene', () => {
   });
 
   gpuTest('shows what is selected of the splats that are there, as they come and go', async () => {
-    const bytes = slotBytes(scene.shDegree);
-    const cloud = await engine.stream(scene, { budgetBytes: 4 * bytes.lowest + 4 * bytes.upper });
+    const budgetBytes = poolBytes(scene.shDegree, { lowest: 4, upper: 4 });
+    const cloud = await engine.stream(scene, { budgetBytes });
     const selection = new SplatSelection();
     selection.add(Array.from({ length: set.count / 2 }, (_, i) => 2 * i));
     const clouds = [{ cloud, effects: [highlight({ selection, color: [0, 1, 0], strength: 0.7 })] }];
@@ -295,17 +335,8 @@ describe('a streamed scene', () => {
       },
     };
     const cloud = await engine.stream(slow);
-    const view = engine.createView();
-    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
-    expect(signals.length).toBeGreaterThan(0);
-    view.destroy();
-    expect(signals.every(({ aborted }) => aborted)).toBe(true);
-    const other = engine.createView();
-    other.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
-    cloud.destroy();
-    expect(signals.every(({ aborted }) => aborted)).toBe(true);
+    expectEnds(engine, { cloud, camera: lookFrom([0, 0, 4]), ...SIZE }, signals);
     give();
-    other.destroy();
     const { totalBytes } = engine.memory();
     await expect(engine.stream(scene, { signal: AbortSignal.abort(new Error('enough')) })).rejects.toThrow(
       'enough',

@@ -1,14 +1,18 @@
 import { createServer, type Server, type ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
-import { afterEach, beforeAll, beforeEach, expect, onTestFinished, test, vi } from 'vitest';
-import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
-import { SplatSourceError, WebSplatterError } from '../../data/errors.ts';
+import { afterEach, beforeAll, beforeEach, describe, expect, onTestFinished, test, vi } from 'vitest';
+import type { BrickScene } from '../../data/bricks/brick.ts';
+import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
+import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
+import { nextTask } from '../../data/turns.ts';
 import { openBricks } from '../../io/formats/bricks/open-bricks.ts';
 import { write } from '../../io/formats/bricks/write-bricks.ts';
 import { waitMs } from '../../io/sources/wait-ms.ts';
+import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
 import { fuzz } from '../../testing/fuzz.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
-import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
+import { signalOf } from '../../testing/signal.ts';
+import type { BrickPool } from './brick-pool.ts';
 import { BrickStream } from './brick-stream.ts';
 
 vi.mock('../../io/sources/wait-ms.ts');
@@ -20,31 +24,13 @@ const SIGHT = {
   sides: [],
 } as const;
 
-/** Room for all bricks, without a GPU. */
-class Pool {
-  readonly slots = { lowest: 1000, upper: 1000 };
-  readonly bricks: PlacedBrick[] = [];
-  readonly contents: Brick[] = [];
-
-  freeSlots(): number {
-    return this.slots.lowest - this.bricks.length;
-  }
-
-  place(brick: Brick, address: BrickAddress, above: PlacedCell | null): PlacedBrick {
-    const placed: PlacedBrick & { cells: PlacedCell[] } = { address, ...brick, slot: 0, cells: [], above };
-    placed.cells = brick.cells.map((cell) => ({ ...cell, brick: placed, cell: 0, below: null }));
-    if (above) above.below = placed;
-    this.bricks.push(placed);
-    this.contents[address.number] = brick;
-    return placed;
-  }
-}
-
 type Answer = (response: ServerResponse, start: number, end: number) => void;
 
 let content: Uint8Array;
 let answer: Answer;
 let requests: number;
+/** The parts of these. */
+let asked: { readonly start: number; readonly end: number }[];
 let server: Server;
 let url: string;
 
@@ -61,11 +47,14 @@ beforeAll(async () => {
 beforeEach(async () => {
   answer = sendPart;
   requests = 0;
+  asked = [];
   vi.mocked(waitMs).mockReset().mockResolvedValue();
   server = createServer((request, response) => {
     const [, start, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '') ?? [];
+    const part = { start: Number(start), end: Math.min(Number(last) + 1, content.length) };
     requests++;
-    answer(response, Number(start), Math.min(Number(last) + 1, content.length));
+    asked.push(part);
+    answer(response, part.start, part.end);
   });
   await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
   url = `http://127.0.0.1:${(server.address() as AddressInfo).port}/a.bricks`;
@@ -76,9 +65,9 @@ afterEach(() => {
   server.close();
 });
 
-async function begin(options = {}): Promise<{ scene: BrickScene; pool: Pool; stream: BrickStream }> {
+async function begin(options = {}): Promise<{ scene: BrickScene; pool: FakeBrickPool; stream: BrickStream }> {
   const scene = await openBricks(url, options);
-  const pool = new Pool();
+  const pool = new FakeBrickPool();
   const root = pool.place(await scene.read(scene.root), scene.root, null);
   const stream = new BrickStream(scene, pool as unknown as BrickPool, root);
   onTestFinished(() => stream.end());
@@ -86,7 +75,25 @@ async function begin(options = {}): Promise<{ scene: BrickScene; pool: Pool; str
   return { scene, pool, stream };
 }
 
-const look = (stream: BrickStream) => stream.see(stream, [SIGHT], async () => {});
+const look = (stream: BrickStream) => {
+  stream.see(stream, [SIGHT], async () => {});
+  stream.shown();
+};
+
+test('asks for little before there is a picture, for the rest once there is, and for no byte twice', async () => {
+  const { scene, stream } = await begin();
+  stream.see(stream, [SIGHT], async () => {});
+  await expect.poll(() => stream.report().fetching).toBe(0);
+  const bytes = () => asked.reduce((sum, { start, end }) => sum + end - start, 0);
+  expect(bytes()).toBeLessThan(2e6);
+  expect(stream.report().residentBricks).toBeGreaterThan(10);
+  expect(stream.report().isComplete).toBe(false);
+  expect(stream.complete).not.toBeNull();
+  stream.shown();
+  await stream.complete;
+  expect(stream.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
+  expect(bytes()).toBe(content.length);
+});
 
 test('asks for bricks that lie next to each other together', async () => {
   const { scene, stream } = await begin();
@@ -95,6 +102,143 @@ test('asks for bricks that lie next to each other together', async () => {
   expect(stream.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
   expect(scene.brickCount).toBeGreaterThan(39);
   expect(requests).toBeLessThan(scene.brickCount / 4);
+});
+
+describe('while a view draws frame after frame', () => {
+  const FRAME_MS = 16;
+  const whole = brickSceneOf(randomSplats({ count: 40_000, seed: 2, shDegree: 0 }));
+
+  /** Bricks from this number on come once `give` was called. */
+  async function follow(held = 0) {
+    vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout', 'performance'] });
+    onTestFinished(() => void vi.useRealTimers());
+    const pool = new FakeBrickPool();
+    const root = pool.place(await whole.read(whole.root), whole.root, null);
+    const { when, give } = signalOf();
+    const read: BrickScene['read'] = async (address) => {
+      if (address.number >= held) await when;
+      return whole.read(address);
+    };
+    const stream = new BrickStream({ ...whole, read }, pool as unknown as BrickPool, root);
+    onTestFinished(() => stream.end());
+    stream.shown();
+    const redraw = vi.fn(async () => {});
+    const draw = async () => {
+      vi.advanceTimersByTime(FRAME_MS);
+      stream.see(stream, [SIGHT], redraw);
+      await nextTask();
+    };
+    return { pool, stream, redraw, draw, give };
+  }
+
+  test('places one brick after each, and the rest when it rests', async () => {
+    const { pool, stream, redraw, draw, give } = await follow();
+    await draw();
+    await draw();
+    give();
+    await nextTask();
+    expect(stream.report().fetching).toBeGreaterThan(0);
+    expect(pool.bricks).toHaveLength(1);
+    for (let placed = 2; placed < 6; placed++) {
+      await draw();
+      expect(pool.bricks).toHaveLength(placed);
+    }
+    expect(redraw).not.toHaveBeenCalled();
+    expect(stream.complete).not.toBeNull();
+    vi.advanceTimersByTime(10 * FRAME_MS);
+    await stream.complete;
+    expect(pool.bricks).toHaveLength(whole.brickCount);
+    expect(redraw).toHaveBeenCalled();
+  });
+
+  test('places as many as a quarter of the time between frames was enough for, at rest', async () => {
+    const { pool, stream, redraw, draw, give } = await follow(3);
+    redraw.mockImplementation(async () => void vi.advanceTimersByTime(FRAME_MS / 8));
+    stream.see(stream, [SIGHT], redraw);
+    await nextTask();
+    const before = pool.bricks.length;
+    expect(before).toBe(3);
+    await draw();
+    await draw();
+    give();
+    await nextTask();
+    expect(pool.bricks).toHaveLength(before);
+    // Each had taken an eighth, or both together.
+    await draw();
+    // Each of two had taken an eighth, by itself.
+    expect(redraw).toHaveBeenCalledTimes(2);
+    expect(pool.bricks).toHaveLength(before + 2);
+  });
+
+  test('is complete once what came last has been drawn', async () => {
+    const { pool, stream, redraw, draw, give } = await follow();
+    await draw();
+    await draw();
+    give();
+    while (pool.bricks.length < whole.brickCount) await draw();
+    redraw.mockClear();
+    expect(stream.report()).toMatchObject({ fetching: 0, missingBricks: 0 });
+    expect(stream.complete).not.toBeNull();
+    vi.advanceTimersByTime(10 * FRAME_MS);
+    expect(redraw).toHaveBeenCalledOnce();
+    expect(stream.complete).toBeNull();
+  });
+
+  // Timers drop parts of milliseconds: they end just before the view is at rest, or while that is asked.
+  test('loses nothing where its timer ends a little early', async () => {
+    const TICK_MS = 0.02;
+    for (let early = 0; early < 20; early++) {
+      const { pool, stream, draw, give } = await follow();
+      await draw();
+      await draw();
+      // These come after the last frame.
+      give();
+      await nextTask();
+      const exact = performance.now.bind(performance);
+      let calls = 0;
+      const clock = vi
+        .spyOn(performance, 'now')
+        .mockImplementation(() => exact() + TICK_MS * (calls++ - early));
+      for (let ms = 0; ms < 200; ms++) {
+        calls = 0;
+        vi.advanceTimersByTime(1);
+        await nextTask();
+      }
+      clock.mockRestore();
+      expect([early, pool.bricks.length, stream.complete]).toEqual([early, whole.brickCount, null]);
+      stream.end();
+      vi.useRealTimers();
+    }
+  });
+
+  test('takes no frame that it has asked for as one of the view', async () => {
+    const { pool, stream, redraw, give } = await follow();
+    give();
+    redraw.mockImplementation(async () => stream.see(stream, [SIGHT], redraw));
+    stream.see(stream, [SIGHT], redraw);
+    await stream.complete;
+    expect(pool.bricks).toHaveLength(whole.brickCount);
+    expect(vi.getTimerCount()).toBe(0);
+  });
+});
+
+test('tells of a brick that contradicts the others, keeps what is there, and goes on when called', async () => {
+  const whole = brickSceneOf(randomSplats({ count: 40_000, seed: 2, shDegree: 0 }));
+  const pool = new FakeBrickPool();
+  const root = pool.place(await whole.read(whole.root), whole.root, null);
+  const error = new SplatFileError('damaged', 'a scene', 'Brick 2 has 3 cells, and 4 are to be there.');
+  const place = vi.spyOn(pool, 'place').mockImplementation(() => {
+    throw error;
+  });
+  const stream = new BrickStream(whole, pool as unknown as BrickPool, root);
+  onTestFinished(() => stream.end());
+  look(stream);
+  await stream.complete;
+  expect(stream.report()).toMatchObject({ error, residentBricks: 1, fetching: 0, isComplete: false });
+  place.mockRestore();
+  stream.retry();
+  await stream.complete;
+  expect(stream.report()).toMatchObject({ error: null, residentBricks: whole.brickCount, isComplete: true });
 });
 
 test('keeps what is there while its server is gone, and goes on when the browser is online', async () => {

@@ -1,14 +1,23 @@
 import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
-import type { StreamReport } from '../cloud-stream.ts';
+import type { CloudSight, StreamReport } from '../cloud-stream.ts';
 import { ViewedStream } from '../viewed-stream.ts';
-import { BrickDemand, isWorthMore, type LackingBrick } from './brick-demand.ts';
-import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
+import {
+  BrickDemand,
+  DRAWN,
+  isWorthMore,
+  type LackingBrick,
+  type ResidentBrick,
+  type ValuedBrick,
+} from './brick-demand.ts';
+import type { BrickPool, PlacedBrick, PlacedCell, PoolSlots } from './brick-pool.ts';
 
 /** Runs of bricks that are fetched at once. */
 const FETCHED_AT_ONCE = 4;
 /** Bricks that may wait in memory, a few hundred kilobytes each, while what is there must not change. */
 const MOST_ARRIVED = 32;
+/** Bytes of bricks, the root included, that are asked for before there is a picture, at most. */
+const MOST_BYTES_AT_FIRST = 3 << 19;
 
 interface Fetch {
   readonly above: PlacedCell;
@@ -25,15 +34,20 @@ interface Fetch {
  */
 export class BrickStream extends ViewedStream {
   readonly #scene: BrickScene;
-  readonly #pool: BrickPool;
+  #pool: BrickPool;
   readonly #root: PlacedBrick;
-  /** What the viewers want; null until it is asked for. */
-  #known: BrickDemand | null = null;
+  /** What the viewers want, and the sights that it follows from. */
+  #known: {
+    readonly sights: readonly CloudSight[];
+    readonly foreseen: readonly CloudSight[];
+    readonly demand: BrickDemand;
+  } | null = null;
   /** By number of the brick, until it is placed. */
   readonly #fetches = new Map<number, Fetch>();
   #missing: readonly LackingBrick[] = [];
   #refused = 0;
   #fetchedBytes: number;
+  #askedBytes: number;
 
   /** @param root the root of `scene`, in `pool`. */
   constructor(scene: BrickScene, pool: BrickPool, root: PlacedBrick) {
@@ -42,6 +56,9 @@ export class BrickStream extends ViewedStream {
     this.#pool = pool;
     this.#root = root;
     this.#fetchedBytes = scene.root.bytes;
+    this.#askedBytes = scene.root.bytes;
+    // The first bricks that need these shaders tell what fails.
+    pool.ready(0).catch(() => {});
   }
 
   report(): StreamReport {
@@ -60,60 +77,115 @@ export class BrickStream extends ViewedStream {
     };
   }
 
+  missingFor(view: object): number {
+    return new BrickDemand(this.sightsOf(view)).lacking(this.#root).length;
+  }
+
+  lackingCells(): Set<number> {
+    return new Set(this.#missing.map(({ above }) => above.cell));
+  }
+
+  /** Makes room for more or fewer bricks; the most valuable ones stay. */
+  async resize(slots: PoolSlots): Promise<void> {
+    await this.untilFree();
+    if (this.isEnded) return;
+    const demand = this.#demand;
+    for (const isLowest of [true, false]) {
+      const placed = () => this.#pool.bricks.filter(({ level }) => (level === 0) === isLowest);
+      const most = isLowest ? slots.lowest : slots.upper;
+      // The least valuable first, so that children go before their parents.
+      const ranked = demand.ranked(placed());
+      for (const { brick } of ranked.slice(0, Math.max(0, placed().length - most))) this.#pool.remove(brick);
+    }
+    this.#pool = this.#pool.resized(slots);
+    this.redraw();
+  }
+
   override end(): void {
     for (const { ending } of this.#fetches.values()) ending.abort();
     this.#scene.end();
     super.end();
   }
 
-  protected follow(): void {
-    this.#known = null;
-    this.#placeArrived();
-  }
-
   get #demand(): BrickDemand {
-    this.#known ??= new BrickDemand(this.sights);
-    return this.#known;
+    const { sights, foreseen } = this;
+    if (this.#known?.sights !== sights || this.#known.foreseen !== foreseen)
+      this.#known = { sights, foreseen, demand: new BrickDemand(sights, foreseen) };
+    return this.#known.demand;
   }
 
-  /** Fetches what views lack, and ends fetches of what none of them wants any more. */
-  #fetchLacking(): void {
+  /** Fetches what views lack, then what they are about to lack, and ends fetches of anything else. */
+  protected follow(): void {
     if (this.isEnded) return;
-    const demand = this.#demand;
-    this.#missing = demand.lacking(this.#root);
-    const wanted = new Set(this.#missing.map(({ above }) => above.child!.number));
+    const lacking = this.#demand.lacking(this.#root, true);
+    const wanted = new Set(lacking.map(({ number }) => number));
     for (const [number, { ending }] of this.#fetches) if (!wanted.has(number)) ending.abort();
-    const possible = this.#fitting(demand);
-    this.#refused = this.#missing.length - possible.length;
-    if (!this.error) this.#fetchRuns(possible.filter(({ number }) => !this.#fetches.has(number)));
-    this.settle(this.#fetches.size === 0);
+    this.#missing = lacking.filter(isNeeded);
+    const possible = this.#fitting(lacking);
+    const needed = possible.filter(isNeeded);
+    this.#refused = this.#missing.length - needed.length;
+    if (!this.error) {
+      this.#fetchRuns(needed, this.#neededFetches);
+      if (needed.every(({ number }) => this.#fetches.has(number)))
+        this.#fetchRuns(possible.slice(needed.length), [...this.#fetches.values()]);
+    }
+    const waitsForPicture =
+      !this.isPictured && !this.error && !needed.every(({ number }) => this.#fetches.has(number));
+    const fetches = this.error ? this.#fetches.size : this.#neededFetches.length;
+    this.settle(fetches === 0 && !waitsForPicture);
   }
 
-  /** Fetches the most valuable bricks, each with others that are wanted and lie next to it. */
-  #fetchRuns(waiting: readonly LackingBrick[]): void {
-    const fetching = new Set([...this.#fetches.values()].flatMap(({ run, brick }) => (brick ? [] : [run])));
+  /** Those of bricks that views need by now. */
+  get #neededFetches(): readonly Fetch[] {
+    return [...this.#fetches.values()].filter(
+      ({ above, ending }) => ending.signal.aborted || isNeeded(valued(this.#demand, above)),
+    );
+  }
+
+  /**
+   * Fetches the most valuable bricks, each with others that are wanted and lie next to it. Before
+   * there is a picture, they are few: bytes that it does not need would delay it on slow networks.
+   *
+   * @param others fetches that count towards those that are possible at once.
+   */
+  #fetchRuns(wanted: readonly LackingBrick[], others: readonly Fetch[]): void {
+    const waiting = wanted.filter(({ number }) => !this.#fetches.has(number));
+    const fetching = new Set(others.flatMap(({ run, brick }) => (brick ? [] : [run])));
+    let places = MOST_ARRIVED - others.length;
     for (const best of waiting) {
-      const places = MOST_ARRIVED - this.#fetches.size;
       if (fetching.size >= FETCHED_AT_ONCE || places <= 0) return;
       if (this.#fetches.has(best.number)) continue;
-      const others = waiting.filter(({ number }) => !this.#fetches.has(number));
-      const run = runAround(best, others, places);
+      const bytesLeft = this.isPictured
+        ? MOST_REQUEST_BYTES
+        : Math.min(MOST_REQUEST_BYTES, MOST_BYTES_AT_FIRST - this.#askedBytes);
+      if (addressOf(best).bytes > bytesLeft && !this.isPictured) return;
+      const run = runAround(
+        best,
+        waiting.filter(({ number }) => !this.#fetches.has(number)),
+        places,
+        bytesLeft,
+      );
       fetching.add(run);
+      places -= run.length;
       for (const { above } of run) void this.#fetch(above, run);
     }
   }
 
-  /** Those of the missing bricks that free slots hold, or slots of bricks that are worth less. */
-  #fitting(demand: BrickDemand): readonly LackingBrick[] {
-    const kinds = [true, false].map((isLowest) => ({
+  /** Those of bricks that are lacking which free slots hold, or slots of bricks that are worth less. */
+  #fitting(lacking: readonly LackingBrick[]): readonly LackingBrick[] {
+    const kinds = [0, 1].map((level) => ({
+      level,
       taken: 0,
-      free: this.#pool.freeSlots(isLowest ? 0 : 1),
-      others: demand.ranked(this.#pool.bricks.filter(({ level }) => (level === 0) === isLowest)),
+      free: this.#pool.freeSlots(level),
+      // Ranking takes longest by far, and is of no use while there is room.
+      others: null as readonly ResidentBrick[] | null,
     }));
-    return this.#missing.filter((each) => {
+    return lacking.filter((each) => {
       const kind = kinds[each.above.brick.level === 1 ? 0 : 1];
       const place = kind.taken++ - kind.free;
-      return place < 0 || (place < kind.others.length && isWorthMore(each, kind.others[place]));
+      if (place < 0) return true;
+      kind.others ??= this.#ranked(kind.level);
+      return place < kind.others.length && isWorthMore(each, kind.others[place]);
     });
   }
 
@@ -123,45 +195,73 @@ export class BrickStream extends ViewedStream {
     const fetch: Fetch = { above, run, ending, brick: null };
     if (this.#fetches.size === 0) this.rate.begin();
     this.#fetches.set(address.number, fetch);
+    this.#askedBytes += address.bytes;
     try {
-      fetch.brick = await this.#scene.read(address, ending.signal);
+      const brick = await this.#scene.read(address, ending.signal);
       this.#fetchedBytes += address.bytes;
       this.rate.take(address.bytes);
+      await this.#pool.ready(brick.level);
+      fetch.brick = brick;
     } catch (error) {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.error = error as Error;
     }
-    this.#placeArrived();
+    this.follow();
   }
 
-  /** Places bricks that have arrived, unless what is there must not change; fetches others. */
-  #placeArrived(): void {
-    if (this.isEnded) return;
-    if (!this.isHeld) {
-      for (const [number, { above, ending, brick }] of this.#fetches) {
-        if (!brick) continue;
-        this.#fetches.delete(number);
-        if (!ending.signal.aborted) this.#take(brick, above);
+  protected whenDone(): Promise<unknown> {
+    return this.#pool.whenDone();
+  }
+
+  protected get isWaiting(): boolean {
+    return this.#arrived.length > 0;
+  }
+
+  /** Bricks that have been read, and are to be placed. */
+  get #arrived(): readonly (Fetch & { readonly brick: Brick })[] {
+    return [...this.#fetches.values()].filter(
+      (fetch): fetch is Fetch & { brick: Brick } => fetch.brick !== null,
+    );
+  }
+
+  protected change(mostParts: number): number {
+    const worth = ({ above }: Fetch) => valued(this.#demand, above);
+    const arrived = this.#arrived.toSorted((a, b) => (isWorthMore(worth(a), worth(b)) ? -1 : 1));
+    let placed = 0;
+    for (const { brick, above, ending } of arrived) {
+      this.#fetches.delete(above.child!.number);
+      if (ending.signal.aborted) continue;
+      try {
+        placed += Number(this.#take(brick, above));
+      } catch (error) {
+        // It contradicts the bricks that are there.
+        this.error = error as Error;
       }
+      if (placed >= mostParts) break;
     }
-    this.#fetchLacking();
+    return placed;
   }
 
-  /** Places a brick that has arrived, if it is still worth its room. */
-  #take(brick: Brick, above: PlacedCell): void {
+  /** Places a brick that has arrived, if it is still worth its room; returns whether it is. */
+  #take(brick: Brick, above: PlacedCell): boolean {
     // Its parent may have gone meanwhile.
-    if (!isPlaced(above)) return;
-    if (this.#pool.freeSlots(brick.level) === 0) {
-      const demand = this.#demand;
-      const kind = this.#pool.bricks.filter(({ level }) => (level === 0) === (brick.level === 0));
-      const [least] = demand.ranked(kind);
-      const own = { value: demand.valueOf(above), number: above.child!.number };
-      if (!least || !isWorthMore(own, least)) return;
-      this.#pool.remove(least.brick);
-    }
-    this.#pool.place(brick, above.child!, above);
-    this.redraw();
+    if (!isPlaced(above)) return false;
+    const isFull = this.#pool.freeSlots(brick.level) === 0;
+    const least = isFull ? this.#ranked(brick.level)[0] : null;
+    if (isFull && !(least && isWorthMore(valued(this.#demand, above), least))) return false;
+    this.#pool.place(brick, above.child!, above, least?.brick);
+    return true;
   }
+
+  /** Bricks in slots for those of a level, the least valuable first, without the root. */
+  #ranked(level: number): readonly ResidentBrick[] {
+    return this.#demand.ranked(this.#pool.bricks.filter((brick) => (brick.level === 0) === (level === 0)));
+  }
+}
+
+/** Whether views would draw a brick, as they are now. */
+function isNeeded({ value }: ValuedBrick): boolean {
+  return value > DRAWN;
 }
 
 /** A brick with those of `others` before and behind it that one request fetches, in their order. */
@@ -169,6 +269,7 @@ function runAround(
   best: LackingBrick,
   others: readonly LackingBrick[],
   mostBricks: number,
+  mostBytes: number,
 ): readonly LackingBrick[] {
   const starting = new Map(others.map((each) => [addressOf(each).offset, each]));
   const ending = new Map(others.map((each) => [endOf(each), each]));
@@ -177,10 +278,15 @@ function runAround(
   for (;;) {
     const next = starting.get(endOf(run.at(-1)!)) ?? ending.get(addressOf(run[0]).offset);
     bytes += next ? addressOf(next).bytes : 0;
-    if (!next || run.length === mostBricks || bytes > MOST_REQUEST_BYTES) return run;
+    if (!next || run.length === mostBricks || bytes > mostBytes) return run;
     if (addressOf(next).offset > addressOf(best).offset) run.push(next);
     else run.unshift(next);
   }
+}
+
+/** The brick below a cell, with its value. */
+function valued(demand: BrickDemand, above: PlacedCell): ValuedBrick {
+  return { value: demand.valueOf(above), number: above.child!.number };
 }
 
 function addressOf({ above }: LackingBrick): BrickAddress {

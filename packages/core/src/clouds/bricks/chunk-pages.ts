@@ -23,7 +23,7 @@ export const BLOB_WORDS = GEOMETRY_WORDS[BLOB_PRECISION.geometryPrecision];
 export const LINKS_BYTES = 4 * ChunkLinks.words;
 /** Words of these fields in a `ChunkLinks`. */
 const CELL_WORD = 0;
-export const CELL_ERROR_WORD = 1;
+const CELL_ERROR_WORD = 1;
 const UNCOUNTED_WORD = 7;
 /** Bounds that are in no frustum. */
 const NOWHERE = 1e18;
@@ -40,10 +40,20 @@ export function chunkBytes(shDegree: ShDegree): number {
   return planes + LevelCell.bytes + 2 * LINKS_BYTES;
 }
 
-/** The stages that make the blobs of chunks. */
-export function chunkStages(shDegree: ShDegree): readonly StageDefinition[] {
-  const merging = mergeChunks(STREAM_PRECISION.geometryPrecision);
-  return shDegree > 0 ? [merging, mergeHarmonics(shDegree, STREAM_PRECISION)] : [merging];
+/** Stages that make blobs, by degree. Made once: pipelines are found by the identity of stages. */
+const MERGE_STAGES = ([0, 1, 2, 3] as const).map((shDegree) => {
+  const stages = (from: 'packed' | 'upper') => [
+    mergeChunks(from),
+    ...(shDegree > 0 ? [mergeHarmonics(shDegree, from === 'upper' ? from : STREAM_PRECISION)] : []),
+  ];
+  return { chunks: stages(STREAM_PRECISION.geometryPrecision), upper: stages('upper') };
+});
+
+/** The stages that make the blobs of chunks, and those of upper levels. */
+export function mergeStages(
+  shDegree: ShDegree,
+): Readonly<Record<'chunks' | 'upper', readonly StageDefinition[]>> {
+  return MERGE_STAGES[shDegree];
 }
 
 /** The upper levels of a pool, as stages that merge chunks bind them. */
@@ -51,6 +61,13 @@ export interface UpperLevels {
   /** Number of the first cell above the chunks. */
   readonly start: number;
   readonly page: BlobPage;
+}
+
+/** Chunks that follow each other, in a page of one pool and of the next. */
+export interface ChunkMove {
+  readonly from: number;
+  readonly to: number;
+  readonly count: number;
 }
 
 /**
@@ -62,10 +79,11 @@ export class ChunkPages {
   readonly splatLinks: readonly GPUBuffer[];
   readonly blobPages: readonly BlobPage[];
   /** Row in the file of each place for a splat. */
-  readonly rows: Uint32Array;
+  readonly rows: Uint32Array<ArrayBuffer>;
   /** Chunks of all pages but the last, a multiple of 16. */
   readonly pageChunks: number;
   readonly #device: GPUDevice;
+  readonly #memory: GpuMemory;
   readonly #dispatchRow: number;
   readonly #shDegree: ShDegree;
   readonly #cells: GPUBuffer;
@@ -77,6 +95,8 @@ export class ChunkPages {
   /**
    * @param cells the buffer of the pool's cells.
    * @param nowhere number of the one that is never in sight.
+   * @param before pages whose place these take, without their blobs, and what is moved: `keep` it, and
+   *   merge its blobs anew.
    */
   constructor(
     { device, dispatchRow }: DispatchContext,
@@ -85,9 +105,11 @@ export class ChunkPages {
     chunkCount: number,
     cells: GPUBuffer,
     nowhere: number,
+    before: { readonly pages: ChunkPages; readonly moves: readonly ChunkMove[] } | null = null,
   ) {
     const { limits } = device;
     this.#device = device;
+    this.#memory = memory;
     this.#dispatchRow = dispatchRow;
     this.#shDegree = shDegree;
     this.#cells = cells;
@@ -112,6 +134,7 @@ export class ChunkPages {
       geometry: plane('geometry', 4 * SPLAT_WORDS),
       harmonics: shDegree > 0 ? plane('spherical harmonics', shBytes(shDegree)) : [],
     });
+    if (before) this.#takeOver(before.pages, before.moves);
     this.splatLinks = chunkPlane('splat links', LINKS_BYTES);
     this.blobPages = ranges.map(({ start, end }, page) =>
       makeBlobPage(memory, `${name} blob ${page}`, shDegree, cells, end - start),
@@ -126,19 +149,43 @@ export class ChunkPages {
     return this.#words;
   }
 
-  /** Writes cells with their splats to the chunks from `first` on, which draw nothing yet. */
-  write({ cells, geometry, harmonics, rows }: SplatCells, first: number): void {
+  /**
+   * Writes cells with their splats to the chunks from `first` on, which draw nothing yet.
+   *
+   * @param cellErrors the errors at which cells end, where these are known.
+   */
+  write(
+    { cells, geometry, harmonics, rows }: SplatCells,
+    first: number,
+    cellErrors: readonly number[] = [],
+  ): void {
     const { queue } = this.#device;
     const { page, chunk } = this.#placeOf(first);
-    const { geometry: splats, shRest, chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
+    const { geometry: splats, shRest } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
     queue.writeBuffer(splats, 4 * SPLAT_WORDS * CHUNK_SPLATS * chunk, geometry);
     if (shRest) queue.writeBuffer(shRest, shBytes(this.#shDegree) * CHUNK_SPLATS * chunk, harmonics);
+    this.keep({ cells, rows }, first, cellErrors);
+  }
+
+  /** As `write`, for splats that are in these chunks already. */
+  keep(
+    { cells, rows }: Pick<SplatCells, 'cells' | 'rows'>,
+    first: number,
+    cellErrors: readonly number[] = [],
+  ): void {
+    const { queue } = this.#device;
+    const { page, chunk } = this.#placeOf(first);
+    const { chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
     this.bound(cells, first);
     const start = CHUNK_WORDS.count * first;
     const words = CHUNK_WORDS.count * cells.length;
     queue.writeBuffer(chunks, 4 * CHUNK_WORDS.count * chunk, this.#words, start, words);
     this.rows.set(rows, CHUNK_SPLATS * first);
-    this.clear(first, cells.length);
+    const links = emptyLinks(this.#nowhere, cells.length, cellErrors);
+    queue.writeBuffer(this.blobPages[page].links, LINKS_BYTES * chunk, links);
+    for (const [i, { leafCount }] of cells.entries())
+      links[ChunkLinks.words * i + UNCOUNTED_WORD] = CHUNK_SPLATS - leafCount;
+    queue.writeBuffer(this.splatLinks[page], LINKS_BYTES * chunk, links);
   }
 
   /** Adds dispatches that make the blobs of chunks, all full but the last. */
@@ -166,20 +213,24 @@ export class ChunkPages {
       hasNextLevel: 0,
       dispatchRow: this.#dispatchRow,
     });
-    for (const stage of chunkStages(this.#shDegree))
+    for (const stage of mergeStages(this.#shDegree).chunks)
       dispatches.add(stage, parameters, bindings, cells.length);
   }
 
-  /** Writes what merging does not know: how many splats a chunk lacks, and the error at which its cell ends. */
-  writeHead({ leafCount }: BrickCell, chunk: number, cellError: number | undefined): void {
-    if (cellError !== undefined) this.#writeHeads(chunk, CELL_ERROR_WORD, cellError);
-    const { page, chunk: at } = this.#placeOf(chunk);
-    this.#writeWord(this.splatLinks[page], at, UNCOUNTED_WORD, CHUNK_SPLATS - leafCount);
+  /** Frees all but splats, before other pages take their place. */
+  freeBlobs(): void {
+    for (const page of this.blobPages) freeBlobPage(this.#memory, page);
+    for (const links of this.splatLinks) this.#memory.destroy(links);
   }
 
   /** Draws chunks that have been merged, or does not. */
   show(chunks: readonly number[], isShown: boolean): void {
-    for (const chunk of chunks) this.#writeHeads(chunk, CELL_WORD, isShown ? chunk : this.#nowhere);
+    for (const chunk of chunks) {
+      const { page, chunk: at } = this.#placeOf(chunk);
+      const cell = Uint32Array.of(isShown ? chunk : this.#nowhere);
+      for (const links of [this.splatLinks[page], this.blobPages[page].links])
+        this.#device.queue.writeBuffer(links, LINKS_BYTES * at + 4 * CELL_WORD, cell);
+    }
   }
 
   /** Takes out what chunks hold. */
@@ -212,20 +263,35 @@ export class ChunkPages {
     }
   }
 
+  /** Copies splats of other pages, and frees these. */
+  #takeOver(before: ChunkPages, moves: readonly ChunkMove[]): void {
+    const encoder = this.#device.createCommandEncoder({ label: 'pool' });
+    const [own, others] = [this, before].map(({ planes }) => planes.pagesFor(STREAM_PRECISION).pages);
+    for (const { from, to, count } of moves) {
+      const [source, target] = [before.#placeOf(from), this.#placeOf(to)];
+      const copy = (plane: 'geometry' | 'shRest', bytesPerSplat: number) => {
+        const [read, written] = [others[source.page][plane], own[target.page][plane]];
+        const bytes = CHUNK_SPLATS * bytesPerSplat;
+        if (read && written)
+          encoder.copyBufferToBuffer(
+            read,
+            bytes * source.chunk,
+            written,
+            bytes * target.chunk,
+            bytes * count,
+          );
+      };
+      copy('geometry', 4 * SPLAT_WORDS);
+      copy('shRest', shBytes(this.#shDegree));
+    }
+    this.#device.queue.submit([encoder.finish()]);
+    before.planes.destroy();
+  }
+
   #ownWords(): Float32Array<ArrayBuffer> {
     if (this.#isGivenAway) this.#words = this.#words.slice();
     this.#isGivenAway = false;
     return this.#words;
-  }
-
-  #writeHeads(chunk: number, word: number, value: number): void {
-    const { page, chunk: at } = this.#placeOf(chunk);
-    for (const links of [this.splatLinks[page], this.blobPages[page].links])
-      this.#writeWord(links, at, word, value);
-  }
-
-  #writeWord(links: GPUBuffer, chunk: number, word: number, value: number): void {
-    this.#device.queue.writeBuffer(links, LINKS_BYTES * chunk + 4 * word, Uint32Array.of(value));
   }
 
   /** The page of a chunk, and its number there. */
@@ -260,14 +326,30 @@ export function makeBlobPage(
   };
 }
 
+export function freeBlobPage(memory: GpuMemory, { geometry, shRest, links }: BlobPage): void {
+  for (const buffer of [geometry, shRest, links]) if (buffer) memory.destroy(buffer);
+}
+
 export function upperBindings(cells: GPUBuffer, { geometry, links, shRest }: BlobPage): Bindings {
   return { cells, upper: geometry, upperLinks: links, ...(shRest && { upperSh: shRest }) };
 }
 
-/** Links of chunks that hold nothing. */
-export function emptyLinks(nowhere: number, chunkCount: number): Uint32Array<ArrayBuffer> {
+/**
+ * Links of chunks that hold nothing.
+ *
+ * @param cellErrors of the cells that are to be merged there, where these are known: merging keeps
+ *   them.
+ */
+export function emptyLinks(
+  nowhere: number,
+  chunkCount: number,
+  cellErrors: readonly number[] = [],
+): Uint32Array<ArrayBuffer> {
   const links = new Uint32Array(chunkCount * ChunkLinks.words);
-  for (let chunk = 0; chunk < chunkCount; chunk++) links[chunk * ChunkLinks.words + CELL_WORD] = nowhere;
+  for (let chunk = 0; chunk < chunkCount; chunk++) {
+    links[chunk * ChunkLinks.words + CELL_WORD] = nowhere;
+    links[chunk * ChunkLinks.words + CELL_ERROR_WORD] = cellErrors[chunk] ?? 0;
+  }
   return links;
 }
 

@@ -1,9 +1,11 @@
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
+import type { CloudStream } from '../cloud-stream.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import type { Levels } from '../levels.ts';
 import { type CloudPool, SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
+import type { StreamOptions } from '../stream-budget.ts';
 import { type ChunkPages, STREAM_PRECISION } from './chunk-pages.ts';
 
 /** What a cloud tells of a scene of which it shows parts. */
@@ -11,6 +13,9 @@ export type StreamedScene = Pick<
   BrickScene,
   'name' | 'splatCount' | 'shDegree' | 'isAntialiased' | 'origin' | 'bounds' | 'robustBounds'
 >;
+
+/** Advice where a pool finds no memory. */
+const POOL_ADVICE = 'Give it fewer bytes.';
 
 /**
  * Makes a pool, in GPU memory of its own.
@@ -25,7 +30,7 @@ export async function makePool<Pool>(
 ): Promise<Pool> {
   const memory = context.memory.part();
   await context.pipelines.prepare(stages);
-  const { result: pool, checked } = memory.guard(name, 'Give it fewer bytes.', () => {
+  const { result: pool, checked } = memory.guard(name, POOL_ADVICE, () => {
     try {
       return make(memory);
     } catch (error) {
@@ -38,6 +43,57 @@ export async function makePool<Pool>(
     throw error;
   });
   return pool;
+}
+
+/**
+ * Gives a cloud a pool of another size. If the device lacks the memory, the cloud is destroyed.
+ *
+ * @returns null if the engine's budget does not hold it; nothing is made then.
+ */
+export function resizedPool<Pool extends CloudPool & Levels>(
+  memory: GpuMemory,
+  cloud: SplatCloud,
+  growthBytes: number,
+  make: () => { readonly pool: Pool; readonly pages: ChunkPages },
+): Pool | null {
+  if (growthBytes > memory.availableBytes) return null;
+  const { result, checked } = memory.guard(cloud.name, POOL_ADVICE, make);
+  const { planes, rows, words } = result.pages;
+  cloud.takePool(result.pool, { planes, fileIndices: rows, chunks: words.buffer }, checked);
+  return result.pool;
+}
+
+/**
+ * Makes the cloud of a new pool, and the stream that fills it. Destroys the pool if that fails.
+ *
+ * @param begin places what is there at first.
+ * @param leave gives back the share of the budget once the cloud is destroyed.
+ * @throws the signal's reason; what `begin` throws.
+ */
+export function streamInto<Stream extends CloudStream>(
+  pool: {
+    readonly cloud: (options: Pick<SplatCloudOptions, 'onDestroyed'>) => SplatCloud;
+    readonly destroy: () => void;
+  },
+  begin: () => Stream,
+  leave: () => void,
+  { signal, onDestroyed }: StreamOptions & Pick<SplatCloudOptions, 'onDestroyed'>,
+): { readonly made: SplatCloud; readonly stream: Stream } {
+  try {
+    signal?.throwIfAborted();
+    const stream = begin();
+    const made = pool.cloud({
+      onDestroyed: (cloud) => {
+        leave();
+        onDestroyed?.(cloud);
+      },
+    });
+    made.stream = stream;
+    return { made, stream };
+  } catch (error) {
+    pool.destroy();
+    throw error;
+  }
 }
 
 /** A cloud that shows what is in a pool. */

@@ -1,23 +1,15 @@
 import type { BrickScene } from '../../data/bricks/brick.ts';
-import { InvalidArgumentError } from '../../data/errors.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
-import type { DispatchContext } from '../ingest/dispatches.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import { BrickPool, type PoolSlots, slotBytes } from './brick-pool.ts';
+import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream-budget.ts';
+import { BrickPool, type PoolSlots, poolBytes, rootStages, slotBytes } from './brick-pool.ts';
 import { BrickStream } from './brick-stream.ts';
+import { streamInto } from './make-pool.ts';
 
-/** GPU memory that a scene takes where nothing else is asked for. */
-export const DEFAULT_STREAM_BYTES = 512 << 20;
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 /** Part of a pool for bricks above the lowest level: of a part of a scene more than a sixteenth is there. */
 const UPPER_PART = 1 / 6;
-
-export interface StreamOptions {
-  /** GPU memory for the scene, at most; default 512 MiB. Scenes that need less take less. */
-  readonly budgetBytes?: number;
-  readonly signal?: AbortSignal;
-}
 
 /**
  * Makes a cloud that shows what views need of a scene. Resolves when its coarsest part is there.
@@ -26,44 +18,43 @@ export interface StreamOptions {
  *   if there is no memory; what `scene.read` throws. Nothing is left then.
  */
 export async function streamScene(
-  context: DispatchContext,
+  context: StreamContext,
   scene: BrickScene,
-  { budgetBytes = DEFAULT_STREAM_BYTES, signal }: StreamOptions,
-  options: Pick<SplatCloudOptions, 'onDestroyed'>,
+  options: StreamOptions,
+  { onDestroyed }: Pick<SplatCloudOptions, 'onDestroyed'>,
 ): Promise<SplatCloud> {
-  const making = BrickPool.make(context, scene, slotsFor(scene, budgetBytes));
-  const brick = await scene.read(scene.root, signal).catch(async (error) => {
-    const pool = await making.catch(() => null);
-    pool?.destroy();
-    throw error;
+  const { name, shDegree } = scene;
+  const { least, most } = roomFor(scene);
+  const need = { name, leastBytes: poolBytes(shDegree, least), mostBytes: poolBytes(shDegree, most) };
+  checkBudget(need, options);
+  // The pool tells if this fails.
+  context.pipelines.prepare(rootStages(scene)).catch(() => {});
+  const brick = await scene.read(scene.root, options.signal);
+  return withShare(context.shares, need, options, async (shareBytes, leave) => {
+    const pool = await BrickPool.make(context, scene, slotsFor(scene, shareBytes));
+    const begin = () => new BrickStream(scene, pool, pool.place(brick, scene.root, null));
+    const { made, stream } = streamInto(pool, begin, leave, { ...options, onDestroyed });
+    return { made, resize: (bytes) => stream.resize(slotsFor(scene, bytes)) };
   });
-  const pool = await making;
-  try {
-    signal?.throwIfAborted();
-    const root = pool.place(brick, scene.root, null);
-    const cloud = pool.cloud(options);
-    cloud.stream = new BrickStream(scene, pool, root);
-    return cloud;
-  } catch (error) {
-    pool.destroy();
-    throw error;
-  }
 }
 
-/** Room for all of a scene, or as much as the budget holds. @throws InvalidArgumentError */
-export function slotsFor(scene: BrickScene, budgetBytes: number): PoolSlots {
-  const bytes = slotBytes(scene.shDegree);
-  const chunks = chunkCountOf(scene.splatCount);
+/** Room for all of a scene, or as much as the budget holds. */
+function slotsFor(scene: BrickScene, budgetBytes: number): PoolSlots {
+  const { shDegree } = scene;
+  const { least, most } = roomFor(scene);
+  if (poolBytes(shDegree, most) <= budgetBytes) return most;
+  const bytes = slotBytes(shDegree);
+  const upper = Math.max(least.upper, Math.floor((UPPER_PART * budgetBytes) / bytes.upper));
+  const slots = { lowest: 0, upper: Math.min(most.upper, upper) };
+  return { ...slots, lowest: Math.floor((budgetBytes - poolBytes(shDegree, slots)) / bytes.lowest) };
+}
+
+/** The least room that a scene can be shown in, and that for all of it. */
+function roomFor({ splatCount, brickCount }: BrickScene): Readonly<Record<'least' | 'most', PoolSlots>> {
+  const chunks = chunkCountOf(splatCount);
   const lowest = Math.ceil(chunks / CELL_CHILDREN);
-  const upper = Math.max(1, scene.brickCount - lowest);
-  if (lowest * bytes.lowest + upper * bytes.upper <= budgetBytes) return { lowest, upper };
+  const most = { lowest, upper: Math.max(1, brickCount - lowest) };
   // From the root down to the lowest level, one brick of each, and one that may take its place.
   const levels = Math.ceil(Math.log(chunks) / Math.log(CELL_CHILDREN)) + 1;
-  const least = 2 * bytes.lowest + levels * bytes.upper;
-  if (budgetBytes < least) {
-    const message = `budgetBytes is ${budgetBytes}; ${scene.name} needs at least ${least}.`;
-    throw new InvalidArgumentError('budgetBytes', message);
-  }
-  const ofUpper = Math.min(upper, Math.max(levels, Math.floor((UPPER_PART * budgetBytes) / bytes.upper)));
-  return { lowest: Math.floor((budgetBytes - ofUpper * bytes.upper) / bytes.lowest), upper: ofUpper };
+  return { least: { lowest: Math.min(2, lowest), upper: Math.min(levels, most.upper) }, most };
 }

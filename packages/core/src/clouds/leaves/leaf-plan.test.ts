@@ -13,8 +13,9 @@ function leavesOf(leafCount: number, levelCount = 3): SceneLeaf[] {
     levels: Array.from(
       { length: levelCount },
       (_, level): LeafLevel => ({
-        ...{ file: level, offset: 0, firstRow: null },
+        file: level,
         count: 1024 * 4 ** (levelCount - 1 - level),
+        chunkCount: 4 ** (levelCount - level),
         error: level === 0 ? 0 : 0.01 * 2 ** level,
       }),
     ),
@@ -102,6 +103,39 @@ describe('the plan of leaves', () => {
       expect(drawn).toBeLessThanOrEqual(splats);
       if (budget.isFinest) expect(drawn).toBeGreaterThan(splats - 12_288);
     }
+  });
+
+  it('refines a part after what it is a part of, for no more, and the lower rank first', () => {
+    const bounds = { min: [0, 0, 0], max: [1, 1, 1] } as const;
+    const leaf = (error: number, chunkCount: number, others: Partial<SceneLeaf> = {}): SceneLeaf => {
+      const level = (count: number, each: number) => ({
+        file: 0,
+        count: 256 * count,
+        chunkCount: count,
+        error: each,
+      });
+      return { bounds, levels: [level(chunkCount, 0), level(1, error)], ...others };
+    };
+    const parts = [
+      leaf(0.02, 8, { rank: 1 }),
+      leaf(0.01, 8, { rank: 2 }),
+      leaf(0.5, 8, { above: 1, rank: 9 }),
+      leaf(0.5, 8, { above: 0, rank: 8 }),
+      leaf(0.5, 8, { above: 0, rank: 7 }),
+    ];
+    const targets = (room: number, sight = sightFrom(-1, 1e-4)) => targetsOf(parts, [sight], room).join('');
+    expect(targets(7)).toBe('11111');
+    expect(targets(15)).toBe('01111');
+    expect(targets(23)).toBe('01110');
+    expect(targets(31)).toBe('01100');
+    expect(targets(40)).toBe('00000');
+    // What is above is good enough, or too large: then no part of it is refined.
+    expect(targets(40, sightFrom(-1, 0.015))).toBe('01100');
+    parts[0] = leaf(0.02, 80, { rank: 1 });
+    expect(targets(40)).toBe('10011');
+    // What the leaves above draw has the coarsest levels of their parts.
+    const budget = { splats: 2 * 256 + 7 * 256, isFinest: true };
+    expect(targets(anything, sightFrom(-1, 1e-4, { budget }))).toBe('10111');
   });
 
   it('has the environment at its only level', () => {

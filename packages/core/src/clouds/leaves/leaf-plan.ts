@@ -1,15 +1,20 @@
 import type { SceneLeaf } from '../../data/bricks/leaf-scene.ts';
-import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { LEAST_SQUARED, OUT_OF_SIGHT, reachesIn, squaredThreshold } from '../bricks/brick-demand.ts';
 import type { CloudSight } from '../cloud-stream.ts';
 
-/** What views want of a leaf. Levels are places in its list: the last one, the coarsest, is always there. */
+/**
+ * What views want of a leaf. Levels are places in its list: the last one, the coarsest, is there
+ * wherever the finest of the leaf above is, if there is one.
+ */
 export interface PlannedLeaf {
   /** Whether any view may see it. */
   readonly isSeen: boolean;
   /** The coarsest level that is good enough for all views. */
   readonly wanted: number;
-  /** The level that there is room for, of those up to the wanted one. */
+  /**
+   * The level that there is room for, of those up to the wanted one; the coarsest where the leaf
+   * above has another target than its finest.
+   */
   readonly target: number;
   /**
    * How far the error of the coarsest level exceeds what the view that needs the leaf most allows,
@@ -49,7 +54,7 @@ export function planLeaves(
     views.reduce((most, view) => (level > view[i].wanted ? Math.max(most, view[i].values[level]) : most), 0);
   const chunksOf = (i: number, level: number) => {
     const { levels } = leaves[i];
-    return level + 1 < levels.length ? chunkCountOf(levels[level].count) : 0;
+    return level + 1 < levels.length ? levels[level].chunkCount : 0;
   };
   const targets = refined(leaves, wanted, worthOf, chunksOf, roomChunks);
   return leaves.map(({ levels }, i) => ({
@@ -61,20 +66,17 @@ export function planLeaves(
 }
 
 /** What one view wants of each leaf, within its budget of splats. */
-function seenBy(leaves: readonly SceneLeaf[], { cut, sides, budget }: CloudSight): SeenLeaf[] {
-  const seen = leaves.map(({ bounds, levels }): SeenLeaf => {
-    if (!bounds) return { isSeen: true, values: levels.map(() => 0), wanted: 0 };
-    // Bounds hold each splat as far as its standard deviation.
-    const largestScale = Math.hypot(...bounds.max.map((value, axis) => value - bounds.min[axis])) / 2;
-    const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
-    const threshold = Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
-    const values = levels.map(({ error }) => (error * error * (isSeen ? 1 : OUT_OF_SIGHT)) / threshold);
-    const isFinest = isSeen && budget?.isFinest;
-    return { isSeen, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
-  });
+function seenBy(leaves: readonly SceneLeaf[], sight: CloudSight): SeenLeaf[] {
+  const seen: SeenLeaf[] = [];
+  for (const leaf of leaves)
+    seen.push(seenLeaf(leaf, leaf.above === undefined ? undefined : seen[leaf.above], sight));
+  const { budget } = sight;
   if (!budget) return seen;
   const splatsOf = (i: number, level: number) => (seen[i].isSeen ? leaves[i].levels[level].count : 0);
-  const coarsest = leaves.reduce((sum, { levels }, i) => sum + splatsOf(i, levels.length - 1), 0);
+  const coarsest = leaves.reduce(
+    (sum, { levels, above }, i) => sum + (above === undefined ? splatsOf(i, levels.length - 1) : 0),
+    0,
+  );
   const wanted = seen.map((leaf) => leaf.wanted);
   const within = refined(
     leaves,
@@ -87,9 +89,28 @@ function seenBy(leaves: readonly SceneLeaf[], { cut, sides, budget }: CloudSight
   return seen;
 }
 
+/** @param above what the view wants of the leaf above: no part of it is worth more. */
+function seenLeaf(
+  { bounds, levels }: SceneLeaf,
+  above: SeenLeaf | undefined,
+  { cut, sides, budget }: CloudSight,
+): SeenLeaf {
+  if (!bounds) return { isSeen: true, values: levels.map(() => 0), wanted: 0 };
+  // Bounds hold each splat as far as its standard deviation.
+  const largestScale = Math.hypot(...bounds.max.map((value, axis) => value - bounds.min[axis])) / 2;
+  const isSeen = above?.isSeen !== false && sides.every((side) => reachesIn(side, bounds, largestScale));
+  const threshold = Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
+  const most = above?.values[1] ?? Number.POSITIVE_INFINITY;
+  const values = levels.map(({ error }) =>
+    Math.min(most, (error * error * (isSeen ? 1 : OUT_OF_SIGHT)) / threshold),
+  );
+  const isFinest = isSeen && budget?.isFinest;
+  return { isSeen, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
+}
+
 /**
  * Refines leaves, from their coarsest levels down to the wanted ones, the most valuable first; a
- * leaf whose next level has no room stays as it is.
+ * leaf whose next level has no room stays as it is, and so do those that are a part of it.
  *
  * @param worthOf the value of refining a leaf that has this level; no more for finer ones.
  * @param sizeOf the room that this level of a leaf takes.
@@ -102,15 +123,16 @@ function refined(
   room: number,
 ): number[] {
   const reached = leaves.map(({ levels }) => levels.length - 1);
-  const steps: { leaf: number; level: number; value: number }[] = [];
+  const steps: { leaf: number; rank: number; level: number; value: number }[] = [];
   for (const [leaf, coarsest] of reached.entries())
     for (let level = coarsest; level > wanted[leaf]; level--)
-      steps.push({ leaf, level, value: worthOf(leaf, level) });
+      steps.push({ leaf, rank: leaves[leaf].rank ?? leaf, level, value: worthOf(leaf, level) });
   // No two are worth the same, and a level no more than a coarser one of the same leaf.
-  steps.sort((a, b) => b.value - a.value || a.leaf - b.leaf || b.level - a.level);
+  steps.sort((a, b) => b.value - a.value || a.rank - b.rank || b.level - a.level);
   let left = room;
   for (const { leaf, level } of steps) {
-    if (reached[leaf] !== level) continue;
+    const { above } = leaves[leaf];
+    if (reached[leaf] !== level || (above !== undefined && reached[above] > 0)) continue;
     const size = sizeOf(leaf, level - 1) - sizeOf(leaf, level);
     if (size > left) continue;
     left -= size;

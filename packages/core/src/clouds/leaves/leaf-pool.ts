@@ -5,16 +5,19 @@ import { LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import {
+  type ChunkMove,
   ChunkPages,
-  chunkStages,
+  chunkBytes,
   emptyLinks,
+  freeBlobPage,
   makeBlobPage,
+  mergeStages,
   nowhereCell,
   poolBuffer,
   shBytes,
   writeCells,
 } from '../bricks/chunk-pages.ts';
-import { makePool, type StreamedScene, streamedCloud } from '../bricks/make-pool.ts';
+import { makePool, resizedPool, type StreamedScene, streamedCloud } from '../bricks/make-pool.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
 import type { CloudPool, SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
@@ -30,8 +33,11 @@ interface Run {
 
 /** Splats on the GPU. */
 export interface PlacedSplats {
-  readonly runs: readonly Run[];
+  /** Others in a pool of another size. */
+  runs: readonly Run[];
   readonly chunkCount: number;
+  readonly level: number;
+  isShown: boolean;
 }
 
 /**
@@ -51,10 +57,20 @@ export class LeafPool implements Levels, CloudPool {
   readonly #chunks: ChunkPages;
   /** Whether each chunk is taken. */
   readonly #isTaken: Uint8Array;
+  /** Level of each chunk. */
+  readonly #levels: Uint8Array;
   #takenChunks = 0;
+  readonly #placed = new Set<PlacedSplats>();
   #cloud: SplatCloud | null = null;
 
-  private constructor(context: DispatchContext, memory: GpuMemory, scene: StreamedScene, chunkCount: number) {
+  /** @param before a pool whose splats this one takes over; it must have room. */
+  private constructor(
+    context: DispatchContext,
+    memory: GpuMemory,
+    scene: StreamedScene,
+    chunkCount: number,
+    before: LeafPool | null = null,
+  ) {
     const { name, shDegree } = scene;
     this.#context = context;
     this.#memory = memory;
@@ -62,12 +78,23 @@ export class LeafPool implements Levels, CloudPool {
     this.chunkCells = chunkCount;
     this.cellCount = chunkCount + 1;
     this.cells = poolBuffer(memory, `${name} cells`, LevelCell.bytes * this.cellCount);
-    this.#chunks = new ChunkPages(context, memory, scene, chunkCount, this.cells, chunkCount);
+    // Blobs go first, and are made anew: so there is room for two pools.
+    if (before) before.#freeOthers();
+    this.#chunks = new ChunkPages(
+      context,
+      memory,
+      scene,
+      chunkCount,
+      this.cells,
+      chunkCount,
+      before && { pages: before.#chunks, moves: before.#moves },
+    );
     this.blobPages = [
       ...this.#chunks.blobPages,
       makeBlobPage(memory, `${name} upper blob`, shDegree, this.cells, UPPER_CHUNKS * CHUNK_SPLATS),
     ];
     this.#isTaken = new Uint8Array(chunkCount);
+    this.#levels = new Uint8Array(chunkCount);
   }
 
   /**
@@ -76,7 +103,7 @@ export class LeafPool implements Levels, CloudPool {
    * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
    */
   static make(context: DispatchContext, scene: StreamedScene, chunkCount: number): Promise<LeafPool> {
-    return makePool(context, scene, chunkStages(scene.shDegree), (memory) => {
+    return makePool(context, scene, mergeStages(scene.shDegree).chunks, (memory) => {
       const made = new LeafPool({ ...context, memory }, memory, scene, chunkCount);
       made.#clear();
       return made;
@@ -87,6 +114,20 @@ export class LeafPool implements Levels, CloudPool {
   cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
     this.#cloud = streamedCloud(this.#context.device, this.#scene, this.#chunks, this, options);
     return this.#cloud;
+  }
+
+  /** As `BrickPool.resized`. */
+  resized(chunkCount: number): LeafPool {
+    const growth = (chunkCount - this.chunkCells) * chunkBytes(this.#scene.shDegree);
+    return (
+      resizedPool(this.#memory, this.#cloud!, growth, () => {
+        const pool = new LeafPool(this.#context, this.#memory, this.#scene, chunkCount, this);
+        pool.#clear();
+        pool.#takeOver(this);
+        pool.#cloud = this.#cloud;
+        return { pool, pages: pool.#chunks };
+      }) ?? this
+    );
   }
 
   get splatLinks(): readonly GPUBuffer[] {
@@ -107,22 +148,34 @@ export class LeafPool implements Levels, CloudPool {
     return this.chunkCells - this.#takenChunks;
   }
 
-  /** Puts splats into free chunks, of which there must be enough, makes their blobs and draws them. */
-  place(pieces: readonly SplatCells[]): PlacedSplats {
+  /**
+   * Puts splats into free chunks, of which there must be enough, makes their blobs and draws them.
+   *
+   * @param level that of the leaf that they are; 0 is the finest.
+   */
+  place(pieces: readonly SplatCells[], level: number): PlacedSplats {
     const runs = pieces.flatMap((piece) => this.#write(piece));
+    const chunkCount = runs.reduce((sum, { cells }) => sum + cells.length, 0);
+    const placed = { runs, chunkCount, level, isShown: true };
+    this.#placed.add(placed);
+    this.#merge(placed);
+    this.#changed();
+    return placed;
+  }
+
+  /** Makes the blobs of splats, and draws them. */
+  #merge({ runs, level }: PlacedSplats): void {
+    for (const { cells, first } of runs) this.#levels.fill(level, first, first + cells.length);
     const dispatches = new Dispatches(this.#context);
     const upper = { start: this.chunkCells, page: this.blobPages.at(-1)! };
     for (const { cells, first } of runs) this.#chunks.merge(dispatches, cells, first, upper);
     if (runs.length > 0) dispatches.submit(`${this.#scene.name} leaf`);
-    for (const { cells, first } of runs)
-      for (const [i, cell] of cells.entries()) this.#chunks.writeHead(cell, first + i, undefined);
-    this.#changed();
-    return { runs, chunkCount: runs.reduce((sum, { cells }) => sum + cells.length, 0) };
   }
 
   /** Draws splats that have been placed, or does not, though they stay. */
-  show({ runs }: PlacedSplats, isShown: boolean): void {
-    for (const { cells, first } of runs) {
+  show(placed: PlacedSplats, isShown: boolean): void {
+    placed.isShown = isShown;
+    for (const { cells, first } of placed.runs) {
       this.#chunks.show(
         cells.map((_, i) => first + i),
         isShown,
@@ -133,7 +186,9 @@ export class LeafPool implements Levels, CloudPool {
     this.#changed();
   }
 
-  remove({ runs, chunkCount }: PlacedSplats): void {
+  remove(placed: PlacedSplats): void {
+    const { runs, chunkCount } = placed;
+    this.#placed.delete(placed);
     for (const { cells, first } of runs) {
       this.#chunks.clear(first, cells.length);
       this.#chunks.unbound(first, first + cells.length);
@@ -143,8 +198,17 @@ export class LeafPool implements Levels, CloudPool {
     this.#changed();
   }
 
+  levelOf(cell: number): number {
+    return this.#levels[cell] ?? 0;
+  }
+
   childCell(): null {
     return null;
+  }
+
+  /** Resolves when the device has done all that was submitted. */
+  whenDone(): Promise<unknown> {
+    return this.#context.device.queue.onSubmittedWorkDone();
   }
 
   destroy(): void {
@@ -181,6 +245,53 @@ export class LeafPool implements Levels, CloudPool {
     }
     this.#takenChunks += cells.length;
     return runs;
+  }
+
+  /** Where splats go in a pool without gaps: in order, each page of the next pool from its start. */
+  get #moves(): ChunkMove[] {
+    const moves: ChunkMove[] = [];
+    let to = 0;
+    for (const { runs } of this.#placed)
+      for (const { cells, first } of runs)
+        for (let done = 0; done < cells.length; ) {
+          const { pageChunks } = this.#chunks;
+          const count = Math.min(cells.length - done, pageChunks - (to % pageChunks));
+          moves.push({ from: first + done, to, count });
+          done += count;
+          to += count;
+        }
+    return moves;
+  }
+
+  /** Shows the splats of another pool, which are here in the places of its moves. */
+  #takeOver(before: LeafPool): void {
+    const moves = before.#moves.values();
+    for (const placed of before.#placed) {
+      const runs: Run[] = [];
+      for (const { cells } of placed.runs)
+        for (let done = 0; done < cells.length; ) {
+          const { from, to, count } = moves.next().value!;
+          const run = { cells: cells.slice(done, done + count), first: to };
+          const rows = before.#chunks.rows.subarray(CHUNK_SPLATS * from, CHUNK_SPLATS * (from + count));
+          writeCells(this.#context.device, this.cells, run.cells, to, LEVEL_CONSTANTS.NO_CELL);
+          this.#chunks.keep({ cells: run.cells, rows }, to);
+          this.#isTaken.fill(1, to, to + count);
+          runs.push(run);
+          done += count;
+        }
+      placed.runs = runs;
+      this.#placed.add(placed);
+      this.#takenChunks += placed.chunkCount;
+      this.#merge(placed);
+      if (!placed.isShown) this.show(placed, false);
+    }
+  }
+
+  /** Frees all but splats. */
+  #freeOthers(): void {
+    this.#chunks.freeBlobs();
+    freeBlobPage(this.#memory, this.blobPages.at(-1)!);
+    this.#memory.destroy(this.cells);
   }
 
   /** Fills everything with nothing. */

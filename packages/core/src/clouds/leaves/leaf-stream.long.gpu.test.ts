@@ -1,34 +1,30 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, onTestFinished, vi } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
-import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
-import { perspectiveCamera } from '../../data/camera/camera.ts';
+import type { LeafScene } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
-import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { ChunkLinks } from '../../data/layout/level-structs.ts';
-import { nextTask } from '../../data/turns.ts';
-import { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { Pipelines } from '../../gpu/pipelines.ts';
-import { readWords } from '../../gpu/read-buffer.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
 import { compareImages } from '../../reference/compare-images.ts';
+import { expectEnds, expectReports } from '../../testing/expect-stream.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
+import {
+  byLevel,
+  drawComplete,
+  expectCuts,
+  expectOneLevel,
+  lookFrom,
+  SIZE,
+  streamContext,
+} from '../../testing/look-at-streams.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
-import { seededRandom } from '../../testing/seeded-random.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { type StreamedSog, streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
 import { zipBytes } from '../../testing/zip-fixture.ts';
 import { chunkBytes } from '../bricks/chunk-pages.ts';
-import type { StreamReport } from '../cloud-stream.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { streamLeaves } from './stream-leaves.ts';
-
-const SIZE = { widthPx: 96, heightPx: 64 };
-const lookFrom = (position: readonly [number, number, number]) =>
-  perspectiveCamera({ position, target: [0, 0, 0], up: [0, 1, 0], fovYDegrees: 40, aspect: 1.5 });
 
 describe('a streamed SOG', () => {
   const set = randomSplats({ count: 12_000, seed: 2, shDegree: 1, logScales: [-6, -4] });
@@ -42,71 +38,17 @@ describe('a streamed SOG', () => {
 
   const dropped = (from = sog) => droppedFiles(streamedSogFiles(from, 'scene/'));
   const opened = async () => (await openLeaves(dropped()))!;
-  const contextOf = () => {
-    const { device } = engine;
-    return { device, memory: new GpuMemory(device), pipelines: new Pipelines(device), dispatchRow: 7 };
-  };
   const stream = (scene: LeafScene, budgetBytes?: number) =>
-    streamLeaves(contextOf(), scene, { budgetBytes }, {});
-
-  async function drawComplete(cloud: SplatCloud, detail = {}, camera = lookFrom([0, 0, 4])) {
-    const view = engine.createView();
-    view.render({ camera, clouds: [{ cloud }], ...SIZE, ...detail });
-    await view.whenComplete();
-    const { data } = await view.readPixels();
-    const report = view.detail!;
-    view.destroy();
-    return { data, report };
-  }
-
-  /** A scene whose rows are ten times the number of their leaf, and their level. */
-  async function numberedScene(): Promise<LeafScene> {
-    const scene = await opened();
-    const read: LeafScene['read'] = async (file, signal) => {
-      const decoded = await scene.read(file, signal);
-      return {
-        pieces: async (leaf, level, pieceSignal): Promise<SplatCells[]> => {
-          const number = 10 * scene.leaves.indexOf(leaf) + leaf.levels.indexOf(level);
-          const pieces = await decoded.pieces(leaf, level, pieceSignal);
-          return pieces.map((piece) => ({ ...piece, rows: piece.rows.map(() => number) }));
-        },
-      };
-    };
-    return { ...scene, read };
-  }
-
-  /** The numbers of `numberedScene` of the chunks that are in sight for the CPU. */
-  function shownNumbers(cloud: SplatCloud): number[] {
-    const words = new Float32Array(cloud.chunks);
-    const chunkCount = words.length / CHUNK_WORDS.count;
-    return Array.from({ length: chunkCount }, (_, chunk) => chunk)
-      .filter((chunk) => words[CHUNK_WORDS.count * chunk + CHUNK_WORDS.minPosition] < 1e17)
-      .map((chunk) => cloud.fileIndices[CHUNK_SPLATS * chunk]);
-  }
-
-  /** The same of the chunks that the GPU draws. */
-  async function drawnNumbers(cloud: SplatCloud): Promise<number[]> {
-    const levels = cloud.levels!;
-    const ofPages = (pages: readonly GPUBuffer[]) =>
-      Promise.all(pages.map((page) => readWords(engine.device, page)));
-    const links = await ofPages(levels.splatLinks);
-    const blobLinks = await ofPages(levels.blobPages.slice(0, -1).map((page) => page.links));
-    const cellsOf = (pages: Uint32Array[]) =>
-      pages.flatMap((words) => [...words].filter((_, i) => i % ChunkLinks.words === 0));
-    expect(cellsOf(blobLinks)).toEqual(cellsOf(links));
-    return cellsOf(links).flatMap((cell, chunk) =>
-      cell === chunk ? [cloud.fileIndices[CHUNK_SPLATS * chunk]] : [],
-    );
-  }
+    streamLeaves(streamContext(engine.device), scene, { budgetBytes }, {});
 
   gpuTest('shows a coarse picture at once, and in the end its finest level', async () => {
     const whole = engine.add(await readSplats(dropped()));
-    const { data: full } = await drawComplete(whole);
+    const { data: full } = await drawComplete(engine, whole);
     const loaded = await engine.load(dropped());
     expect(loaded.count).toBe(set.count + environment.count);
     const { residentBricks, bricks, fetchedBytes } = loaded.stream!.report();
     expect(residentBricks).toBeLessThan(0.3 * bricks);
-    expect((await drawComplete(loaded)).report).toMatchObject({ isComplete: true, missing: 0 });
+    expect((await drawComplete(engine, loaded)).report).toMatchObject({ isComplete: true, missing: 0 });
     expect(loaded.stream!.report().fetchedBytes).toBeGreaterThan(2 * fetchedBytes);
     loaded.destroy();
     const scene = await opened();
@@ -136,12 +78,12 @@ describe('a streamed SOG', () => {
   });
 
   gpuTest('is loaded from an archive, too, and other archives as they were', async () => {
-    const { data } = await drawComplete(await engine.load(dropped()));
+    const { data } = await drawComplete(engine, await engine.load(dropped()));
     const files = streamedSogFiles(sog, 'a/');
     for (const isDeflated of [false, true]) {
       const cloud = await engine.load(new File([zipBytes(files, { isDeflated })], 'scene.zip'));
       expect(cloud.stream).not.toBeNull();
-      expect((await drawComplete(cloud)).data).toEqual(data);
+      expect((await drawComplete(engine, cloud)).data).toEqual(data);
       cloud.destroy();
     }
     const inside = Object.entries(sog.files).filter(([path]) => path.startsWith('0_0/'));
@@ -151,56 +93,12 @@ describe('a streamed SOG', () => {
   });
 
   gpuTest('draws one level of each leaf at each moment, while they come and go', async () => {
-    const scene = await numberedScene();
-    const random = seededRandom(5);
+    const scene = await opened();
     const chunks = scene.leaves.flatMap(({ levels }) => levels.map(({ count }) => Math.ceil(count / 256)));
     const all = chunks.reduce((sum, count) => sum + count, 0);
-    const cloud = await stream(scene, 0.5 * all * chunkBytes(scene.shDegree));
-    const expectOneLevel = (numbers: readonly number[], when: string) => {
-      const shown = [...new Set(numbers)].sort((a, b) => a - b);
-      expect(
-        shown.map((number) => Math.floor(number / 10)),
-        when,
-      ).toEqual([...scene.leaves.keys()]);
-      for (const number of shown) {
-        const { count } = scene.leaves[Math.floor(number / 10)].levels[number % 10];
-        expect(numbers.filter((each) => each === number).length, when).toBe(Math.ceil(count / 256));
-      }
-      return shown;
-    };
-    let moments = 0;
-    let { version } = cloud;
-    Object.defineProperty(cloud, 'version', {
-      get: () => version,
-      set: (value: number) => {
-        version = value;
-        // Parts of one change are no moments.
-        queueMicrotask(() => {
-          moments++;
-          expectOneLevel(shownNumbers(cloud), `version ${version}`);
-        });
-      },
-    });
-    const view = engine.createView();
-    const seen = new Set<string>();
-    for (let step = 0; step < 25; step++) {
-      const position = [0, 1, 2].map(() => 5 * random() - 2.5) as [number, number, number];
-      const detail = random() < 0.2 ? 'full' : { maxErrorPx: 10 ** (2 * random() - 0.5) };
-      view.render({ camera: lookFrom(position), clouds: [{ cloud }], ...SIZE, detail });
-      // Some steps are taken before all is there.
-      if (random() < 0.6) await view.whenComplete();
-      else for (let turn = 0; turn < 20 * random(); turn++) await nextTask();
-      const { when, give } = signalOf();
-      cloud.stream!.hold(when);
-      const drawn = await drawnNumbers(cloud);
-      expect(drawn.sort()).toEqual(shownNumbers(cloud).sort());
-      seen.add(expectOneLevel(drawn, `step ${step}`).join());
-      give();
-    }
-    expect(seen.size).toBeGreaterThan(8);
-    expect(moments).toBeGreaterThan(25);
-    view.destroy();
-    cloud.destroy();
+    const cloud = await stream(byLevel(scene), 0.5 * all * chunkBytes(scene.shDegree));
+    const expectCut = (numbers: readonly number[], when: string) => expectOneLevel(scene, numbers, when);
+    await expectCuts(engine, cloud, { steps: 25, reach: 2.5 }, expectCut);
   });
 
   gpuTest('shows the same bit for bit, whatever it showed before, within its budget', async () => {
@@ -216,7 +114,7 @@ describe('a streamed SOG', () => {
     for (const { camera, detail } of views) {
       const fresh = await stream(scene, budgetBytes);
       expect(fresh.bytes).toBeLessThanOrEqual(budgetBytes);
-      found.push(await drawComplete(fresh, { detail }, camera));
+      found.push(await drawComplete(engine, fresh, { detail }, camera));
       expect(found.at(-1)!.report).toMatchObject({ isComplete: true });
       fresh.destroy();
     }
@@ -226,7 +124,9 @@ describe('a streamed SOG', () => {
     const held = cloud.bytes;
     for (const i of [2, 0, 3, 1, 0, 2, 1, 3]) {
       const { camera, detail } = views[i];
-      expect((await drawComplete(cloud, { detail }, camera)).data, `view ${i}`).toEqual(found[i].data);
+      expect((await drawComplete(engine, cloud, { detail }, camera)).data, `view ${i}`).toEqual(
+        found[i].data,
+      );
     }
     expect(cloud.bytes).toBe(held);
     cloud.destroy();
@@ -235,7 +135,7 @@ describe('a streamed SOG', () => {
   gpuTest('fetches only what a view needs, and within a budget of splats less', async () => {
     const residentAfter = async (detail: object, camera = lookFrom([0, 0, 4])) => {
       const cloud = await stream(await opened());
-      await drawComplete(cloud, detail, camera);
+      await drawComplete(engine, cloud, detail, camera);
       const { residentBricks } = cloud.stream!.report();
       cloud.destroy();
       return residentBricks;
@@ -262,30 +162,12 @@ describe('a streamed SOG', () => {
       },
     });
     isFirst = false;
-    const { stream: own } = cloud;
-    expect(own!.report()).toMatchObject({ isComplete: false, bytesPerSecond: 0 });
-    const seen: StreamReport[] = [];
-    const stop = own!.subscribe(() => seen.push(own!.report()));
-    const view = engine.createView();
-    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
-    expect(seen.at(-1)).toMatchObject({ isComplete: false, fetching: 4, bytesPerSecond: 0 });
-    give();
-    await view.whenComplete();
-    expect(seen.some(({ bytesPerSecond }) => bytesPerSecond > 0)).toBe(true);
-    expect(seen.at(-1)).toMatchObject({ isComplete: true, missingBricks: 0, bytesPerSecond: 0 });
-    const before = seen.length;
-    stop();
-    // What a budget needs is known once a frame has been measured.
-    const budget = { detail: { maxSplats: 2000 } };
-    view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE, ...budget });
-    expect(own!.report()).toMatchObject({ isComplete: false });
-    await view.whenComplete();
-    expect(own!.report().isComplete).toBe(true);
-    expect(seen).toHaveLength(before);
-    own!.subscribe(() => seen.push(own!.report()));
-    cloud.destroy();
-    expect(seen.at(-1)).toMatchObject({ isComplete: false });
-    view.destroy();
+    const fetching = { fetching: 4, bytesPerSecond: 0 };
+    await expectReports(
+      engine,
+      { cloud, camera: lookFrom([0, 0, 4]), ...SIZE },
+      { give, fetching, splats: 2000 },
+    );
   });
 
   gpuTest('tells what cannot be read, draws what is there, and goes on when online or called', async () => {
@@ -308,7 +190,7 @@ describe('a streamed SOG', () => {
         },
       };
       const cloud = await stream(broken);
-      const { data, report } = await drawComplete(cloud);
+      const { data, report } = await drawComplete(engine, cloud);
       expect(data.some((value) => value > 0.1)).toBe(true);
       expect(report.missing).toBeGreaterThan(0);
       expect(cloud.stream!.report()).toMatchObject({ error: expect.any(from), isComplete: false });
@@ -372,17 +254,8 @@ describe('a streamed SOG', () => {
       };
       const cloud = await stream(slow);
       isFirst = false;
-      const view = engine.createView();
-      view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
-      expect(signals.length).toBeGreaterThan(0);
-      view.destroy();
-      expect(signals.every(({ aborted }) => aborted)).toBe(true);
-      const other = engine.createView();
-      other.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
-      cloud.destroy();
-      expect(signals.every(({ aborted }) => aborted)).toBe(true);
+      expectEnds(engine, { cloud, camera: lookFrom([0, 0, 4]), ...SIZE }, signals);
       give();
-      other.destroy();
       const { totalBytes } = engine.memory();
       const aborted = { signal: AbortSignal.abort(new Error('enough')) };
       await expect(engine.load(dropped(), aborted)).rejects.toThrow('enough');

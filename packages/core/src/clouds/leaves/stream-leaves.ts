@@ -1,17 +1,16 @@
 import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
-import { InvalidArgumentError } from '../../data/errors.ts';
+import { CodeUnavailableError } from '../../data/errors.ts';
 import { inLanes } from '../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
-import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
 import type { ReadOptions, SplatSource } from '../../io/sources/splat-source.ts';
 import { chunkBytes } from '../bricks/chunk-pages.ts';
-import { DEFAULT_STREAM_BYTES, type StreamOptions } from '../bricks/stream-scene.ts';
-import type { DispatchContext } from '../ingest/dispatches.ts';
+import { streamInto } from '../bricks/make-pool.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
+import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream-budget.ts';
 import { LeafPool } from './leaf-pool.ts';
 import { FETCHED_AT_ONCE, LeafStream } from './leaf-stream.ts';
 
@@ -19,16 +18,28 @@ import { FETCHED_AT_ONCE, LeafStream } from './leaf-stream.ts';
 const OTHER_CHUNKS = 4;
 
 /**
- * Shows a streamed SOG: see `openLeaves` and `streamLeaves`. Null for an archive without one.
+ * Shows a scene in leaves: see `streamLeaves`. Null where `openLeaves` or `openRad` finds none. Rejects
+ * as these, and with CodeUnavailableError.
+ *
+ * @param names of the files, a line each.
  */
 export async function loadLeaves(
-  context: DispatchContext,
+  context: StreamContext,
+  names: string,
   source: SplatSource,
   options: StreamOptions & Omit<ReadOptions, 'onProgress'>,
   cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
 ): Promise<SplatCloud | null> {
-  const scene = await openLeaves(source, options);
+  const open = /\.rad$/im.test(names) ? await radOpener() : openLeaves;
+  const scene = await open(source, options);
   return scene && streamLeaves(context, scene, options, cloudOptions);
+}
+
+async function radOpener(): Promise<typeof openLeaves> {
+  const { openRad } = await import('../../io/formats/rad/open-rad.ts').catch((cause) => {
+    throw new CodeUnavailableError('streaming', { cause });
+  });
+  return openRad;
 }
 
 /**
@@ -39,37 +50,37 @@ export async function loadLeaves(
  *   memory; what `scene.read` throws. Nothing is left then.
  */
 export async function streamLeaves(
-  context: DispatchContext,
+  context: StreamContext,
   scene: LeafScene,
-  { budgetBytes = DEFAULT_STREAM_BYTES, signal }: StreamOptions,
-  options: Pick<SplatCloudOptions, 'onDestroyed'>,
+  options: StreamOptions,
+  { onDestroyed }: Pick<SplatCloudOptions, 'onDestroyed'>,
 ): Promise<SplatCloud> {
-  const chunkCount = chunksFor(scene, budgetBytes);
-  const coarsest = await readCoarsest(scene, signal);
-  const pool = await LeafPool.make(context, { ...scene, ...boundsOf(scene, coarsest) }, chunkCount);
-  try {
-    signal?.throwIfAborted();
-    const placed = coarsest.map((pieces) => pool.place(pieces));
-    const cloud = pool.cloud(options);
-    cloud.stream = new LeafStream(scene, pool, placed);
-    return cloud;
-  } catch (error) {
-    pool.destroy();
-    throw error;
-  }
+  const { least, most } = chunksFor(scene);
+  const bytes = chunkBytes(scene.shDegree);
+  const [leastBytes, mostBytes] = [least, most].map((chunks) => (chunks + OTHER_CHUNKS) * bytes);
+  const need = { name: scene.name, leastBytes, mostBytes };
+  const chunksIn = (bytesOfAll: number) =>
+    Math.max(least, Math.min(most, Math.floor(bytesOfAll / bytes) - OTHER_CHUNKS));
+  checkBudget(need, options);
+  const coarsest = await readCoarsest(scene, options.signal);
+  return withShare(context.shares, need, options, async (shareBytes, leave) => {
+    const shown = { ...scene, ...boundsOf(scene, coarsest) };
+    const pool = await LeafPool.make(context, shown, chunksIn(shareBytes));
+    const begin = () => {
+      const placed = coarsest.map((pieces, i) => pool.place(pieces, scene.leaves[i].levels.length - 1));
+      return new LeafStream(scene, pool, placed);
+    };
+    const { made, stream } = streamInto(pool, begin, leave, { ...options, onDestroyed });
+    return { made, resize: (bytesOfAll) => stream.resize(chunksIn(bytesOfAll)) };
+  });
 }
 
-/** Room for all of a scene, or as much as the budget holds. @throws InvalidArgumentError */
-function chunksFor({ name, shDegree, leaves }: LeafScene, budgetBytes: number): number {
+/** Chunks that hold the coarsest level of each leaf, and with these the largest other ones. */
+function chunksFor({ leaves, mostChunks }: LeafScene): { readonly least: number; readonly most: number } {
   const sum = (chunksOf: (counts: readonly number[]) => number) =>
-    leaves.reduce((total, { levels }) => total + chunksOf(levels.map(({ count }) => chunkCountOf(count))), 0);
+    leaves.reduce((total, { levels }) => total + chunksOf(levels.map(({ chunkCount }) => chunkCount)), 0);
   const least = sum((counts) => counts.at(-1)!);
-  const most = least + sum((counts) => Math.max(0, ...counts.slice(0, -1)));
-  const held = Math.floor(budgetBytes / chunkBytes(shDegree)) - OTHER_CHUNKS;
-  if (held >= least) return Math.min(held, most);
-  const leastBytes = (least + OTHER_CHUNKS) * chunkBytes(shDegree);
-  const message = `budgetBytes is ${budgetBytes}; ${name} needs at least ${leastBytes}.`;
-  throw new InvalidArgumentError('budgetBytes', message);
+  return { least, most: mostChunks ?? least + sum((counts) => Math.max(0, ...counts.slice(0, -1))) };
 }
 
 /** Reads the coarsest level of each leaf. */

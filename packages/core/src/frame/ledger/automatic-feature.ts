@@ -6,6 +6,8 @@ import type { CloudShape } from '../frame-shape.ts';
 export interface EffectHoldings {
   /** Selection of one cloud: a bit per splat, if an effect takes it. */
   selectionBytes(cloudIndex: number): number;
+  /** Levels of the chunks of one cloud, if an effect takes them. */
+  levelBytes(cloudIndex: number): number;
   /** The host's depth that splats are tested against. */
   readonly testedDepthBytes: number;
   /** The splats' own depth, for the host. */

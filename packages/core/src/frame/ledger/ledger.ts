@@ -67,7 +67,7 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
 }
 
 function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEntry {
-  const { name, label, about, parameters, takesSelection } = effect;
+  const { name, label, about, parameters, takesSelection, takesLevel } = effect;
   const findings: Finding[] = [];
   let bytes = 0;
   for (const [index, { instance, uses }] of plan.clouds.entries()) {
@@ -78,6 +78,7 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
     if (takesSelection) bytes += held.selectionBytes(index);
+    if (takesLevel) bytes += held.levelBytes(index);
   }
   const isOn = findings.length > 0;
   return {

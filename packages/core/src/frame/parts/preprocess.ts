@@ -12,7 +12,7 @@ import { cullSplats } from '../../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
 import { countWorkgroups, cutCount } from '../../gpu/stages/cut-count.ts';
 import { cutSplats, cutWorkgroups } from '../../gpu/stages/cut-splats.ts';
-import { dispatchAtMost, dispatchSize } from '../../gpu/stages/dispatch.ts';
+import { dispatchAtMost, dispatchSize, type IndirectArguments } from '../../gpu/stages/dispatch.ts';
 import { planCull } from '../../gpu/stages/plan-cull.ts';
 import { planCut } from '../../gpu/stages/plan-cut.ts';
 import { planProject } from '../../gpu/stages/plan-project.ts';
@@ -164,6 +164,11 @@ export class Preprocess implements FramePart<OrderRecording> {
     return [...FRAME_STAGES, ...cuts, ...touched, ...budget, ...prefixScanStages, ...clouds];
   }
 
+  /** Bytes of the levels of one cloud's chunks. */
+  levelBytes(cloudIndex: number): number {
+    return this.#effects.levelBytes(cloudIndex);
+  }
+
   /** Bytes of one cloud's selection bits. */
   selectionBytes(cloudIndex: number): number {
     return this.#effects.selectionBytes(cloudIndex);
@@ -260,7 +265,7 @@ export class Preprocess implements FramePart<OrderRecording> {
       stage = this.#usePipeline(pass, stagesOf(shape, framePage).project, stage);
       pass.setBindGroup(0, this.#groups!.pages[index].project);
       const indirect = { buffer: this.#held!.buffers.projectDispatches, offset: 12 * index };
-      dispatchAtMost(pass, projectWorkgroups(chunkCount), shape.dispatchRow, indirect);
+      dispatchWithin(pass, projectWorkgroups(chunkCount), shape, indirect);
     }
     pass.end();
   }
@@ -304,16 +309,16 @@ export class Preprocess implements FramePart<OrderRecording> {
       if (cut) {
         stage = this.#usePipeline(pass, cutSplats, stage);
         pass.setBindGroup(0, cut);
-        dispatchAtMost(pass, cutWorkgroups(chunkCount), shape.dispatchRow, indirect);
+        dispatchWithin(pass, cutWorkgroups(chunkCount), shape, indirect);
       }
       stage = this.#usePipeline(pass, stagesOf(shape, framePage).cullSplats, stage);
       pass.setBindGroup(0, groups.pages[index].cullSplats);
-      dispatchAtMost(pass, chunkCount, shape.dispatchRow, indirect);
+      dispatchWithin(pass, chunkCount, shape, indirect);
     }
     scans.splats.record(pass);
     this.#useOnce(pass, compactSplats);
     const indirect = { buffer: buffers.cullDispatches, offset: 12 * pages.length };
-    dispatchAtMost(pass, totalChunks(pages), shape.dispatchRow, indirect);
+    dispatchWithin(pass, totalChunks(pages), shape, indirect);
   }
 
   /** Counts what cuts would draw, and plans the one that the budget allows. */
@@ -329,7 +334,8 @@ export class Preprocess implements FramePart<OrderRecording> {
       if (!cutCount) continue;
       stage = this.#usePipeline(pass, cutCount, stage);
       pass.setBindGroup(0, this.#groups!.pages[index].cutCount);
-      pass.dispatchWorkgroups(...dispatchSize(countWorkgroups(framePage.chunkCount), shape.dispatchRow));
+      const workgroups = countWorkgroups(framePage.chunkCount, shape.sortDevice);
+      pass.dispatchWorkgroups(...dispatchSize(workgroups, shape.dispatchRow));
     }
     useCompute(pass, this.#context.pipelines, planCut, plan);
     pass.dispatchWorkgroups(1);
@@ -372,6 +378,16 @@ export class Preprocess implements FramePart<OrderRecording> {
     writeConstants(device.queue, buffers, shape, pages);
     return { buffers, scans, shape };
   }
+}
+
+/** See `dispatchAtMost`. */
+function dispatchWithin(
+  pass: GPUComputePassEncoder,
+  bound: number,
+  { dispatchRow, sortDevice }: FrameShape,
+  indirect: IndirectArguments,
+): void {
+  dispatchAtMost(pass, bound, dispatchRow, indirect, sortDevice.isNarrow);
 }
 
 /** Writes contents that last as long as the buffers: planes of all precisions share pages. */

@@ -26,6 +26,15 @@ export const NO_EFFECTS: EffectSet = {
 const PARAMETERS_BINDING = 16;
 /** Binding of a bit per splat of the page and selection, in stages whose hooks take `selected`. */
 const SELECTED_BINDING = 17;
+/** Binding of the levels of the page's chunks, in stages whose hooks take `level`. */
+const LEVELS_BINDING = 18;
+/**
+ * Four bits per chunk. A uniform, because a stage may have no more than eight storage buffers: all
+ * that one may hold by default, for 33 million splats of a page. Further ones have the last level.
+ */
+export const CHUNK_LEVEL_BYTES = 65_536;
+/** Level of what stands for detail that is not on the GPU. */
+export const MISSING_LEVEL = 15;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 export const STRUCT_ALIGNMENT = 16;
 
@@ -52,6 +61,11 @@ export function takesSelection({ effects }: EffectSet, hooks: readonly Selection
 /** How many effects of the set take a selection, each of its own. */
 export function selectionsOf({ effects }: Pick<EffectSet, 'effects'>): number {
   return effects.filter((effect) => effect.takesSelection).length;
+}
+
+/** Whether a stage with colours needs the levels of chunks. */
+export function hasLevels({ effects }: EffectSet): boolean {
+  return effects.some(({ takesLevel, hooks }) => takesLevel && hooks.color !== undefined);
 }
 
 /** Whether any effect of the set uses this hook. */
@@ -145,8 +159,9 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
         effect.takesSelection && hook !== 'opacity'
           ? [`isSelected(splatIndex, ${selecting.indexOf(effect)}u)`]
           : [];
+      const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];
       const own = effect.parameters ? [`effects.${memberOf(effect)}`] : [];
-      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...selected, ...own].join(', ')});`;
+      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...level, ...selected, ...own].join(', ')});`;
     });
     functions.push(
       `fn ${name}(${[`unchanged: ${type}`, ...others].join(', ')}) -> ${type} {`,
@@ -175,8 +190,18 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
           '}',
         ]
       : [];
+  const levels = effects.some(({ takesLevel }) => takesLevel)
+    ? [
+        'import constants::CHUNK_SPLATS;',
+        `@group(0) @binding(${LEVELS_BINDING}) var<uniform> chunkLevels: array<vec4u, ${CHUNK_LEVEL_BYTES / 16}>;`,
+        'fn levelOf(splatIndex: u32) -> u32 {',
+        `  let chunk = min(splatIndex / CHUNK_SPLATS, ${2 * CHUNK_LEVEL_BYTES - 1}u);`,
+        '  return extractBits(chunkLevels[chunk / 32u][chunk / 8u % 4u], 4u * (chunk % 8u), 4u);',
+        '}',
+      ]
+    : [];
   return {
-    effects: [...imports, ...uniform, ...selection, ...functions].join('\n'),
+    effects: [...imports, ...levels, ...uniform, ...selection, ...functions].join('\n'),
     parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),
     ...Object.fromEntries(effects.map((effect) => [moduleNameOf(effect), effect.wgsl])),
   };

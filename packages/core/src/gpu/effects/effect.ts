@@ -8,7 +8,7 @@ import type { SplatSelection } from '../../data/splats/splat-selection.ts';
  * Names of the functions in an effect's shader, by the place where they act. The last argument of
  * each function is the effect's parameters, if it has any: a struct named like the effect
  * (`wind-sway`: `WindSway`). If the effect takes a selection, functions for splats and colours take
- * `selected: bool` before it.
+ * `selected: bool` before it; if it takes levels, the one for colours takes `level: u32` before that.
  */
 export interface EffectHooks {
   /**
@@ -55,6 +55,8 @@ export interface SplatEffect {
   readonly parameters: GpuStruct<GpuFields> | null;
   /** Whether the functions take `selected`. */
   readonly takesSelection: boolean;
+  /** Whether the function for colours takes `level`. */
+  readonly takesLevel: boolean;
 }
 
 /** An effect with options, for one cloud of one frame; made by its function: `tint([1, 0, 0])`. */
@@ -80,6 +82,12 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
   readonly calledFor: (options: Options) => string | null;
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
+  /**
+   * Whether the function for colours takes `level: u32`, the level of detail: 0 for a splat, n for a
+   * blob that stands for up to 256·16ⁿ⁻¹ splats, or, of streamed SOG, for a splat of level n; 15 for
+   * one that stands for detail that a view asks for and that is not on the GPU. Default false.
+   */
+  readonly takesLevel?: boolean;
   /** Returns the selection that the functions use; default none. */
   readonly selection?: (options: Options) => SplatSelection;
   /** Returns the contents of the fields. */
@@ -110,6 +118,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
 ): EffectFunction<Options> {
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
+  const { takesLevel = false } = definition;
   if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
     const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
     throw new InvalidArgumentError('name', message);
@@ -118,7 +127,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
     throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
   const takesSelection = selection !== undefined;
-  const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection };
+  const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection, takesLevel };
   const use = (options: Options): EffectUse => {
     check?.(options);
     return {

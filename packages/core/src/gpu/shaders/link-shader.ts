@@ -150,7 +150,9 @@ function mutated(known: ShaderModules, { file, find, replace }: ShaderMutation):
   const name = moduleName(file);
   // A mutation is for all shaders of an engine; the file may come with only one of them.
   if (!(name in known)) return known;
-  const parts = known[name].split(find);
+  // Packages and apps carry shaders without most of their spaces.
+  const tokens = find.match(/\w+|\S/g)!.map((token) => token.replace(/\W/, '\\$&'));
+  const parts = known[name].split(new RegExp(tokens.join('\\s*')));
   if (parts.length !== 2)
     throw new RangeError(`"${find}" does not occur exactly once in shaders/${file}.wgsl.`);
   return { ...known, [name]: parts.join(replace) };

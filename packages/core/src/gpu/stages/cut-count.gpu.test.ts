@@ -145,7 +145,7 @@ async function countsOf(
   await gpu.run(
     cutCount(variant),
     bindings,
-    dispatchSize(countWorkgroups(CHUNKS) + 1, DISPATCH_ROW),
+    dispatchSize(countWorkgroups(CHUNKS, variant.sortDevice) + 1, DISPATCH_ROW),
     pipelines,
   );
   const changes = await gpu.read(cutCounts);
@@ -177,18 +177,20 @@ describe('cut-count', () => {
     [SHIFT_NONE - 600, 1],
     [SHIFT_NONE + 700, 1],
   ]) {
-    for (const [geometryPrecision, culling, counted] of [
-      ['f32', 'bounding-box', inSight],
-      ['packed', 'bounding-box', inSight],
-      ['packed', 'frustum', ofChunks],
+    for (const [geometryPrecision, culling, isNarrow, counted] of [
+      ['f32', 'bounding-box', false, inSight],
+      ['packed', 'bounding-box', true, inSight],
+      ['packed', 'frustum', false, ofChunks],
+      ['packed', 'frustum', true, ofChunks],
     ] as const) {
       gpuTest(
-        `${geometryPrecision}, ${culling}: what is drawn at shifts from ${base} by ${step}`,
+        `${geometryPrecision}, ${culling}${isNarrow ? ', on a CPU' : ''}: what is drawn at shifts from ${base} by ${step}`,
         async () => {
           const expected = Array.from({ length: CUT_BINS }, (_, bin) =>
             reference(counted, base + step * bin),
           );
-          expect(await countsOf(cells, base, step, { geometryPrecision, culling })).toEqual(expected);
+          const variant = { geometryPrecision, culling, sortDevice: { isNarrow } };
+          expect(await countsOf(cells, base, step, variant)).toEqual(expected);
           expect(new Set(expected).size).toBeGreaterThan(10);
         },
       );
@@ -203,7 +205,8 @@ describe('cut-count', () => {
     ['head.isWhole = isWithin(center, halfExtent)', 'head.isWhole = true'],
   ]) {
     gpuTest(`a fault is noticed: ${replace || 'nothing'} for ${find}`, async () => {
-      const variant = { geometryPrecision: 'f32', culling: 'bounding-box' } as const;
+      const sortDevice = { isNarrow: false };
+      const variant = { geometryPrecision: 'f32', culling: 'bounding-box', sortDevice } as const;
       const pipelines = new Pipelines(gpu.device, { file: 'stages/cut-count', find, replace });
       const counts = await countsOf(cells, 0, SHIFT_STEP, variant, pipelines);
       expect(counts).not.toEqual(counts.map((_, bin) => reference(inSight, SHIFT_STEP * bin)));

@@ -1,23 +1,39 @@
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 import type { CullSplatsVariant } from './cull-splats.ts';
+import type { SortDevice } from './sort-shape.ts';
+
+/** What the shapes of the stage follow from. */
+type CountingDevice = Pick<SortDevice, 'isNarrow'>;
+
+/**
+ * Chunks that a workgroup counts: few, so that all of a GPU has work, and as many as it has threads
+ * where these take turns and each workgroup takes long.
+ */
+function countedChunks({ isNarrow }: CountingDevice): number {
+  return isNarrow ? CHUNK_SPLATS : 8;
+}
 
 /** Counts what cuts through a page would draw, by how far their thresholds are shifted. */
 export function cutCount({
   geometryPrecision,
   culling,
-}: Pick<CullSplatsVariant, 'geometryPrecision' | 'culling'>): StageDefinition {
+  sortDevice,
+}: Pick<CullSplatsVariant, 'geometryPrecision' | 'culling'> & {
+  readonly sortDevice: CountingDevice;
+}): StageDefinition {
   return {
     stage: 'cut-count',
     source: levelSource('cut-count'),
     entryPoint: 'cutCount',
     conditions: { GEOMETRY_F32: geometryPrecision === 'f32', FRUSTUM_CULLING: culling === 'frustum' },
-    constants: LEVEL_CONSTANTS,
+    constants: { ...LEVEL_CONSTANTS, COUNTED_CHUNKS: countedChunks(sortDevice) },
   };
 }
 
 /** Workgroups for a page of so many chunks. */
-export function countWorkgroups(chunkCount: number): number {
-  return Math.ceil(chunkCount / LEVEL_CONSTANTS.COUNTED_CHUNKS);
+export function countWorkgroups(chunkCount: number, device: CountingDevice): number {
+  return Math.ceil(chunkCount / countedChunks(device));
 }

@@ -137,7 +137,7 @@ function keysOf(pattern: string, count: number, bits: number): Uint32Array {
 }
 
 describe('radix sort', () => {
-  for (const bits of KEY_BITS) {
+  for (const bits of isFull ? KEY_BITS : [8, 27, 32]) {
     const { passes, digitBits } = sortShapeFor(bits);
     const name = `${bits} bits, ${passes} passes of ${digitBits}`;
 

@@ -43,6 +43,9 @@ interface KnownFrame {
   readonly cutErrorPx: number | null;
 }
 
+/** A set of queries per device that is known to work: the next timer times its first frame, too. */
+const SPARE = new WeakMap<GPUDevice, GPUQuerySet>();
+
 /** Measures frames without waits for the GPU: a ring of buffers is read some frames later. */
 export class GpuTimer {
   readonly #memory: GpuMemory;
@@ -66,7 +69,10 @@ export class GpuTimer {
     this.#memory = memory;
     this.#queue = device.queue;
     this.#hasTimestamps = device.features.has('timestamp-query');
-    if (this.#hasTimestamps) void this.#makeQuerySet(device);
+    if (!this.#hasTimestamps) return;
+    this.#querySet = SPARE.get(device) ?? null;
+    SPARE.delete(device);
+    void this.#makeQuerySet(device);
   }
 
   /** Call first in a frame. */
@@ -166,17 +172,21 @@ export class GpuTimer {
   }
 
   /**
-   * Makes the set of queries, and keeps it only if it works: Metal has 32 for all pages together
-   * (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that failed are not
-   * run.
+   * Makes a set of queries, and one to spare, and keeps them only if they work: Metal has 32 for all
+   * pages together (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that
+   * failed are not run.
    */
   async #makeQuerySet(device: GPUDevice): Promise<void> {
     device.pushErrorScope('validation');
     const querySet = device.createQuerySet({ type: 'timestamp', count: 2 * TIMED_PASSES.length });
     // A lost device answers no more, and times nothing.
     const error = await device.popErrorScope().catch((reason: Error) => reason);
-    if (error || this.#isDestroyed) querySet.destroy();
-    else this.#querySet = querySet;
+    if (error || this.#isDestroyed || (this.#querySet && SPARE.has(device))) querySet.destroy();
+    else if (this.#querySet) SPARE.set(device, querySet);
+    else {
+      this.#querySet = querySet;
+      await this.#makeQuerySet(device);
+    }
   }
 
   #makeRing(): readonly GPUBuffer[] {

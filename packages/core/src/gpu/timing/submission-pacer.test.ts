@@ -141,6 +141,15 @@ describe('SubmissionPacer', () => {
     expect(fit(pacer, [work('second', 4000), work('third', 4000)])).toBe(false);
   });
 
+  test('tells nothing of other stages by the time of work that was guessed', () => {
+    const pacer = new SubmissionPacer(BUDGET_MS);
+    pacer.take([{ stage: 'first', slowestMs: 62 }], 62);
+    // The guess may be a thousand times too large.
+    pacer.take([{ stage: 'guessed', slowestMs: 65_536, isGuess: true }], 60);
+    expect(fit(pacer, [{ stage: 'second', slowestMs: 62 }])).toBe(true);
+    expect(fit(pacer, [{ stage: 'second', slowestMs: 63 }])).toBe(false);
+  });
+
   test('takes the time of stages together in proportion, and at once when it is longer', () => {
     const pacer = new SubmissionPacer(BUDGET_MS);
     const both = [

@@ -3,6 +3,8 @@ export interface Work {
   readonly stage: string;
   /** Time of the slowest device, ms; comparable within a stage: other stages may be far off. */
   readonly slowestMs: number;
+  /** Whether `slowestMs` is a guess, which tells nothing of other stages. */
+  readonly isGuess?: boolean;
 }
 
 /** Submissions aim at this part of the budget, so that one may take four times its prediction. */
@@ -70,6 +72,7 @@ export class SubmissionPacer {
     const stages = new Set(work.map(({ stage }) => stage));
     const shares = [...stages].map((stage) => [stage, this.#shareOf(stage)] as const);
     for (const [stage, share] of shares) this.#shares.set(stage, share * Math.max(factor, LEAST_FALL));
+    if (work.some(({ isGuess }) => isGuess)) return;
     this.#elapsedMs += countedMs;
     this.#slowestMs += work.reduce((sum, { slowestMs }) => sum + slowestMs, 0);
   }

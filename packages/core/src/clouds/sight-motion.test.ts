@@ -1,0 +1,73 @@
+import { expect, test } from 'vitest';
+import { perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
+import { cloudView } from '../data/camera/cloud-view.ts';
+import { frustumSides } from '../data/camera/frustum.ts';
+import { identity4, type Vec3 } from '../data/math/mat4.ts';
+import type { CloudSight } from './cloud-stream.ts';
+import { SightMotion } from './sight-motion.ts';
+
+function sightFrom(position: Vec3, target: Vec3): CloudSight {
+  const camera = perspectiveCamera({ position, target, up: [0, 1, 0], fovYDegrees: 50, aspect: 1.6 });
+  const view = cloudView(camera.viewMatrix, identity4(), [0, 0, 0], false);
+  const sides = frustumSides(view, projectionOf(camera, 160, 100), 1 / 255, 0.3);
+  const [x, y, z] = position;
+  return {
+    cut: { camera: [x, y, z], squaredPerDistance: 1e-4, leastSquared: 1e-6, margin: 0 },
+    squaredShift: 1,
+    sides,
+  };
+}
+
+/** What is foreseen after half a second of frames that vary in time. */
+function foreseen(path: (seconds: number) => CloudSight): readonly CloudSight[] {
+  const motion = new SightMotion();
+  for (let frame = 0; frame < 30; frame++) {
+    const atMs = 16 * frame + 5 * (frame % 3);
+    motion.take([path(atMs / 1000)], atMs);
+  }
+  return motion.foresee();
+}
+const LAST_S = (16 * 29 + 5 * 2) / 1000;
+
+test('a walk goes on for half a second', () => {
+  const walk = (s: number) => sightFrom([2 * s, 1, -s], [2 * s + 1, 1, 3 - s]);
+  const [sight] = foreseen(walk);
+  const ahead = walk(LAST_S + 0.5);
+  expect(sight.cut.camera.map((value, i) => Math.abs(value - ahead.cut.camera[i]) < 1e-9)).not.toContain(
+    false,
+  );
+  for (const [i, { normal, offset }] of sight.sides.entries()) {
+    expect(offset).toBeCloseTo(ahead.sides[i].offset, 6);
+    for (const axis of [0, 1, 2]) expect(normal[axis]).toBeCloseTo(ahead.sides[i].normal[axis], 6);
+  }
+});
+
+test('a turn goes on, to within two degrees', () => {
+  const turn = (s: number) => sightFrom([5, 1, 0], [5 + Math.cos(0.5 * s), 1, Math.sin(0.5 * s)]);
+  const [sight] = foreseen(turn);
+  const ahead = turn(LAST_S + 0.5);
+  for (const [i, { normal, reach }] of sight.sides.entries()) {
+    const other = ahead.sides[i].normal;
+    const length = Math.hypot(...normal);
+    if (length === 0) continue;
+    const cosine =
+      normal.reduce((sum, value, axis) => sum + value * other[axis], 0) / (length * Math.hypot(...other));
+    expect(Math.acos(Math.min(1, cosine))).toBeLessThan((2 * Math.PI) / 180);
+    expect(reach).toBeCloseTo(ahead.sides[i].reach, 9);
+  }
+});
+
+test('nothing is foreseen of a view that stands, has come to rest, or shows more than before', () => {
+  const sight = sightFrom([0, 1, 3], [0, 0, 0]);
+  expect(foreseen(() => sightFrom([0, 1, 3], [0, 0, 0]))).toEqual([]);
+  const motion = new SightMotion();
+  expect(motion.foresee()).toEqual([]);
+  motion.take([sight], 0);
+  expect(motion.foresee()).toEqual([]);
+  motion.take([sightFrom([1, 1, 3], [0, 0, 0])], 16);
+  expect(motion.foresee()).toHaveLength(1);
+  motion.stop();
+  expect(motion.foresee()).toEqual([]);
+  motion.take([sight, sight], 32);
+  expect(motion.foresee()).toEqual([]);
+});

@@ -1,0 +1,77 @@
+import type { FrustumSide } from '../data/camera/frustum.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import type { CloudSight } from './cloud-stream.ts';
+
+/** How far ahead a view is foreseen, ms. */
+const AHEAD_MS = 500;
+/** Time over which its motion is measured, ms: times of single frames vary. */
+const MEASURED_MS = 200;
+
+interface Sighting {
+  readonly sights: readonly CloudSight[];
+  readonly atMs: number;
+}
+
+/** How a view that moves will see a scene soon, if it goes on as in its last frames. */
+export class SightMotion {
+  /** The oldest first; the second one is younger than `MEASURED_MS`. */
+  #past: readonly Sighting[] = [];
+
+  take(sights: readonly CloudSight[], atMs: number): void {
+    const past = [...this.#past, { sights, atMs }];
+    const recent = past.findIndex((each) => each.atMs > atMs - MEASURED_MS);
+    this.#past = past.slice(Math.max(0, recent - 1));
+  }
+
+  /** Forgets what was seen: the view has come to rest. */
+  stop(): void {
+    this.#past = this.#past.slice(-1);
+  }
+
+  /** The sights ahead; none where the view does not move. */
+  foresee(): readonly CloudSight[] {
+    const [from, to] = [this.#past[0], this.#past.at(-1)];
+    if (!from || !to || from.atMs === to.atMs || from.sights.length !== to.sights.length) return [];
+    const factor = AHEAD_MS / (to.atMs - from.atMs);
+    return to.sights.flatMap((sight, i) =>
+      isSame(from.sights[i], sight) ? [] : [extrapolate(from.sights[i], sight, factor)],
+    );
+  }
+}
+
+function isSame(a: CloudSight, b: CloudSight): boolean {
+  const numbersOf = ({ cut, sides }: CloudSight) => [
+    ...cut.camera,
+    ...sides.flatMap(({ normal, offset }) => [...normal, offset]),
+  ];
+  const others = numbersOf(b);
+  return numbersOf(a).every((value, i) => value === others[i]);
+}
+
+/** @param factor of the change from one sight to the other, by which the second changes further. */
+function extrapolate(from: CloudSight, to: CloudSight, factor: number): CloudSight {
+  const camera = onward(from.cut.camera, to.cut.camera, factor);
+  const sides = to.sides.map((side, i) => {
+    const before = from.sides[i] ?? side;
+    const turned = onward(before.normal, side.normal, factor);
+    const stretch = Math.hypot(...side.normal) / Math.max(Number.MIN_VALUE, Math.hypot(...turned));
+    const normal = turned.map((value) => value * stretch) as [number, number, number];
+    // Sides move with the camera.
+    const [apartBefore, apart] = [apartFrom(from.cut.camera, before), apartFrom(to.cut.camera, side)];
+    return { ...side, normal, offset: apart + factor * (apart - apartBefore) - dot(normal, camera) };
+  });
+  return { ...to, cut: { ...to.cut, camera }, sides };
+}
+
+function onward(from: Vec3, to: Vec3, factor: number): [number, number, number] {
+  const at = (axis: 0 | 1 | 2) => to[axis] + factor * (to[axis] - from[axis]);
+  return [at(0), at(1), at(2)];
+}
+
+function apartFrom(point: Vec3, { normal, offset }: FrustumSide): number {
+  return dot(normal, point) + offset;
+}
+
+function dot(a: Vec3, b: Vec3): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
