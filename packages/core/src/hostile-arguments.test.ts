@@ -93,6 +93,7 @@ const CALLS: Record<string, Call> = {
         tileBudgetBytes: 2 ** 20,
         submissionBudgetMs: 100,
         memoryBudgetBytes: 2 ** 20,
+        streamBudgetBytes: 2 ** 20,
       },
     ],
     call: async (options: EngineOptions) => {
@@ -254,6 +255,7 @@ test.each<[string, () => Promise<unknown>]>([
     () => SplatEngine.create({ device, submissionBudgetMs }),
   ]),
   ['memoryBudgetBytes', () => SplatEngine.create({ device, memoryBudgetBytes: Number.NaN })],
+  ['streamBudgetBytes', () => SplatEngine.create({ device, streamBudgetBytes: -1 })],
   ['tileBudgetBytes', () => SplatEngine.create({ device, tileBudgetBytes: '1e6' as never })],
   ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 0 })],
   ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 1.5 })],

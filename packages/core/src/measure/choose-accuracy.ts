@@ -62,7 +62,8 @@ export function chooseFrom(
   const before = previous && points.find(({ settings }) => settings === previous.settings);
   const isKept = before !== undefined && before !== best && mayStay(before, best, target, isMet);
   const point = isKept ? before : best;
-  const why = sentence(point, target, isMet, isKept, points.length);
+  const isFastest = candidates.every(({ timeMs }) => point.timeMs.total.median <= timeMs.total.median);
+  const why = sentence(point, target, { isMet, isKept, isFastest, count: points.length });
   return { target, settings: point.settings, isMet, why, point, table };
 }
 
@@ -119,9 +120,7 @@ function mayStay(
 function sentence(
   { name, error, timeMs }: AccuracyPoint,
   target: AccuracyTarget,
-  isMet: boolean,
-  isKept: boolean,
-  count: number,
+  { isMet, isKept, isFastest, count }: Record<'isMet' | 'isKept' | 'isFastest', boolean> & { count: number },
 ): string {
   const decibels =
     error.psnrDb === Number.POSITIVE_INFINITY
@@ -130,13 +129,16 @@ function sentence(
   const result = `${decibels} in ${milliseconds(timeMs.total.median)}`;
   const goal =
     'minPsnrDb' in target ? `reach ${target.minPsnrDb} dB` : `stay within ${milliseconds(target.maxFrameMs)}`;
-  const superlative = 'minPsnrDb' in target ? 'fastest' : 'most accurate';
   if (!isMet) {
     const rivals = `None of the ${count} settings measured can ${goal}`;
     return `${rivals}; “${name}” comes closest with ${result}.`;
   }
   if (isKept) return `“${name}” stays: ${result}, and no other settings are clearly better.`;
-  return `“${name}” is the ${superlative} of ${count} settings measured that ${goal}: ${result}.`;
+  const among = `Of ${count} settings measured,`;
+  if ('maxFrameMs' in target) return `${among} “${name}” is the most accurate to ${goal}: ${result}.`;
+  return isFastest
+    ? `${among} “${name}” is the fastest to ${goal}: ${result}.`
+    : `${among} none that can ${goal} is measurably faster than “${name}”: ${result}.`;
 }
 
 function milliseconds(ms: number): string {

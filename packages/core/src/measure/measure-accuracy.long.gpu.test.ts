@@ -176,7 +176,9 @@ describe('measureAccuracy', () => {
     expect(engine.memory().totalBytes).toBe(before);
     expect(engine.accuracy).toBe(accuracy);
     expect(progress.map(({ done }) => done)).toEqual(progress.map((_, i) => i));
-    expect(progress.at(-1)).toMatchObject({ done: progress.length - 1, total: progress.length });
+    const steps = progress.length - 1;
+    expect(progress.at(-1)).toMatchObject({ done: steps, total: steps });
+    for (const { done, total } of progress.slice(0, -1)) expect(done).toBeLessThan(total);
     expect(table).toMatchObject({
       ...SIZE,
       views: 1,
@@ -197,9 +199,24 @@ describe('measureAccuracy', () => {
 
   gpuTest('tells what has been timed each time that there is more, the whole table at last', async () => {
     const told: AccuracyTable[] = [];
+    const steps: MeasureProgress[] = [];
+    const stepsBefore: number[] = [];
     const options = { ...common, frames: 4, settings: [], ablations: false, combinations: false };
-    const table = await measureAccuracy(engine, { ...options, onTable: (each) => told.push(each) });
+    const table = await measureAccuracy(engine, {
+      ...options,
+      onProgress: (each) => steps.push(each),
+      onTable: (each) => {
+        told.push(each);
+        stepsBefore.push(steps.length);
+      },
+    });
     const names = table.points.map(({ name }) => name);
+    // Each is timed right after it has been compared.
+    expect(stepsBefore.slice(0, names.length)).toEqual(names.map((_, i) => 2 * (i + 1)));
+    expect(steps[2]).toMatchObject({
+      label: `2 of ${names.length}: ${names[1]}`,
+      point: { name: names[1], settings: table.points[1].settings },
+    });
     // Two rounds, of which the second runs backwards.
     const counts = told.map(({ points }) => points.length);
     expect(counts).toEqual([...names.map((_, i) => i + 1), ...names.map(() => names.length)]);
@@ -225,7 +242,9 @@ describe('measureAccuracy', () => {
       };
       const table = await measureAccuracy(engine, { ...options, onProgress: (each) => progress.push(each) });
       expect(progress[0].total).toBe(countMeasureSteps(options));
-      expect(progress.at(-1)).toMatchObject({ done: progress.length - 1, total: progress.length });
+      const steps = progress.length - 1;
+      expect(progress.at(-1)).toMatchObject({ done: steps, total: steps });
+      for (const { done, total } of progress.slice(0, -1)) expect(done).toBeLessThan(total);
       const [base] = table.points;
       const [half, coarse] = table.points.slice(-2);
       expect(

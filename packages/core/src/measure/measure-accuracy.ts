@@ -72,6 +72,7 @@ export interface MeasureAccuracyOptions {
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
+  /** Has all steps done in the last report, which comes just before the table. */
   readonly onProgress?: (progress: MeasureProgress) => void;
   /**
    * Takes the points that have been timed so far, whenever there are more: the results to keep of a
@@ -88,6 +89,8 @@ export interface MeasureProgress {
   readonly total: number;
   /** Name of the current step, for people. */
   readonly label: string;
+  /** The settings that are measured in it, whose name is part of `label`. */
+  readonly point?: Pick<AccuracyPoint, 'name' | 'settings' | 'changed'>;
 }
 
 /** Cost of one set of settings at one detail, and the error of its image. */
@@ -207,10 +210,9 @@ function stepsOf(
   candidates: number,
   details: number,
 ): number {
-  const combining = combinations ? MAX_COMBINATIONS * stepsPerPoint(cameras.length, frames) : 0;
-  const looking = combinations ? candidates * cameras.length : 0;
+  const combining = combinations ? MAX_COMBINATIONS : 0;
   const supersampling = details > 0 ? CROPS * cameras.length : 0;
-  return (candidates + details) * stepsPerPoint(cameras.length, frames) + combining + looking + supersampling;
+  return (candidates + details + combining) * stepsPerPoint(cameras.length, frames) + supersampling;
 }
 
 /** A comparison with the reference, and rounds of timing, for each camera. */
@@ -299,6 +301,8 @@ class Measurement {
   readonly #startedMs = performance.now();
   #done = 0;
   #total = 0;
+  /** Points that are to be measured, as far as that is known. */
+  #count = 0;
 
   constructor(
     engine: MeasuredEngine,
@@ -317,7 +321,10 @@ class Measurement {
 
   async run(): Promise<AccuracyTable> {
     try {
-      return await this.#measure();
+      const table = await this.#measure();
+      this.#total = this.#done;
+      this.#step('Measured');
+      return table;
     } finally {
       for (const picture of this.#pictures) picture.destroy();
     }
@@ -332,18 +339,21 @@ class Measurement {
     this.#total = stepsOf(this.#options, candidates.length, ofDetails.length);
 
     if (ofDetails.length > 0) await this.#drawPictures();
-    const measured = await this.#measureErrors(candidates);
-    const more = withCombinations ? await this.#findCombinations(measured) : [];
+    const [firstFrames, ...rounds] = visits(this.#frames);
+    const measured: Measured[] = [];
+    this.#count = candidates.length + ofDetails.length;
+    await this.#begin(candidates, firstFrames, measured);
+    const more = withCombinations ? combinationsOf(measured) : [];
     if (withCombinations)
       this.#total -= (MAX_COMBINATIONS - more.length) * stepsPerPoint(cameras.length, this.#frames);
-    measured.push(...(await this.#measureErrors([...more, ...ofDetails])));
-    for (const [round, frames] of visits(this.#frames).entries()) {
+    this.#count += more.length;
+    await this.#begin([...more, ...ofDetails], firstFrames, measured);
+    for (const [round, frames] of rounds.entries()) {
       // Every other round runs backwards, so that late points of one round are early in the next.
-      const order = round % 2 === 0 ? measured : [...measured].reverse();
+      const order = round % 2 === 0 ? [...measured].reverse() : measured;
       for (const each of order) {
-        for (const [view, some] of (await this.#visit(each, frames)).entries())
-          each.frames[view].push(...some);
-        onTable?.(this.#tableOf(measured.filter(isTimed)));
+        await this.#visit(each, frames, `Timing ${each.candidate.name} again`);
+        onTable?.(this.#tableOf(measured));
       }
     }
     return this.#tableOf(measured);
@@ -410,34 +420,46 @@ class Measurement {
     }
   }
 
-  /** Measures the worst error of each kind over all cameras; notes and omits non-finite images. */
-  async #measureErrors(candidates: readonly Candidate[]): Promise<Measured[]> {
-    if (candidates.length === 0) return [];
+  /**
+   * Measures the worst error of each kind over all cameras, and the times of the first round, and
+   * adds them to `measured`; notes and omits non-finite images.
+   */
+  async #begin(candidates: readonly Candidate[], frames: number, measured: Measured[]): Promise<void> {
+    if (candidates.length === 0) return;
     const comparisons = new Map<Candidate, Comparison[]>(candidates.map((each) => [each, []]));
-    const { cameras, detail = 'full' } = this.#options;
+    const { cameras, detail = 'full', onTable } = this.#options;
     await withView(this.#engine, async (reference) => {
       for (const [index, camera] of cameras.entries()) {
         await drawMeasured(this.#engine, reference, {
           ...this.#frame(camera, { settings: this.#reference.settings, detail }),
           force: true,
         });
-        for (const candidate of [...comparisons.keys()]) {
-          this.#step(`Comparing ${candidate.name} with the reference`);
-          const found = await this.#compare(candidate, index, reference).catch((error) => {
+        for (const [candidate, found] of [...comparisons]) {
+          const label = this.#place(measured.length, candidate);
+          this.#step(label, candidate);
+          try {
+            found.push(await this.#compare(candidate, index, reference));
+          } catch (error) {
             if (!(error instanceof NonFiniteImageError) || error.image !== 'actual') throw error;
             this.#notes.push(`${candidate.name} is left out: ${error.message}`);
-            return null;
-          });
-          if (found === null) comparisons.delete(candidate);
-          else comparisons.get(candidate)!.push(found);
+            comparisons.delete(candidate);
+            this.#count--;
+            continue;
+          }
+          // Times come right after errors, so that there are results as early as can be.
+          if (index < cameras.length - 1) continue;
+          const point = { ...worstOf(found), candidate, frames: cameras.map(() => []) };
+          await this.#visit(point, frames, label);
+          measured.push(point);
+          onTable?.(this.#tableOf(measured));
         }
       }
     });
-    return [...comparisons].map(([candidate, found]) => ({
-      ...worstOf(found),
-      candidate,
-      frames: cameras.map(() => []),
-    }));
+  }
+
+  /** `12 of 28: sortKeyBits 16`. */
+  #place(index: number, { name }: Candidate): string {
+    return `${index + 1} of ${this.#count}: ${name}`;
   }
 
   async #compare(candidate: Candidate, camera: number, reference: MeasuredView): Promise<Comparison> {
@@ -468,41 +490,18 @@ class Measurement {
     }
   }
 
-  /** Measures rough times, far too short for the table, to decide which changes to combine. */
-  async #findCombinations(measured: readonly Measured[]): Promise<Candidate[]> {
-    const looks: FirstLook[] = [];
-    for (const each of measured) {
-      const { candidate, error } = each;
-      const drawn = await this.#visit(each, FRAMES_PER_VISIT);
-      const totalMs = Math.max(
-        ...drawn.map((some) => timeSpread(some.map(({ timing }) => timing.totalMs)).median),
-      );
-      looks.push({ candidate, psnrDb: error.psnrDb, totalMs });
-    }
-    const [base, ...others] = looks;
-    const singles = others.filter(({ candidate }) => candidate.changed.length === 1);
-    const known = new Set(measured.map(({ candidate }) => candidate.settings));
-    return combineChanges(base, singles)
-      .map((changes) => combined(base.candidate, changes))
-      .filter(({ settings }) => !known.has(settings));
-  }
-
-  /** Draws a point a few times with every camera. Returns the frames per camera. */
-  async #visit({ candidate }: Measured, frames: number): Promise<FrameStatistics[][]> {
-    return withView(this.#engine, async (view) => {
-      const drawn: FrameStatistics[][] = [];
-      for (const camera of this.#options.cameras) {
-        this.#step(`Timing ${candidate.name}`);
+  /** Draws a point a few times with every camera. */
+  async #visit({ candidate, frames }: Measured, count: number, label: string): Promise<void> {
+    await withView(this.#engine, async (view) => {
+      for (const [index, camera] of this.#options.cameras.entries()) {
+        this.#step(label, candidate);
         const frame = { ...this.#frame(camera, candidate), force: true };
         await drawMeasured(this.#engine, view, frame);
-        const measured: FrameStatistics[] = [];
-        for (let i = 0; i < frames; i++) {
+        for (let i = 0; i < count; i++) {
           this.#options.signal?.throwIfAborted();
-          measured.push(await drawMeasured(this.#engine, view, frame));
+          frames[index].push(await drawMeasured(this.#engine, view, frame));
         }
-        drawn.push(measured);
       }
-      return drawn;
     });
   }
 
@@ -537,20 +536,30 @@ class Measurement {
     );
   }
 
-  #step(label: string): void {
+  #step(label: string, point?: Candidate): void {
     this.#options.signal?.throwIfAborted();
-    this.#options.onProgress?.({ done: this.#done++, total: this.#total, label });
+    this.#options.onProgress?.({ done: this.#done++, total: this.#total, label, point });
   }
+}
+
+/** Lists combinations of changes that pay, by the rough times of the first round. */
+function combinationsOf(measured: readonly Measured[]): Candidate[] {
+  const looks = measured.map(({ candidate, error, frames }): FirstLook => {
+    const totals = frames.map((some) => timeSpread(some.map(({ timing }) => timing.totalMs)).median);
+    return { candidate, psnrDb: error.psnrDb, totalMs: Math.max(...totals) };
+  });
+  const [base, ...others] = looks;
+  const singles = others.filter(({ candidate }) => candidate.changed.length === 1);
+  const known = new Set(measured.map(({ candidate }) => candidate.settings));
+  return combineChanges(base, singles)
+    .map((changes) => combined(base.candidate, changes))
+    .filter(({ settings }) => !known.has(settings));
 }
 
 /** Returns the number of frames that each round measures, `frames` in all. */
 function visits(frames: number): number[] {
   const full = Array<number>(Math.floor(frames / FRAMES_PER_VISIT)).fill(FRAMES_PER_VISIT);
   return frames % FRAMES_PER_VISIT === 0 ? full : [...full, frames % FRAMES_PER_VISIT];
-}
-
-function isTimed({ frames }: Measured): boolean {
-  return frames.every((some) => some.length > 0);
 }
 
 /** Says why the last frame of a view drew all splats although less detail is asked for. */
