@@ -1,57 +1,12 @@
-import { SparkRenderer, SplatMesh } from '@sparkjsdev/spark';
-import * as THREE from 'three';
-import { nextTask } from '../src/peers/adapter.ts';
-import { threeWebGl } from './three-webgl.js';
+import { REVISION } from 'three';
+import { sparkScene } from './spark-scene.js';
 
 /** Of SPZ, those in gzip. */
 export const formats = ['ply', 'compressed-ply', 'spz 1', 'spz 2', 'spz 3', 'splat', 'ksplat', 'sog'];
 
-/** Spark takes an order as good enough for a wider range of views; here it must be this view's. */
-const MAX_DISTANCE = 1e-4;
-const MIN_COSINE = 0.999999;
-
 /** @type {import('../src/peers/adapter.ts').LoadPeer} */
 export default async function loadSpark({ canvas, url, fileName }) {
-  const { renderer, camera, setCamera } = threeWebGl(canvas);
-  const scene = new THREE.Scene();
-  const spark = new SparkRenderer({ renderer });
-  scene.add(spark);
-  const mesh = new SplatMesh({ url, fileName });
-  scene.add(mesh);
+  const { mesh, peer } = sparkScene(canvas, {}, { url, fileName });
   await mesh.initialized;
-
-  let orders = 0;
-  const driveSort = spark.driveSort.bind(spark);
-  spark.driveSort = () => {
-    const wasSorting = spark.sorting;
-    const driven = driveSort();
-    if (!wasSorting && spark.sorting) orders++;
-    return driven;
-  };
-  const position = new THREE.Vector3();
-  const direction = new THREE.Vector3();
-  const isOrdered = () => {
-    camera.getWorldPosition(position);
-    camera.getWorldDirection(direction);
-    return (
-      !spark.sorting &&
-      !spark.sortDirty &&
-      spark.activeSplats > 0 &&
-      position.distanceTo(spark.sortedCenter) < MAX_DISTANCE &&
-      direction.dot(spark.sortedDir) > MIN_COSINE
-    );
-  };
-  return {
-    note: `WebGLRenderer r${THREE.REVISION}, defaults, no levels of detail`,
-    setCamera,
-    draw: () => renderer.render(scene, camera),
-    order: async () => {
-      while (!isOrdered()) {
-        if (!spark.sorting) await spark.update({ scene, camera });
-        await nextTask();
-      }
-    },
-    orders: () => orders,
-    figures: () => ({ activeSplats: spark.activeSplats }),
-  };
+  return { note: `WebGLRenderer r${REVISION}, defaults, no levels of detail`, ...peer };
 }

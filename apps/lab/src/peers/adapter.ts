@@ -52,6 +52,12 @@ export interface Peer {
   order?(): Promise<void>;
   /** With {@link order}: how many orders have been made so far. */
   orders?(): number;
+  /**
+   * Only of a scene that streams, whose {@link LoadPeer} resolves as soon as a frame can be drawn:
+   * whether all is there and drawn that the newest camera needs within its budgets, by the peer's
+   * own account.
+   */
+  isComplete?(): boolean;
   /** The peer's own figures, for the JSON. */
   figures?(): Readonly<Record<string, unknown>>;
 }

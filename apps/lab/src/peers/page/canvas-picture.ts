@@ -2,43 +2,68 @@ import type { DrawnPeer } from './drawn-peer.ts';
 import type { Picture } from './protocol.ts';
 import type { WebGpuWatch } from './watch-webgpu.ts';
 
-/**
- * Draws a frame and takes what the canvas then holds. The picture is taken in the task that drew
- * it: the browser clears a WebGL canvas that it has shown, and in headless Chromium `drawImage`
- * finds a WebGPU canvas empty later.
- */
+/** Draws a frame and takes what the canvas then holds. */
 export async function canvasPicture(drawn: DrawnPeer, webgpu: WebGpuWatch, camera: string): Promise<Picture> {
-  const { canvas } = drawn;
+  const png = await (await takenFrame(drawn, webgpu)).png;
+  const { width: widthPx, height: heightPx, data } = await pixelsOf(png, 1);
+  const pngBase64 = base64(new Uint8Array(await png.arrayBuffer()));
+  return { camera, widthPx, heightPx, rgbaBase64: base64(data), pngBase64 };
+}
+
+/**
+ * Draws a frame to its end and takes its picture, which is encoded while the page goes on. It is
+ * taken in the task that drew it: the browser clears a canvas that it has shown. By `toBlob`, since
+ * `drawImage` finds WebGPU's canvases empty where Chromium has a GPU but no display.
+ */
+export async function takenFrame(
+  { peer, canvas, drawer, completion }: DrawnPeer,
+  webgpu: WebGpuWatch,
+): Promise<{ readonly png: Promise<Blob> }> {
   let taken: Promise<Blob | null> | undefined;
   const take = () => {
     taken = new Promise((resolve) => canvas.toBlob(resolve, 'image/png'));
   };
-  if (drawn.drawer.api === 'webgpu') {
-    // The last submission of the frame stays.
-    webgpu.afterSubmit = take;
-    await drawn.frame();
+  if (drawer.api === 'webgpu') {
+    let isDue = false;
+    // Once for all submissions of a task; the last one of the frame has the picture.
+    webgpu.afterSubmit = () => {
+      if (isDue) return;
+      isDue = true;
+      queueMicrotask(() => {
+        isDue = false;
+        take();
+      });
+    };
+    await peer.draw();
     webgpu.afterSubmit = null;
   } else {
-    await drawn.peer.draw();
+    await peer.draw();
     take();
   }
-  const blob = await taken;
-  if (!blob) throw new Error('The frame left no picture on the canvas.');
-  return { camera, ...(await pixelsOf(blob)) };
+  await completion();
+  return { png: encoded(taken) };
 }
 
-/** Decodes an image of `toBlob`; encoding it once more would wait for the page to be idle. */
-async function pixelsOf(png: Blob): Promise<Omit<Picture, 'camera'>> {
+async function encoded(taken: Promise<Blob | null> | undefined): Promise<Blob> {
+  const png = await taken;
+  if (!png) throw new Error('The frame left no picture on the canvas.');
+  return png;
+}
+
+/**
+ * Decodes an image of `toBlob`, `shrink` times smaller, over black; encoding it once more would
+ * wait for the page to be idle.
+ */
+export async function pixelsOf(png: Blob, shrink: number): Promise<ImageData> {
   const bitmap = await createImageBitmap(png);
-  const { width: widthPx, height: heightPx } = bitmap;
-  const context = new OffscreenCanvas(widthPx, heightPx).getContext('2d', { willReadFrequently: true });
+  const [width, height] = [bitmap.width, bitmap.height].map((px) => Math.ceil(px / shrink));
+  const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
   if (!context) throw new Error('This browser has no 2D context.');
   context.fillStyle = '#000';
-  context.fillRect(0, 0, widthPx, heightPx);
-  context.drawImage(bitmap, 0, 0);
-  const { data } = context.getImageData(0, 0, widthPx, heightPx);
-  const pngBase64 = base64(new Uint8Array(await png.arrayBuffer()));
-  return { widthPx, heightPx, rgbaBase64: base64(data), pngBase64 };
+  context.fillRect(0, 0, width, height);
+  context.drawImage(bitmap, 0, 0, width, height);
+  bitmap.close();
+  return context.getImageData(0, 0, width, height);
 }
 
 function base64(bytes: Uint8Array | Uint8ClampedArray): string {

@@ -1,12 +1,14 @@
 // A page with one peer. Everything is wrapped before the adapter and the peer's own code run.
+import type { Peer } from '../adapter.ts';
 import { ByteLedger } from './byte-ledger.ts';
 import { canvasPicture } from './canvas-picture.ts';
-import { completionOf, type Drawer } from './completion.ts';
+import { completionOf, type Drawer, type Wait } from './completion.ts';
 import { DrawnPeer } from './drawn-peer.ts';
 import { GpuTime } from './gpu-time.ts';
 import { watchLongTasks } from './longest-task.ts';
 import { measure } from './measure.ts';
 import type { BenchPage, LoadRequest } from './protocol.ts';
+import { atRest, streamIn } from './stream.ts';
 import { watchWebGl } from './watch-webgl.ts';
 import { watchWebGpu } from './watch-webgpu.ts';
 
@@ -50,16 +52,30 @@ const page: BenchPage = {
     });
     peer.setCamera(request.camera);
     await peer.order?.();
-    // Some set up the canvas with their first frame, which then shows the API that they draw by.
-    await peer.draw();
-    const drawer = drawerOf(canvas);
-    drawn = new DrawnPeer(peer, canvas, drawer, completionOf(drawer, request.wait));
-    await drawn.completion();
+    drawn = await drawnPeer(peer, canvas, request.wait);
     const loadMs = sinceStartMs();
     const longestTaskMs = longestTask();
     const firstSplatsMs = (await firstSplats) ?? loadMs;
-    webgpu.gpuTime = drawer.api === 'webgpu' ? GpuTime.of(drawer.device) : null;
-    return { loadMs, firstSplatsMs, longestTaskMs, api: drawer.api, note: peer.note };
+    return { loadMs, firstSplatsMs, longestTaskMs, api: drawn.drawer.api, note: peer.note };
+  },
+  async stream(request) {
+    const canvas = canvasOf(request);
+    const longestTask = watchLongTasks();
+    const startedMs = performance.now();
+    const peer = await loadPeer({
+      canvas,
+      url: request.url!,
+      fileName: request.fileName,
+      file: null,
+      camera: request.camera,
+      options: new URLSearchParams(location.search),
+      shown: () => {},
+    });
+    peer.setCamera(request.camera);
+    drawn = await drawnPeer(peer, canvas, request.wait);
+    const streamed = await streamIn(drawn, webgpu, startedMs);
+    const { api } = drawn.drawer;
+    return { ...streamed, longestTaskMs: longestTask(), api, note: peer.note };
   },
   async measure(request) {
     return measure(loaded(), webgpu.gpuTime, request);
@@ -68,6 +84,7 @@ const page: BenchPage = {
     const pictures = [];
     for (const camera of cameras) {
       await loaded().correctFrame(camera);
+      if (loaded().peer.isComplete) await atRest(loaded());
       pictures.push(await canvasPicture(loaded(), webgpu, camera.name));
     }
     return pictures;
@@ -96,6 +113,17 @@ function droppedFile(): File {
   const file = document.querySelector('input')?.files?.[0];
   if (!file) throw new Error('The page has not been given a file.');
   return file;
+}
+
+/** Draws a first frame to its end. */
+async function drawnPeer(peer: Peer, canvas: HTMLCanvasElement, wait: Wait): Promise<DrawnPeer> {
+  // Some set up the canvas with their first frame, which then shows the API that they draw by.
+  await peer.draw();
+  const drawer = drawerOf(canvas);
+  const first = new DrawnPeer(peer, canvas, drawer, completionOf(drawer, wait));
+  await first.completion();
+  webgpu.gpuTime = drawer.api === 'webgpu' ? GpuTime.of(drawer.device) : null;
+  return first;
 }
 
 function drawerOf(canvas: HTMLCanvasElement): Drawer {

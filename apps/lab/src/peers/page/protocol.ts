@@ -7,8 +7,10 @@ export interface BenchPage {
   /** Formats that the peer reads. */
   formats(): PeerFormats;
   load(request: LoadRequest): Promise<Loaded>;
+  /** Loads a scene that streams, until it is at rest. */
+  stream(request: LoadRequest): Promise<Streamed>;
   measure(request: MeasureRequest): Promise<Measured>;
-  /** The picture by each camera. */
+  /** The picture by each camera; of a scene that streams, at rest. */
   pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
   state(): PageState;
 }
@@ -30,6 +32,22 @@ export interface Loaded {
   /** To the end of the first frame with any splats: `loadMs`, unless a part is shown before. */
   readonly firstSplatsMs: number;
   /** Longest time that the page's thread was blocked; 0 below the 50 ms that browsers report. */
+  readonly longestTaskMs: number;
+  readonly api: 'webgpu' | 'webgl2';
+  readonly note: string;
+}
+
+/** How a scene that streams appeared. Frames are drawn all the time, as many as 60 a second. */
+export interface Streamed {
+  /** The call of the adapter, from which the times count; ms since 1970, as the runner counts. */
+  readonly startedAtMs: number;
+  /** To the end of the first frame that leaves a pixel other than black. */
+  readonly firstPictureMs: number;
+  /** How near that was to the complete picture, both made smaller; dB, Infinity (JSON: null) if alike. */
+  readonly firstPsnrDb: number;
+  /** To the end of the first frame of those that are complete, one after the other, up to rest. */
+  readonly completeMs: number;
+  /** As of {@link Loaded}. */
   readonly longestTaskMs: number;
   readonly api: 'webgpu' | 'webgl2';
   readonly note: string;

@@ -1,43 +1,20 @@
-import { execFileSync } from 'node:child_process';
 import { mkdir, writeFile } from 'node:fs/promises';
-import os from 'node:os';
 import { basename, join } from 'node:path';
-import { timeSpread } from '@websplatter/core/measure';
 import { serveFiles } from '@websplatter/tools/file-server';
 import type { PeerFormats } from '../adapter.ts';
 import { WAITS, type Wait } from '../page/completion.ts';
 import type { Loaded, LoadRequest, MeasureRequest, Picture } from '../page/protocol.ts';
-import { BLANK_PAGE, type BuiltPages, type BuiltPeer } from './built-pages.ts';
-import type { BenchOptions, SizePx } from './options.ts';
+import type { BenchSetup, SizePx } from './bench-definition.ts';
+import { BLANK_PAGE, type BuiltPeer } from './built-pages.ts';
+import { machineOf, PAGE_HEADERS } from './machine.ts';
+import type { BenchOptions } from './options.ts';
 import { isReadBy } from './peer-formats.ts';
 import { psnrOf } from './picture-error.ts';
+import { quickestWait } from './quickest-wait.ts';
 import { drawReferences } from './references.ts';
 import type { Report, Row, SceneReport } from './report.ts';
-import type { CommandLine } from './run-command.ts';
 import { type BenchScene, readScene, sceneFiles } from './scenes.ts';
 import { type OpenPage, Visitor } from './visit.ts';
-
-/** A page that is isolated from other origins may share memory with its workers. */
-const HEADERS = {
-  'cross-origin-opener-policy': 'same-origin',
-  'cross-origin-embedder-policy': 'require-corp',
-  'cross-origin-resource-policy': 'same-origin',
-  'cache-control': 'no-store',
-};
-
-/** Everything that a bench needs besides its options. */
-export interface BenchSetup {
-  /** Chromium's program. */
-  readonly executablePath: string;
-  /** For the report. */
-  readonly commandLine: CommandLine;
-  readonly pages: BuiltPages;
-  /** Where the pages are. */
-  readonly pagesFolder: string;
-  /** For scenes that are made; it goes away with the bench. */
-  readonly workFolder: string;
-  readonly say: (line: string) => void;
-}
 
 /**
  * Measures `peers` with all scenes.
@@ -56,7 +33,7 @@ export async function measurePeers(
   const addresses = files.map((file, i) => `scenes/${i}/${encodeURIComponent(basename(file))}`);
   const server = await serveFiles(pagesFolder, {
     files: Object.fromEntries(addresses.map((address, i) => [address, files[i]])),
-    headers: HEADERS,
+    headers: PAGE_HEADERS,
   });
   const visitor = new Visitor({
     executablePath,
@@ -76,7 +53,7 @@ export async function measurePeers(
       const scene = await readScene(file, options.camerasFile);
       const sceneUrl = server.url + addresses[i];
       const bench = new SceneBench(options, scene, sceneUrl, visitor, pageOf, formatsOf, say);
-      if (i === 0) ({ wait, adapter } = await bench.quickestWait(pages.floor, server.url + BLANK_PAGE));
+      if (i === 0) ({ wait, adapter } = await quickestWait(visitor, pageOf(pages.floor), options, say));
       const rows = peers.map(emptyRow);
       if (options.takesPictures) await bench.takePictures(rows, peers, wait);
       await bench.measure(rows, peers, wait);
@@ -87,8 +64,7 @@ export async function measurePeers(
       date: new Date().toISOString(),
       command: [commandLine.name, ...commandLine.args].join(' '),
       commit: pages.commit,
-      machine: machine(),
-      browser: execFileSync(executablePath, ['--version'], { encoding: 'utf8' }).trim(),
+      ...machineOf(executablePath),
       adapter,
       wait,
       isFromFile,
@@ -136,26 +112,6 @@ class SceneBench {
     this.#pageOf = pageOf;
     this.#formatsOf = formatsOf;
     this.#say = say;
-  }
-
-  /** Finds the quickest wait when nothing is drawn, not even loaded: all peers get it. */
-  async quickestWait(floor: BuiltPeer, emptyUrl: string): Promise<{ wait: Wait; adapter: string | null }> {
-    const { size } = this.#options;
-    const floors = await this.#visitor.visit(this.#pageOf(floor), size, async (page) => {
-      const found = [];
-      for (const wait of WAITS) {
-        await page.load({ ...this.#load(size, wait), url: emptyUrl });
-        const { correctMs } = await page.measure(this.#measureRequest);
-        const { adapter } = await page.state();
-        found.push({ wait, ms: timeSpread(correctMs).median, adapter });
-      }
-      return found;
-    });
-    const quickest = floors.reduce((best, each) => (each.ms < best.ms ? each : best));
-    this.#say(
-      `Waiting for WebGPU: ${floors.map(({ wait, ms }) => `${wait} ${ms.toFixed(2)} ms`).join(', ')}.`,
-    );
-    return quickest;
   }
 
   /** Runs first, so that missing splats show before times. Threads draw in float64 meanwhile. */
@@ -262,10 +218,4 @@ class SceneBench {
     const { frames, warmUpFrames, jumps } = this.#options;
     return { camera: this.#scene.cameras[0], frames, warmUpFrames, jumps };
   }
-}
-
-function machine(): string {
-  const cpus = os.cpus();
-  const memoryGiB = Math.round(os.totalmem() / 2 ** 30);
-  return `${cpus.length} × ${cpus[0]?.model ?? 'unknown'}, ${memoryGiB} GiB; ${os.type()} ${os.release()}; Node ${process.versions.node}`;
 }

@@ -1,5 +1,6 @@
 import { resolve } from 'node:path';
 import { parseArgs } from 'node:util';
+import type { CommonOptions, SizePx } from './bench-definition.ts';
 import { BenchError } from './bench-error.ts';
 import { PEER_NAMES, sourcesFolder } from './peer-list.ts';
 
@@ -32,37 +33,15 @@ export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --sources FOLDER    has clones of peers that are no packages, by their names; default apps/lab/peers/sources
   --help              prints this`;
 
-export interface SizePx {
-  readonly widthPx: number;
-  readonly heightPx: number;
-}
-
-export interface BenchOptions {
+export interface BenchOptions extends CommonOptions {
   /** Paths. */
   readonly scenes: readonly string[];
   /** Numbers of splats. */
   readonly synthetic: readonly number[];
-  readonly camerasFile: string | null;
-  /** Names, separated by commas. */
-  readonly peers: string;
-  readonly size: SizePx;
-  readonly pictureSize: SizePx;
-  readonly rounds: number;
-  readonly frames: number;
-  readonly warmUpFrames: number;
   readonly jumps: number;
   readonly isFromFile: boolean;
   /** Loads alone. */
   readonly isLoads: boolean;
-  readonly takesPictures: boolean;
-  readonly timeLimitMs: number;
-  /** Infinity without a limit. */
-  readonly budgetMs: number;
-  readonly isSoftware: boolean;
-  readonly outFolder: string | null;
-  readonly jsonFile: string | null;
-  readonly installs: boolean;
-  readonly packFolder: string | null;
   /** Of the clones of peers that are no packages. */
   readonly sourcesFolder: string;
 }
@@ -74,65 +53,78 @@ export interface BenchOptions {
  */
 export function readOptions(args: readonly string[], folder: string): BenchOptions {
   const values = parse(args);
-  const path = (file: string | undefined) => (file === undefined ? null : resolve(folder, file));
   const scenes = values.scenes?.split(',').map((file) => resolve(folder, file)) ?? [];
   const synthetic = values.synthetic?.split(',').map((text) => wholeNumber('synthetic', text)) ?? [];
-  const packFolder = path(values.pack);
-  if (scenes.length + synthetic.length === 0 && !packFolder)
+  if (scenes.length + synthetic.length === 0 && !values.pack)
     throw new BenchError('No scene: give --scenes or --synthetic.');
   return {
+    ...commonOptions(values, folder),
     scenes,
     synthetic,
-    camerasFile: path(values.cameras),
+    jumps: wholeNumber('jumps', values.jumps),
+    isFromFile: values['from-file'],
+    isLoads: values.loads,
+    sourcesFolder: values.sources === undefined ? sourcesFolder : resolve(folder, values.sources),
+  };
+}
+
+function parse(args: readonly string[]) {
+  const options = {
+    ...commonArguments({ pictureSize: '480x270', rounds: '2' }),
+    ...{ scenes: TEXT, synthetic: TEXT, 'from-file': FLAG, loads: FLAG, sources: TEXT },
+    jumps: { ...TEXT, default: '16' },
+  } as const;
+  return parsed(() => parseArgs({ args: [...args], options }).values);
+}
+
+export const TEXT = { type: 'string' } as const;
+const FLAG = { type: 'boolean', default: false } as const;
+
+/** What every bench takes, for `parseArgs`, with the defaults in which they differ. */
+export function commonArguments(defaults: { readonly pictureSize: string; readonly rounds: string }) {
+  return {
+    ...{ cameras: TEXT, budget: TEXT, out: TEXT, json: TEXT, pack: TEXT },
+    ...{ 'no-pictures': FLAG, software: FLAG, 'no-install': FLAG },
+    peers: { ...TEXT, default: 'all' },
+    size: { ...TEXT, default: '1920x1080' },
+    'picture-size': { ...TEXT, default: defaults.pictureSize },
+    rounds: { ...TEXT, default: defaults.rounds },
+    frames: { ...TEXT, default: '120' },
+    'warm-up': { ...TEXT, default: '20' },
+    'time-limit': { ...TEXT, default: '300' },
+  } as const;
+}
+
+type CommonValues = ReturnType<
+  typeof parseArgs<{ readonly options: ReturnType<typeof commonArguments> }>
+>['values'];
+
+/** Reads what every bench takes; paths are from `folder`. @throws BenchError naming the option. */
+export function commonOptions(values: CommonValues, folder: string): CommonOptions {
+  const path = (file: string | undefined) => (file === undefined ? null : resolve(folder, file));
+  return {
     peers: values.peers,
+    installs: !values['no-install'],
+    packFolder: path(values.pack),
+    camerasFile: path(values.cameras),
     size: size('size', values.size),
     pictureSize: size('picture-size', values['picture-size']),
     rounds: wholeNumber('rounds', values.rounds),
     frames: wholeNumber('frames', values.frames),
     warmUpFrames: wholeNumber('warm-up', values['warm-up']),
-    jumps: wholeNumber('jumps', values.jumps),
-    isFromFile: values['from-file'],
-    isLoads: values.loads,
     takesPictures: !values['no-pictures'],
     timeLimitMs: 1000 * wholeNumber('time-limit', values['time-limit']),
     budgetMs: values.budget === undefined ? Infinity : 1000 * wholeNumber('budget', values.budget),
     isSoftware: values.software,
     outFolder: path(values.out),
     jsonFile: path(values.json),
-    installs: !values['no-install'],
-    packFolder,
-    sourcesFolder: path(values.sources) ?? sourcesFolder,
   };
 }
 
-function parse(args: readonly string[]) {
+/** What `parse` returns. @throws BenchError with what it throws. */
+export function parsed<Values>(parse: () => Values): Values {
   try {
-    return parseArgs({
-      args: [...args],
-      options: {
-        scenes: { type: 'string' },
-        synthetic: { type: 'string' },
-        cameras: { type: 'string' },
-        peers: { type: 'string', default: 'all' },
-        size: { type: 'string', default: '1920x1080' },
-        'picture-size': { type: 'string', default: '480x270' },
-        rounds: { type: 'string', default: '2' },
-        frames: { type: 'string', default: '120' },
-        'warm-up': { type: 'string', default: '20' },
-        jumps: { type: 'string', default: '16' },
-        'from-file': { type: 'boolean', default: false },
-        loads: { type: 'boolean', default: false },
-        'no-pictures': { type: 'boolean', default: false },
-        'time-limit': { type: 'string', default: '300' },
-        budget: { type: 'string' },
-        software: { type: 'boolean', default: false },
-        out: { type: 'string' },
-        json: { type: 'string' },
-        'no-install': { type: 'boolean', default: false },
-        pack: { type: 'string' },
-        sources: { type: 'string' },
-      },
-    }).values;
+    return parse();
   } catch (error) {
     throw new BenchError((error as Error).message);
   }
@@ -145,6 +137,7 @@ export function wholeNumber(option: string, text: string): number {
   throw new BenchError(`--${option} has "${text}"; it takes whole numbers from 1 on.`);
 }
 
+/** @throws BenchError naming the option. */
 function size(option: string, text: string): SizePx {
   const [, width, height] = /^([1-9]\d*)x([1-9]\d*)$/.exec(text) ?? [];
   if (!height) throw new BenchError(`--${option} has "${text}"; it takes pixels as WIDTHxHEIGHT.`);

@@ -1,4 +1,3 @@
-/** Names in a folder that `--pack` wrote. */
-export const PACK_COMMAND = 'bench-peers.mjs';
+/** Names in a folder that `--pack` wrote, besides that of the bench. */
 export const PAGES_FOLDER = 'pages';
 export const PAGES_LIST = 'pages.json';

@@ -3,8 +3,9 @@ import { createRequire } from 'node:module';
 import { dirname, join, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { build } from 'vite';
+import type { Bench, CommonOptions } from './bench-definition.ts';
 import { buildPages } from './build-pages.ts';
-import { PACK_COMMAND, PAGES_FOLDER, PAGES_LIST } from './pack-layout.ts';
+import { PAGES_FOLDER, PAGES_LIST } from './pack-layout.ts';
 import type { ChosenPeer } from './peer-list.ts';
 
 const runnerFolder = fileURLToPath(new URL('.', import.meta.url));
@@ -16,7 +17,8 @@ const NOT_NEEDED = ['lib/vite', 'types'];
  *
  * @throws BenchError if an adapter does not exist.
  */
-export async function writePack(
+export async function writePack<Options extends CommonOptions>(
+  { script, packedMain }: Bench<Options>,
   peers: readonly ChosenPeer[],
   folder: string,
   commit: string | null,
@@ -34,7 +36,7 @@ export async function writePack(
       emptyOutDir: false,
       rolldownOptions: {
         input: {
-          [PACK_COMMAND]: join(runnerFolder, 'packed-main.ts'),
+          [`${script.replace(':', '-')}.mjs`]: join(runnerFolder, '..', packedMain),
           'reference-worker.mjs': join(runnerFolder, 'reference-worker.mjs'),
         },
         // In one folder, as the threads' file is found beside the file that starts them.

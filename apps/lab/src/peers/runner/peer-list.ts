@@ -4,7 +4,7 @@ import { fileURLToPath } from 'node:url';
 import { BenchError } from './bench-error.ts';
 
 /** A peer that the bench knows by name. */
-interface KnownPeer {
+export interface KnownPeer {
   readonly name: string;
   /** Path from apps/lab. */
   readonly adapter: string;
@@ -145,9 +145,14 @@ function choosePeer(word: string, folder: string, sources: string): ChosenPeer {
     throw new BenchError(
       `--peers has "${name}"; known are ${PEER_NAMES.join(', ')}, and NAME=ADAPTER for others.`,
     );
-  const { package: own } = known;
+  return knownPeer(known, options, sources);
+}
+
+/** A peer that is known, with more `options` for its adapter. */
+export function knownPeer(known: KnownPeer, options: string, sources = sourcesFolder): ChosenPeer {
+  const { name, package: own } = known;
   return {
-    name: label,
+    name: options ? `${name}?${options}` : name,
     adapterPath: resolve(labFolder, known.adapter),
     options: [known.options, options].filter(Boolean).join('&'),
     isFloor: known.isFloor ?? false,

@@ -1,7 +1,7 @@
 import os from 'node:os';
 import { Worker } from 'node:worker_threads';
 import type { SceneCamera } from '@websplatter/scenes';
-import type { SizePx } from './options.ts';
+import type { SizePx } from './bench-definition.ts';
 import type { BenchScene } from './scenes.ts';
 
 /** Request to a thread. */

@@ -43,8 +43,8 @@ export interface SceneReport {
   readonly rows: readonly Row[];
 }
 
-/** Everything that one run found. */
-export interface Report {
+/** What every run tells of itself. */
+export interface RunReport {
   readonly date: string;
   /** The command line that was called. */
   readonly command: string;
@@ -54,6 +54,11 @@ export interface Report {
   readonly adapter: string | null;
   /** How the end of WebGPU's work was awaited. */
   readonly wait: Wait;
+  readonly frames: number;
+}
+
+/** Everything that one run found. */
+export interface Report extends RunReport {
   /** Whether the page was given the scenes as files, instead of fetching them. */
   readonly isFromFile: boolean;
   readonly isLoads: boolean;
@@ -61,7 +66,6 @@ export interface Report {
   readonly heightPx: number;
   readonly pictureWidthPx: number;
   readonly pictureHeightPx: number;
-  readonly frames: number;
   readonly jumps: number;
   readonly scenes: readonly SceneReport[];
 }

@@ -1,21 +1,22 @@
 import { afterEach, expect, test, vi } from 'vitest';
 import { BenchError } from './bench-error.ts';
-import { USAGE } from './options.ts';
 import { runCommand } from './run-command.ts';
+
+const USAGE = '--scenes FILE';
 
 afterEach(() => vi.restoreAllMocks());
 
 test('--help prints the options and does nothing', async () => {
   const print = vi.spyOn(console, 'log').mockReturnValue();
   const work = vi.fn();
-  expect(await runCommand({ name: 'bench', args: ['--help'] }, work)).toBe(0);
+  expect(await runCommand({ name: 'bench', args: ['--help'], usage: USAGE }, work)).toBe(0);
   expect(print).toHaveBeenCalledExactlyOnceWith(`bench ${USAGE}`);
   expect(work).not.toHaveBeenCalled();
 });
 
 test('mistakes of the command line are told in front of the options, other errors are thrown', async () => {
   const say = vi.spyOn(console, 'error').mockReturnValue();
-  const commandLine = { name: 'bench', args: [] };
+  const commandLine = { name: 'bench', args: [], usage: USAGE };
   const status = await runCommand(commandLine, () => Promise.reject(new BenchError('No scene.')));
   expect(status).toBe(2);
   expect(say).toHaveBeenCalledExactlyOnceWith(`No scene.\nbench ${USAGE}`);

@@ -2,15 +2,14 @@ import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import os from 'node:os';
 import { join } from 'node:path';
 import { BenchError } from './bench-error.ts';
-import { type BenchOptions, USAGE } from './options.ts';
-import type { Report } from './report.ts';
-import { reportText } from './table.ts';
 
 /** The command line that was called. */
 export interface CommandLine {
   /** Before the arguments. */
   readonly name: string;
   readonly args: readonly string[];
+  /** Behind the name, for `--help`. */
+  readonly usage: string;
 }
 
 interface Surroundings {
@@ -19,19 +18,24 @@ interface Surroundings {
   readonly say: (line: string) => void;
 }
 
-interface Outcome {
-  readonly options: BenchOptions;
-  readonly report: Report;
+/** What a bench has found. */
+export interface Outcome {
+  /** Everything that was measured. */
+  readonly report: object;
+  /** The report for people. */
+  readonly text: string;
+  readonly jsonFile: string | null;
+  readonly hasFailures: boolean;
 }
 
 /** Runs a command of the bench and prints its report, if any; returns the process's exit status. */
 export async function runCommand(
-  { name, args }: CommandLine,
+  { name, args, usage }: CommandLine,
   work: (surroundings: Surroundings) => Promise<Outcome | null>,
 ): Promise<number> {
-  const usage = `${name} ${USAGE}`;
+  const help = `${name} ${usage}`;
   if (args.includes('--help')) {
-    console.log(usage);
+    console.log(help);
     return 0;
   }
   const workFolder = await mkdtemp(join(os.tmpdir(), 'websplatter-bench-'));
@@ -39,13 +43,13 @@ export async function runCommand(
   try {
     const outcome = await work({ workFolder, say });
     if (!outcome) return 0;
-    const { options, report } = outcome;
-    console.log(reportText(report));
-    if (options.jsonFile) await writeFile(options.jsonFile, `${JSON.stringify(report, null, 2)}\n`);
-    return report.scenes.some(({ rows }) => rows.some(({ failures }) => failures.length)) ? 1 : 0;
+    const { report, text, jsonFile, hasFailures } = outcome;
+    console.log(text);
+    if (jsonFile) await writeFile(jsonFile, `${JSON.stringify(report, null, 2)}\n`);
+    return hasFailures ? 1 : 0;
   } catch (error) {
     if (!(error instanceof BenchError)) throw error;
-    say(`${error.message}\n${usage}`);
+    say(`${error.message}\n${help}`);
     return 2;
   } finally {
     await rm(workFolder, { recursive: true, force: true });

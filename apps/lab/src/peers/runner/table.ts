@@ -2,7 +2,7 @@ import { standardDeviation, timeSpread } from '@websplatter/core/measure';
 import type { Report, Round, Row, SceneReport } from './report.ts';
 import type { SceneFormat } from './scenes.ts';
 
-const NONE = '–';
+export const NONE = '–';
 /** Ratios are to this peer, or else to the first that draws. */
 const BASE = 'websplatter';
 /** This project, by any adapter and options. */
@@ -236,11 +236,11 @@ function spreadOf(values: readonly number[]) {
   return values.length > 0 ? timeSpread(values) : null;
 }
 
-function medianCell(values: readonly number[]): string {
-  return spreadOf(values)?.median.toFixed(0) ?? NONE;
+export function medianCell(values: readonly number[], digits = 0): string {
+  return spreadOf(values)?.median.toFixed(digits) ?? NONE;
 }
 
-function spreadCell(values: readonly number[], digits: number): string {
+export function spreadCell(values: readonly number[], digits: number): string {
   const spread = spreadOf(values);
   return spread ? `${spread.median.toFixed(digits)} / ${spread.p99.toFixed(digits)}` : NONE;
 }
@@ -249,8 +249,17 @@ function medianCorrectMs({ measured }: Round): number {
   return spreadOf(measured!.correctMs)!.median;
 }
 
+/** Something measured in rounds, some of which may be missing. */
+interface InRounds<Each> {
+  readonly rounds: readonly Each[];
+}
+
 /** Median and range of the ratio of times, over the rounds in which both peers were measured. */
-function ratioCell(row: Row, base: Row, roundMs: (round: Round) => number): string {
+export function ratioCell<Each extends { readonly round: number }>(
+  row: InRounds<Each>,
+  base: InRounds<Each>,
+  roundMs: (round: Each) => number,
+): string {
   const ratios = row.rounds.flatMap((own) => {
     const other = base.rounds.find(({ round }) => round === own.round);
     return other ? [roundMs(own) / roundMs(other)] : [];
@@ -260,7 +269,7 @@ function ratioCell(row: Row, base: Row, roundMs: (round: Round) => number): stri
   return `${middle.toFixed(2)} (${least.toFixed(2)}–${most.toFixed(2)})`;
 }
 
-function psnrCell(values: readonly number[]): string {
+export function psnrCell(values: readonly number[]): string {
   const spread = spreadOf(values);
   return spread ? `${spread.median.toFixed(1)} (${Math.min(...values).toFixed(1)})` : NONE;
 }

@@ -10,8 +10,9 @@ import type {
   MeasureRequest,
   PageState,
   Picture,
+  Streamed,
 } from '../page/protocol.ts';
-import type { SizePx } from './options.ts';
+import type { SizePx } from './bench-definition.ts';
 
 /** Besides the arguments of any headless browser here: no page slows down in the background. */
 const BROWSER_ARGS = [
@@ -48,6 +49,7 @@ export interface OpenPage {
   giveFile(path: string): Promise<void>;
   formats(): Promise<PeerFormats>;
   load(request: LoadRequest): Promise<Loaded>;
+  stream(request: LoadRequest): Promise<Streamed>;
   measure(request: MeasureRequest): Promise<Measured>;
   pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
   state(): Promise<PageState>;
@@ -105,6 +107,7 @@ function openPage(page: Page): OpenPage {
     giveFile: (path) => page.setInputFiles('input', path),
     formats: () => page.evaluate(() => window.bench.formats()),
     load: (request) => page.evaluate((asked) => window.bench.load(asked), request),
+    stream: (request) => page.evaluate((asked) => window.bench.stream(asked), request),
     measure: (request) => page.evaluate((asked) => window.bench.measure(asked), request),
     pictures: (cameras) => page.evaluate((by) => window.bench.pictures(by), cameras),
     state: () => page.evaluate(() => window.bench.state()),

@@ -1,0 +1,61 @@
+import type { Measured, PageState, Streamed } from '../page/protocol.ts';
+import type { SizePx } from '../runner/bench-definition.ts';
+import type { RunReport } from '../runner/report.ts';
+import type { Heap } from '../runner/visit.ts';
+import type { StreamFormat } from './stream-peers.ts';
+
+/** Bytes of the scene that had been sent by then. */
+export interface SentBytes {
+  readonly firstPicture: number;
+  readonly complete: number;
+  /** At the end of the second of rest, in which nothing should come. */
+  readonly rest: number;
+  /** At the end of the turns. */
+  readonly turn: number;
+}
+
+/** One peer in one round, in a browser of its own. */
+export interface StreamRound {
+  readonly round: number;
+  readonly streamed: Streamed;
+  /** After that, as {@link heap}. */
+  readonly state: PageState;
+  readonly heap: Heap;
+  readonly measured: Measured;
+  readonly bytes: SentBytes;
+  readonly requests: number;
+}
+
+/** A picture at rest, within the budget. */
+export interface StreamPicture {
+  readonly camera: string;
+  /** Against the same renderer's picture without a budget, everything loaded; dB. */
+  readonly ownPsnrDb: number;
+  /** Against float64 of what all files were made of; null without `--scene`. */
+  readonly psnrDb: number | null;
+  /** Of the picture without a budget against float64. */
+  readonly finestPsnrDb: number | null;
+}
+
+/** One peer, which is filled in as it is measured. */
+export interface StreamRow {
+  readonly peer: string;
+  readonly version: string | null;
+  readonly format: StreamFormat;
+  readonly rounds: StreamRound[];
+  readonly pictures: StreamPicture[];
+  /** Why rounds or pictures are missing. */
+  readonly failures: string[];
+}
+
+/** Everything that one run found. */
+export interface StreamsReport extends RunReport {
+  readonly size: SizePx;
+  readonly pictureSize: SizePx;
+  readonly maxSplats: number;
+  readonly poolBytes: number;
+  /** Null without a limit. */
+  readonly bitsPerSecond: number | null;
+  readonly latencyMs: number;
+  readonly rows: readonly StreamRow[];
+}
