@@ -1,6 +1,6 @@
 import { Worker } from 'node:worker_threads';
 import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
-import type { BrickResult, BrickTask } from '@websplatter/core/write';
+import { type BrickResult, type BrickTask, brickTaskBuffers } from '@websplatter/core/write';
 import type { BrickAnswer } from './brick-worker.ts';
 
 /** Megabytes of objects that threads allow before they collect garbage: most of their data are buffers. */
@@ -56,7 +56,7 @@ export class BrickThreads {
     };
     worker.once('message', onMessage);
     worker.once('error', onError);
-    worker.postMessage(task, buffersOf(task));
+    worker.postMessage(task, brickTaskBuffers(task));
   }
 
   #start(): Worker | undefined {
@@ -67,15 +67,4 @@ export class BrickThreads {
     this.#all.push(worker);
     return worker;
   }
-}
-
-/** Buffers of splats and records, which a task has for itself. */
-function buffersOf(task: BrickTask): ArrayBuffer[] {
-  const arrays =
-    task.kind === 'records'
-      ? Object.values({ ...task.set, ...task.set.harmonics })
-      : 'parts' in task
-        ? task.parts.map(({ words }) => words)
-        : Object.values(task.leaves);
-  return arrays.filter((each) => ArrayBuffer.isView(each)).map(({ buffer }) => buffer as ArrayBuffer);
 }

@@ -36,7 +36,7 @@ websplatter convert IN … OUT [options]
   ${listOf(WRITABLE_FORMATS.map(({ extension }) => extension))}
   IN                     a SCENE; several become one only with --merge
   --format NAME          the format of OUT whatever its name: ${listOf(WRITABLE_FORMATS.map(({ name }) => name))}
-  --merge                puts all of them into OUT, one after another
+  --merge                puts all of them into OUT, one after another; parts of a scene as .ply are rounded only once
   --up AXIS              turns this axis, x, y or z or -x, -y or -z, to +y; -y for most captures
   --scale 1              then makes all larger
   --rotate 0,0,0         then turns all by these degrees about x, then y, then z

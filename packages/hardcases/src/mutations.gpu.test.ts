@@ -1,9 +1,9 @@
 import { sharedTestGpu as gpu, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
+import { MUTATIONS } from './mutations.ts';
 import { HardCaseRunner } from './run.ts';
 import { CASE_RASTERIZERS } from './run-result.ts';
-import { MUTATIONS } from './testing/mutations.ts';
 
 let runner: HardCaseRunner;
 beforeAll(async () => {

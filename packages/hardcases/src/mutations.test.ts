@@ -1,7 +1,7 @@
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
-import { MUTATIONS } from './testing/mutations.ts';
+import { MUTATIONS } from './mutations.ts';
 
 // A shader without the line does not compile, and a case that fails for that proves nothing.
 test.each(MUTATIONS)('$remedy replaces a line that occurs once', ({ file, find }) => {

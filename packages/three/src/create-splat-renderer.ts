@@ -12,6 +12,8 @@ export interface SplatRendererParameters
   readonly accuracy?: AccuracyRequest;
   /** How much of the clouds to show; default `full`. `setSplatDetail` changes it. */
   readonly detail?: Detail;
+  /** See `EngineOptions`: GPU memory for all scenes that stream, together; default 512 MiB. */
+  readonly streamBudgetBytes?: number;
   readonly powerPreference?: GPUPowerPreference | 'default';
   /** Entry point of WebGPU; default `navigator.gpu`. */
   readonly gpu?: GPU;
@@ -41,6 +43,7 @@ export async function createSplatRenderer({
   gpu,
   powerPreference,
   requiredLimits,
+  streamBudgetBytes,
   ...parameters
 }: SplatRendererParameters = {}): Promise<WebGPURenderer> {
   const engine = await SplatEngine.create({
@@ -50,6 +53,7 @@ export async function createSplatRenderer({
     // As three requests for a device of its own: those that it knows, which grow with its versions.
     allFeatures: true,
     requiredLimits,
+    streamBudgetBytes,
   });
   try {
     const renderer = new WebGPURenderer({ ...parameters, device: engine.device });

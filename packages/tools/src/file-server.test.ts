@@ -19,6 +19,7 @@ beforeAll(async () => {
     base: '/some/where/',
     files: { 'scenes/0.ply': join(room, 'a+b #1 50%.ply'), 'gone.ply': join(room, 'gone.ply') },
     headers: { 'cache-control': 'no-store' },
+    answer: (path, _request, response) => path === 'own' && Boolean(response.end('an answer')),
   });
 });
 afterAll(async () => {
@@ -81,6 +82,11 @@ describe('the server of files', () => {
 
   test('sends files from elsewhere under the addresses that it was given', async () => {
     expect(await ask('/some/where/scenes/0.ply')).toMatchObject({ status: 200, text: 'a scene' });
+  });
+
+  test('leaves a path to who answers it', async () => {
+    const headers = { 'cache-control': 'no-store' };
+    expect(await ask('/some/where/own?x')).toMatchObject({ status: 200, text: 'an answer', headers });
   });
 
   test('follows a link out of its folder', async () => {

@@ -1,4 +1,4 @@
-import { createServer } from 'node:http';
+import { createServer, type IncomingMessage, type ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { basename, dirname } from 'node:path';
 import send from 'send';
@@ -16,6 +16,8 @@ export interface FileServerOptions {
   readonly files?: Readonly<Record<string, string>>;
   /** Sent with every file. */
   readonly headers?: Readonly<Record<string, string>>;
+  /** Answers requests for paths below `base` by itself; false for those that are left to the server. */
+  readonly answer?: (path: string, request: IncomingMessage, response: ServerResponse) => boolean;
 }
 
 /** `send` opens files with them, too: pieces of 64 KiB, Node's default, take twice the processor time for large scenes. */
@@ -28,7 +30,7 @@ const OPTIONS = { index: false, dotfiles: 'allow', highWaterMark: 1 << 20 } as c
  */
 export async function serveFiles(
   folder: string,
-  { base = '/', files = {}, headers = {} }: FileServerOptions = {},
+  { base = '/', files = {}, headers = {}, answer }: FileServerOptions = {},
 ): Promise<FileServer> {
   const server = createServer((request, response) => {
     const [address] = request.url!.split('?');
@@ -39,6 +41,7 @@ export async function serveFiles(
     const file = Object.hasOwn(files, path) ? files[path] : null;
     const root = file ? dirname(file) : folder;
     response.setHeaders(new Map(Object.entries(headers)));
+    if (answer?.(path, request, response)) return;
     send(request, file ? encodeURIComponent(basename(file)) : path, { ...OPTIONS, root })
       .on('directory', () => response.writeHead(404).end())
       .pipe(response);

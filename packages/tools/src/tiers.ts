@@ -34,6 +34,8 @@ export const TIERS: Arrows = {
   views: 'measure(types) frame clouds gpu data',
   /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
   'write.ts': 'io data',
+  /** Scenes that the browser keeps: the interface of `@websplatter/core/keep`. */
+  'keep.ts': 'io',
   /** Splats from arrays, and edits of splats: the interface of `@websplatter/core/own-data`. */
   'own-data.ts': 'clouds data',
   /** All workers in one script: the file `@websplatter/core/load-worker`. */
@@ -96,6 +98,7 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
   'apps/docs/src/build/kit.ts': "builds the examples' scenes beside what they import; apps export nothing",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core does not export",
+  'e2e/react-streaming.test.ts': "serves a streamed SOG, which core's tests alone write",
   'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
 };
