@@ -3,7 +3,7 @@ import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
-import { changedPart, type Screenshot } from './screenshot.ts';
+import { changedPart, psnrOf, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
   clickInTurn,
@@ -223,7 +223,7 @@ describe('accuracy in the viewer', () => {
     await waitForNotice(other, 'no accuracy preset "best"');
   });
 
-  it('splits the image between two settings, and maps the error of a coarse one, and none of reference', async () => {
+  it('splits the image between two settings, and maps the error of a coarse one, or of fast where reference is drawn', async () => {
     const page = await openViewer('?scene=still-life-small&accuracy=alphaCutoff:0.1', SMALL);
     const left = await shotAfter(page, () => openTab(page, 'settings'));
     const right = await shotAfter(page, () => press(page, 'preset-balanced'));
@@ -257,8 +257,13 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(page, 'error-part-16+')).toMatch(/^(?!0 %)\d/);
     expect(await page.getByTestId('error-map').isVisible()).toBe(true);
     await shotAfter(page, () => press(page, 'preset-reference'));
-    await page.getByTestId('error-max').getByText('Largest error: 0 of 255').waitFor();
-    expect(await textOf(page, 'error-part-0')).toBe('100.0 %');
+    await page.getByTestId('error-max').getByText('Largest').waitFor();
+    expect(await textOf(page, 'error-legend')).toContain('fast against reference');
+    expect(await textOf(page, 'error-part-16+')).toBe('0 %');
+    await press(page, 'compare-split');
+    await page.getByTestId('split-label-right').waitFor(ATTACHED);
+    expect(await textOf(page, 'split-label-left')).toBe('A reference');
+    expect(await textOf(page, 'split-label-right')).toBe('B fast');
   });
 
   it('draws as many splats as the slider says, in a link too, and tells why where it draws all', async () => {
@@ -269,6 +274,7 @@ describe('accuracy in the viewer', () => {
     await slider.waitFor();
     const splatsDrawn = async () => Number((await textOf(page, 'visible-splats')).replaceAll(',', ''));
     await expect.poll(splatsDrawn).toBeGreaterThan(5000);
+    await slider.scrollIntoViewIfNeeded();
     const { x, y, width, height } = (await slider.boundingBox())!;
     await redraw(page, () => page.mouse.click(x + 0.85 * width, y + height / 2));
     await redraw(page, () => page.keyboard.press('ArrowLeft'));
@@ -341,7 +347,7 @@ describe('accuracy in the viewer', () => {
   it('ends a target that is cancelled before its measurement has chosen', async () => {
     const page = await openHeld();
     const target = page.getByTestId('kept-target');
-    expect(await target.textContent()).toContain('Keeps: at least 40 dB');
+    expect(await target.textContent()).toContain('Chosen automatically: at least 40 dB');
     expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
     expect(await isPressed(page, 'preset-balanced')).toBe('false');
     await press(page, 'cancel-sweep');
@@ -389,7 +395,7 @@ describe('accuracy in the viewer', () => {
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await choice.getAttribute('data-met')).toBe('true');
-    expect(await target.textContent()).toBe('Keeps: at least 44 dBEnd');
+    expect(await target.textContent()).toBe('Chosen automatically: at least 44 dBStop');
 
     const other = page.locator('[data-testid=accuracy-point][aria-pressed=false]').last();
     await shotAfter(page, () => other.evaluate((button: HTMLElement) => button.click()));
@@ -411,12 +417,24 @@ describe('accuracy in the viewer', () => {
     await page.locator('[data-testid=accuracy-point][data-name=paper]').waitFor(MEASURED);
     const presets = await points.count();
     expect(await rows.count()).toBe(presets);
+    // The pictures follow: a row under the pointer shows its own.
+    await page.getByTestId('preset-paper').locator('canvas').waitFor(MEASURED);
+    await page.getByTestId('measure').waitFor(MEASURED);
+    expect(await textOf(page, 'verdict')).toMatch(/reference/);
+    expect(await textOf(page, 'worst-crops')).toContain('errs most');
+    const looked = page.getByTestId('looked-picture');
+    await page.getByTestId('preset-paper').dispatchEvent('pointerover');
+    await looked.waitFor(ATTACHED);
+    expect(changedPart(before, await viewerScreenshot(page), 0)).toBeGreaterThan(0);
+    await page.getByTestId('preset-paper').dispatchEvent('pointerout');
+    await looked.waitFor({ state: 'detached' });
+    expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await rows.count(), 'rows after a measurement that was called off').toBe(presets);
     await press(page, 'measure');
     await coarse.waitFor(MEASURED);
-    expect(await coarse.getAttribute('aria-label')).toMatch(/^Resolution 0\.5: \d/);
+    expect(await coarse.getAttribute('aria-label')).toMatch(/^resolution 0\.5: \d/);
     expect(await rows.count()).toBe(await points.count());
 
     const clicked = await shotAfter(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
@@ -448,9 +466,3 @@ describe('accuracy in the viewer', () => {
     expect(await textOf(page, 'kept-target')).toContain('at least 40 dB');
   });
 });
-
-function psnrOf(a: Screenshot, b: Screenshot): number {
-  let sum = 0;
-  for (let i = 0; i < a.data.length; i++) sum += i % 4 === 3 ? 0 : ((a.data[i] - b.data[i]) / 255) ** 2;
-  return -10 * Math.log10(sum / (0.75 * a.data.length));
-}

@@ -3,6 +3,7 @@
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
 import { encodePly } from '@websplatter/core';
 import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/hardcases';
 import type { Browser, Page } from '@websplatter/tools/firefox';
@@ -11,7 +12,7 @@ import { afterAll, afterEach, beforeAll, expect } from 'vitest';
 import { adoptStyle, type FirefoxPage, launch, openPage, screenshotOf } from './firefox-page.ts';
 import type { CanvasDescription } from './react/main.tsx';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
-import { changedPart } from './screenshot.ts';
+import { changedPart, colorsIn } from './screenshot.ts';
 import { firefox, lavapipe, puppeteer, testWith } from './second-webgpu.ts';
 import { type AppServer, startAppServer } from './server.ts';
 import { testScene } from './test-scene.ts';
@@ -116,6 +117,44 @@ firefoxTest('the viewer opens a scene, moves about it and is resized', async () 
   await redraw(page, () => page.setViewport({ width: 160, height: 200 }));
   const resized = await expectViewerAsReference(page, scene);
   expect(resized.projectionMatrix[5] / resized.projectionMatrix[0]).toBeCloseTo(160 / 200);
+});
+
+/** For the page: has the file that it saves next kept, in place of a download. */
+function keepSaved(): Promise<void> {
+  const { createObjectURL } = URL;
+  HTMLAnchorElement.prototype.click = () => {};
+  return new Promise((resolve) => {
+    URL.createObjectURL = (blob: Blob) => {
+      void blob.text().then((text) => {
+        Object.assign(window, { saved: text });
+        resolve();
+      });
+      return createObjectURL(blob);
+    };
+  });
+}
+
+firefoxTest('a scene that is saved as a web page shows the picture of `?noui` from a disk', async () => {
+  const view = 'camera=0,0,0,4,0.5,1.2&accuracy=fast,rasterizer:tiles';
+  const served = await open('apps/viewer', `?file=/scene.ply&${view}`);
+  await waitForScene(served, 'scene.ply');
+  await served.keyboard.press('x');
+  await served.waitForSelector('[data-testid=save-page]');
+  const saved = served.evaluate(keepSaved);
+  await served.evaluate(() => document.querySelector<HTMLElement>('[data-testid=save-page]')?.click());
+  await saved;
+  const text = await served.evaluate(() => (window as unknown as { saved: string }).saved);
+  const path = join(folder, 'scene.html');
+  await writeFile(path, text);
+
+  await served.goto(`${servers.at(-1)!.url}?file=/scene.ply&noui&${view}`);
+  await waitForScene(served, 'scene.ply');
+  const opened = await openPage(browser!, pathToFileURL(path).href);
+  watched.push(opened);
+  await waitForScene(opened.page, 'scene.ply');
+  const shot = await screenshotOf(opened.page, '[data-testid=viewport]');
+  expect(colorsIn(shot)).toBeGreaterThan(1000);
+  expect(shot).toEqual(await screenshotOf(served, '[data-testid=viewport]'));
 });
 
 firefoxTest('the viewer opens panels, and shows the link where there is no clipboard', async () => {

@@ -4,12 +4,14 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { encodePly, type SplatSet } from '@websplatter/core';
+import { writeSplats } from '@websplatter/core/write';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 import { MIN_PSNR_DB } from './reference.ts';
 import { testScene } from './test-scene.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 const runner = join(repositoryRoot, 'packages/tools/bench-peers.mjs');
+const streamsRunner = join(repositoryRoot, 'packages/tools/bench-streams.mjs');
 const faintAdapter = join(repositoryRoot, 'e2e/peers/faint.js');
 const SH_C0 = 0.28209479177387814;
 const camera = {
@@ -164,4 +166,31 @@ test('a file that is no scene ends the bench with one line and the usage', async
   );
   expect(status).toBe(2);
   expect(complaints).toMatch(/broken\.ply: .*\nnpm run bench:peers/);
+});
+
+test('a scene that streams is measured until it is complete, and to the last byte', async () => {
+  const scene = testScene(6000);
+  await writeFile(join(folder, 'city.bricks'), await writeSplats(scene, 'bricks'));
+  await writeFile(join(folder, 'city.ply'), encodePly(scene));
+  const files = '--bricks city.bricks --scene city.ply --cameras tiny.cameras.json --json streams.json';
+  const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 2 --warm-up 1 --max-splats 1000';
+  const { status, output, complaints } = await run(
+    streamsRunner,
+    ...['--software', '--latency', '5', ...`${files} ${few}`.split(' ')],
+  );
+  expect(status, complaints).toBe(0);
+  expect(output).toContain('| websplatter ');
+
+  const { rows } = JSON.parse(await readFile(join(folder, 'streams.json'), 'utf8'));
+  const [{ rounds, pictures }] = rows;
+  const [{ streamed, bytes, requests, measured }] = rounds;
+  expect(streamed.firstPictureMs).toBeGreaterThan(2 * 5);
+  expect(streamed.completeMs).toBeGreaterThanOrEqual(streamed.firstPictureMs);
+  expect(bytes.firstPicture).toBeGreaterThan(0);
+  expect(bytes.complete).toBeGreaterThanOrEqual(bytes.firstPicture);
+  expect(requests).toBeGreaterThan(1);
+  expect(measured.turnMs).toHaveLength(2);
+  const [{ ownPsnrDb, finestPsnrDb }] = pictures;
+  expect(finestPsnrDb).toBeGreaterThan(MIN_PSNR_DB);
+  expect(ownPsnrDb).toBeLessThan(finestPsnrDb);
 });

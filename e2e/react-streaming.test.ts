@@ -2,17 +2,23 @@ import { encodePly, type SplatSet } from '@websplatter/core';
 import { writeSplats } from '@websplatter/core/write';
 import type { Page } from 'playwright-core';
 import { beforeEach, expect, it } from 'vitest';
+import { streamedSog, streamedSogFiles } from '../packages/core/src/testing/streamed-sog-fixture.ts';
 import { atRest } from './at-rest.ts';
 import { appHarness } from './harness.ts';
+import { logOf, streamsOf, waitForLog } from './page-log.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
 import { psnrAgainstReference } from './reference.ts';
 import { changedPart, screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
+import type { DrawnCamera } from './viewer-page.ts';
 
 /** More than a budget of a few bricks holds. */
 const scene: SplatSet = testScene(40_000);
 const city = await writeSplats(scene, 'bricks');
+const plazaScene: SplatSet = testScene(12_000);
+const plaza = await streamedSog({ set: plazaScene, filesOfLevel: [4, 2, 1], leafCount: 8 });
 const harness = appHarness('e2e/react', {
+  ...streamedSogFiles(plaza, 'plaza/'),
   'city.bricks': city,
   'town.bricks': city,
   'a.ply': encodePly(testScene()),
@@ -44,33 +50,21 @@ async function open(changes?: Partial<CanvasDescription>): Promise<Page> {
   return page;
 }
 
-async function waitForLog(page: Page, entry: string, times = 1): Promise<void> {
-  await page
-    .waitForFunction(([text, least]) => window.page.log.filter((each) => each === text).length >= least, [
-      entry,
-      times,
-    ] as const)
-    .catch(async (cause) => {
-      const found = JSON.stringify([await logOf(page), await streamsOf(page)]);
-      throw new Error(`No "${entry}" among ${found}`, { cause });
-    });
+async function drawnCamera(page: Page): Promise<DrawnCamera> {
+  const camera = await page.evaluate(() => {
+    const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
+    const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
+    return { viewMatrix, projectionMatrix: projection, near, far, modelMatrices: [null] };
+  });
+  return { ...camera, background: [0, 0, 0] };
 }
 
-const logOf = (page: Page) => page.evaluate(() => window.page.log);
 const image = (page: Page) => screenshot(page.getByTestId('canvas'));
 const resourcesOf = (page: Page) =>
   page.evaluate(() => ({
     ...window.page.countResources(),
     engineBytes: window.page.engine('canvas').memory().totalBytes,
   }));
-const streamsOf = (page: Page) =>
-  page.evaluate(() =>
-    window.page.streams?.map(({ stream: _, error, ...report }) => ({
-      ...report,
-      error: error?.name ?? null,
-    })),
-  );
-
 it('shows the coarsest part of a scene first, then what the view needs, and tells when that is there', async () => {
   harness.server.answerParts('hold');
   const page = await open({ detail: { maxErrorPx: 2 } });
@@ -99,12 +93,7 @@ it('shows the coarsest part of a scene first, then what the view needs, and tell
   const [all] = (await streamsOf(page))!;
   expect(all.residentBricks).toBe(all.bricks);
   expect(all.fetchedBytes).toBeGreaterThan(coarse.fetchedBytes);
-  const camera = await page.evaluate(() => {
-    const { matrixWorldInverse, projectionMatrix, near, far } = window.page.canvases.get('canvas')!.camera;
-    const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
-    return { viewMatrix, projectionMatrix: projection, near, far, modelMatrices: [null] };
-  });
-  const drawn = { ...camera, background: [0, 0, 0] as [number, number, number] };
+  const drawn = await drawnCamera(page);
   const shot = await atRest(page, () => image(page));
   // Files in bricks round more than other files do.
   expect(psnrAgainstReference(shot, drawn, [scene])).toBeGreaterThan(40);
@@ -180,4 +169,46 @@ it('keeps each of two scenes within its budget, and frees it with the last of it
   await show(page, { splats: [] });
   await expect.poll(memory).toEqual({});
   await expect.poll(() => resourcesOf(page)).toMatchObject({ engineBytes: 0 });
+});
+
+it('shows a streamed SOG by its address, within its budget, and tells when that is all there', async () => {
+  // The first file of the finest level tells how many harmonics there are.
+  const { lods } = plaza.meta.tree.children[1].children.at(-1);
+  const ofCoarsest = plaza.meta.filenames[lods[2].file];
+  const ofFinest = plaza.meta.filenames[lods[0].file];
+  const src = 'plaza/lod-meta.json';
+  const page = await open({ splats: [{ ...CITY, id: 'plaza', src }], detail: { maxErrorPx: 1000 } });
+  await waitForLog(page, 'plaza complete');
+  const log = await logOf(page);
+  expect(log.indexOf('canvas resumed')).toBeGreaterThan(log.indexOf('canvas suspended'));
+  expect(harness.server.requests(`plaza/${ofCoarsest}`)).toBe(1);
+  expect(harness.server.requests(`plaza/${ofFinest}`)).toBe(0);
+  const coarse = await atRest(page, () => image(page));
+  const [few] = (await streamsOf(page))!;
+  expect(few.residentBricks).toBeLessThan(0.3 * few.bricks);
+
+  await show(page, { splats: [{ ...CITY, id: 'plaza', src }], detail: 'full' });
+  await waitForLog(page, 'plaza complete', 2);
+  await expect
+    .poll(() => streamsOf(page))
+    .toMatchObject([{ isComplete: true, missingBricks: 0, error: null }]);
+  expect(harness.server.requests(`plaza/${ofFinest}`)).toBe(1);
+  const fine = await atRest(page, () => image(page));
+  const psnrOf = async (shot: typeof fine) =>
+    psnrAgainstReference(shot, await drawnCamera(page), [plazaScene]);
+  expect(await psnrOf(fine)).toBeGreaterThan(35);
+  expect(await psnrOf(coarse)).toBeLessThan(30);
+
+  // Room for the coarsest level of each leaf, and for some finer ones.
+  const budgetBytes = 1_000_000;
+  await show(page, {
+    splats: [{ ...CITY, id: 'little', src: `${src}?little`, budgetBytes }],
+    detail: 'full',
+  });
+  await waitForLog(page, 'little complete');
+  await expect.poll(() => streamsOf(page)).toMatchObject([{ isComplete: true }]);
+  const [{ refusedBricks }] = (await streamsOf(page))!;
+  expect(refusedBricks).toBeGreaterThan(0);
+  const bytes = await page.evaluate(() => window.page.engine('canvas').memory().scene.totalBytes);
+  expect(bytes).toBeLessThanOrEqual(budgetBytes);
 });

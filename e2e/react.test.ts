@@ -4,6 +4,7 @@ import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
+import { logOf, waitForLog } from './page-log.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
 import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
@@ -65,20 +66,6 @@ function canvas(changes: Partial<CanvasDescription> = {}): CanvasDescription {
 
 const show = (page: Page, ...canvases: CanvasDescription[]) =>
   page.evaluate((list) => window.page.show(list), canvases);
-
-const logOf = (page: Page) => page.evaluate(() => window.page.log);
-
-/** Waits until the page has logged `entry`, `times` times. */
-async function waitForLog(page: Page, entry: string, times = 1): Promise<void> {
-  await page
-    .waitForFunction(([text, least]) => window.page.log.filter((each) => each === text).length >= least, [
-      entry,
-      times,
-    ] as const)
-    .catch(async (error) => {
-      throw new Error(`No "${entry}" among ${JSON.stringify(await logOf(page))}`, { cause: error });
-    });
-}
 
 async function open(...canvases: CanvasDescription[]): Promise<Page> {
   const page = await harness.open('');

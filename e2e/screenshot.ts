@@ -64,3 +64,11 @@ export function colorsIn({ data }: Screenshot): number {
   for (let i = 0; i < data.length; i += 4) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
   return colors.size;
 }
+
+/** How near two images of the same size are, in decibels over all three channels. */
+export function psnrOf(a: Pick<DecodedImage, 'data'>, b: Pick<DecodedImage, 'data'>): number {
+  if (a.data.length !== b.data.length) throw new RangeError('The images differ in size.');
+  let sum = 0;
+  for (let i = 0; i < a.data.length; i++) sum += i % 4 === 3 ? 0 : ((a.data[i] - b.data[i]) / 255) ** 2;
+  return -10 * Math.log10(sum / (0.75 * a.data.length));
+}

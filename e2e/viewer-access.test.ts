@@ -173,7 +173,7 @@ describe('the gallery of hard cases', () => {
     await waitForState(page, 'error');
     expect(await textOf(page, 'scene-title')).toBe('input-truncated');
     expect(await textOf(page, 'scene')).toContain('No splats');
-    expect(await textOf(page, 'error')).toContain('incomplete');
+    expect(await textOf(page, 'error')).toContain('The last 5 bytes are missing.');
     await page.getByRole('link', { name: 'All hard cases' }).click();
     await page.getByTestId('gallery').waitFor();
   });
@@ -187,9 +187,9 @@ describe('the gallery of hard cases', () => {
     expect(new URL(page.url()).search).toBe('');
     // Files have y down and are turned; the button tells of a person's turns.
     const flip = page.getByTestId('command-flip');
-    expect(await flip.getAttribute('aria-pressed')).toBe('false');
+    expect(await flip.getAttribute('aria-checked')).toBe('false');
     await page.keyboard.press('u');
-    expect(await flip.getAttribute('aria-pressed')).toBe('true');
+    expect(await flip.getAttribute('aria-checked')).toBe('true');
     await page.goBack();
     await page.getByTestId('gallery').waitFor();
   });

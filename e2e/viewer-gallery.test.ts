@@ -21,7 +21,12 @@ describe('the gallery of hard cases', () => {
     const verdict = page.getByTestId('case-verdict');
     await verdict.getByText('✓ The tests demand 55 dB.').waitFor();
     expect(await verdict.textContent()).toMatch(/^PSNR \d+\.\d dB\./);
-    await expect.poll(() => shownImages(page)).toBe(3);
+    await expect.poll(() => shownImages(page)).toBe(4);
+    // What breaks without the remedy can be seen.
+    const addresses = await page
+      .locator('[data-testid=case] canvas')
+      .evaluateAll((all) => all.map((canvas) => (canvas as HTMLCanvasElement).toDataURL()));
+    expect(addresses[3]).not.toBe(addresses[1]);
     expect(await textOf(page, 'case-legend')).toContain('Largest difference of a channel:');
     expect(new URL(page.url()).search).toBe('?scene=hard&q=scale&case=scale-zero-all');
 

@@ -15,6 +15,7 @@ import {
   viewerHarness,
   waitForImage,
   waitForScene,
+  waitForState,
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
@@ -86,6 +87,14 @@ describe('files that the address of the viewer names', () => {
     await page.goto(`${host.url}index.html${CHEAP}&src=http://[`);
     await waitForScene(page, 'Still life, small', 'error');
     expect(await textOf(page, 'error')).toContain('“http://[” is not an address.');
+
+    // But the picture alone is that of the page, or none.
+    for (const missing of ['missing.ply', 'http://[']) {
+      await page.goto(`${host.url}index.html${CHEAP}&noui&src=${missing}`);
+      await waitForState(page, 'error');
+      expect(await page.title()).toBe('WebSplatter');
+      expect(await page.getByTestId('thin-progress').count()).toBe(0);
+    }
   });
 });
 

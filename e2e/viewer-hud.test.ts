@@ -117,8 +117,9 @@ describe('the figures of the viewer', () => {
     await page.getByTestId('side-right').selectOption('fast');
     await waitForFigure(page, 'right-rasterizer', /tiles|quads/);
     await page.waitForFunction(() => {
-      const times = document.querySelectorAll('[data-figure="right.total"], [data-figure="right.peak"]');
-      return times.length === 2 && [...times].every(({ textContent }) => /\d/.test(textContent));
+      const names = ['preprocess', 'rasterize', 'rest', 'total', 'peak'];
+      const times = document.querySelectorAll(names.map((name) => `[data-figure="right.${name}"]`).join());
+      return times.length === names.length && [...times].every(({ textContent }) => /\d/.test(textContent));
     });
     await page.keyboard.press('Escape');
     await expect.poll(() => chartColors(page, 'right')).toBeGreaterThan(2);

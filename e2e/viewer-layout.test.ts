@@ -66,8 +66,8 @@ async function resize(page: Page, size: (typeof SIZES)[number]): Promise<void> {
 }
 
 /** Commands whose buttons are in the toolbar even of the smallest windows. */
-const KEPT = ['command-open', 'command-frame', 'command-view'];
-const OTHERS = ['reset', 'flip', 'clouds', 'inspect', 'hud', 'accuracy', 'effects', 'save', 'help'].map(
+const KEPT = ['command-open', 'command-save', 'command-help'];
+const OTHERS = ['frame', 'view', 'accuracy', 'effects', 'inspect', 'hud', 'reset', 'clouds', 'flip'].map(
   (name) => `command-${name}`,
 );
 
@@ -215,7 +215,7 @@ describe('the keyboard in the viewer', () => {
       await page.keyboard.press(key);
       expect((await box(page, 'setting-alphaCutoff')).y, `the slider's place after ${key}`).toBe(before.y);
     }
-    expect(await textOf(page, 'accuracy-custom')).toContain('Opacity cutoff');
+    expect(await textOf(page, 'accuracy-custom')).toContain('opacity cutoff');
     await waitForImage(page);
     const { viewMatrix } = await drawnCamera(page);
     await page.keyboard.press('?');

@@ -12,6 +12,7 @@ import {
   ELLIPSOID_SHRINKING,
   ellipsoids,
   harmonicsColors,
+  levelColors,
   MOST_STEPS,
   OVERDRAW_OPACITY,
   opacityColors,
@@ -78,6 +79,8 @@ const REFERENCES = {
     changeOpacity: () => OVERDRAW_OPACITY,
     changeColor: () => mapped((c) => OVERDRAW_COLOR.color[c] / 255),
   }),
+  // All splats are drawn in full here; coarser levels are tested where they are chosen.
+  detail: () => ({ changeColor: () => along(VALUE_RAMP, 0) }),
 } as const satisfies Record<string, (ticks: readonly number[]) => EffectReference>;
 
 const anywhere = { bounds: { center: [0, 0, 0], radius: 1 }, focusDistance: () => 1 } as const;
@@ -88,6 +91,7 @@ const USES: Readonly<Record<keyof typeof REFERENCES, EffectUse>> = {
   opacity: opacityColors(),
   harmonics: harmonicsColors(),
   overdraw: overdraw(),
+  detail: levelColors(),
 };
 
 /** Draws the screen's frame in `mode`, in float64; returns a function for screenshots' PSNR. */

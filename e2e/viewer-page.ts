@@ -196,6 +196,8 @@ export function viewerScreenshot(page: Page, style = ''): Promise<Screenshot> {
 
 /** For `addInitScript`: makes the page lose its device on the event `lose-device`. */
 export function loseDeviceOnDemand(): void {
+  // Firefox runs this in documents without WebGPU too.
+  if (typeof GPUAdapter === 'undefined') return;
   const requestDevice = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = async function (...options) {
     const device = await requestDevice.apply(this, options);

@@ -110,16 +110,16 @@ describe('the toolbar of small windows', () => {
         .filter(({ width, height }) => Math.min(width, height) < 44),
     );
     expect(small, 'buttons that are too small for fingers').toEqual([]);
-    expect(await page.getByTestId('toolbar').innerText()).toBe('Open\nFrame\nView\nMore');
+    expect(await page.getByTestId('toolbar').innerText()).toBe('Open\nSave\nHelp\nMore');
     await more.focus();
     await page.keyboard.press('ArrowDown');
     expect(await menu.isVisible()).toBe(true);
     for (const [key, reached] of [
-      ['ArrowDown', 'command-flip'],
-      ['End', 'command-help'],
-      ['ArrowDown', 'command-reset'],
-      ['ArrowUp', 'command-help'],
-      ['Home', 'command-reset'],
+      ['ArrowDown', 'command-view'],
+      ['End', 'command-flip'],
+      ['ArrowDown', 'command-frame'],
+      ['ArrowUp', 'command-flip'],
+      ['Home', 'command-frame'],
     ]) {
       await page.keyboard.press(key);
       expect(await focused(), key).toBe(reached);
@@ -136,10 +136,10 @@ describe('the toolbar of small windows', () => {
     expect(await menu.isVisible()).toBe(false);
     await page.getByTestId('view').waitFor();
     await more.tap();
-    await page.getByTestId('command-save').tap();
-    await page.getByTestId('save').waitFor();
+    await page.getByTestId('command-inspect').tap();
+    await page.getByTestId('inspect').waitFor();
     await more.tap();
-    expect(await page.getByTestId('command-save').getAttribute('aria-checked')).toBe('true');
+    expect(await page.getByTestId('command-inspect').getAttribute('aria-checked')).toBe('true');
     // A tap beside it closes it.
     await page.touchscreen.tap(180, 40);
     expect(await menu.isVisible()).toBe(false);

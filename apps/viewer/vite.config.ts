@@ -1,6 +1,7 @@
 import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
 import {
+  build,
   createServer,
   defaultClientConditions,
   defineConfig,
@@ -25,8 +26,15 @@ const CORE = '../../packages/core';
 /** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
-/** Modules that several panels need parts of: one script is smaller than a dozen. */
-const PANEL_PARTS = /\/viewer\/src\/(ui|formatting|drawing|measurement\/measurement-runner)\b/;
+/** Modules that are fetched later, by their script: one is smaller than a dozen. */
+const LATER: Readonly<Record<string, RegExp>> = {
+  /** Several panels need parts of these. */
+  panels:
+    /\/viewer\/src\/(ui|formatting|drawing|state|inspecting\/draw-crop|layout\/selected-part|measurement\/(measurement-runner|timing-cautions|looked-picture))\b/,
+  /** What writes the address, from the start: without panels. */
+  address:
+    /\/viewer\/src\/(camera|layout\/(look-text|placement)|links\/(?!effects-text|linked-effects|link-section|copy-link))\b/,
+};
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
 /** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
@@ -37,7 +45,13 @@ export default defineConfig({
   // Works below any path of a web server.
   base: './',
   // The development server shows shaders as they were written.
-  plugins: [react(), { ...slimShaders(), apply: 'build' } satisfies Plugin, preloadScripts(), serveLab()],
+  plugins: [
+    react(),
+    { ...slimShaders(), apply: 'build' } satisfies Plugin,
+    preloadScripts(),
+    scenePage(),
+    serveLab(),
+  ],
   // The engine and the scenes run from their sources, so that editing them reloads the page.
   resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
   worker: {
@@ -91,7 +105,7 @@ function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null
   if (begins(CHOICE).has(id)) return null;
   const isEarly = begins(VIEWER).has(id) && !isOnlyPacking(id, begins);
   if (!isEarly && begins(ENGINE_ITSELF).has(id)) return ENGINE;
-  if (!isEarly) return PANEL_PARTS.test(normalizePath(id)) ? 'panels' : null;
+  if (!isEarly) return Object.keys(LATER).find((name) => LATER[name].test(normalizePath(id))) ?? null;
   return GALLERY.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
 }
 
@@ -135,6 +149,33 @@ function serveLab(): Plugin {
       middlewares.use((request, response, next) =>
         request.url?.startsWith(base) ? lab.middlewares(request, response, next) : next(),
       );
+    },
+  };
+}
+
+/** Module with the address of the page that a scene is saved in: fetched when somebody saves one. */
+const SCENE_PAGE = 'virtual:scene-page';
+
+/** Builds the page of `vite.page.config.ts` for those that import its address. */
+function scenePage(): Plugin {
+  let isBuild = false;
+  return {
+    name: 'viewer:scene-page',
+    configResolved: ({ command }) => {
+      isBuild = command === 'build';
+    },
+    resolveId: (id) => (id === SCENE_PAGE ? `\0${SCENE_PAGE}` : null),
+    async load(id) {
+      if (id !== `\0${SCENE_PAGE}`) return null;
+      const configFile = fileURLToPath(new URL('vite.page.config.ts', import.meta.url));
+      const built = await build({ configFile, logLevel: 'error', build: { write: false } });
+      const { output } = built as Rolldown.RolldownOutput;
+      const page = output.find(({ fileName }) => fileName === 'scene-page.html');
+      if (page?.type !== 'asset') this.error('vite.page.config.ts has built no page.');
+      const html = String(page.source);
+      if (!isBuild) return `export default 'data:text/html;base64,${Buffer.from(html).toString('base64')}'`;
+      const asset = this.emitFile({ type: 'asset', name: 'scene-page.html', source: html });
+      return `export default import.meta.ROLLUP_FILE_URL_${asset}`;
     },
   };
 }

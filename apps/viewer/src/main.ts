@@ -1,6 +1,7 @@
 // Fetches the code of the page that the address asks for, and of no other.
 import { movedAddress } from './links/lab-address.ts';
 import { asksForGallery } from './scene/addressed-scene.ts';
+import { applyTheme } from './ui/theme.ts';
 import './styles.css';
 
 const query = new URLSearchParams(location.search);
@@ -17,6 +18,7 @@ async function showPage(): Promise<void> {
   }
 }
 
+applyTheme();
 showPage().catch((error) => {
   console.error(error);
   document.body.textContent = 'This page could not be loaded. Check the connection, then reload it.';

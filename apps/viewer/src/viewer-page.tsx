@@ -49,5 +49,11 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
 }
 
 function startOf(address: URLSearchParams): StartOptions {
-  return { ...addressedScene(address), accuracy: address.get('accuracy'), linked: linkedStart(address) };
+  const keepAbove = address.get('keep');
+  return {
+    ...addressedScene(address),
+    accuracy: address.get('accuracy'),
+    linked: linkedStart(address),
+    keepAboveBytes: keepAbove === null ? undefined : Number(keepAbove),
+  };
 }

@@ -13,12 +13,12 @@ import { AccuracyStatus } from './accuracy-status.tsx';
 import { DetailDial } from './detail-dial.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {
-  measure: 'Measure',
+  measure: 'Presets',
   compare: 'Compare',
   settings: 'Settings',
 };
 
-/** The accuracy of frames: presets, settings, comparisons, and their costs. */
+/** The accuracy of frames: presets and their costs, settings, and comparisons. */
 export const AccuracyPanel = memo(function AccuracyPanel({
   store,
   viewer,
@@ -27,8 +27,6 @@ export const AccuracyPanel = memo(function AccuracyPanel({
   const tab = useStore(store, (state) => state.accuracyTab);
   return (
     <Dock store={store} name="accuracy" title="Accuracy">
-      <DetailDial store={store} viewer={viewer} />
-      <AccuracyPresets store={store} viewer={viewer} />
       <Tabs
         label="Accuracy"
         tabs={TABS}
@@ -38,6 +36,12 @@ export const AccuracyPanel = memo(function AccuracyPanel({
       >
         {tab === 'measure' && (
           <MeasureForm store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+        )}
+        {tab !== 'measure' && (
+          <>
+            <DetailDial store={store} viewer={viewer} />
+            <AccuracyPresets store={store} viewer={viewer} />
+          </>
         )}
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
         {tab === 'compare' && <ComparisonForm store={store} viewer={viewer} />}

@@ -82,7 +82,7 @@ function Setting({
   );
 }
 
-/** `16-bit floats (f16)`: plain words, and the identifier where that is another. */
+/** `16-bit (f16)`: plain words, and the identifier where that is another. */
 function optionWords(name: SettingName, value: SettingValue): string {
   const words = valueWords(name, value);
   const isSaid = words.replaceAll(' ', '-').includes(String(value));

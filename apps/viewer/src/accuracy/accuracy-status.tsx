@@ -35,15 +35,15 @@ function KeptTarget({ store, viewer, target }: PanelProps & { readonly target: A
   return (
     <p className="spread kept-target" data-testid="kept-target">
       <span role="status">
-        Keeps: <b>{describeTarget(target)}</b>
+        Chosen automatically: <b>{describeTarget(target)}</b>
       </span>
       <TextButton
         look="plain"
-        title="Keeps the settings that are drawn now"
+        title="Stays with the settings that are drawn now"
         testId="end-target"
         onClick={() => viewer.setAccuracy(store.getState().accuracy)}
       >
-        End
+        Stop
       </TextButton>
     </p>
   );

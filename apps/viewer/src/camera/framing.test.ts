@@ -9,6 +9,23 @@ describe('framing', () => {
     expect(fitDistance(1, 60, 0.5)).toBeGreaterThan(3);
   });
 
+  it('comes closer to what is smaller than its sphere, and stays outside of it', () => {
+    const distanceOf = (x: number, y: number, z: number) => {
+      const radius = Math.hypot(x, y, z);
+      return firstPose({ center: [0, 0, 0], radius, halfSize: [x, y, z] }, 50, 1.6).distance / radius;
+    };
+    const ofSphere = fitDistance(1, 50, 1.6);
+    expect(distanceOf(1, 1, 1) / ofSphere).toBeCloseTo(1.2 / Math.sqrt(3));
+    for (const [x, y, z] of [
+      [1, 0.1, 1],
+      [3, 1, 1],
+      [0.01, 0.01, 1],
+    ]) {
+      expect(distanceOf(x, y, z)).toBeGreaterThanOrEqual(1.5);
+      expect(distanceOf(x, y, z)).toBeLessThan(ofSphere);
+    }
+  });
+
   it('shows the same angle over the shorter side of any image', () => {
     expect(verticalFov(50, 2)).toBeCloseTo(50);
     expect(verticalFov(90, 0.5)).toBeCloseTo((2 * Math.atan(2) * 180) / Math.PI);

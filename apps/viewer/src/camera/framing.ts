@@ -1,11 +1,18 @@
-import { type LookAt, lookAt, type OrbitPose } from './orbit-pose.ts';
+import { cameraAxes, type LookAt, lookAt, type OrbitPose } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
 import { Y_UP } from './up-axis.ts';
-import type { Vec3 } from './vec3.ts';
+import { add, scale, type Vec3 } from './vec3.ts';
 
 /** A little from the side and from above shows depth at once. */
 const FIRST_AZIMUTH = 0.35;
 const FIRST_POLAR = 1.25;
+/**
+ * How far a scene reaches beyond the ellipsoid within its box. Few fill the corners, and framed by
+ * them they would be small.
+ */
+const ROUNDNESS = 1.2;
+/** A camera that frames a scene stands outside of it: so many radii from its middle, at least. */
+export const LEAST_DISTANCE_RADII = 1.5;
 /** Nearest depth that is drawn, in radii of the scene; about that of most captures' training. */
 const NEAR_RADII = 0.005;
 
@@ -16,11 +23,6 @@ const NEAR_RADII = 0.005;
 export function verticalFov(fovDegrees: number, aspect: number): number {
   const halfTangent = Math.tan((fovDegrees * Math.PI) / 360) / Math.min(1, aspect);
   return (Math.atan(halfTangent) * 360) / Math.PI;
-}
-
-/** The field of view over an image's shorter side for the vertical one: undoes `verticalFov`. */
-export function shorterSideFov(fovYDegrees: number, aspect: number): number {
-  return (Math.atan(Math.tan((fovYDegrees * Math.PI) / 360) * Math.min(1, aspect)) * 360) / Math.PI;
 }
 
 /** Distance from which a sphere fills the narrower side of the image. */
@@ -40,9 +42,27 @@ export function firstPose(sphere: Sphere, fovYDegrees: number, aspect: number, u
   );
 }
 
-/** `pose` moved, not turned, so that it shows all of `sphere`. */
+/** `pose` moved, not turned, so that what `sphere` surrounds fills the narrower side of the image. */
 export function framedPose(pose: OrbitPose, sphere: Sphere, fovYDegrees: number, aspect: number): OrbitPose {
-  return { ...pose, target: sphere.center, distance: fitDistance(sphere.radius, fovYDegrees, aspect) };
+  const { center, radius, halfSize } = sphere;
+  let distance = fitDistance(radius, fovYDegrees, aspect);
+  if (halfSize) {
+    const sine = radius / distance;
+    const cosine = Math.sqrt(1 - sine ** 2);
+    const { right, above, back } = cameraAxes(pose);
+    // In directions out of the image at its edges.
+    const needed = [right, above].flatMap((axis) =>
+      [cosine, -cosine].map((part) => reachOf(halfSize, add(scale(back, sine), scale(axis, part))) / sine),
+    );
+    distance = Math.min(distance, Math.max(...needed, LEAST_DISTANCE_RADII * radius));
+  }
+  return { ...pose, target: center, distance };
+}
+
+/** How far a scene in a box reaches in a direction from the middle of the box. */
+function reachOf(halfSize: Vec3, direction: Vec3): number {
+  const parts = halfSize.map((half, axis) => Math.abs(half * direction[axis]));
+  return Math.min(parts[0] + parts[1] + parts[2], ROUNDNESS * Math.hypot(...parts));
 }
 
 /**

@@ -2,6 +2,7 @@ import { orthographicCamera } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import { createViewerStore } from '../state/store.ts';
 import { flippedPose } from './flip.ts';
+import { orbitNear } from './orbit-near.ts';
 import { FRONT } from './orbit-pose.fixture.ts';
 import { type CameraSubject, ViewCamera } from './view-camera.ts';
 
@@ -69,7 +70,7 @@ describe('a camera from a link', () => {
     const { camera, store } = cameraOf({
       ...subject,
       isUpsideDown: false,
-      ownCameras: (aspect) => ({ front: own(aspect), side: side(aspect) }),
+      ownCameras: { at: (aspect) => ({ front: own(aspect), side: side(aspect) }), orbitNear },
     });
     camera.showFirstView();
     store.setState(({ scene }) => ({ scene: scene && { ...scene, cameras: camera.ownCameraNames } }));

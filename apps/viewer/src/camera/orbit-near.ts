@@ -1,6 +1,6 @@
 import { type Camera, cameraPosition } from '@websplatter/core';
 import { FIRST_LOOK } from '../state/look.ts';
-import { firstPose, shorterSideFov, verticalFov } from './framing.ts';
+import { firstPose, verticalFov } from './framing.ts';
 import { type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
 import type { Vec3 } from './vec3.ts';
@@ -44,4 +44,9 @@ export function orbitNear(camera: Camera, subject: Sphere, aspect: number): Orbi
     ? poseFromLookAt({ position: eye, target, up })
     : firstPose(subject, fovYDegrees, aspect);
   return { pose, fovDegrees };
+}
+
+/** The field of view over an image's shorter side for the vertical one: undoes `verticalFov`. */
+function shorterSideFov(fovYDegrees: number, aspect: number): number {
+  return (Math.atan(Math.tan((fovYDegrees * Math.PI) / 360) * Math.min(1, aspect)) * 360) / Math.PI;
 }

@@ -4,7 +4,11 @@ import { boundingSphere, boundsOf } from './scene-bounds.ts';
 
 describe('scene bounds', () => {
   it('has a sphere around the bounds, of radius 1 where they are a point', () => {
-    expect(boundingSphere({ min: [0, 0, 0], max: [2, 4, 4] })).toEqual({ center: [1, 2, 2], radius: 3 });
+    expect(boundingSphere({ min: [0, 0, 0], max: [2, 4, 4] })).toEqual({
+      center: [1, 2, 2],
+      radius: 3,
+      halfSize: [1, 2, 2],
+    });
     expect(boundingSphere({ min: [5, 5, 5], max: [5, 5, 5] })).toEqual({ center: [5, 5, 5], radius: 1 });
   });
 

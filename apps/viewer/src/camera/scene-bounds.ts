@@ -4,6 +4,8 @@ import type { Vec3 } from './vec3.ts';
 export interface Sphere {
   readonly center: Vec3;
   readonly radius: number;
+  /** Half of each side of the box that it surrounds, where it surrounds one. */
+  readonly halfSize?: Vec3;
 }
 
 /** A box around all clouds under their matrices; `part` names the box of a cloud that counts. */
@@ -42,7 +44,8 @@ export function transformedPoint(m: ArrayLike<number>, [x, y, z]: Vec3): Vec3 {
 
 export function boundingSphere({ min, max }: Bounds): Sphere {
   const center: Vec3 = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
-  const radius = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2;
+  const halfSize: Vec3 = [(max[0] - min[0]) / 2, (max[1] - min[1]) / 2, (max[2] - min[2]) / 2];
+  const radius = Math.hypot(...halfSize);
   // Splats in a single point have no extent, but the camera needs a distance from them.
-  return { center, radius: radius > 0 && Number.isFinite(radius) ? radius : 1 };
+  return radius > 0 && Number.isFinite(radius) ? { center, radius, halfSize } : { center, radius: 1 };
 }

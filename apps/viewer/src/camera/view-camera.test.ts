@@ -2,6 +2,7 @@ import { perspectiveCamera } from '@websplatter/core';
 import { describe, expect, it, vi } from 'vitest';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
+import { orbitNear } from './orbit-near.ts';
 import { type CameraSubject, ViewCamera } from './view-camera.ts';
 
 const SPHERE = { center: [0, 0, 0], radius: 1 } as const;
@@ -107,7 +108,7 @@ describe('the camera of a scene', () => {
 
   it('leaves the images of the scene’s own cameras as they are, until the view is moved', () => {
     const own = perspectiveCamera({ position: [0, 0, 4], target: [0, 0, 0], aspect: 1.5, fovYDegrees: 50 });
-    const { camera } = shown({ ...GROUND, ownCameras: () => ({ own }) });
+    const { camera } = shown({ ...GROUND, ownCameras: { at: () => ({ own }), orbitNear } });
     camera.setCovered({ right: 0.5, bottom: 0 }, false);
     camera.update(16);
     expect(camera.ownCamera).toBe(own);

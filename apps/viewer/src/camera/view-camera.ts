@@ -5,11 +5,17 @@ import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED 
 import { flippedPoint, flippedPose } from './flip.ts';
 import { depthRange, firstPose, framedPose, parallelView, verticalFov } from './framing.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
-import { orbitNear } from './orbit-near.ts';
+import type { orbitNear } from './orbit-near.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
 import { type UpAxis, type Uprightness, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
 import type { Vec3 } from './vec3.ts';
+
+/** Cameras that a scene comes with, and what moving on from them takes: few scenes need it. */
+export interface OwnCameras {
+  readonly at: (aspect: number) => Readonly<Record<string, Camera>>;
+  readonly orbitNear: typeof orbitNear;
+}
 
 /** The parts of a scene that its camera needs. */
 export interface CameraSubject {
@@ -25,7 +31,7 @@ export interface CameraSubject {
    * Cameras whose exact images the scene is about, by name, for an image of this aspect ratio.
    * Orbiting need not be able to reach them: they may be orthographic, off-centre or mirrored.
    */
-  readonly ownCameras: ((aspect: number) => Readonly<Record<string, Camera>>) | null;
+  readonly ownCameras: OwnCameras | null;
   /** Its y axis points down, as in captures that were solved with computer-vision conventions. */
   readonly isUpsideDown: boolean;
   /** Its z axis probably points up. */
@@ -40,6 +46,9 @@ export interface CameraSnapshot extends Uprightness {
   readonly isOrthographic: boolean;
   readonly cameraIndex: number;
 }
+
+/** The parts of a camera that its image depends on. */
+export type ViewedCamera = Pick<CameraSnapshot, 'pose' | 'fovDegrees' | 'isOrthographic' | 'isFlipped'>;
 
 /** Camera of a link: its place, without where it began. */
 export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
@@ -113,7 +122,7 @@ export class ViewCamera {
       this.#showOwnCamera(0);
       return;
     }
-    this.#setFov(firstView?.fovYDegrees ?? FIRST_LOOK.fovDegrees);
+    this.setLook({ fovDegrees: firstView?.fovYDegrees ?? FIRST_LOOK.fovDegrees });
     this.controls.setPose(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
   }
 
@@ -228,14 +237,17 @@ export class ViewCamera {
   }
 
   #orbitCameraAt(aspect: number): Camera {
+    return this.cameraOf(this.snapshot(), aspect);
+  }
+
+  /** The camera that shows a view of the scene in an image of this shape, without a panel. */
+  cameraOf({ pose, fovDegrees, isOrthographic, isFlipped }: ViewedCamera, aspect: number): Camera {
     const subject = this.#subject;
     if (!subject) throw new Error('The camera has no scene to look at.');
-    const { pose } = this.controls;
-    const fovYDegrees = this.#fovYDegreesAt(aspect);
-    const extent = this.#placed(subject.extent);
-    if (this.#store.getState().look.isOrthographic)
-      return orthographicCamera({ ...parallelView(pose, extent, fovYDegrees), aspect });
-    const { near, far } = subject.firstView ?? depthRange(pose, this.#placed(subject.sphere), extent);
+    const fovYDegrees = verticalFov(fovDegrees, aspect);
+    const extent = placed(subject.extent, isFlipped);
+    if (isOrthographic) return orthographicCamera({ ...parallelView(pose, extent, fovYDegrees), aspect });
+    const { near, far } = subject.firstView ?? depthRange(pose, placed(subject.sphere, isFlipped), extent);
     return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect, near, far });
   }
 
@@ -308,15 +320,16 @@ export class ViewCamera {
   #showOwnCamera(index: number): void {
     const subject = this.#subject;
     const camera = this.#ownCameraAt(index);
-    if (!subject || !camera) return;
-    const { pose, fovDegrees } = orbitNear(camera, subject.sphere, this.#aspect);
-    this.#setFov(fovDegrees);
+    const ownCameras = subject?.ownCameras;
+    if (!ownCameras || !camera) return;
+    const { pose, fovDegrees } = ownCameras.orbitNear(camera, subject.sphere, this.#aspect);
+    this.setLook({ fovDegrees });
     this.#store.setState({ cameraIndex: index });
     this.controls.setPose(pose);
   }
 
   #ownCameras(): Readonly<Record<string, Camera>> {
-    return this.#subject?.ownCameras?.(this.#aspect) ?? {};
+    return this.#subject?.ownCameras?.at(this.#aspect) ?? {};
   }
 
   #ownCameraAt(index: number): Camera | undefined {
@@ -330,10 +343,6 @@ export class ViewCamera {
 
   #fovYDegreesAt(aspect: number): number {
     return verticalFov(this.#store.getState().look.fovDegrees, aspect);
-  }
-
-  #setFov(fovDegrees: number): void {
-    this.#store.setState(({ look }) => ({ look: { ...look, fovDegrees } }));
   }
 
   /** Shows the scene the way up that it comes with, as far as that is known. */
@@ -354,7 +363,10 @@ export class ViewCamera {
 
   /** `sphere` in the scene as it is drawn: flipped or not. */
   #placed(sphere: Sphere): Sphere {
-    const { isFlipped } = this.#store.getState();
-    return isFlipped ? { center: flippedPoint(sphere.center), radius: sphere.radius } : sphere;
+    return placed(sphere, this.#store.getState().isFlipped);
   }
+}
+
+function placed(sphere: Sphere, isFlipped: boolean): Sphere {
+  return isFlipped ? { ...sphere, center: flippedPoint(sphere.center) } : sphere;
 }

@@ -4,6 +4,7 @@ import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../formatting/ac
 import type { Comparison, ComparisonSide } from '../state/comparison.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { mapped } from './mapped.ts';
 
 type Kind = Comparison['kind'] | 'none';
 
@@ -14,17 +15,22 @@ const KINDS: readonly Choice<Kind>[] = [
 ];
 const ABOUT: Readonly<Partial<Record<Kind, string>>> = {
   split: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
-  error: 'The error of each pixel against reference, drawn when the view comes to rest.',
+  error:
+    'The error of each pixel against reference, drawn when the view comes to rest. Of reference itself there is none: then that of fast.',
 };
-
-const FIRST_SPLIT: Comparison = { kind: 'split', left: 'current', right: ACCURACY_PRESETS.reference };
 
 /** Chooses the kind of comparison and its sides. */
 export function ComparisonForm({ store, viewer }: PanelProps) {
   const comparison = useStore(store, (state) => state.comparison);
   const current: Kind = comparison?.kind ?? 'none';
-  const choose = (kind: Kind) =>
-    viewer.compare(kind === 'none' ? null : kind === 'split' ? FIRST_SPLIT : { kind });
+  const choose = (kind: Kind) => {
+    if (kind !== 'split') return viewer.compare(kind === 'none' ? null : { kind });
+    const drawn = store.getState();
+    const { accuracy } = mapped(drawn);
+    // Two sides that differ.
+    const right = accuracy === drawn.accuracy ? ACCURACY_PRESETS.reference : accuracy;
+    return viewer.compare({ kind, left: 'current', right });
+  };
   return (
     <div className="comparison-form">
       <Choices label="What is shown" choices={KINDS} chosen={current} testId="compare-" onChoose={choose} />

@@ -3,11 +3,12 @@ import { describeDrawn } from '../formatting/detail-words.ts';
 import { IconButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { ERROR_CLASSES } from './error-map.ts';
+import { mapped } from './mapped.ts';
 
 /** The meaning of the error map's colours, and the part of the image that has each. */
 export function ErrorMapLegend({ store, viewer }: PanelProps) {
   const figures = useStore(store, (state) => state.errorFigures);
-  const drawn = useStore(store, describeDrawn);
+  const drawn = useStore(store, (state) => describeDrawn(mapped(state)));
   return (
     <section className="panel error-legend" aria-label="Error map" data-testid="error-legend">
       <div className="spread">

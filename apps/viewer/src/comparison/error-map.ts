@@ -1,6 +1,6 @@
 import type { Vec3 } from '@websplatter/core';
-import type { LayerImage } from '../drawing/draw-at-rest.ts';
 import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
+import type { LayerImage } from '../state/layer-image.ts';
 import type { ErrorFigures } from '../state/viewer-state.ts';
 
 /** A class of errors, from `fromSteps` up to the next class. */
@@ -39,24 +39,49 @@ export function errorMap(
   { image: reference }: ImageOnBackground,
 ): ErrorMap {
   const { widthPx, heightPx } = actual;
-  const data = new Uint8ClampedArray(actual.data.length);
+  const steps = stepsBetween(actual, reference, background);
   const counts = ERROR_CLASSES.map(() => 0);
-  let maxSteps = 0;
-  for (let at = 0; at < data.length; at += 4) {
-    let steps = 0;
+  for (const each of steps) counts[classOf(each)]++;
+  const maxSteps = steps.reduce((most, each) => Math.max(most, each), 0);
+  const pixels = Math.max(1, widthPx * heightPx);
+  const figures = { maxSteps, parts: counts.map((count) => count / pixels) };
+  return { widthPx, heightPx, data: errorColors(steps), figures };
+}
+
+type Image = ImageOnBackground['image'];
+
+/** The largest difference of each pixel's channels, in steps of an 8-bit channel. */
+export function stepsBetween(actual: Image, reference: Image, background: Vec3): Float32Array {
+  const steps = new Float32Array(actual.data.length / 4);
+  for (let pixel = 0; pixel < steps.length; pixel++)
     for (let channel = 0; channel < 3; channel++) {
       const difference =
-        shown(actual.data, at, channel, background) - shown(reference.data, at, channel, background);
-      steps = Math.max(steps, 255 * Math.abs(difference));
+        shown(actual.data, 4 * pixel, channel, background) -
+        shown(reference.data, 4 * pixel, channel, background);
+      steps[pixel] = Math.max(steps[pixel], 255 * Math.abs(difference));
     }
-    maxSteps = Math.max(maxSteps, steps);
-    const index = classOf(steps);
-    counts[index]++;
-    data.set(ERROR_CLASSES[index].color, at);
-    data[at + 3] = 255;
+  return steps;
+}
+
+/** The colours of the classes, RGBA. */
+export function errorColors(steps: Float32Array): Uint8ClampedArray<ArrayBuffer> {
+  const data = new Uint8ClampedArray(4 * steps.length);
+  for (const [pixel, each] of steps.entries()) {
+    data.set(ERROR_CLASSES[classOf(each)].color, 4 * pixel);
+    data[4 * pixel + 3] = 255;
   }
-  const pixels = Math.max(1, widthPx * heightPx);
-  return { widthPx, heightPx, data, figures: { maxSteps, parts: counts.map((count) => count / pixels) } };
+  return data;
+}
+
+/** The picture as the screen shows it, RGBA. */
+export function shownBytes({ data }: Image, background: Vec3): Uint8ClampedArray<ArrayBuffer> {
+  const bytes = new Uint8ClampedArray(data.length);
+  for (let at = 0; at < data.length; at += 4) {
+    for (let channel = 0; channel < 3; channel++)
+      bytes[at + channel] = 255 * shown(data, at, channel, background);
+    bytes[at + 3] = 255;
+  }
+  return bytes;
 }
 
 /** Index of the class that an error of `steps` belongs to. */

@@ -1,6 +1,7 @@
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Background } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { observeTheme } from '../ui/theme.ts';
 
 /**
  * Gives `element` the chosen background and calls `onColor` with it, sRGB 0…1: now, after each
@@ -20,11 +21,10 @@ export function observeBackground(
   const unsubscribe = store.subscribe(({ look }, before) => {
     if (look.background !== before.look.background) take(look.background);
   });
-  const scheme = matchMedia('(prefers-color-scheme: dark)');
-  scheme.addEventListener('change', report);
+  const stop = observeTheme(report);
   return () => {
     unsubscribe();
-    scheme.removeEventListener('change', report);
+    stop();
   };
 }
 

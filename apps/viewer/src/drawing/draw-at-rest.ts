@@ -1,13 +1,7 @@
+import type { LayerImage } from '../state/layer-image.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-
-/** An image as `ImageData` holds it. */
-export interface LayerImage {
-  readonly widthPx: number;
-  readonly heightPx: number;
-  readonly data: Uint8ClampedArray<ArrayBuffer>;
-}
 
 /** An image that takes a while to be made of the picture at rest. */
 export interface RestLayer<Image extends LayerImage> {
@@ -50,7 +44,7 @@ export function drawAtRest<Image extends LayerImage>(
     try {
       const made = await make();
       if (made && isNeeded()) {
-        draw(canvas, made);
+        drawLayer(canvas, made);
         drawn = { key, image: made };
         onShow(made);
       }
@@ -78,7 +72,8 @@ export function drawAtRest<Image extends LayerImage>(
   };
 }
 
-function draw(canvas: HTMLCanvasElement, { data, widthPx, heightPx }: LayerImage): void {
+/** Shows an image on a canvas of its size. */
+export function drawLayer(canvas: HTMLCanvasElement, { data, widthPx, heightPx }: LayerImage): void {
   canvas.width = widthPx;
   canvas.height = heightPx;
   canvas.getContext('2d')?.putImageData(new ImageData(data, widthPx, heightPx), 0, 0);

@@ -10,7 +10,7 @@ const SOFTWARE_FRAMES = 6;
 /** Measures the cost of each effect for the frame on the screen. */
 export async function measureEffectCosts(store: ViewerStore, measurement: Measurement): Promise<void> {
   const { accuracy } = store.getState();
-  const effectCosts = await measurement.run('effects', async ({ engine, frame }, options) => {
+  await measurement.run('effects', async ({ engine, frame }, { image, ...options }) => {
     const { measureEffects } = await import('@websplatter/core/measure');
     const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
     const costs = await measureEffects(
@@ -18,16 +18,15 @@ export async function measureEffectCosts(store: ViewerStore, measurement: Measur
       { ...frame, accuracy },
       { ...options, ...(isSoftware && { frames: SOFTWARE_FRAMES }) },
     );
-    return { costs, accuracy };
+    if (!options.signal.aborted) store.setState({ effectCosts: { ...image, costs, accuracy } });
   });
-  if (effectCosts) store.setState({ effectCosts });
 }
 
 type CostMs = EffectCost['costMs'];
 
-/** `0.42 ms`, `−1.3 ms`; `±0.05 ms` if frames with and without the effect cannot be told apart. */
+/** `0.42 ms`, `−1.3 ms`; `under 0.05 ms` if frames with and without the effect cannot be told apart. */
 export function formatCost({ median, low, high }: CostMs): string {
-  if (isUncertain(low, high)) return `±${formatMs(Math.max(-low, high))} ms`;
+  if (isUncertain(low, high)) return `under ${formatMs(Math.max(-low, high))} ms`;
   return `${signedMs(median)} ms`;
 }
 
@@ -35,7 +34,7 @@ export function formatCost({ median, low, high }: CostMs): string {
 export function describeCost({ median, low, high }: CostMs): string {
   const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
   if (isUncertain(low, high))
-    return `With it and without it frames take the same, as far as can be told (${interval}).`;
+    return `Too small to measure: ${formatCost({ median, low, high })} of each frame (${interval}).`;
   if (median < 0) return `Saves ${formatMs(-median)} ms of each frame (${interval}).`;
   return `Costs ${formatMs(median)} ms of each frame (${interval}).`;
 }

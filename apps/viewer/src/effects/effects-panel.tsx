@@ -24,6 +24,8 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
   const measured = useStore(store, (state) => state.effectCosts);
   const isStale = useStore(store, areCostsStale);
   const hasSeveralClouds = useStore(store, (state) => (state.scene?.clouds ?? 0) > 1);
+  const on = effects.filter(({ isOn }) => isOn);
+  const off = effects.filter(({ isOn }) => !isOn);
   const listed = { costs: measured?.costs ?? [], hasSeveralClouds };
   return (
     <Dock store={store} name="effects" title="Effects">
@@ -33,8 +35,14 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it.
         tabIndex={0}
       >
+        {effects.length > 0 && (
+          <p className="verdict" data-testid="effects-verdict">
+            {formatCount(on.length)} of {formatCount(effects.length)} effects are compiled:{' '}
+            {formatCount(off.length)} cost nothing.
+          </p>
+        )}
         <RequestedEffectsForm store={store} viewer={viewer} costs={listed.costs} isStale={isStale} />
-        <EffectList title="In this frame" entries={effects.filter(({ isOn }) => isOn)} {...listed} />
+        <EffectList title="In this frame" entries={on} {...listed} />
         <MeasurementRunner
           store={store}
           of="effects"
@@ -44,7 +52,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
           onCancel={() => measurement.stop()}
         />
         {measured && <Cautions store={store} measured={measured} isStale={isStale} />}
-        <EffectList title="Not called for" entries={effects.filter(({ isOn }) => !isOn)} {...listed} />
+        <EffectList title="Not called for" entries={off} {...listed} />
       </section>
     </Dock>
   );

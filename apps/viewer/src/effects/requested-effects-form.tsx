@@ -6,7 +6,7 @@ import {
   type OptionValues,
 } from '@websplatter/core/effect-options';
 import type { EffectCost } from '@websplatter/core/measure';
-import { type ComponentType, useId, useMemo } from 'react';
+import { type ComponentType, useId, useMemo, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import { NO_CHOICES } from '../state/requested-effects.ts';
 import { Choices } from '../ui/choices.tsx';
@@ -19,7 +19,6 @@ import { slidersOf } from './effect-sliders.ts';
 import { optionsBeside } from './effect-values.ts';
 import { playReveal } from './play-reveal.ts';
 import { scenePlaceOf } from './scene-place.ts';
-import { useReducedMotion } from './use-reduced-motion.ts';
 
 interface CostsProps {
   readonly costs: readonly EffectCost[];
@@ -264,5 +263,19 @@ function HighlightRow({ entry }: { entry: EffectEntry | undefined }) {
         {entry.isOn ? `${entry.about} It is on: ${entry.reason}.` : 'Not available: no splats are selected.'}
       </p>
     </div>
+  );
+}
+
+const reducedMotion = () => matchMedia('(prefers-reduced-motion: reduce)');
+
+/** Whether the system asks for less motion. */
+function useReducedMotion(): boolean {
+  return useSyncExternalStore(
+    (onChange) => {
+      const query = reducedMotion();
+      query.addEventListener('change', onChange);
+      return () => query.removeEventListener('change', onChange);
+    },
+    () => reducedMotion().matches,
   );
 }

@@ -1,4 +1,5 @@
 import type { ScenePlace } from '@websplatter/core/effect-options';
+import { LEAST_DISTANCE_RADII } from '../camera/framing.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
@@ -12,8 +13,8 @@ const USUAL_DEPTH = 2;
 export function scenePlaceOf({ camera, shownFrame }: Pick<Viewer, 'camera' | 'shownFrame'>): ScenePlace {
   const { target, distance } = camera.controls.home;
   const sphere = camera.subjectSphere ?? { center: target, radius: 1 };
-  const seenRadius = distance / USUAL_DEPTH;
-  const { center, radius } = seenRadius < sphere.radius ? { center: target, radius: seenRadius } : sphere;
+  const isWithin = distance < LEAST_DISTANCE_RADII * sphere.radius;
+  const { center, radius } = isWithin ? { center: target, radius: distance / USUAL_DEPTH } : sphere;
   const viewMatrix = shownFrame?.frame.camera.viewMatrix;
   const depth = viewMatrix ? depthIn(viewMatrix, center) : USUAL_DEPTH * radius;
   return { center, radius, viewDepth: Math.max(depth, radius) };

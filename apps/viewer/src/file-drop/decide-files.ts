@@ -20,7 +20,7 @@ export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
 
 function decideScenes(found: readonly FoundFile[]): FileDropDecision {
   if (found.length === 0)
-    return { opened: [], notice: `There is no file in that; drop a scene: ${READABLE_FORMATS}.` };
+    return { opened: [], notice: `There is no file in that. Drop ${READABLE_FORMATS}.` };
   if (found.length === 1) return { opened: [alone(found[0])], notice: null };
   const leading = leadingFiles(found);
   const isOfSeveral = (file: FoundFile) => leading.some((lead) => file === lead || isCompanion(file, lead));
@@ -82,9 +82,9 @@ function leftOut(found: readonly FoundFile[], opened: readonly OpenedFiles[], sc
   const left = found.length - files;
   if (left < 1) return null;
   const isOne = left === 1;
-  const what = isOne ? 'The other file is left out' : `The other ${left} files are left out`;
+  const what = isOne ? 'One other file is left out' : `${left} other files are left out`;
   if (scenes > opened.length) return `At most ${MOST_SCENES} scenes are opened at once. ${what}.`;
-  return `${what}: by ${isOne ? 'its name it is no scene' : 'their names they are no scenes'}.`;
+  return `${what}: ${isOne ? 'its name is' : 'their names are'} not that of a splat file.`;
 }
 
 const nameOf = (path: string) => path.replace(/^.*\//, '');

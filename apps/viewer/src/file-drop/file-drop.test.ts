@@ -44,13 +44,13 @@ describe('dropped files', () => {
   it('open every scene of several, and say what is left out', () => {
     const { opened, notice } = decideFiles(named('notes.txt', 'a.PLY', 'b.ply'));
     expect(opened.map(({ name }) => name)).toEqual(['a.PLY', 'b.ply']);
-    expect(notice).toBe('The other file is left out: by its name it is no scene.');
+    expect(notice).toBe('One other file is left out: its name is not that of a splat file.');
     expect(decideFiles(named('notes.txt', 'x.doc', 'a.ply')).notice).toBe(
-      'The other 2 files are left out: by their names they are no scenes.',
+      '2 other files are left out: their names are not that of a splat file.',
     );
     expect(decideFiles(named('notes.txt', 'x.doc'))).toMatchObject({
       opened: [{ name: 'notes.txt' }],
-      notice: 'The other file is left out: by its name it is no scene.',
+      notice: 'One other file is left out: its name is not that of a splat file.',
     });
   });
 
@@ -93,7 +93,7 @@ describe('dropped files', () => {
   it('are opened up to a number', () => {
     const { opened, notice } = decideFiles(named(...Array.from({ length: 40 }, (_, i) => `${i}.ply`)));
     expect(opened).toHaveLength(32);
-    expect(notice).toBe('At most 32 scenes are opened at once. The other 8 files are left out.');
+    expect(notice).toBe('At most 32 scenes are opened at once. 8 other files are left out.');
   });
 
   it('are looked for in folders', async () => {
@@ -111,7 +111,7 @@ describe('dropped files', () => {
     const found = await droppedFiles([{ kind: 'string', getAsFile: () => null }]);
     expect(decideFiles(found)).toMatchObject({
       opened: [],
-      notice: expect.stringMatching(/no file in that; drop a scene: PLY, SPZ, SOG/),
+      notice: expect.stringMatching(/no file in that. Drop PLY, SPZ, SOG/),
     });
   });
 });

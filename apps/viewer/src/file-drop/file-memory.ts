@@ -15,6 +15,8 @@ export interface OpenedNames extends Pick<KeptFile, 'handles'> {
   readonly names: readonly string[];
 }
 
+const NONE_OPENED: OpenedNames = { names: [], handles: [] };
+
 /** Where the last file is kept. */
 export interface FileStore {
   read(): Promise<KeptFile | null>;
@@ -28,7 +30,7 @@ export class FileMemory {
   readonly #kept: FileStore;
   #offered: KeptFile | null = null;
   /** Files opened and added since the page was loaded. */
-  #opened: OpenedNames = { names: [], handles: [] };
+  #opened = NONE_OPENED;
 
   constructor(store: ViewerStore, kept: FileStore) {
     this.#store = store;
@@ -47,7 +49,7 @@ export class FileMemory {
   /** Files were opened: offers them from now on, with those that they were added to. */
   remember(opened: OpenedNames, isAdded: boolean): void {
     this.#offered = null;
-    const before = isAdded ? this.#opened : { names: [], handles: [] };
+    const before = isAdded ? this.#opened : NONE_OPENED;
     const names = [...before.names, ...opened.names];
     const handles = [...before.handles, ...opened.handles];
     this.#opened = { names, handles };

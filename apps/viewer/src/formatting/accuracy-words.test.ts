@@ -18,7 +18,7 @@ describe('accuracy in words', () => {
   it('names what differs from the nearest preset', () => {
     const settings = resolveAccuracy({ preset: 'high', sortKeyBits: 16 });
     expect(nearestPreset(settings)).toEqual({ preset: 'high', changed: ['sortKeyBits'] });
-    expect(describeAccuracy(settings)).toMatch(/^high, .* 16 bits$/);
+    expect(describeAccuracy(settings)).toMatch(/^high, 16-bit sort keys$/);
   });
 
   it.each([
@@ -30,10 +30,10 @@ describe('accuracy in words', () => {
   ] as const)('writes the value %s as %s', (value, text) => expect(formatValue(value as 3)).toBe(text));
 
   it.each([
-    ['sortKeyBits', 16, '16 bits'],
+    ['sortKeyBits', 16, '16-bit'],
     ['resolutionScale', 0.5, '0.5'],
     ['alphaCutoff', 1 / 128, '1/128'],
-    ['geometryPrecision', 'f32', '32-bit floats'],
+    ['geometryPrecision', 'f32', '32-bit'],
     ['culling', 'frustum', 'by chunk only'],
     ['rasterizer', 'tiles', 'tiles'],
   ] as const)('calls the value of %s, %s, “%s”', (name, value, words) => {
@@ -46,7 +46,7 @@ describe('accuracy in words', () => {
     const changed = ['sortKeyBits', 'culling'] as const;
     const settings = resolveAccuracy({ sortKeyBits: 16, culling: 'frustum' });
     expect(describeMeasured({ name: 'sortKeyBits 16, culling frustum', settings, changed })).toBe(
-      'Sort keys 16 bits, Culling by chunk only',
+      '16-bit sort keys, culling by chunk only',
     );
     expect(
       inPlainWords('“sortKeyBits 16” is the fastest.', {
@@ -54,10 +54,10 @@ describe('accuracy in words', () => {
         settings,
         changed: ['sortKeyBits'],
       }),
-    ).toBe('“Sort keys 16 bits” is the fastest.');
+    ).toBe('“16-bit sort keys” is the fastest.');
     const ablation = resolveAccuracy({ preset: 'paper', culling: 'frustum' });
     expect(describeMeasured({ name: 'paper −CULL', settings: ablation, changed: ['culling'] })).toBe(
-      'paper, Culling by chunk only',
+      'paper, culling by chunk only',
     );
     expect(describeMeasured({ name: 'base', settings: ablation, changed: [] })).toContain('paper');
   });

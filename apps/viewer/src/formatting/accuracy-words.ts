@@ -42,12 +42,12 @@ export function formatValue(value: SettingValue): string {
 
 /** Plain words for identifiers, of all settings together, since none means two things. */
 const VALUE_WORDS: Readonly<Record<string, string>> = {
-  f32: '32-bit floats',
-  f16: '16-bit floats',
-  u8: 'bytes',
-  rgba32float: '32-bit floats',
-  rgba16float: '16-bit floats',
-  rgba8unorm: '8-bit integers',
+  f32: '32-bit',
+  f16: '16-bit',
+  u8: '8-bit',
+  rgba32float: '32-bit',
+  rgba16float: '16-bit',
+  rgba8unorm: '8-bit',
   paper: 'as in the paper',
   opacity: 'by opacity',
   'bounding-box': 'by bounding box',
@@ -55,22 +55,22 @@ const VALUE_WORDS: Readonly<Record<string, string>> = {
   auto: 'the faster',
 };
 
-/** `16 bits`, `1/128`, `32-bit floats`: a setting's value as people read it. */
+/** `16-bit`, `1/128`, `by chunk only`: a setting's value as people read it. */
 export function valueWords(name: SettingName, value: SettingValue): string {
   const { unit }: AccuracySetting<unknown> = ACCURACY_SETTINGS[name];
-  if (unit === 'bits') return `${value} bits`;
+  if (unit === 'bits') return `${value}-bit`;
   return VALUE_WORDS[String(value)] ?? formatValue(value);
 }
 
-/** `balanced`, or `balanced, Sort keys 16 bits`: the nearest preset and other settings. */
+/** `balanced`, or `balanced, 16-bit sort keys`: the nearest preset and other settings. */
 export function describeAccuracy(settings: AccuracySettings): string {
   const { preset, changed } = nearestPreset(settings);
   return [preset, ...changed.map((name) => describeSetting(name, settings))].join(', ');
 }
 
 /**
- * The plain name of measured settings: `fast`, `Sort keys 16 bits`, `paper, Culling by
- * chunk only`. The engine calls them by the identifiers of its interface.
+ * The plain name of measured settings: `fast`, `16-bit sort keys`, `paper, culling by chunk only`.
+ * The engine calls them by the identifiers of its interface.
  */
 export function describeMeasured({ name, settings, changed }: MeasuredSettings): string {
   if (Object.hasOwn(ACCURACY_PRESETS, name)) return name;
@@ -94,7 +94,9 @@ interface MeasuredSettings {
 }
 
 function describeSetting(name: SettingName, settings: AccuracySettings): string {
-  return `${ACCURACY_SETTINGS[name].label} ${valueWords(name, settings[name])}`;
+  const label = ACCURACY_SETTINGS[name].label.toLowerCase();
+  const words = valueWords(name, settings[name]);
+  return words.endsWith('-bit') ? `${words} ${label}` : `${label} ${words}`;
 }
 
 /** `at least 45 dB`, `at most 8 ms`. */

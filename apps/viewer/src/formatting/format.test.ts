@@ -1,5 +1,13 @@
 import { describe, expect, it } from 'vitest';
-import { baseName, formatBytes, formatCount, formatMs, formatRate, formatSplats } from './format.ts';
+import {
+  baseName,
+  formatBytes,
+  formatBytesOf,
+  formatCount,
+  formatMs,
+  formatRate,
+  formatSplats,
+} from './format.ts';
 
 describe('format', () => {
   it.each([
@@ -20,6 +28,11 @@ describe('format', () => {
     [1_200_000_000, '1.2 GB'],
     [Number.NaN, '–'],
   ])('writes %d bytes as %s', (value, text) => expect(formatBytes(value)).toBe(text));
+
+  it.each([
+    [3_000_000, 4_721_476, '3.0 of 4.7 MB'],
+    [12_000, 4_721_476, '12 kB of 4.7 MB'],
+  ])('writes %d of %d bytes as %s', (bytes, total, text) => expect(formatBytesOf(bytes, total)).toBe(text));
 
   it.each([
     [3.21, '3.2'],

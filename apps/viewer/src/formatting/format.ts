@@ -33,9 +33,9 @@ export function formatDb(psnrDb: number): string {
   return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : 'equal';
 }
 
-/** `48.3 dB`, or `equal to reference`. */
+/** `48.3 dB`, or `identical to the reference`. */
 export function formatPsnr(psnrDb: number): string {
-  return Number.isFinite(psnrDb) ? `${formatDb(psnrDb)} dB` : 'equal to reference';
+  return Number.isFinite(psnrDb) ? `${formatDb(psnrDb)} dB` : 'identical to the reference';
 }
 
 /** `0.8 s`, `12 s`, `3 min`: how long something takes, roughly. */
@@ -58,6 +58,13 @@ export function formatBytes(bytes: number): string {
     unit++;
   }
   return `${unit === 0 || value >= 9.95 ? Math.round(value) : value.toFixed(1)} ${BYTE_UNITS[unit]}`;
+}
+
+/** `3.0 of 4.7 MB`, `12 kB of 4.7 MB`. */
+export function formatBytesOf(bytes: number, totalBytes: number): string {
+  const [part, total] = [formatBytes(bytes), formatBytes(totalBytes)];
+  const unit = total.slice(total.indexOf(' '));
+  return `${part.endsWith(unit) ? part.slice(0, -unit.length) : part} of ${total}`;
 }
 
 /** `1 splat`, `2 splats`. */

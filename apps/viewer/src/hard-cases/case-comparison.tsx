@@ -1,10 +1,10 @@
 import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
-import { CASE_RASTERIZERS, DEFAULT_SIZE_PX } from '@websplatter/hardcases';
+import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/hardcases';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
 import { formatDb } from '../formatting/format.ts';
 import { Choices } from '../ui/choices.tsx';
-import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
+import { type CaseImage, CaseImages, type ImageCase, type SizePx } from './case-images.ts';
 import { DIFFERENCE_COLORS, type Difference, differenceOf, pixelsOnBlack } from './difference.ts';
 import type { ExpectedImage } from './expected.worker.ts';
 import { ExpectedImages } from './expected-images.ts';
@@ -23,7 +23,10 @@ const LARGER = 4;
 /** Larger images would take float64 too long. */
 const MOST_PX = 1024;
 
-/** The expected image, this device's, and their difference, side by side. */
+/**
+ * The expected image, this device's, and their difference, side by side; and for cases that a single
+ * remedy decides, this device's by the classical formula, without that remedy.
+ */
 export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const own = hardCase.size ?? { widthPx: DEFAULT_SIZE_PX, heightPx: DEFAULT_SIZE_PX };
   const cameraNames = Object.keys(hardCase.cameras(own.widthPx / own.heightPx));
@@ -39,13 +42,15 @@ export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; imag
     [choice.scale, own.widthPx, own.heightPx],
   );
   const canBeLarger = LARGER * Math.max(own.widthPx, own.heightPx) <= MOST_PX;
-  const { expected, actual, problem } = useComparedImages(hardCase, images, choice, size);
+  const mutation = MUTATIONS.find(({ cases }) => cases.includes(hardCase.name));
+  const { expected, actual, broken, problem } = useComparedImages(hardCase, images, choice, size, mutation);
   const difference = useMemo(
     () => (expected && actual ? differenceOf(actual.data, expected, size) : null),
     [expected, actual, size],
   );
   const expectedPixels = useMemo(() => expected && pixelsOnBlack(expected), [expected]);
   const actualPixels = useMemo(() => actual && pixelsOnBlack(actual.data), [actual]);
+  const brokenPixels = useMemo(() => broken && pixelsOnBlack(broken.data), [broken]);
   return (
     <section className="case-comparison" aria-label="Expected and actual">
       <div className="case-images">
@@ -57,6 +62,14 @@ export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; imag
           size={size}
         />
         <Shown title="Difference" note={gainOf(difference)} pixels={difference?.pixels ?? null} size={size} />
+        {mutation && (
+          <Shown
+            title="Classical formula"
+            note={`without ${mutation.remedy.replaceAll('-', ' ')}`}
+            pixels={brokenPixels}
+            size={size}
+          />
+        )}
       </div>
       {difference && <Legend difference={difference} />}
       <p role="status" className="case-verdict" data-testid="case-verdict">
@@ -113,17 +126,29 @@ interface Compared {
   readonly size: SizePx;
   readonly expected: ExpectedImage | null;
   readonly actual: CaseImage | null;
+  /** The image of this device without the remedy. */
+  readonly broken: CaseImage | null;
   /** Why there is no image of this device, or none to compare it with. */
   readonly problem: string | null;
 }
 
 /** The images of a choice, as they come. */
-function useComparedImages(hardCase: ImageCase, images: CaseImages, choice: Choice, size: SizePx): Compared {
+function useComparedImages(
+  hardCase: ImageCase,
+  images: CaseImages,
+  choice: Choice,
+  size: SizePx,
+  mutation: Mutation | undefined,
+): Compared {
   const { cameraName, preset, rasterizer } = choice;
-  const nothingYet = useMemo(() => ({ size, expected: null, actual: null, problem: null }), [size]);
+  const nothingYet = useMemo(
+    () => ({ size, expected: null, actual: null, broken: null, problem: null }),
+    [size],
+  );
   const [compared, setCompared] = useState<Compared>(nothingYet);
   const [expectedImages] = useState(() => new ExpectedImages());
   useEffect(() => () => expectedImages.destroy(), [expectedImages]);
+  const brokenImages = useBrokenImages(mutation);
   useEffect(() => {
     const changed = new AbortController();
     const add = (part: Partial<Compared>) => {
@@ -138,13 +163,32 @@ function useComparedImages(hardCase: ImageCase, images: CaseImages, choice: Choi
     images
       .draw({ hardCase, camera, preset, rasterizer, ...size }, changed.signal)
       .then((actual) => add({ actual }), tell('This device draws nothing'));
+    brokenImages
+      ?.draw({ hardCase, camera, preset, rasterizer, ...size }, changed.signal)
+      // Without the remedy, images may be no numbers at all, and devices may refuse to go on.
+      .then(
+        (broken) => add({ broken }),
+        () => {},
+      );
     expectedImages
       .ask({ name: hardCase.name, cameraName, ...size })
       .then((expected) => add({ expected }), tell('There is no image in float64'));
     return () => changed.abort();
-  }, [hardCase, images, expectedImages, cameraName, preset, rasterizer, size, nothingYet]);
+  }, [hardCase, images, expectedImages, brokenImages, cameraName, preset, rasterizer, size, nothingYet]);
   // Images of the size before do not fit any more.
   return compared.size === size ? compared : nothingYet;
+}
+
+/** Freed with the page of the case. */
+function useBrokenImages(mutation: Mutation | undefined): CaseImages | null {
+  const [images, setImages] = useState<CaseImages | null>(null);
+  useEffect(() => {
+    if (!mutation) return;
+    const made = new CaseImages(mutation);
+    setImages(made);
+    return () => made.destroy();
+  }, [mutation]);
+  return images;
 }
 
 function gainOf(difference: Difference | null): string {

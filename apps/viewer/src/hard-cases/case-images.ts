@@ -7,7 +7,13 @@ import {
   readSplats,
   SplatEngine,
 } from '@websplatter/core';
-import { type DeviceCase, minPsnrOf, type SceneCase, truncatesHalves } from '@websplatter/hardcases';
+import {
+  type DeviceCase,
+  type Mutation,
+  minPsnrOf,
+  type SceneCase,
+  truncatesHalves,
+} from '@websplatter/hardcases';
 import { Turns } from './turns.ts';
 
 /** A case that is about images. */
@@ -44,6 +50,12 @@ export class CaseImages {
   readonly #turns = new Turns();
   #draughtsman: Promise<Draughtsman> | null = null;
   #isDestroyed = false;
+  readonly #mutation: Mutation | undefined;
+
+  /** @param mutation a remedy of the shaders that they are drawn without; default none. */
+  constructor(mutation?: Mutation) {
+    this.#mutation = mutation;
+  }
 
   /** Rejects without a GPU, with errors of drawing, and with the reason of `signal`. */
   draw(request: CaseImageRequest, signal: AbortSignal): Promise<CaseImage> {
@@ -63,7 +75,7 @@ export class CaseImages {
 
   async #create(): Promise<Draughtsman> {
     if (this.#isDestroyed) throw new Error('The page of the cases is closed.');
-    const engine = await SplatEngine.create({ accuracy: 'reference' });
+    const engine = await SplatEngine.create({ accuracy: 'reference', mutation: this.#mutation });
     void engine.lost.then(() => {
       // The next image asks for another device.
       this.#draughtsman = null;

@@ -61,7 +61,9 @@ export function CasePage({
         <h1 ref={heading} tabIndex={-1} data-testid="case-name">
           {name}
         </h1>
-        <p data-testid="case-breaks">{breaks}</p>
+        <p>
+          Goes wrong elsewhere: <span data-testid="case-breaks">{breaks}</span>
+        </p>
       </header>
       <Contents key={name} hardCase={hardCase} images={images} />
       <div className="page-actions">

@@ -1,3 +1,4 @@
+import { askWorker } from '../drawing/ask-worker.ts';
 import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
 
 /** Asks a worker for the images that float64 defines, one at a time; the last one is kept. */
@@ -19,7 +20,7 @@ export class ExpectedImages {
     if (this.#kept?.key === key) return this.#kept.image;
     this.#isBusy = true;
     this.#worker ??= this.#createWorker();
-    const image = await answerOf(this.#worker, request).finally(() => {
+    const image = await askWorker<ExpectedImage>(this.#worker, request).finally(() => {
       this.#isBusy = false;
     });
     this.#kept = { key, image };
@@ -35,12 +36,4 @@ export class ExpectedImages {
 
 function startWorker(): Worker {
   return new Worker(new URL('./expected.worker.ts', import.meta.url), { type: 'module' });
-}
-
-function answerOf(worker: Worker, request: ExpectedRequest): Promise<ExpectedImage> {
-  return new Promise((resolve, reject) => {
-    worker.onmessage = ({ data }: MessageEvent<ExpectedImage>) => resolve(data);
-    worker.onerror = (event) => reject(new Error(event.message || 'The worker could not be started.'));
-    worker.postMessage(request);
-  });
 }

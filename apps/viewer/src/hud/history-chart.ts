@@ -1,5 +1,6 @@
 import type { StageTimings } from '@websplatter/core';
 import { formatMs } from '../formatting/format.ts';
+import { observeTheme } from '../ui/theme.ts';
 import { HISTORY_FRAMES } from './frame-recorder.ts';
 import {
   CHART_LAYERS,
@@ -49,13 +50,13 @@ export class HistoryChart {
       this.#palette = null;
       becomeStale();
     };
-    const queries = ['(prefers-color-scheme: dark)', '(forced-colors: active)'].map((query) =>
-      matchMedia(query),
-    );
-    for (const query of queries) query.addEventListener('change', recolor);
+    const forced = matchMedia('(forced-colors: active)');
+    forced.addEventListener('change', recolor);
+    const stopTheme = observeTheme(recolor);
     this.#stop = () => {
       resize.disconnect();
-      for (const query of queries) query.removeEventListener('change', recolor);
+      stopTheme();
+      forced.removeEventListener('change', recolor);
     };
   }
 

@@ -1,4 +1,5 @@
 import type { StageTimings } from '@websplatter/core';
+import { restMs } from './hud-figures.ts';
 import { summarize, type TimeSummary } from './time-summary.ts';
 
 /** The layers of a bar, from the bottom up; `rest` is the time besides the stages, or all of it. */
@@ -70,19 +71,14 @@ export function historyLayout(
   };
 }
 
-function layersOf({
-  source,
-  preprocessMs,
-  sortMs,
-  rasterizeMs,
-  totalMs,
-}: StageTimings): readonly (readonly [ChartLayer, number])[] {
+function layersOf(timing: StageTimings): readonly (readonly [ChartLayer, number])[] {
+  const { source, preprocessMs, sortMs, rasterizeMs, totalMs } = timing;
   if (source === 'wall-clock') return [['rest', totalMs]];
   return [
     ['preprocess', preprocessMs],
     ['sort', sortMs],
     ['rasterize', rasterizeMs],
-    ['rest', Math.max(0, totalMs - preprocessMs - sortMs - rasterizeMs)],
+    ['rest', restMs(timing)],
   ];
 }
 

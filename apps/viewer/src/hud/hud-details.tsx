@@ -4,7 +4,7 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import type { FrameRecorder } from './frame-recorder.ts';
 import { csvReport, jsonReport, type Recorded } from './hud-report.ts';
 import { HudRow } from './hud-row.tsx';
-import { MEMORY_GROUPS } from './memory-groups.ts';
+import { MEMORY_GROUPS } from './large-figures.ts';
 import { PASSES } from './pass-names.ts';
 
 const SIDES = [

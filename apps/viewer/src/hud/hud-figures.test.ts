@@ -97,7 +97,12 @@ describe('HUD', () => {
       total: '8.0',
       source: 'wall clock',
     });
-    expect(stageShares(stateWith(WALL_CLOCK).statistics)).toEqual({ preprocess: 0, sort: 0, rasterize: 0 });
+    expect(stageShares(stateWith(WALL_CLOCK).statistics)).toEqual({
+      preprocess: 0,
+      sort: 0,
+      rasterize: 0,
+      rest: 0,
+    });
   });
 
   it('gives a lone frame the time that it took', () => {
@@ -126,7 +131,7 @@ describe('HUD', () => {
   describe('says which rasteriser drew', () => {
     const report = {
       rasterizer: 'tiles',
-      reason: 'both are not compared yet',
+      reason: 'they have not been compared yet',
       tilesMs: null,
       quadsMs: null,
     } as const;
@@ -139,7 +144,7 @@ describe('HUD', () => {
       expect(textWith({})).toMatchObject({
         rasterizer: 'tiles',
         otherRasterizer: '',
-        rasterizerReason: 'Both are not compared yet',
+        rasterizerReason: 'They have not been compared yet',
       });
       const compared = { ...report, reason: 'tiles take 1.2 ms', tilesMs: 1.2, quadsMs: 22 };
       expect(textWith({}, compared)).toMatchObject({
@@ -158,7 +163,7 @@ describe('HUD', () => {
         rasterizerReason: 'The lists of the tiles had no room in this frame',
       });
       expect(textWith({ rasterizer: 'quads', tilePairs: null }).rasterizerReason).toBe(
-        'Tiles are next: both are not compared yet',
+        'Tiles are next: they have not been compared yet',
       );
     });
 
@@ -171,11 +176,14 @@ describe('HUD', () => {
     });
   });
 
-  it('shares the bar among the stages', () => {
-    expect(stageShares(stateWith(MEASURED).statistics)).toEqual({
-      preprocess: 0.125,
-      sort: 0.25,
-      rasterize: 0.625,
+  it('adds up: what no stage takes is the rest, in figures and in the bar', () => {
+    const state = stateWith({ ...MEASURED, totalMs: 16 });
+    expect(hudText(state)).toMatchObject({ rest: '8.0', total: '16.0' });
+    expect(stageShares(state.statistics)).toEqual({
+      preprocess: 1 / 16,
+      sort: 1 / 8,
+      rasterize: 5 / 16,
+      rest: 1 / 2,
     });
   });
 });

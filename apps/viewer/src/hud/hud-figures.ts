@@ -42,6 +42,7 @@ function stageFigures(statistics: FrameStatistics | null, rasterizer: Rasterizer
     preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
     sort: formatMs(timing?.sortMs ?? Number.NaN),
     rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
+    rest: formatMs(restMs(timing)),
     total: formatMs(timing?.totalMs ?? Number.NaN),
     source: timing ? sourceText(timing) : '',
     rasterizer: statistics?.rasterizer ?? UNKNOWN,
@@ -102,16 +103,26 @@ function capitalized(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-/** Each stage's part of the time of all three, 0…1; all 0 if they are not measured. */
+/** Time of a frame between its stages, ms; NaN if unknown. */
+export function restMs(timing: StageTimings | undefined): number {
+  if (!timing) return Number.NaN;
+  const { totalMs, preprocessMs, sortMs, rasterizeMs } = timing;
+  // `max` of NaN is NaN.
+  return Math.max(0, totalMs - preprocessMs - sortMs - rasterizeMs);
+}
+
+/** Each stage's part of the frame's time, and that of the rest, 0…1; all 0 if not measured. */
 export function stageShares(
   statistics: FrameStatistics | null,
-): Record<'preprocess' | 'sort' | 'rasterize', number> {
+): Record<'preprocess' | 'sort' | 'rasterize' | 'rest', number> {
   const timing = statistics?.timing;
-  const sum = timing ? timing.preprocessMs + timing.sortMs + timing.rasterizeMs : Number.NaN;
-  if (!timing || !(sum > 0)) return { preprocess: 0, sort: 0, rasterize: 0 };
+  const rest = restMs(timing);
+  const sum = timing ? timing.preprocessMs + timing.sortMs + timing.rasterizeMs + rest : Number.NaN;
+  if (!timing || !(sum > 0)) return { preprocess: 0, sort: 0, rasterize: 0, rest: 0 };
   return {
     preprocess: timing.preprocessMs / sum,
     sort: timing.sortMs / sum,
     rasterize: timing.rasterizeMs / sum,
+    rest: rest / sum,
   };
 }

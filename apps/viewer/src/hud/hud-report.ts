@@ -1,8 +1,7 @@
 import type { EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
-import { drawnOf } from './large-figures.ts';
-import { memoryByGroup } from './memory-groups.ts';
+import { drawnOf, memoryByGroup } from './large-figures.ts';
 import { PASSES } from './pass-names.ts';
 import { summarize } from './time-summary.ts';
 

@@ -12,6 +12,7 @@ const STAGES = [
   ['preprocess', 'Pre-process'],
   ['sort', 'Sort'],
   ['rasterize', 'Rasterize'],
+  ['rest', 'Rest'],
 ] as const;
 
 /** The cost of the frame. React renders it once; figures are then written into it directly. */
@@ -38,7 +39,7 @@ export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & {
       data-split={isSplit || undefined}
     >
       <div className="spread hud-pace">
-        <span>
+        <span title="From frame to frame">
           <b data-figure="frameMs" /> ms
         </span>
         <span className="hud-rate">
@@ -51,7 +52,7 @@ export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & {
           <StageBar prefix="" />
           {isSplit && <StageBar prefix="right." />}
           {isLarge && <HudHistory store={store} viewer={viewer} recorder={recorder} isSplit={isSplit} />}
-          <StageTimes isSplit={isSplit} isLarge={isLarge} />
+          <StageTimes isSplit={isSplit} />
           <FrameFacts isSplit={isSplit} isLarge={isLarge} />
           {isLarge && <HudDetails isSplit={isSplit} />}
           <dl className="hud-device">
@@ -97,7 +98,7 @@ function StageBar({ prefix }: { prefix: '' | 'right.' }) {
   );
 }
 
-function StageTimes({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }) {
+function StageTimes({ isSplit }: { isSplit: boolean }) {
   return (
     <>
       <dl>
@@ -119,18 +120,8 @@ function StageTimes({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }
             testId={`${name}-ms`}
           />
         ))}
-        {isLarge && (
-          <HudRow
-            label="Rest"
-            figure="left.rest"
-            rightFigure={isSplit ? 'right.rest' : undefined}
-            unit="ms"
-            swatch="stage-rest"
-            title="Between the stages; the whole frame where the GPU does not time them"
-          />
-        )}
         <HudRow
-          label="Total"
+          label="Total on the GPU"
           figure="total"
           rightFigure={isSplit ? 'right.total' : undefined}
           unit="ms"

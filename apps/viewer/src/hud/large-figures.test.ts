@@ -29,7 +29,6 @@ describe('the largest figures', () => {
       'left.pass.rasterize': '',
       'left.candidates': '1,234',
       'left.pairs': '5,000',
-      'left.rest': '0.75',
       'left.median': '2.0',
       'left.peak': '30.0',
     });
@@ -77,21 +76,33 @@ describe('the largest figures', () => {
 
   it('have memory by group, its largest piece, and how large a buffer may be', () => {
     const memory: EngineMemory = {
-      totalBytes: 3e6,
-      peakBytes: 4e6,
+      totalBytes: 9e6,
+      peakBytes: 10e6,
       resources: [{ label: 'records', bytes: 2e6 }],
-      scene: { totalBytes: 0, clouds: [] },
+      scene: {
+        totalBytes: 6e6,
+        clouds: [
+          {
+            name: 'a',
+            totalBytes: 4e6,
+            geometryBytes: { f32: 1e6, packed: 5e5 },
+            shBytes: { u8: 2.3e6 },
+            chunksBytes: 2e5,
+          },
+          { name: 'b', totalBytes: 2e6, geometryBytes: { f32: 1.9e6 }, shBytes: {}, chunksBytes: 1e5 },
+        ],
+      },
       frames: { totalBytes: 2e6, views: [] },
     };
     const { texts, bytes } = memoryFigures(memory, 4_294_967_296);
     expect(texts).toMatchObject({
-      'memory.total': '3.0 MB',
+      'memory.total': '9.0 MB',
       'memory.frames': '2.0 MB',
       'memory.work': '1.0 MB',
       'memory.largest': '2.0 MB (records)',
       'memory.limit': '4.3 GB',
     });
-    expect(bytes).toMatchObject({ frames: 2e6, work: 1e6 });
+    expect(bytes).toEqual({ geometry: 3.4e6, harmonics: 2.3e6, bounds: 3e5, frames: 2e6, work: 1e6 });
     expect(memoryFigures(null, Number.NaN).texts['memory.total']).toBe('–');
   });
 });

@@ -4,7 +4,6 @@ import { type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
 import { type Figures, figuresOf } from './hud-figures.ts';
-import { type MemoryGroup, memoryByGroup } from './memory-groups.ts';
 import { PASSES } from './pass-names.ts';
 import type { TimeSummary } from './time-summary.ts';
 
@@ -18,19 +17,10 @@ export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary
     pairs: statistics?.tilePairs == null ? '' : formatCount(statistics.tilePairs),
     sortKeys: `${sortKeyBits} bits`,
     scale: `${Math.round(100 * resolutionScale)} %`,
-    rest: formatMs(restMs(statistics)),
     median: formatMs(summary.median),
     p99: formatMs(summary.p99),
     peak: formatMs(summary.peak),
   });
-}
-
-/** Time of a frame besides its stages; NaN if unknown. */
-function restMs(statistics: FrameStatistics | null): number {
-  if (!statistics) return Number.NaN;
-  const { totalMs, preprocessMs, sortMs, rasterizeMs } = statistics.timing;
-  // `max` of NaN is NaN.
-  return Math.max(0, totalMs - preprocessMs - sortMs - rasterizeMs);
 }
 
 function passFigures(statistics: FrameStatistics | null): Figures {
@@ -52,6 +42,24 @@ export function cpuFigures(render: TimeSummary, own: TimeSummary): Figures {
     renderP99: formatMs(render.p99),
     ownMedian: formatMs(own.median),
     ownP99: formatMs(own.p99),
+  };
+}
+
+/** Purposes of the GPU's memory. */
+export const MEMORY_GROUPS = ['geometry', 'harmonics', 'bounds', 'frames', 'work'] as const;
+export type MemoryGroup = (typeof MEMORY_GROUPS)[number];
+
+/** Bytes of each group; together they are `totalBytes`. */
+export function memoryByGroup({ totalBytes, scene, frames }: EngineMemory): Record<MemoryGroup, number> {
+  const sum = (bytes: readonly number[]) => bytes.reduce((before, each) => before + each, 0);
+  const ofClouds = (bytesOf: (cloud: EngineMemory['scene']['clouds'][number]) => readonly number[]) =>
+    sum(scene.clouds.flatMap(bytesOf));
+  return {
+    geometry: ofClouds(({ geometryBytes }) => Object.values(geometryBytes)),
+    harmonics: ofClouds(({ shBytes }) => Object.values(shBytes)),
+    bounds: ofClouds(({ chunksBytes }) => [chunksBytes]),
+    frames: frames.totalBytes,
+    work: totalBytes - scene.totalBytes - frames.totalBytes,
   };
 }
 

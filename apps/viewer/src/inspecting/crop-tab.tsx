@@ -1,10 +1,11 @@
-import { useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { clamp } from '../camera/vec3.ts';
 import { formatCount } from '../formatting/format.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
+import { NumberField } from '../ui/number-field.tsx';
+import { Slider } from '../ui/slider.tsx';
 import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import type { InspectProps } from './inspect-props.ts';
 import './crop-tab.css';
@@ -94,59 +95,33 @@ function Sides({ inspection, crop, axis }: AxisProps) {
   return (
     <fieldset className="inspect-sides">
       <legend>{'xyz'[axis]}</legend>
-      {(['min', 'max'] as const).map((side) => (
-        <Side
-          key={side}
-          name={`${side === 'min' ? 'Least' : 'Greatest'} ${'xyz'[axis]}`}
-          value={crop[side][axis]}
-          range={range}
-          testId={`crop-${side}-${'xyz'[axis]}`}
-          onValue={(value) => cropping.set(withSide(crop, side, axis, value))}
-        />
-      ))}
+      {(['min', 'max'] as const).map((side) => {
+        const name = `${side === 'min' ? 'Min' : 'Max'} ${'xyz'[axis]}`;
+        const testId = `crop-${side}-${'xyz'[axis]}`;
+        const value = Number(crop[side][axis].toPrecision(5));
+        const set = (place: number) => cropping.set(withSide(crop, side, axis, place));
+        return (
+          <Slider
+            key={side}
+            label={name}
+            min={0}
+            max={SLIDER_STEPS}
+            value={sliderPosition(crop[side][axis], range)}
+            shown={
+              <NumberField
+                label={`${name}, as a number`}
+                value={value}
+                step="any"
+                testId={`${testId}-number`}
+                onChange={set}
+              />
+            }
+            aria-valuetext={String(value)}
+            testId={testId}
+            onValue={(position) => set(sliderValue(position, range))}
+          />
+        );
+      })}
     </fieldset>
-  );
-}
-
-interface SideProps {
-  readonly name: string;
-  readonly value: number;
-  readonly range: Parameters<typeof sliderValue>[1];
-  readonly testId: string;
-  readonly onValue: (value: number) => void;
-}
-
-/** One side of the box, by a slider or as a number. */
-function Side({ name, value, range, testId, onValue }: SideProps) {
-  const id = useId();
-  /** Text being typed; null for none. */
-  const [text, setText] = useState<string | null>(null);
-  const shown = Number(value.toPrecision(5));
-  return (
-    <div>
-      <label htmlFor={id}>{name}</label>
-      <input
-        id={id}
-        type="range"
-        min={0}
-        max={SLIDER_STEPS}
-        value={sliderPosition(value, range)}
-        aria-valuetext={String(shown)}
-        data-testid={testId}
-        onChange={({ target }) => onValue(sliderValue(target.valueAsNumber, range))}
-      />
-      <input
-        type="number"
-        step="any"
-        aria-label={`${name}, as a number`}
-        value={text ?? shown}
-        data-testid={`${testId}-number`}
-        onChange={({ target }) => {
-          setText(target.value);
-          if (target.value !== '' && Number.isFinite(target.valueAsNumber)) onValue(target.valueAsNumber);
-        }}
-        onBlur={() => setText(null)}
-      />
-    </div>
   );
 }

@@ -5,6 +5,7 @@ import { cloudKeys } from '../scene/shown-scene.ts';
 import { selectionOf } from '../selecting/row-masks.ts';
 import { listenToSelectDrags } from '../selecting/select-drag.ts';
 import { SplatSelecting } from '../selecting/splat-selecting.ts';
+import { keyScope } from '../shell/commands.ts';
 import { type InspectedSplat, type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
 import { NOTHING_SELECTED, type RowMasks } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -59,6 +60,7 @@ export class Inspection {
     addEventListener('pointerdown', (event) => tap.pointerDown(event, isPicking(event)), { signal });
     addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
     listenToSelectDrags(this.#store, (...dragged) => void this.selecting.selectDragged(...dragged), signal);
+    addEventListener('keydown', (event) => this.#keyPressed(event), { signal });
     // A crop of the address, in a scene that was flipped before this came.
     if (this.#store.getState().inspecting.crop) this.cropping.draw();
     this.#open(this.#store.getState());
@@ -73,6 +75,19 @@ export class Inspection {
   /** Does in the middle of the image what a click does elsewhere. */
   pickMiddle(): void {
     this.#pick(...this.#viewer.camera.middle);
+  }
+
+  /** Keys that edit, while the panel is open. */
+  #keyPressed(event: KeyboardEvent): void {
+    const { dock, isHelpVisible } = this.#store.getState();
+    if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
+    const isCommand = event.ctrlKey || event.metaKey;
+    const key = `${isCommand ? 'Ctrl+' : ''}${event.shiftKey ? 'Shift+' : ''}${event.key.toLowerCase()}`;
+    if (key === 'Ctrl+z') this.selecting.undo();
+    else if (key === 'Ctrl+Shift+z' || key === 'Ctrl+y') this.selecting.redo();
+    else if (key === 'delete' || key === 'backspace') this.selecting.remove();
+    else return;
+    event.preventDefault();
   }
 
   #tapped({ target, offsetX, offsetY }: PointerEvent): void {

@@ -5,6 +5,7 @@ import { IconButton, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { KeptScenes } from './kept-scenes.tsx';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 
@@ -26,6 +27,7 @@ export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () =
         </TextButton>
         <p>The handles in the picture move the chosen file along the scene’s axes.</p>
         <p className="drop-hint">Dropped with Shift, files are added too.</p>
+        <KeptScenes store={store} />
       </div>
     </Dock>
   );

@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { UpAxis } from '../camera/up-axis.ts';
-import type { LoadedScene } from '../scene/load-scene.ts';
+import type { LoadedScene } from '../scene/loaded-scene.ts';
 import { ownUp } from '../scene/shown-scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { decodeLook } from './look-text.ts';

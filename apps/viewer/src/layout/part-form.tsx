@@ -1,12 +1,12 @@
-import { useId } from 'react';
 import { UP_CHOICES } from '../camera/up-axis.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
 import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
+import { NumberField } from '../ui/number-field.tsx';
+import { Slider } from '../ui/slider.tsx';
 import type { Viewer } from '../viewer/viewer.ts';
 import { movePart, moveStep, placePart } from './move-part.ts';
-import { NumberField } from './number-field.tsx';
 import { placedLook, placementOf, uprightPlacement } from './placement.ts';
 
 const AXES = ['x', 'y', 'z'] as const;
@@ -15,7 +15,6 @@ const LEAST_SCALE = 1e-6;
 
 /** A file's placement in the scene, and its opacity. */
 export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSummary }) {
-  const opacityId = useId();
   const { look, canPlace } = part;
   const { turnDegrees, move, scale, up, sceneUp } = placementOf(part);
   const percent = Math.round(100 * look.opacity);
@@ -25,20 +24,16 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
   };
   return (
     <div className="part-form">
-      <div className="part-opacity">
-        <label htmlFor={opacityId}>Opacity</label>
-        <input
-          id={opacityId}
-          type="range"
-          min={0}
-          max={100}
-          value={percent}
-          aria-valuetext={`${percent} percent`}
-          data-testid="part-opacity"
-          onChange={({ target }) => viewer.scenes.setLook(part.key, { opacity: target.valueAsNumber / 100 })}
-        />
-        <output htmlFor={opacityId}>{percent} %</output>
-      </div>
+      <Slider
+        label="Opacity"
+        min={0}
+        max={100}
+        value={percent}
+        shown={`${percent} %`}
+        aria-valuetext={`${percent} percent`}
+        testId="part-opacity"
+        onValue={(value) => viewer.scenes.setLook(part.key, { opacity: value / 100 })}
+      />
       {canPlace ? (
         <>
           <Vector

@@ -31,3 +31,13 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
     store.setState({ dock: 'save', notice });
   }
 }
+
+/** Copies the text of a frame and says so, or that the browser forbids it. */
+export async function copyFrame(text: string, store: ViewerStore): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    store.setState({ notice: 'The frame is copied: put it into the HTML of a page.' });
+  } catch {
+    store.setState({ notice: 'The browser does not let this page copy. Choose the text and copy it.' });
+  }
+}

@@ -3,6 +3,7 @@ import { chooseEffects } from '../effects/choose-effects.ts';
 import { firstValues } from '../effects/effect-values.ts';
 import { scenePlaceOf } from '../effects/scene-place.ts';
 import { drawCrop } from '../inspecting/draw-crop.ts';
+import type { SceneSource } from '../scene/scene-source.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { EffectChoices } from '../state/requested-effects.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
@@ -13,13 +14,19 @@ import { canLink, isFallback } from './page-address.ts';
 /**
  * Draws the first scene with the effects and the crop of the address, unless it is another scene
  * than the address names: lengths would be those of another scene. Unreadable parts are told.
+ *
+ * @param isNamed whether the address names the files of a scene.
  */
-export function followLinkedEffects(panel: PanelProps, query: URLSearchParams): void {
+export function followLinkedEffects(
+  panel: PanelProps,
+  query: URLSearchParams,
+  isNamed = (sources: readonly SceneSource[]) => canLink(sources) && !isFallback(sources, query),
+): void {
   const { store, viewer } = panel;
   const [effects, crop] = [query.get('effects'), query.get('crop')];
   const take = () => {
     const sources = viewer.scenes.drawable?.parts.map(({ source }) => source) ?? [];
-    if (!canLink(sources) || isFallback(sources, query)) return;
+    if (!isNamed(sources)) return;
     if (effects !== null) saying(panel, () => chooseEffects(panel, completed(decodeEffects(effects), panel)));
     if (crop !== null) saying(panel, () => cropTo(panel, decodeCrop(crop)));
   };

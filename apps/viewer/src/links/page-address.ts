@@ -71,6 +71,20 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   if (!canLink(view.sources)) return null;
   const query = new URLSearchParams(page.search);
   writeSources(query, view, page, true);
+  writeView(query, view);
+  return page.origin + addressWith(page, query);
+}
+
+/** The query that shows the view of a scene which the page itself holds. */
+export function heldView(view: LinkedView): string {
+  const query = new URLSearchParams();
+  for (const look of view.looks) query.append(LOOK_NAME, look);
+  writeView(query, view);
+  return query.toString();
+}
+
+/** Everything but the files and their looks. */
+function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'looks'>): void {
   write(query, 'camera', encodeCamera(view.camera));
   write(query, 'effects', view.effects);
   write(query, 'crop', view.crop && encodeCrop(view.crop));
@@ -78,7 +92,6 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   write(query, 'detail', encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
-  return page.origin + addressWith(page, query);
 }
 
 /** Whether a built-in scene is shown because the scene of the address could not be opened. */

@@ -56,9 +56,12 @@ describe('measuring accuracy', () => {
     expect(result).toMatchObject({ sweep: 'settings', isCutShort: false, allSettingsMs: null });
   });
 
-  it('keeps what was measured where it is cancelled', async () => {
+  it('shows what is measured as it comes, and keeps it where it is cancelled', async () => {
     const result = await measured('settings', ({ options }) => {
-      options.onTable?.(tableOf(6));
+      for (const points of [1, 6]) {
+        options.onTable?.(tableOf(points));
+        expect(store.getState().measured?.table.points).toHaveLength(points);
+      }
       measurement.cancel();
     });
     expect(result).toMatchObject({ isCutShort: true, table: { points: { length: 6 } } });
@@ -75,12 +78,22 @@ describe('measuring accuracy', () => {
     expect(fewer).toBe(presets);
   });
 
-  it('keeps nothing of a scene that is gone', async () => {
+  it('takes nothing more after that', async () => {
     const result = await measured('settings', ({ options }) => {
-      options.onTable?.(tableOf(6));
-      store.setState({ scene: {} as never });
       measurement.cancel();
+      options.onTable?.(tableOf(6));
     });
     expect(result).toBeNull();
+  });
+
+  it('names what is measured in plain words', async () => {
+    await measured('settings', ({ options, finish }) => {
+      const name = 'colorTarget rgba8unorm';
+      const settings = { ...store.getState().accuracy, colorTarget: 'rgba8unorm' } as const;
+      const point = { name, settings, changed: ['colorTarget'] } as const;
+      options.onProgress?.({ done: 3, total: 9, label: `2 of 3: ${name}`, point });
+      expect(store.getState().measuring?.label).toBe('2 of 3: 8-bit blending');
+      finish(tableOf(3));
+    });
   });
 });

@@ -57,7 +57,7 @@ describe('chart of accuracy', () => {
     expect(exact).toBeGreaterThan(equalFromDb ?? Infinity);
     expect(yRange[1]).toBeGreaterThan(exact);
     expect(yRange[1]).toBeLessThan(80);
-    expect(placed[2].words).toBe('equal to reference, 4.0 ms');
+    expect(placed[2].words).toBe('identical to the reference, 4.0 ms');
   });
 
   it('has no band where nothing equals the reference', () => {

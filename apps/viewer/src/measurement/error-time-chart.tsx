@@ -2,7 +2,7 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { type KeyboardEvent, memo, type RefObject, useEffect, useMemo, useRef, useState } from 'react';
 import { type ChartLayout, chartLayout, type PlacedPoint } from './chart-layout.ts';
 import { ticksIn } from './chart-ticks.ts';
-import { placeLabels } from './place-labels.ts';
+import { type Box, placeLabels } from './place-labels.ts';
 
 const HEIGHT_PX = 230;
 /** Around the area of the points: axes with their values and titles. */
@@ -60,7 +60,6 @@ export function ErrorTimeChart({
     <div ref={root} className="chart" role="group" aria-label="Error against time" data-testid="chart">
       <Axes layout={layout} scales={scales} />
       <div className="chart-area" style={{ inset: AREA_INSET }}>
-        <Labels placed={placed} scales={scales} />
         {placed.map(({ index, name, label, words, isOnFront, ...point }, at) => (
           <button
             key={index}
@@ -83,6 +82,7 @@ export function ErrorTimeChart({
             <Interval point={point} scales={scales} />
           </button>
         ))}
+        <Labels layout={layout} scales={scales} />
       </div>
     </div>
   );
@@ -155,7 +155,8 @@ const Axes = memo(function Axes({
 });
 
 /** Names beside their points, of those that find room. */
-const Labels = memo(function Labels({ placed, scales }: { placed: readonly PlacedPoint[]; scales: Scales }) {
+const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; scales: Scales }) {
+  const { placed } = layout;
   const labelled = [...placed].sort((a, b) => b.importance - a.importance);
   const boxes = placeLabels(
     labelled.map(({ xMs, yDb, label }) => ({
@@ -165,6 +166,7 @@ const Labels = memo(function Labels({ placed, scales }: { placed: readonly Place
       height: LABEL_HEIGHT_PX,
     })),
     { left: 2, top: 0, width: scales.widthPx - 4, height: AREA_HEIGHT_PX },
+    linesOf(layout, scales),
   );
   return labelled.map(({ index, label }, i) => {
     const box = boxes[i];
@@ -177,6 +179,21 @@ const Labels = memo(function Labels({ placed, scales }: { placed: readonly Place
     );
   });
 });
+
+/** Boxes around the front's steps and the intervals of the points. */
+function linesOf({ placed, frontLine }: ChartLayout, { xOf, yOf }: Scales): Box[] {
+  const lineBox = (fromMs: number, fromDb: number, toMs: number, toDb: number): Box => ({
+    left: xOf(fromMs) - 1,
+    top: Math.min(yOf(fromDb), yOf(toDb)) - 1,
+    width: xOf(toMs) - xOf(fromMs) + 2,
+    height: Math.abs(yOf(toDb) - yOf(fromDb)) + 2,
+  });
+  const steps = frontLine.slice(1).flatMap(({ xMs, yDb }, i) => {
+    const from = frontLine[i];
+    return [lineBox(from.xMs, from.yDb, xMs, from.yDb), lineBox(xMs, from.yDb, xMs, yDb)];
+  });
+  return [...steps, ...placed.map(({ lowMs, highMs, yDb }) => lineBox(lowMs, yDb, highMs, yDb))];
+}
 
 /** @param chartPx width of the chart with its axes. */
 function scalesOf({ xRange, yRange }: ChartLayout, chartPx: number): Scales {

@@ -1,4 +1,7 @@
+import { ACCURACY_PRESETS } from '@websplatter/core';
 import { useStore } from 'zustand';
+import { DetailDial } from '../accuracy/detail-dial.tsx';
+import { PresetRows } from '../accuracy/preset-rows.tsx';
 import { inPlainWords } from '../formatting/accuracy-words.ts';
 import { formatDuration } from '../formatting/format.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
@@ -7,38 +10,69 @@ import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { MeasuredResults } from './measured-results.tsx';
 import { MeasurementRunner } from './measurement-runner.tsx';
 import { PsnrExplained } from './psnr-explained.tsx';
+import { RECORDED } from './recorded.ts';
 import { TargetForm } from './target-form.tsx';
+import { costOf, verdictOf } from './verdict.ts';
+import { WorstCrops } from './worst-crops.tsx';
 
-/** Measures cost and error of each setting for the frame on the screen, and offers them. */
+/**
+ * What the presets cost for the frame on the screen: the verdict, then each with its picture, then
+ * all that was measured.
+ */
 export function MeasureForm({
   store,
   viewer,
   accuracyMeasurement,
 }: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
   const measured = useStore(store, (state) => state.measured);
+  const pictures = useStore(store, (state) => state.judged);
   const imageId = useStore(store, (state) => state.imageId);
   const choice = useStore(store, (state) => state.choice);
   const hasTarget = useStore(store, (state) => state.target !== null);
-  const next = nextSweep(measured?.imageId === imageId ? measured : null, hasTarget);
+  const isBuiltin = useStore(store, (state) => state.scene?.title === RECORDED.title);
+  const fresh = measured?.imageId === imageId ? measured : null;
+  const next = nextSweep(fresh, hasTarget);
+  const recorded = isBuiltin && !measured ? RECORDED : null;
+  const presets = measured?.table.points.filter(({ name }) => Object.hasOwn(ACCURACY_PRESETS, name)) ?? [];
+  const costs = recorded?.costs ?? presets.map(costOf);
   const start = (sweep: NextSweep['sweep']) =>
     void (sweep === 'target' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
+  const runner = (
+    <MeasurementRunner
+      store={store}
+      of="accuracy"
+      label={next.label}
+      about={next.about}
+      onStart={() => start(next.sweep)}
+      onCancel={() => accuracyMeasurement.cancel()}
+    />
+  );
+  // What comes next is of less interest than what was found.
+  const isLater = costs.length > 0;
   return (
     <div className="measure-form">
-      <MeasurementRunner
-        store={store}
-        of="accuracy"
-        label={next.label}
-        about={next.about}
-        onStart={() => start(next.sweep)}
-        onCancel={() => accuracyMeasurement.cancel()}
-      />
+      <p className="verdict" role="status" data-testid="verdict">
+        {verdictOf(costs)}
+        {recorded && <small>{recorded.about}</small>}
+      </p>
+      {measured && !fresh && <p className="stale">Measured for another view, scene, size or detail.</p>}
+      {!isLater && runner}
       {choice && (
         <p className="choice" role="status" data-testid="choice" data-met={choice.isMet}>
           {inPlainWords(choice.why, choice.point)}
         </p>
       )}
-      <PsnrExplained />
-      {measured && <MeasuredResults store={store} viewer={viewer} measured={measured} />}
+      <PresetRows store={store} viewer={viewer} costs={costs} pictures={pictures} />
+      {pictures && <WorstCrops store={store} pictures={pictures} />}
+      {isLater && runner}
+      <DetailDial store={store} viewer={viewer} />
+      {measured && (
+        <details className="explained" data-testid="all-results">
+          <summary>Decibels, intervals and single settings</summary>
+          <PsnrExplained />
+          <MeasuredResults store={store} viewer={viewer} measured={measured} />
+        </details>
+      )}
       <TargetForm store={store} viewer={viewer} />
     </div>
   );
@@ -62,18 +96,16 @@ function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSwee
     return {
       sweep: 'presets',
       label: 'Measure the presets',
-      about: 'Draws this view with each preset, and shows the time and the error of each.',
+      about: 'Draws this view with each preset, and shows its time and its error.',
     };
   const { allSettingsMs } = fresh;
   if (allSettingsMs === null && !fresh.isCutShort && fresh.sweep === 'settings')
     return { sweep: 'settings', label: 'Measure again', about: null };
   const estimate =
-    allSettingsMs === null
-      ? ''
-      : ` About ${formatDuration(allSettingsMs)}, by the time that the presets took.`;
+    allSettingsMs === null ? '' : ` Takes about ${formatDuration(allSettingsMs)}, judging by the presets.`;
   return {
     sweep: 'settings',
     label: 'Measure every setting',
-    about: `Also changes settings one at a time.${estimate} What is measured stays if you cancel.`,
+    about: `Also changes one setting at a time.${estimate} If you cancel, what is measured stays.`,
   };
 }

@@ -2,14 +2,7 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { useState } from 'react';
 import { useStore } from 'zustand';
 import { describeMeasured, isSameAccuracy } from '../formatting/accuracy-words.ts';
-import {
-  formatBytes,
-  formatCount,
-  formatDb,
-  formatMs,
-  formatPsnr,
-  formatSplats,
-} from '../formatting/format.ts';
+import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '../formatting/format.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';
@@ -25,22 +18,22 @@ export function MeasuredResults({
   const [looked, setLooked] = useState<number | null>(null);
   const accuracy = useStore(store, (state) => state.accuracy);
   const isStale = useStore(store, (state) => state.imageId !== measured.imageId);
+  const isRunning = useStore(store, (state) => state.measuring?.of === 'accuracy');
   const { table } = measured;
   const current = table.points.findIndex(({ settings }) => isSameAccuracy(settings, accuracy));
   const pick = (index: number) => viewer.setAccuracy(table.points[index].settings);
   const shown = table.points[looked ?? current];
   return (
     <div className="results" data-testid="results" data-stale={isStale}>
-      {isStale && (
-        <p className="stale">These are the results of another view, scene, size or detail: measure again.</p>
-      )}
       <ErrorTimeChart points={table.points} current={current} onPick={pick} onLook={setLooked} />
       {shown ? <Details point={shown} /> : <p className="details">The chosen setting was not measured.</p>}
       <PointTable points={table.points} current={current} onPick={pick} />
-      <Circumstances measured={measured} />
+      <Circumstances measured={measured} isRunning={isRunning} />
     </div>
   );
 }
+
+const steps = (error: number) => (255 * error).toFixed(1);
 
 /** The figures of one point, with the interval of its time. */
 function Details({ point }: { point: AccuracyPoint }) {
@@ -53,11 +46,12 @@ function Details({ point }: { point: AccuracyPoint }) {
         <b>{describeMeasured(point)}</b>
       </p>
       <p>
-        {formatPsnr(error.psnrDb)} · largest error {(255 * error.maxError).toFixed(1)} of 255 · 99.9 % under{' '}
-        {(255 * error.p999Error).toFixed(1)} · SSIM {error.ssim.toFixed(4)}
+        {error.maxError === 0
+          ? 'Identical to the reference.'
+          : `${formatDb(error.psnrDb)} dB · largest error ${steps(error.maxError)} of 255 · 99.9 % under ${steps(error.p999Error)} · SSIM ${error.ssim.toFixed(4)}`}
       </p>
       <p>
-        {formatMs(total.median)} ms ({formatMs(total.low)}–{formatMs(total.high)})
+        Median {formatMs(total.median)} ms ({formatMs(total.low)}–{formatMs(total.high)})
         {!stages.includes(null) && ` · ${stages.join(' + ')} ms by stage`} · drawn by{' '}
         {rasterizers.join(' and ')} · {formatBytes(bytes)}
       </p>
@@ -142,7 +136,7 @@ function PointRow({
 }
 
 /** Place and method of the table's measurement, and the reasons why it is not exact. */
-function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
+function Circumstances({ measured, isRunning }: { measured: MeasuredAccuracy; isRunning: boolean }) {
   const { table, isSoftware, isCutShort } = measured;
   const { adapter, timing, widthPx, heightPx, splats, views, frames, reference, notes } = table;
   const facts = [
@@ -154,7 +148,7 @@ function Circumstances({ measured }: { measured: MeasuredAccuracy }) {
     `${formatCount(frames)} frames each`,
   ];
   const cautions = [
-    ...(isCutShort ? [`Called off: ${formatCount(table.points.length)} settings were measured.`] : []),
+    ...(isCutShort && !isRunning ? [`Cancelled after ${formatCount(table.points.length)} settings.`] : []),
     ...timingCautions(isSoftware, timing),
     ...reference.notes.map((note) => `Reference: ${note}`),
     ...notes,

@@ -2,6 +2,7 @@ import { useStore } from 'zustand';
 import type { MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { TextButton } from '../ui/controls.tsx';
+import { Running } from '../ui/running.tsx';
 
 /**
  * The button that starts a measurement, or its progress with a button that ends it; and its last
@@ -29,20 +30,15 @@ export function MeasurementRunner({
   const canMeasure = useStore(store, (state) => state.scene !== null && state.status === 'running');
   if (measuring?.of === of) {
     return (
-      <div className="runner" data-testid="sweep">
-        <div className="spread runner-row">
-          <p data-testid="sweep-label">{measuring.label}…</p>
-          <TextButton look="plain" testId="cancel-sweep" onClick={onCancel}>
-            Cancel
-          </TextButton>
-        </div>
-        <progress
-          value={measuring.done}
-          max={measuring.total}
-          aria-label="Measuring"
-          data-testid="sweep-progress"
-        />
-      </div>
+      <Running
+        label={`${measuring.label}…`}
+        about="Measuring"
+        value={measuring.done}
+        max={measuring.total}
+        onCancel={onCancel}
+        testId="sweep"
+        cancelId="cancel-sweep"
+      />
     );
   }
   return (

@@ -1,11 +1,13 @@
 import { isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
 import type { MeasureProgress } from '@websplatter/core/measure';
 import type { ShownFrame } from '../drawing/drawn-frame.ts';
+import { describeMeasured } from '../formatting/accuracy-words.ts';
 import type { MeasuredImage, MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 export interface MeasurementOptions {
+  readonly image: MeasuredImage;
   readonly signal: AbortSignal;
   readonly onProgress: (progress: MeasureProgress) => void;
 }
@@ -36,39 +38,33 @@ export class Measurement {
   }
 
   /**
-   * @param salvage returns the results of a cancelled measurement; null if there are none.
-   * @returns null without a frame on the screen, beside another measurement, and on failure; the
-   * store then says why.
+   * Does `work` on the frame on the screen; nothing without one, or beside another measurement. If
+   * it fails, the store says why.
    */
-  async run<T>(
+  async run(
     of: MeasuredThing,
-    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<T>,
-    salvage: () => T | null = () => null,
-  ): Promise<(T & MeasuredImage) | null> {
+    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<void>,
+  ): Promise<void> {
     const shown = this.#viewer.shownFrame;
-    if (!shown || this.#running) return null;
+    if (!shown || this.#running) return;
     const store = this.#store;
     const running = new AbortController();
     this.#running = running;
     const { signal } = running;
-    const { imageId, scene } = store.getState();
+    const { imageId } = store.getState();
     const isSoftware = isSoftwareAdapter(shown.engine.device.adapterInfo);
-    const measured = (result: T | null) =>
-      result && store.getState().scene === scene ? { ...result, imageId, isSoftware } : null;
     store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
     try {
       const onProgress = (progress: MeasureProgress) => {
-        if (!signal.aborted) store.setState({ measuring: { of, ...progress } });
+        if (!signal.aborted) store.setState({ measuring: { of, ...progress, label: plainLabel(progress) } });
       };
-      const result = await work(shown, { signal, onProgress });
-      return measured(signal.aborted ? salvage() : result);
+      await work(shown, { image: { imageId, isSoftware }, signal, onProgress });
     } catch (error) {
       // The engine cancels measurements for views that have gone on to show something else.
-      if (signal.aborted || (error as Error).name === 'AbortError') return measured(salvage());
+      if (signal.aborted || (error as Error).name === 'AbortError') return;
       if (!(error instanceof WebSplatterError)) console.error(error);
       const text = error instanceof Error ? error.message : String(error);
       store.setState({ failedMeasurement: { of, text } });
-      return null;
     } finally {
       if (this.#running === running) {
         this.#running = null;
@@ -83,4 +79,9 @@ export class Measurement {
     this.#running = null;
     if (this.#store.getState().measuring) this.#store.setState({ measuring: null });
   }
+}
+
+/** The label of a step, with plain names of settings. */
+function plainLabel({ label, point }: MeasureProgress): string {
+  return point ? label.replace(point.name, describeMeasured(point)) : label;
 }

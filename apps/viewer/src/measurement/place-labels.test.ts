@@ -16,6 +16,13 @@ describe('names of points', () => {
     expect(wide).toEqual({ left: 40, top: 13, width: 120, height: 12 });
   });
 
+  it('stand beside a line rather than on it, and on it rather than nowhere', () => {
+    const point = { x: 50, y: 50, ...size };
+    const across = { left: 0, top: 49, width: 200, height: 2 };
+    expect(placeLabels([point], AREA, [across])).toEqual([{ left: 30, top: 30, ...size }]);
+    expect(placeLabels([point], AREA, [AREA])).toEqual(placeLabels([point], AREA));
+  });
+
   it('cover neither one another nor a point, and give way in order', () => {
     const crowd = Array.from({ length: 12 }, (_, i) => ({ x: 60 + i, y: 50 + i, ...size }));
     const boxes = placeLabels(crowd, AREA);

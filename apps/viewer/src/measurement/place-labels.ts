@@ -24,17 +24,23 @@ const POINT_PX = 4;
 
 /**
  * Places names beside their points: to the right, else left, above or below, inside `area` and
- * clear of other names and points. Null for names that find no place.
+ * clear of other names and points, and of `lines` if they can be. Null for names that find no
+ * place.
  *
  * @param points the most important first; later ones give way.
+ * @param lines boxes around the lines of the chart, which would strike names through.
  */
-export function placeLabels(points: readonly Labelled[], area: Box): (Box | null)[] {
-  const space = new LabelSpace(
-    edgesOf(area),
-    points.map(({ x, y }) => boxAround(x, y, POINT_PX)),
-  );
+export function placeLabels(
+  points: readonly Labelled[],
+  area: Box,
+  lines: readonly Box[] = [],
+): (Box | null)[] {
+  const marks = points.map(({ x, y }) => boxAround(x, y, POINT_PX));
+  const space = new LabelSpace(edgesOf(area), marks);
+  const lineSpace = new LabelSpace(edgesOf(area), lines.map(edgesOf));
   return points.map((point) => {
-    const box = placesFor(point).find((place) => space.conflict(edgesOf(place)) === 0);
+    const free = placesFor(point).filter((place) => space.conflict(edgesOf(place)) === 0);
+    const box = free.find((place) => lineSpace.conflict(edgesOf(place)) === 0) ?? free.at(0);
     if (box) space.take(edgesOf(box));
     return box ?? null;
   });

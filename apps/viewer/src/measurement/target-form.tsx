@@ -24,7 +24,7 @@ export function TargetForm({ store, viewer }: PanelProps) {
   };
   return (
     <form className="target" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="target">
-      <h3 id={`${id}-title`}>Choose settings for me</h3>
+      <h3 id={`${id}-title`}>Ask for an outcome</h3>
       <div className="target-row">
         <select
           aria-label="Target"
@@ -52,12 +52,12 @@ export function TargetForm({ store, viewer }: PanelProps) {
           disabled={isBusy || !(value > 0)}
           data-testid="target-submit"
         >
-          Keep
+          Choose automatically
         </button>
       </div>
       <p>
-        Measures eight views around this one, and the worst counts; on a software adapter, this view alone.
-        Scenes that you open later are measured as well.
+        Measures eight views around this one, of which the worst counts; without a GPU, only this view. Scenes
+        that you open later are measured, too.
       </p>
     </form>
   );

@@ -14,6 +14,14 @@ export function FailurePanel({ store }: { store: ViewerStore }) {
             {failure.message}
           </p>
           {failure.advice && <p>{failure.advice}</p>}
+          {failure.details && (
+            <details className="explained">
+              <summary>Details</summary>
+              <p className="particulars" data-testid="error-details">
+                {failure.details}
+              </p>
+            </details>
+          )}
           {failure.links && (
             <ul className="links">
               {failure.links.map(({ label, href }) => (

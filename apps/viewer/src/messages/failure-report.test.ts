@@ -10,6 +10,44 @@ describe('reportFailure', () => {
     expect(report.isFault).toBe(false);
   });
 
+  it.each([
+    [
+      'unknown-format',
+      'the first bytes (68 65) are of no known format',
+      {},
+      'is not a splat file',
+      /^Opens PLY, /,
+    ],
+    ['empty', 'the file is empty', { byte: 0 }, 'is empty', /^Check/],
+    [
+      'truncated',
+      'it ends',
+      { byte: 3e6, expectedBytes: 4_721_476 },
+      'is incomplete',
+      /^3.0 of 4.7 MB arrived.$/,
+    ],
+    [
+      'truncated',
+      'it ends',
+      { byte: 4_721_471, expectedBytes: 4_721_476 },
+      'is incomplete',
+      /^The last 5 bytes are missing.$/,
+    ],
+  ] as const)(
+    'says plainly of a file that it is %s, with the engine’s words below',
+    (code, words, place, is, says) => {
+      const error = new SplatFileError(code, 'a.txt', words, place);
+      const report = reportFailure(error, 'a.txt');
+      expect(report).toMatchObject({ title: `a.txt ${is}`, details: error.message });
+      expect(report.message).toMatch(says);
+    },
+  );
+
+  it('says what a file is that people open by mistake', () => {
+    const error = new SplatFileError('unknown-format', 'a.ply', 'it is a web page');
+    expect(reportFailure(error, 'a.ply').message).toBe('a.ply: it is a web page');
+  });
+
   it('thinks of CORS only where there was no answer', () => {
     expect(reportFailure(new SplatSourceError('a.ply', 'no answer'), 'a.ply').advice).toContain('CORS');
     expect(reportFailure(new SplatSourceError('a.ply', 'not found', 404), 'a.ply').advice).not.toContain(

@@ -5,13 +5,13 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '@websplatter/core';
-import { formatBytes } from '../formatting/format.ts';
+import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
+import { formatBytes, formatBytesOf, formatCount } from '../formatting/format.ts';
 import { HardCaseError } from '../hard-cases/case-addresses.ts';
 import type { FailureReport } from '../state/failure.ts';
 
 /** The engine's message adds the place in the file, and advice. */
-const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
-  'unknown-format': 'Unknown file format',
+const FILE_PROBLEMS: Readonly<Record<Exclude<SplatFileErrorCode, 'unknown-format'>, string>> = {
   'bad-header': 'The file’s header cannot be read',
   'bad-property': 'The file has an unusable property',
   'not-splats': 'Not a Gaussian-splat scene',
@@ -25,9 +25,7 @@ const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
 
 /** The report of `error`, which was thrown while `title` was being opened. */
 export function reportFailure(error: unknown, title: string): FailureReport {
-  if (error instanceof SplatFileError) {
-    return { title: FILE_PROBLEMS[error.code], message: error.message, advice: '', isFault: false };
-  }
+  if (error instanceof SplatFileError) return fileFailure(error);
   if (error instanceof SplatSourceError) {
     const advice =
       error.status === undefined
@@ -59,6 +57,29 @@ export function reportFailure(error: unknown, title: string): FailureReport {
     advice: 'This is a fault of the viewer; the browser’s console has the particulars.',
     isFault: true,
   };
+}
+
+function fileFailure({ code, file, message, place }: SplatFileError): FailureReport {
+  const plain = { advice: '', details: message, isFault: false };
+  if (code === 'unknown-format') {
+    // Other words say more: of a web page, or of an archive that is encrypted.
+    if (!message.includes('of no known format'))
+      return { title: `${file} cannot be read`, message, advice: '', isFault: false };
+    return { ...plain, title: `${file} is not a splat file`, message: `Opens ${READABLE_FORMATS}.` };
+  }
+  if (code === 'empty' && place.byte === 0)
+    return { ...plain, title: `${file} is empty`, message: 'Check the download or the path.' };
+  if (place.byte !== undefined && place.expectedBytes !== undefined) {
+    const advice = 'Download or export it again.';
+    const missing = place.expectedBytes - place.byte;
+    // Of a file that lacks few bytes, both numbers would be the same.
+    const arrived =
+      missing < place.expectedBytes / 100
+        ? `The last ${formatCount(missing)} bytes are missing.`
+        : `${formatBytesOf(place.byte, place.expectedBytes)} arrived.`;
+    return { ...plain, title: `${file} is incomplete`, message: arrived, advice };
+  }
+  return { title: FILE_PROBLEMS[code], message, advice: '', isFault: false };
 }
 
 /** Report on several files that could not be opened. */

@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import { formatBytes, formatSplats } from '../formatting/format.ts';
+import { formatBytes, formatBytesOf, formatSplats } from '../formatting/format.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { TextButton } from '../ui/controls.tsx';
@@ -8,6 +8,7 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',
   read: 'Reading',
   arrange: 'Arranging',
+  keep: 'Arranging for streaming',
   upload: 'Uploading to the GPU',
 };
 
@@ -21,6 +22,25 @@ export function LoadPanel({ store, onCancel }: PanelOptions) {
   const load = useStore(store, (state) => state.load);
   return (
     load && <ProgressPanel name="load" label={`Opening ${load.title}`} state={load} onCancel={onCancel} />
+  );
+}
+
+/** How far the page has come that has nothing but the picture. */
+export function ThinProgress({ store }: { store: ViewerStore }) {
+  const load = useStore(store, (state) => state.load);
+  const isStarting = useStore(
+    store,
+    ({ status, scene, failure }) => status === 'starting' && !scene && !failure,
+  );
+  if (!load && !isStarting) return null;
+  return (
+    <progress
+      className="thin-progress"
+      aria-label={load ? `Opening ${load.title}` : 'Opening'}
+      value={load ? partOf(load) : undefined}
+      max={1}
+      data-testid="thin-progress"
+    />
   );
 }
 
@@ -64,16 +84,21 @@ function ProgressPanel({
 
 /** How much of the phase is done, 0…1; undefined where that is not known. */
 function partOf({ phase, loadedBytes, totalBytes }: LoadState): number | undefined {
-  return phase === 'read' && totalBytes ? Math.min(1, loadedBytes / totalBytes) : undefined;
+  return (phase === 'read' || phase === 'keep') && totalBytes
+    ? Math.min(1, loadedBytes / totalBytes)
+    : undefined;
 }
 
 function figuresOf(state: LoadState): string {
   const { phase, loadedBytes, totalBytes, splats, bytesPerSecond } = state;
   return [
-    loadedBytes > 0 &&
-      (totalBytes ? `${formatBytes(loadedBytes)} of ${formatBytes(totalBytes)}` : formatBytes(loadedBytes)),
+    loadedBytes > 0 && (totalBytes ? formatBytesOf(loadedBytes, totalBytes) : formatBytes(loadedBytes)),
     splats > 0 && formatSplats(splats),
-    phase === 'read' && bytesPerSecond > 0 && `${formatBytes(bytesPerSecond)}/s`,
+    // Decoding goes on when all bytes are there.
+    phase === 'read' &&
+      bytesPerSecond > 0 &&
+      loadedBytes !== totalBytes &&
+      `${formatBytes(bytesPerSecond)}/s`,
   ]
     .filter(Boolean)
     .join(' · ');

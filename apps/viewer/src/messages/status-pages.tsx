@@ -52,7 +52,12 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
 }
 
 /** Over the viewer when the GPU was taken away, until there is one again. */
-export function LostPage(props: { store: ViewerStore; onRecover: () => void; onSmallScene: () => void }) {
+export function LostPage(props: {
+  store: ViewerStore;
+  onRecover: () => void;
+  /** Null where the page has no other scene. */
+  onSmallScene: (() => void) | null;
+}) {
   const { store, onRecover, onSmallScene } = props;
   const reason = useStore(store, (state) => state.statusReason);
   const prospect = useStore(store, prospectOf);
@@ -84,9 +89,11 @@ export function LostPage(props: { store: ViewerStore; onRecover: () => void; onS
         <PrimaryButton testId="recover" onClick={onRecover}>
           Recover now
         </PrimaryButton>
-        <TextButton look="plain" testId="open-small-scene" onClick={onSmallScene}>
-          Open a small scene
-        </TextButton>
+        {onSmallScene && (
+          <TextButton look="plain" testId="open-small-scene" onClick={onSmallScene}>
+            Open a small scene
+          </TextButton>
+        )}
         <TextButton look="plain" testId="reload" onClick={() => location.reload()}>
           Reload the page
         </TextButton>

@@ -59,7 +59,10 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
           </TextButton>
         )}
       </div>
-      <p>Kept in this browser by the name of the scene.</p>
+      <p>
+        Kept in this browser by the name of the scene.
+        {list.length > 1 && ' The Save panel (X) makes a video of the path.'}
+      </p>
     </fieldset>
   );
 }

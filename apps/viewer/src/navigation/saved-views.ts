@@ -2,19 +2,16 @@ import { upAxisOf } from '../camera/up-axis.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { MAX_SAVED_VIEWS, readViewList, viewListKey } from './view-list.ts';
-import { poseOnPath } from './view-path.ts';
-
-/** Time from one view of a path to the next. */
-const STEP_MS = 2500;
+import { MAX_SAVED_VIEWS, viewListKey } from './view-list.ts';
+import { PATH_STEP_MS, pathThrough, poseOnPath } from './view-path.ts';
+import { type ViewStorage, watchViewList } from './watch-view-list.ts';
 
 export interface SavedViewsOptions {
   readonly store: ViewerStore;
   readonly camera: ViewCamera;
   /** Draws a small JPEG image, base64, of the frame on the screen; null if there is none. */
   readonly draw: () => Promise<string | null>;
-  /** Storage of views, such as `localStorage`; asked for each time: browsers may forbid it. */
-  readonly storage: () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
+  readonly storage: ViewStorage;
 }
 
 /**
@@ -32,10 +29,10 @@ export class SavedViews {
 
   /** Keeps the list in step with the scene; returns a function to stop this. Paths play on. */
   watch(): () => void {
-    const { store } = this.#options;
-    this.#read();
-    return store.subscribe(({ scene }, before) => {
-      if (scene?.title !== before.scene?.title) this.#read();
+    const { store, storage } = this.#options;
+    return watchViewList(store, storage, () => {
+      this.pause();
+      this.#at = 0;
     });
   }
 
@@ -73,11 +70,10 @@ export class SavedViews {
   /** Follows the path through all views of the first one's way up, on from where it paused. */
   play(): void {
     const { store, camera } = this.#options;
-    const [first, ...others] = store.getState().savedViews;
+    const path = pathThrough(store.getState().savedViews);
+    const [first] = path;
     if (!first) return;
-    const poses = [first, ...others.filter((view) => upAxisOf(view) === upAxisOf(first))].map(
-      ({ pose }) => pose,
-    );
+    const poses = path.map(({ pose }) => pose);
     const end = poses.length - 1;
     if (this.#at >= end) this.#at = 0;
     this.#prepare(first);
@@ -89,7 +85,7 @@ export class SavedViews {
         this.pause();
         return false;
       }
-      this.#at = Math.min(end, this.#at + elapsedMs / STEP_MS);
+      this.#at = Math.min(end, this.#at + elapsedMs / PATH_STEP_MS);
       shown = poseOnPath(poses, this.#at);
       camera.controls.moveTo(shown);
       return true;
@@ -109,20 +105,6 @@ export class SavedViews {
     const { fovDegrees, isOrthographic } = view;
     if (upAxisOf(view) !== upAxisOf(store.getState())) camera.setUpAxis(upAxisOf(view));
     camera.setLook({ fovDegrees, isOrthographic });
-  }
-
-  #read(): void {
-    const { store, storage } = this.#options;
-    this.pause();
-    this.#at = 0;
-    const title = store.getState().scene?.title;
-    let text: string | null = null;
-    try {
-      text = title === undefined ? null : storage().getItem(viewListKey(title));
-    } catch {
-      // Some windows may keep nothing: the list is empty.
-    }
-    store.setState({ savedViews: readViewList(text) });
   }
 
   #take(savedViews: readonly SavedView[]): void {

@@ -1,12 +1,15 @@
-import { useEffect, useId, useState } from 'react';
+import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { UP_CHOICES, upAxisOf } from '../camera/up-axis.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
-import { ModeForm } from '../view-modes/mode-form.tsx';
+import { Slider } from '../ui/slider.tsx';
+import { toggleTheme } from '../ui/theme.ts';
+import { VIEW_MODES, viewModeOf } from '../view-modes/view-modes.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { SavedViewsForm } from './saved-views-form.tsx';
 
@@ -59,6 +62,10 @@ function Actions({ viewer }: PanelProps) {
         <Icon name="focus" />
         Turn around the middle
       </TextButton>
+      <TextButton aria-keyshortcuts="T" title="Changes the theme (T)" testId="theme" onClick={toggleTheme}>
+        <Icon name="theme" />
+        Light or dark
+      </TextButton>
       {document.fullscreenEnabled && (
         <TextButton aria-pressed={isFullscreen} testId="fullscreen" onClick={() => void toggleFullscreen()}>
           <Icon name="fullscreen" />
@@ -72,7 +79,6 @@ function Actions({ viewer }: PanelProps) {
 function CameraForm({ store, viewer }: PanelProps) {
   const { fovDegrees, isOrthographic } = useStore(store, (state) => state.look);
   const isOwnCamera = useStore(store, (state) => state.isOwnCamera);
-  const fovId = useId();
   const degrees = Math.round(fovDegrees);
   return (
     <>
@@ -86,21 +92,17 @@ function CameraForm({ store, viewer }: PanelProps) {
         />
       </fieldset>
       <div className="view-field">
-        <label htmlFor={fovId}>Field of view</label>
-        <div className="setting-range">
-          <input
-            id={fovId}
-            type="range"
-            min={FOV_DEGREES.min}
-            max={FOV_DEGREES.max}
-            value={degrees}
-            aria-valuetext={`${degrees} degrees over the shorter side`}
-            disabled={isOwnCamera || isOrthographic}
-            data-testid="fov"
-            onChange={(event) => viewer.camera.setLook({ fovDegrees: event.target.valueAsNumber })}
-          />
-          <output htmlFor={fovId}>{degrees}°</output>
-        </div>
+        <Slider
+          label="Field of view"
+          min={FOV_DEGREES.min}
+          max={FOV_DEGREES.max}
+          value={degrees}
+          shown={`${degrees}°`}
+          aria-valuetext={`${degrees} degrees over the shorter side`}
+          disabled={isOwnCamera || isOrthographic}
+          testId="fov"
+          onValue={(value) => viewer.camera.setLook({ fovDegrees: value })}
+        />
         {isOwnCamera && <p>This case is shown by a camera of its own until the view is moved.</p>}
       </div>
     </>
@@ -163,4 +165,24 @@ async function toggleFullscreen(): Promise<void> {
     ? document.exitFullscreen()
     : document.documentElement.requestFullscreen()
   ).catch(() => {});
+}
+
+/** Choice of the picture's content. */
+function ModeForm({ store }: { store: ViewerStore }) {
+  const viewMode = useStore(store, (state) => state.viewMode);
+  return (
+    <fieldset className="view-field">
+      <legend>
+        View mode <kbd>M</kbd>
+      </legend>
+      <Choices
+        isChips
+        choices={VIEW_MODES.map(({ name, label }) => [name, label])}
+        chosen={viewMode}
+        testId="mode-"
+        titleOf={(name) => viewModeOf(name).about}
+        onChoose={(name) => store.setState({ viewMode: name })}
+      />
+    </fieldset>
+  );
 }

@@ -1,5 +1,23 @@
 import { type OrbitPose, unwound } from '../camera/orbit-pose.ts';
+import { upAxisOf } from '../camera/up-axis.ts';
 import { clamp } from '../camera/vec3.ts';
+import type { SavedView } from '../state/saved-view.ts';
+
+/** Time from one view of a path to the next. */
+export const PATH_STEP_MS = 2500;
+
+/** How long the path through so many views takes, one or more. */
+export function pathMs(views: number): number {
+  return (views - 1) * PATH_STEP_MS;
+}
+
+/**
+ * The views that a path passes: all of the first one's way up. It shows them all as the first does,
+ * but for the pose.
+ */
+export function pathThrough(views: readonly SavedView[]): readonly SavedView[] {
+  return views.filter((view) => upAxisOf(view) === upAxisOf(views[0]));
+}
 
 /**
  * The pose at `at` of a smooth path through `poses` with the same up, which it passes at 0, 1, 2…;

@@ -2,6 +2,7 @@ import { useState } from 'react';
 import { useStore } from 'zustand';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
+import { Running } from '../ui/running.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { MOST_SIDE_PX, picturesOf } from './pictures.ts';
 
@@ -61,15 +62,14 @@ export function PictureSection({ store, viewer }: PanelProps) {
         </span>
       </label>
       {picturing ? (
-        <div className="runner" data-testid="picturing">
-          <div className="spread runner-row">
-            <p>Drawing: {picturing.fileName}</p>
-            <TextButton look="plain" onClick={() => pictures.cancel()}>
-              Cancel
-            </TextButton>
-          </div>
-          <progress aria-label={`Drawing ${picturing.fileName}`} value={picturing.part} max={1} />
-        </div>
+        <Running
+          label={`Drawing: ${picturing.fileName}`}
+          about={`Drawing ${picturing.fileName}`}
+          value={picturing.part}
+          max={1}
+          onCancel={() => pictures.cancel()}
+          testId="picturing"
+        />
       ) : (
         <TextButton
           look="primary"

@@ -1,8 +1,7 @@
 import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownFrame } from '../drawing/drawn-frame.ts';
-import { formatBytes } from '../formatting/format.ts';
-import { download } from '../saving/download.ts';
+import { FileWork, perViewer } from '../saving/file-work.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { drawnSize, type PictureTile, pictureTiles, tileCamera } from './picture-tiles.ts';
@@ -21,57 +20,43 @@ export interface PictureOptions {
 class Pictures {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
-  #work: AbortController | null = null;
+  readonly #work: FileWork;
 
   constructor(viewer: Viewer, store: ViewerStore) {
     this.#viewer = viewer;
     this.#store = store;
+    this.#work = new FileWork(store);
   }
 
   /** Draws the picture and hands it to the browser. Does nothing without a frame, or while busy. */
   async start(options: PictureOptions): Promise<void> {
     const shown = this.#viewer.shownFrame;
-    if (!shown || this.#work) return;
-    const work = new AbortController();
-    this.#work = work;
+    if (!shown || this.#work.isBusy) return;
     const store = this.#store;
     const fileName = `${store.getState().scene?.title.replace(/\.[a-z]+$/i, '') || 'scene'}.png`;
     const report = (part: number) => store.setState({ picturing: { fileName, part } });
     report(0);
-    try {
-      const picture = await drawPicture(shown, store.getState().accuracy, options, report, work.signal);
-      download(picture, fileName);
-      store.setState({ notice: `Saved ${fileName} (${formatBytes(picture.size)}).` });
-    } catch (error) {
-      if (work.signal.aborted) store.setState({ notice: `Drawing ${fileName} was cancelled.` });
-      else this.#fail(fileName, error);
-    } finally {
-      this.#work = null;
-      store.setState({ picturing: null });
-    }
+    const { accuracy } = store.getState();
+    await this.#work.run({
+      fileName,
+      doing: 'Drawing',
+      make: (signal) => drawPicture(shown, accuracy, options, report, signal),
+      failureOf: (error) => ({
+        title: `${fileName} cannot be drawn`,
+        advice: 'A smaller picture takes less memory.',
+        isFault: !(error instanceof WebSplatterError),
+      }),
+      onEnd: () => store.setState({ picturing: null }),
+    });
   }
 
   cancel(): void {
-    this.#work?.abort();
-  }
-
-  #fail(fileName: string, error: unknown): void {
-    const isFault = !(error instanceof WebSplatterError);
-    if (isFault) console.error(error);
-    const message = error instanceof Error ? error.message : String(error);
-    const advice = 'A smaller picture takes less memory.';
-    this.#store.setState({ failure: { title: `${fileName} cannot be drawn`, message, advice, isFault } });
+    this.#work.cancel();
   }
 }
 
-const ALL_PICTURES = new WeakMap<Viewer, Pictures>();
-
-/** Those of a viewer, whose panel comes and goes while a picture is drawn. */
-export function picturesOf(viewer: Viewer, store: ViewerStore): Pictures {
-  const pictures = ALL_PICTURES.get(viewer) ?? new Pictures(viewer, store);
-  ALL_PICTURES.set(viewer, pictures);
-  return pictures;
-}
+/** Those of a viewer. */
+export const picturesOf = perViewer((viewer, store) => new Pictures(viewer, store));
 
 /** @throws InvalidArgumentError for an impossible size; errors of `render` and `readPixels`. */
 async function drawPicture(

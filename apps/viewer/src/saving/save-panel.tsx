@@ -1,22 +1,34 @@
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
-import { useState } from 'react';
+import { type RefObject, useState } from 'react';
 import { useStore } from 'zustand';
 import { LinkSection } from '../links/link-section.tsx';
 import { PictureSection } from '../pictures/picture-section.tsx';
+import { SettingsSection } from '../supersplat/settings-section.tsx';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
+import { VideoSection } from '../videos/video-section.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { type Saving, savesSelection } from './saving.ts';
+import { PageSection } from './page-section.tsx';
+import { Saving, savesSelection } from './saving.ts';
+import { SavingProgress } from './saving-progress.tsx';
 
 const SAVED: readonly Choice<boolean>[] = [
   [false, 'All that is left', 'all'],
   [true, 'The selection', 'selection'],
 ];
-const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
 
-/** A link to the present view, a picture of it, and the scene in another format. */
-export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Saving }) {
+/** The viewer as one file has no page beside it that a scene could be put into. */
+const IS_ONE_FILE: boolean = import.meta.env.WEBSPLATTER_ALONE ?? false;
+
+/** A link to the present view, a page with it, a picture of it, and the scene in another format. */
+export function SavePanel({
+  store,
+  viewer,
+  saving: kept,
+}: PanelProps & { readonly saving: RefObject<Saving | null> }) {
+  kept.current ??= new Saving(store, () => viewer.scenes.newest?.parts ?? []);
+  const saving = kept.current;
   const running = useStore(store, (state) => state.saving);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
@@ -27,7 +39,9 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
     <Dock store={store} name="save" title="Save and share">
       <div className="dock-body">
         <LinkSection store={store} viewer={viewer} />
+        {!IS_ONE_FILE && <PageSection store={store} viewer={viewer} />}
         <PictureSection store={store} viewer={viewer} />
+        <VideoSection store={store} viewer={viewer} />
         <section>
           <h3>Scene</h3>
           <Choices
@@ -53,17 +67,7 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
             />
           )}
           {running ? (
-            <div className="runner" data-testid="saving">
-              <div className="spread runner-row">
-                <p>
-                  {PHASES[running.phase]}: {running.fileName}
-                </p>
-                <TextButton look="plain" testId="cancel-save" onClick={() => saving.cancel()}>
-                  Cancel
-                </TextButton>
-              </div>
-              <progress aria-label={`Saving ${running.fileName}`} value={running.part} max={1} />
-            </div>
+            <SavingProgress running={running} name="save" onCancel={() => saving.cancel()} />
           ) : (
             <div className="runner">
               <p>
@@ -90,6 +94,7 @@ export function SavePanel({ store, viewer, saving }: PanelProps & { saving: Savi
             </div>
           )}
         </section>
+        <SettingsSection store={store} viewer={viewer} />
       </div>
     </Dock>
   );

@@ -1,5 +1,9 @@
+import type { SceneSource } from './scene-source.ts';
+
 /** The address's scene: `?src=ADDRESS`, once or more often, `?scene=NAME`, `?scene=hard:NAME`. */
 export interface AddressedScene {
+  /** Files that the page holds itself, in place of those of an address. */
+  readonly held?: readonly SceneSource[];
   /** Of files, relative to the page or whole; they are shown together. */
   readonly addresses?: readonly string[];
   readonly scene?: string | null;

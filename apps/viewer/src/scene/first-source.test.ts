@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { addressedScene } from './addressed-scene.ts';
 import { builtinSource, firstSource } from './first-source.ts';
-import { titleOfAll } from './scene-source.ts';
+import { type SceneSource, titleOfAll } from './scene-source.ts';
 
 const BASE = 'http://localhost/viewer/?x=1';
 
@@ -19,6 +19,11 @@ describe('first source', () => {
     const urls = [new URL('http://localhost/viewer/a.ply'), new URL('http://localhost/b.spz')];
     expect(sources).toEqual(urls.map((url) => ({ kind: 'url', url })));
     expect(titleOfAll(sources)).toBe('a.ply and b.spz');
+    const ofFolders: SceneSource[] = ['lod-meta.json?x', 'a%20b/meta.json'].map((path) => ({
+      kind: 'url',
+      url: new URL(path, 'https://example.org/garden/'),
+    }));
+    expect(titleOfAll(ofFolders)).toBe('garden and a b');
     expect(titleOfAll([...sources, ...sources])).toBe('a.ply, b.spz, and 2 more');
   });
 

@@ -16,10 +16,11 @@ export interface FirstSource {
 
 /** The scene to open first; relative addresses of files start from `base`. */
 export function firstSource(
-  { addresses = [], scene }: AddressedScene,
+  { held = [], addresses = [], scene }: AddressedScene,
   base: string,
   isSoftwareAdapter: boolean,
 ): FirstSource {
+  if (held.length > 0) return { sources: held, notice: null, failure: null };
   const wrong = addresses.find((address) => !URL.canParse(address, base));
   if (wrong === undefined && addresses.length > 0) {
     const sources = addresses.map((address): SceneSource => ({ kind: 'url', url: new URL(address, base) }));

@@ -1,30 +1,7 @@
-import {
-  type CloudInstance,
-  type LoadOptions,
-  type SceneFiles,
-  type SplatCloud,
-  type SplatEngine,
-  SplatFileError,
-} from '@websplatter/core';
+import type { SceneFiles, SplatCloud, SplatEngine } from '@websplatter/core';
 import { isProbablyZUp } from '../camera/up-axis.ts';
-import type { CameraSubject } from '../camera/view-camera.ts';
-import type { SceneAbout } from '../state/scene-summary.ts';
+import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
-
-/** A scene on the GPU, and how it is to be looked at. */
-export interface LoadedScene
-  extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown' | 'isZUp'> {
-  readonly clouds: readonly CloudInstance[];
-  readonly about: SceneAbout | null;
-  /** Why a file has no splats whose refusal is what the scene shows. */
-  readonly refusal?: SplatFileError;
-}
-
-export interface LoadSceneOptions extends Pick<LoadOptions, 'onProgress'> {
-  readonly signal: AbortSignal;
-  /** Called with what can be shown already, again and again: see `LoadOptions.onPreview`. */
-  readonly onPreview: (preview: LoadedScene) => void;
-}
 
 /** Reads or makes `source` and uploads it. A failed or cancelled load leaves nothing on the GPU. */
 export async function loadScene(
@@ -33,7 +10,10 @@ export async function loadScene(
   options: LoadSceneOptions,
 ): Promise<LoadedScene> {
   const { signal, onProgress } = options;
-  if (source.kind === 'hard-case') return loadHardCase(engine, source.name, options);
+  if (source.kind === 'hard-case') {
+    const { loadHardCase } = await import('../hard-cases/load-hard-case.ts');
+    return loadHardCase(engine, source.name, options);
+  }
   const builtin = source.kind === 'builtin' ? source.scene : null;
   const sceneOf = (cloud: SplatCloud) => ({
     clouds: [{ cloud }],
@@ -45,6 +25,13 @@ export async function loadScene(
   });
   /** The part of a file that has arrived need not have the shape of the whole. */
   const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: !builtin && isZUp(cloud) });
+  const large = largePly(source, options.keepAboveBytes);
+  if (large) {
+    const { loadKept } = await import('./load-kept.ts');
+    const onSample = (sample: SplatCloud) => options.onPreview(sceneOf(sample));
+    const kept = await loadKept(engine, large, { signal, onProgress, onSample });
+    if (kept) return { ...wholeSceneOf(kept.cloud), sampleFailure: kept.failure };
+  }
   const cloud = await engine.load(fileOf(source), {
     name: titleOf(source),
     // People who open a file of their own want to see all of it.
@@ -55,6 +42,12 @@ export async function loadScene(
     onPreview: (preview) => options.onPreview(sceneOf(preview)),
   });
   return wholeSceneOf(cloud);
+}
+
+function largePly(source: SceneSource, keepAboveBytes: number): File | null {
+  if (source.kind !== 'file' || !(source.source instanceof File)) return null;
+  const { name, size } = source.source;
+  return size > keepAboveBytes && /\.ply$/i.test(name) ? source.source : null;
 }
 
 function fileOf(source: Exclude<SceneSource, { kind: 'hard-case' }>): File | SceneFiles | URL {
@@ -68,10 +61,6 @@ function fileOf(source: Exclude<SceneSource, { kind: 'hard-case' }>): File | Sce
   }
 }
 
-export function destroyClouds({ clouds }: Pick<LoadedScene, 'clouds'>): void {
-  for (const { cloud } of clouds) cloud.destroy();
-}
-
 /** Captures mostly have y pointing down; glTF has it up by definition. */
 function isUpsideDown({ facts }: SplatCloud): boolean {
   return facts.fileFacts?.format !== 'gltf';
@@ -80,44 +69,4 @@ function isUpsideDown({ facts }: SplatCloud): boolean {
 /** The shape of the scene may say which way is up if the file does not. */
 function isZUp(cloud: SplatCloud): boolean {
   return isUpsideDown(cloud) && isProbablyZUp(cloud.robustBounds);
-}
-
-async function loadHardCase(
-  engine: SplatEngine,
-  name: string,
-  { signal, onProgress }: LoadSceneOptions,
-): Promise<LoadedScene> {
-  const { findHardCase, groupTitle, loadHardCases } = await import('../hard-cases/catalogue.ts');
-  const hardCase = findHardCase(await loadHardCases(), name);
-  const loadFile = (file: Uint8Array) => engine.load(file, { name, signal, onProgress });
-  const clouds: CloudInstance[] = [];
-  let refusal: SplatFileError | undefined;
-  try {
-    signal.throwIfAborted();
-    if (hardCase.kind === 'refused-file') {
-      try {
-        clouds.push({ cloud: await loadFile(hardCase.file()) });
-      } catch (error) {
-        if (!(error instanceof SplatFileError)) throw error;
-        refusal = error;
-      }
-    } else {
-      for (const splats of hardCase.clouds()) {
-        const cloud = 'file' in splats ? await loadFile(splats.file) : engine.add(splats.set, { name });
-        clouds.push({ cloud, modelMatrix: splats.modelMatrix });
-      }
-    }
-  } catch (error) {
-    destroyClouds({ clouds });
-    throw error;
-  }
-  return {
-    clouds,
-    firstView: null,
-    ownCameras: hardCase.kind === 'refused-file' ? null : hardCase.cameras,
-    isZUp: false,
-    about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
-    refusal,
-    isUpsideDown: false,
-  };
 }

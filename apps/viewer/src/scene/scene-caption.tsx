@@ -1,4 +1,4 @@
-import { useId } from 'react';
+import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { formatCount, formatSplats } from '../formatting/format.ts';
 import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
@@ -6,6 +6,7 @@ import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
+import { keepText, keptText } from '../ui/storage.ts';
 import { droppedReasons, droppedTotal } from './dropped-splats.ts';
 
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
@@ -16,7 +17,11 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
     <section className="panel caption" aria-label="Scene" data-testid="scene">
       {about && <About about={about} name={title} />}
       <h1 data-testid="scene-title">{title}</h1>
-      {about && <p data-testid="scene-about">{about.text}</p>}
+      {about && (
+        <p>
+          Goes wrong elsewhere: <span data-testid="scene-about">{about.text}</span>
+        </p>
+      )}
       <Figures store={store} scene={scene} />
       {notes.map((note) => (
         <p key={note} className="caption-figures">
@@ -24,7 +29,37 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
         </p>
       ))}
       {cameras.length > 0 && <CameraStepper store={store} cameras={cameras} onStep={onStep} />}
+      <Hint />
     </section>
+  );
+}
+
+/** Where it is kept that the hint was of use. */
+const HINT_KEY = 'websplatter-hint';
+
+/** What a hand can do, for those who are here for the first time, until it has done something. */
+function Hint() {
+  const [isShown, setShown] = useState(() => keptText(HINT_KEY) === null);
+  useEffect(() => {
+    if (!isShown) return;
+    const end = ({ type, target }: Event) => {
+      // What is pressed elsewhere must not move away below the pointer.
+      if (type === 'pointerdown' && !(target as Element).matches('.viewport')) return;
+      keepText(HINT_KEY, 'seen');
+      setShown(false);
+    };
+    const events = ['pointerdown', 'wheel', 'keydown', 'drop'];
+    for (const type of events) addEventListener(type, end);
+    return () => {
+      for (const type of events) removeEventListener(type, end);
+    };
+  }, [isShown]);
+  if (!isShown) return null;
+  const isTouch = matchMedia('(pointer: coarse)').matches;
+  return (
+    <p data-testid="hint">
+      {isTouch ? 'Drag to turn, pinch to zoom' : 'Drag to turn, scroll to zoom, drop a file to open it'}
+    </p>
   );
 }
 
@@ -100,33 +135,26 @@ function CameraStepper({
   const cameraIndex = useStore(store, (state) => state.cameraIndex);
   const isOwnCamera = useStore(store, (state) => state.isOwnCamera);
   const isSingle = cameras.length === 1;
+  const stepButton = (icon: 'previous' | 'next', label: string, key: string, by: 1 | -1) =>
+    !isSingle && (
+      <IconButton
+        icon={icon}
+        label={label}
+        aria-keyshortcuts={key}
+        title={`${label} (${key})`}
+        testId={`${icon}-camera`}
+        onClick={() => onStep(by)}
+      />
+    );
   return (
     <fieldset className="stepper" aria-label="Camera">
-      {!isSingle && (
-        <IconButton
-          icon="previous"
-          label="Camera before"
-          aria-keyshortcuts="["
-          title="Camera before ([)"
-          testId="previous-camera"
-          onClick={() => onStep(-1)}
-        />
-      )}
+      {stepButton('previous', 'Camera before', '[', -1)}
       <p role="status" data-testid="camera">
         <b>{cameras[cameraIndex]}</b>
         {!isSingle && ` ${cameraIndex + 1} of ${cameras.length}`}
         {!isOwnCamera && ' · moved'}
       </p>
-      {!isSingle && (
-        <IconButton
-          icon="next"
-          label="Next camera"
-          aria-keyshortcuts="]"
-          title="Next camera (])"
-          testId="next-camera"
-          onClick={() => onStep(1)}
-        />
-      )}
+      {stepButton('next', 'Next camera', ']', 1)}
     </fieldset>
   );
 }

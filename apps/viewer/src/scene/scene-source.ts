@@ -17,8 +17,14 @@ export function titleOf(source: SceneSource): string {
     case 'hard-case':
       return source.name;
     case 'url':
-      return baseName(source.url.href);
+      return nameOf(source.url);
   }
+}
+
+/** Name of a file, or of the folder of a scene in several, whose first file is always called so. */
+function nameOf(url: URL): string {
+  const name = baseName(url.href);
+  return /^(lod-)?meta\.json$/i.test(name) ? baseName(new URL('.', url).href) : name;
 }
 
 /** Title of scenes that are shown together. */

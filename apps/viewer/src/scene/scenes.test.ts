@@ -6,11 +6,12 @@ import type { Session } from '../session/session.ts';
 import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
-import { type LoadedScene, type LoadSceneOptions, loadScene } from './load-scene.ts';
+import { loadScene } from './load-scene.ts';
+import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 import { Scenes } from './scenes.ts';
 
-vi.mock('./load-scene.ts', () => ({ loadScene: vi.fn(), destroyClouds: vi.fn() }));
+vi.mock('./load-scene.ts', () => ({ loadScene: vi.fn() }));
 
 interface Load {
   readonly source: SceneSource;
@@ -171,6 +172,15 @@ describe('After the device was lost', () => {
     expect(openedKinds().at(-1)).toBe('builtin');
   });
 
+  it('opens nothing else where the page has nothing but the picture', async () => {
+    store.setState({ hasInterface: false });
+    scenes.open(b);
+    await startSession();
+    await failed();
+    expect(openedKinds()).toEqual(['b.ply']);
+    expect(store.getState()).toMatchObject({ scene: null, load: null, failure: { isFault: true } });
+  });
+
   it('asks for the GPU at once to open a file that a person drops, in place of what was shown', async () => {
     await show(a);
     loseSession('lost');
@@ -211,7 +221,7 @@ it('shows a file that must be refused as a scene of its own, with its error', as
   const refusal = new SplatFileError('truncated', 'input-truncated', 'It ends.');
   await loaded({ ...sceneOf(), clouds: [], about: { topic: 'Input', text: 'It is cut off.' }, refusal });
   expect(store.getState().scene).toMatchObject({ title: 'input-truncated', clouds: 0, splats: 0 });
-  expect(store.getState().failure?.title).toBe('The file is incomplete');
+  expect(store.getState().failure?.title).toBe('Refused, as it should be');
   expect(loads).toHaveLength(2);
 });
 

@@ -15,7 +15,8 @@ import type { AddressedScene } from './addressed-scene.ts';
 import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
 import { droppedWarning } from './dropped-splats.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
-import { destroyClouds, type LoadedScene, loadScene } from './load-scene.ts';
+import { loadScene } from './load-scene.ts';
+import type { LoadedScene } from './loaded-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import {
   allClouds,
@@ -34,6 +35,8 @@ export interface ScenesOptions {
   readonly addressed: AddressedScene;
   /** Camera on the scene of the address; otherwise the first view is shown. */
   readonly linkedCamera?: LinkedCamera | null;
+  /** Files with more bytes are arranged for streaming: see `loadKept`. */
+  readonly keepAboveBytes?: number;
   /** How its files are drawn, in their order, as links write it; otherwise as they come. */
   readonly linkedLooks?: readonly string[];
   /** The newest scene has changed: its clouds need preparing. The camera looks at the last one. */
@@ -55,11 +58,12 @@ interface Preview {
   readonly inspecting: Inspecting;
 }
 
+/** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
+const KEEP_ABOVE_BYTES = 2 ** 31;
 /** By this part of their radius bounds may change before the camera follows. */
 const FRAMED_CHANGE = 0.1;
 
-const Z_UP_NOTICE =
-  'By its shape this is ground whose z axis points up. The View panel (V) shows it another way up.';
+const Z_UP_NOTICE = 'This looks like ground whose z axis points up. The View panel (V) turns it.';
 
 /** Loads files one by one, as a new scene or into the present one, and knows which to draw. */
 export class Scenes {
@@ -90,6 +94,11 @@ export class Scenes {
   /** The scene to draw: the newest, or the arrived part of the one that is being loaded. */
   get drawable(): ShownScene | null {
     return this.#preview?.scene ?? this.#newest;
+  }
+
+  /** Whether the page holds the files of its scene, and no other scene. */
+  get isHeld(): boolean {
+    return this.#options.addressed.held !== undefined;
   }
 
   /** Whether only a part of the scene can be drawn yet. */
@@ -136,7 +145,7 @@ export class Scenes {
       this.#isInPlace = true;
     }
     if (this.#queue.length === 0) this.#queue = this.#askedByAddress(engine);
-    this.#openNext();
+    if (this.#queue.length > 0) this.#openNext();
   }
 
   /** Cancels the file being loaded and goes on with those that wait; the shown scene stays. */
@@ -242,6 +251,7 @@ export class Scenes {
     const { addressed, linkedLooks = [] } = this.#options;
     const { sources, ...problems } = firstSource(addressed, location.href, isSoftware(engine));
     this.#tell(problems);
+    if (problems.failure && !this.#options.store.getState().hasInterface) return [];
     // Another scene in its place has no such view.
     const isAddressed = problems.notice === null && problems.failure === null;
     return sources.map((source, i) => ({
@@ -287,13 +297,15 @@ export class Scenes {
       });
       const loaded = await loadScene(session.engine, source, {
         signal: loading.signal,
+        keepAboveBytes: this.#options.keepAboveBytes ?? KEEP_ABOVE_BYTES,
         onProgress: report,
         onPreview: (preview) => {
           if (!loading.signal.aborted && session === sessions.current)
             this.#showPreview(session, asked, partOf(preview));
         },
       });
-      if (loading.signal.aborted || session !== sessions.current) destroyClouds(loaded);
+      if (loading.signal.aborted || session !== sessions.current)
+        for (const { cloud } of loaded.clouds) cloud.destroy();
       else this.#show(session, asked, partOf(loaded));
     } catch (error) {
       if (this.#loading === loading) this.#endPreview();
@@ -335,7 +347,9 @@ export class Scenes {
   #fillWindow({ engine }: Session, failed: AskedPart): void {
     const shown = this.#newest?.parts ?? [];
     const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);
-    if (failed.source.kind !== 'builtin') {
+    // A page with nothing but the picture shows no other than its own.
+    const mayFill = hasShown || this.#options.store.getState().hasInterface;
+    if (failed.source.kind !== 'builtin' && mayFill) {
       this.#isInPlace = true;
       this.#queue = hasShown ? shown.map(askedAgain) : [this.#builtinPart(engine)];
       this.#openNext();
@@ -375,7 +389,9 @@ export class Scenes {
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
     if (loaded.isZUp && !joins) store.setState({ notice: Z_UP_NOTICE });
-    if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source));
+    if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source), 'Refused, as it should be');
+    if (loaded.sampleFailure)
+      this.#fail(loaded.sampleFailure, titleOf(source), `Only some splats of ${titleOf(source)} are shown`);
     onClouds();
     if (joins) {
       store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
@@ -493,8 +509,10 @@ export class Scenes {
     });
   }
 
-  #fail(error: unknown, title: string): void {
-    this.#options.store.setState({ failure: this.#reported(error, title) });
+  /** @param headline in place of the report's own title. */
+  #fail(error: unknown, title: string, headline?: string): void {
+    const report = this.#reported(error, title);
+    this.#options.store.setState({ failure: headline ? { ...report, title: headline } : report });
   }
 
   #reported(error: unknown, title: string): FailureReport {

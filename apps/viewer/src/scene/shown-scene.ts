@@ -6,7 +6,7 @@ import type { Session } from '../session/session.ts';
 import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import { mergedDrops } from './dropped-splats.ts';
-import type { LoadedScene } from './load-scene.ts';
+import type { LoadedScene } from './loaded-scene.ts';
 import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 
 /** A file of a scene: its loaded data, and its look. */

@@ -1,10 +1,11 @@
-import { type ComponentProps, useId } from 'react';
+import type { ComponentProps } from 'react';
 import { useStore } from 'zustand';
 import { formatCount, formatSplats } from '../formatting/format.ts';
 import type { InspectProps } from '../inspecting/inspect-props.ts';
 import type { SelectMode, SelectTool } from '../state/selecting.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
+import { Slider } from '../ui/slider.tsx';
 import { countOf } from './row-masks.ts';
 import './select-tab.css';
 
@@ -22,7 +23,10 @@ const BRUSH_PX = { least: 4, most: 120 } as const;
 
 /** Selects splats in the picture, removes them, and saves them or the others. */
 export function SelectTab({ store, inspection }: InspectProps) {
-  const { selected, removed, past, tool, mode } = useStore(store, (state) => state.inspecting.selecting);
+  const { selected, removed, past, undone, tool, mode } = useStore(
+    store,
+    (state) => state.inspecting.selecting,
+  );
   const marked = useStore(store, (state) => state.inspecting.marked);
   const total = useStore(store, (state) => state.scene?.splats ?? 0);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
@@ -35,7 +39,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
   return (
     <div className="inspect-sections">
       <Choices
-        label="What a drag over the picture does"
+        label="Dragging over the picture"
         choices={TOOLS}
         chosen={tool}
         testId="select-"
@@ -48,7 +52,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
       </p>
       {tool === 'brush' && <BrushSize store={store} inspection={inspection} />}
       <Choices
-        label="What becomes of the selection before"
+        label="How a new selection joins the old one"
         choices={MODES}
         chosen={mode}
         testId="select-mode-"
@@ -82,11 +86,29 @@ export function SelectTab({ store, inspection }: InspectProps) {
         {removedCount > 0 && ` ${formatSplats(removedCount)} removed.`}
       </p>
       <div className="inspect-actions">
-        <Action testId="select-remove" isOff={selected.size === 0} onClick={() => selecting.remove()}>
+        <Action
+          testId="select-remove"
+          title="Remove (Delete)"
+          isOff={selected.size === 0}
+          onClick={() => selecting.remove()}
+        >
           Remove
         </Action>
-        <Action testId="select-undo" isOff={past.length === 0} onClick={() => selecting.undo()}>
+        <Action
+          testId="select-undo"
+          title="Undo (Ctrl+Z)"
+          isOff={past.length === 0}
+          onClick={() => selecting.undo()}
+        >
           Undo
+        </Action>
+        <Action
+          testId="select-redo"
+          title="Redo (Ctrl+Shift+Z)"
+          isOff={undone.length === 0}
+          onClick={() => selecting.redo()}
+        >
+          Redo
         </Action>
         {removed.size > 0 && (
           <Action testId="select-restore" onClick={() => selecting.restore()}>
@@ -109,23 +131,18 @@ export function SelectTab({ store, inspection }: InspectProps) {
 }
 
 function BrushSize({ store, inspection }: InspectProps) {
-  const id = useId();
   const radius = useStore(store, (state) => state.inspecting.selecting.brushRadius);
   return (
-    <div className="select-brush">
-      <label htmlFor={id}>Brush</label>
-      <input
-        id={id}
-        type="range"
-        min={BRUSH_PX.least}
-        max={BRUSH_PX.most}
-        value={2 * radius}
-        aria-valuetext={`${2 * radius} pixels wide`}
-        data-testid="select-brush-size"
-        onChange={({ target }) => inspection.selecting.choose({ brushRadius: target.valueAsNumber / 2 })}
-      />
-      <span>{2 * radius} px</span>
-    </div>
+    <Slider
+      label="Brush"
+      min={BRUSH_PX.least}
+      max={BRUSH_PX.most}
+      value={2 * radius}
+      shown={`${2 * radius} px`}
+      aria-valuetext={`${2 * radius} pixels wide`}
+      testId="select-brush-size"
+      onValue={(widthPx) => inspection.selecting.choose({ brushRadius: widthPx / 2 })}
+    />
   );
 }
 

@@ -59,12 +59,20 @@ it('removes what is selected from the picture, inverts what is left, and undoes 
   selecting.undo();
   expect(counts()).toEqual([3, 2]);
   expect(hidden()).toEqual([['3/0', 2]]);
+  selecting.redo();
+  selecting.redo();
+  expect(counts()).toEqual([0, 5]);
+  selecting.undo();
   selecting.undo();
   selecting.restore();
   expect(counts()).toEqual([0, 0]);
   expect(hidden()).toEqual([]);
   for (let i = 0; i < 9; i++) selecting.undo();
   expect(counts()).toEqual([0, 0]);
+  // An edit takes the place of what was undone.
+  await selecting.select({ kind: 'all' });
+  selecting.redo();
+  expect(counts()).toEqual([5, 0]);
 });
 
 it('holds a bounded number of steps to undo', async () => {

@@ -56,7 +56,7 @@ export class SplatSelecting {
   /** Leaves the selected splats out of the picture and of saved files. */
   remove(): void {
     const { selected, removed } = this.#now;
-    this.#take({ selected: NONE, removed: joined(removed, selected) });
+    if (selected.size > 0) this.#take({ selected: NONE, removed: joined(removed, selected) });
   }
 
   /** Brings all removed splats back. */
@@ -65,9 +65,16 @@ export class SplatSelecting {
   }
 
   undo(): void {
-    const { past } = this.#now;
+    const { past, undone, selected, removed } = this.#now;
     const before = past.at(-1);
-    if (before) this.#show({ ...before, past: past.slice(0, -1) });
+    if (before)
+      this.#show({ ...before, past: past.slice(0, -1), undone: [...undone, { selected, removed }] });
+  }
+
+  redo(): void {
+    const { past, undone, selected, removed } = this.#now;
+    const after = undone.at(-1);
+    if (after) this.#show({ ...after, past: [...past, { selected, removed }], undone: undone.slice(0, -1) });
   }
 
   get #now(): Selecting {
@@ -89,10 +96,10 @@ export class SplatSelecting {
   #take({ selected, removed }: SplatEdit): void {
     const { selected: selectedBefore, removed: removedBefore, past } = this.#now;
     const before = { selected: selectedBefore, removed: removedBefore };
-    this.#show({ selected, removed, past: [...past, before].slice(-MOST_STEPS) });
+    this.#show({ selected, removed, past: [...past, before].slice(-MOST_STEPS), undone: [] });
   }
 
-  #show(edit: Pick<Selecting, 'selected' | 'removed' | 'past'>): void {
+  #show(edit: Pick<Selecting, 'selected' | 'removed' | 'past' | 'undone'>): void {
     const { update, viewer } = this.#tools;
     const isOther = edit.removed !== this.#now.removed;
     update({ selecting: { ...this.#now, ...edit }, problem: null });

@@ -6,48 +6,44 @@ import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
 import { FrameRecorder } from '../hud/frame-recorder.ts';
-import { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
-import { Measurement } from '../measurement/measurement.ts';
+import type { Measurements } from '../measurement/start-measurements.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
-import { Saving } from '../saving/saving.ts';
+import type { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
-import { lazyComponent } from '../ui/lazy.tsx';
+import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { listenForGamepads } from './gamepad-listener.ts';
 import { LostGpu } from './lost-gpu.tsx';
-import { Picture } from './picture.tsx';
+import { Picture, smallParts } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
+const fetchMeasurements = lazyCode(() => import('../measurement/start-measurements.ts'));
 // In the order in which they are fetched after the first picture.
 const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = lazyComponent(async () => (await import('../navigation/view-panel.tsx')).ViewPanel);
 const CloudsPanel = lazyComponent(async () => (await import('../layout/clouds-panel.tsx')).CloudsPanel);
-const PlaceGizmo = lazyComponent(async () => (await import('../layout/place-gizmo.tsx')).PlaceGizmo);
+const PlaceGizmo = lazyComponent(async () => (await smallParts()).PlaceGizmo);
 const AccuracyPanel = lazyComponent(
   async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel,
 );
 const EffectsPanel = lazyComponent(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
-const ClipGizmo = lazyComponent(async () => (await import('../effects/clip-gizmo.tsx')).ClipGizmo);
+const ClipGizmo = lazyComponent(async () => (await smallParts()).ClipGizmo);
 // It draws over the image too, and goes on with a crop when its panel is closed.
 const Inspect = lazyComponent(async () => (await import('../inspecting/inspect.tsx')).Inspect);
 const SavePanel = lazyComponent(async () => (await import('../saving/save-panel.tsx')).SavePanel);
-const Help = lazyComponent(async () => (await import('./help.tsx')).Help);
-const ReopenPanel = lazyComponent(async () => (await import('../messages/reopen-panel.tsx')).ReopenPanel);
-const StreamPanel = lazyComponent(async () => (await import('../messages/stream-panel.tsx')).StreamPanel);
-const FlightBanner = lazyComponent(
-  async () => (await import('../navigation/flight-banner.tsx')).FlightBanner,
-);
-const ModeLegend = lazyComponent(async () => (await import('../view-modes/mode-legend.tsx')).ModeLegend);
-const ErrorMapLegend = lazyComponent(
-  async () => (await import('../comparison/error-map-legend.tsx')).ErrorMapLegend,
-);
+const Help = lazyComponent(async () => (await smallParts()).Help);
+const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
+const StreamPanel = lazyComponent(async () => (await smallParts()).StreamPanel);
+const FlightBanner = lazyComponent(async () => (await smallParts()).FlightBanner);
+const ModeLegend = lazyComponent(async () => (await smallParts()).ModeLegend);
+const ErrorMapLegend = lazyComponent(async () => (await smallParts()).ErrorMapLegend);
 const UnavailablePage = lazyComponent(
   async () => (await import('../messages/status-pages.tsx')).UnavailablePage,
 );
@@ -83,16 +79,11 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
       }),
     [viewer, store],
   );
-  const saving = useMemo(() => new Saving(store, () => viewer.scenes.newest?.parts ?? []), [viewer, store]);
+  /** Made by its panel, and goes on when that is closed. */
+  const saving = useRef<Saving | null>(null);
   const recorder = useMemo(() => new FrameRecorder(store), [store]);
-  const measurement = useMemo(() => new Measurement(viewer, store), [viewer, store]);
-  const accuracyMeasurement = useMemo(
-    () => new AccuracyMeasurement(viewer, store, measurement),
-    [viewer, store, measurement],
-  );
+  const measurements = useMeasurements(store, viewer);
   useEffect(() => recorder.watch(), [recorder]);
-  useEffect(() => measurement.watch(), [measurement]);
-  useEffect(() => accuracyMeasurement.watch(), [accuracyMeasurement]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
   useEffect(() => listenForGamepads(viewer, store, run), [viewer, store, run]);
 
@@ -125,10 +116,12 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           <Suspense>
             {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
             {dock === 'view' && <ViewPanel store={store} viewer={viewer} />}
-            {dock === 'accuracy' && (
-              <AccuracyPanel store={store} viewer={viewer} accuracyMeasurement={accuracyMeasurement} />
+            {dock === 'accuracy' && measurements && (
+              <AccuracyPanel store={store} viewer={viewer} {...measurements} />
             )}
-            {dock === 'effects' && <EffectsPanel store={store} viewer={viewer} measurement={measurement} />}
+            {dock === 'effects' && measurements && (
+              <EffectsPanel store={store} viewer={viewer} {...measurements} />
+            )}
             {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}
           </Suspense>
           <Suspense>
@@ -175,10 +168,35 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
         />
         <DropZone canAdd={hasScene} onDrop={follow} />
       </main>
-      <Suspense>{hasHelp && <Help store={store} />}</Suspense>
+      <Suspense>{hasHelp && <Help store={store} run={run} />}</Suspense>
       <LostGpu store={store} viewer={viewer} />
     </>
   );
+}
+
+/** Null until there is a picture to measure, or a panel that does so. */
+function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | null {
+  const [measurements, setMeasurements] = useState<Measurements | null>(null);
+  const isNeeded = useStore(store, ({ imageId, dock }) => imageId > 0 || dock !== null);
+  useEffect(() => {
+    if (!isNeeded) return;
+    let stop = () => {};
+    let isOver = false;
+    void fetchMeasurements().then(
+      ({ startMeasurements }) => {
+        if (isOver) return;
+        const made = startMeasurements(viewer, store);
+        stop = made.stop;
+        setMeasurements(made);
+      },
+      () => store.setState({ notice: NOT_FETCHED }),
+    );
+    return () => {
+      isOver = true;
+      stop();
+    };
+  }, [store, viewer, isNeeded]);
+  return measurements;
 }
 
 /** By the picker that gives handles, where there is one. */

@@ -1,6 +1,7 @@
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
+import { toggleTheme } from '../ui/theme.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 export type CommandName =
@@ -19,6 +20,7 @@ export type CommandName =
   | 'effects'
   | 'save'
   | 'link'
+  | 'theme'
   | 'help';
 
 export interface Command {
@@ -36,26 +38,44 @@ export interface Command {
 
 /**
  * Commands that have both a button and a key, in the toolbar's order; the keys that move the camera
- * belong to the controls.
+ * belong to the controls. Where room is short, the first ones have buttons.
  */
 export const COMMANDS: readonly Command[] = [
   { name: 'open', label: 'Open files', key: 'o', word: 'Open' },
   { name: 'add', label: 'Add files to the scene', key: 'j', isInPanel: true },
-  { name: 'frame', label: 'Frame the scene', key: 'f', word: 'Frame', isOfCamera: true },
-  { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
-  { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
-  { name: 'clouds', label: 'Files of the scene', key: 'n' },
-  { name: 'view', label: 'View and camera', key: 'v', word: 'View' },
-  { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
-  { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
-  { name: 'inspect', label: 'Inspect, measure, crop', key: 'i' },
-  { name: 'hud', label: 'Show or hide figures', key: 'h' },
+  { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
+  { name: 'view', label: 'View and camera', key: 'v' },
   { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
   { name: 'effects', label: 'Effects and their cost', key: 'e' },
-  { name: 'save', label: 'Save and share', key: 'x' },
+  { name: 'inspect', label: 'Inspect, measure, crop', key: 'i' },
+  { name: 'hud', label: 'Show or hide figures', key: 'h' },
+  { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
+  { name: 'clouds', label: 'Files of the scene', key: 'n' },
+  { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
+  { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
+  { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
+  { name: 'save', label: 'Save and share', key: 'x', word: 'Save' },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
-  { name: 'help', label: 'Keys and gestures', key: '?' },
+  { name: 'theme', label: 'Light or dark', key: 't', isInPanel: true },
+  { name: 'help', label: 'Help: commands, keys, gestures', key: '?', word: 'Help' },
 ];
+
+const NEED_SCENE: readonly CommandName[] = [
+  'reset',
+  'frame',
+  'inspect',
+  'save',
+  'link',
+  'clouds',
+  'fly',
+  'add',
+];
+
+/** Whether a command can do anything now. */
+export function isAvailable(name: CommandName, { scene }: Pick<ViewerState, 'scene'>): boolean {
+  if (name === 'flip') return scene?.canFlip ?? false;
+  return scene !== null || !NEED_SCENE.includes(name);
+}
 
 export type RunCommand = (name: CommandName) => void;
 
@@ -81,6 +101,7 @@ export function createCommands(
     effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
     save: () => store.setState(({ dock }) => ({ dock: dock === 'save' ? null : 'save' })),
     link: () => void import('../links/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
+    theme: toggleTheme,
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };
   return (name) => run[name]();
@@ -89,6 +110,11 @@ export function createCommands(
 /** Listens to the whole window's keys; returns a function that stops this. */
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const onKeyDown = (event: KeyboardEvent) => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'k' && !isGpuLost(store.getState())) {
+      store.setState({ isHelpVisible: true });
+      event.preventDefault();
+      return;
+    }
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const scope = keyScope(event.target);
     const state = store.getState();
@@ -137,7 +163,7 @@ type KeyScope = 'scene' | 'text' | 'open list' | 'control';
 
 const TEXT_FIELDS = 'textarea, input:not([type="range"], [type="checkbox"], [type="color"])';
 
-function keyScope(target: EventTarget | null): KeyScope {
+export function keyScope(target: EventTarget | null): KeyScope {
   if (!(target instanceof HTMLElement) || target.matches('body, .viewport')) return 'scene';
   if (target.matches('select')) return isOpen(target) ? 'open list' : 'text';
   const isText = target.isContentEditable || target.matches(TEXT_FIELDS);

@@ -16,11 +16,15 @@ export function documentTitle({ scene }: ViewerState): string {
   return scene ? `${scene.title} · WebSplatter` : 'WebSplatter';
 }
 
-/** Keeps the document's state and title in step with the store; returns a function to stop this. */
-export function mirrorToDocument(store: ViewerStore, target: Document): () => void {
+/**
+ * Keeps the document's state and title in step with the store; returns a function to stop this.
+ *
+ * @param titleOf the title that goes with a state.
+ */
+export function mirrorToDocument(store: ViewerStore, target: Document, titleOf = documentTitle): () => void {
   const write = (state: ViewerState) => {
     const word = documentState(state);
-    const title = documentTitle(state);
+    const title = titleOf(state);
     // Written only on change: the store changes with every frame.
     if (target.documentElement.dataset.state !== word) target.documentElement.dataset.state = word;
     if (target.title !== title) target.title = title;

@@ -1,11 +1,11 @@
-import { useEffect, useRef } from 'react';
+import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
 import { GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
 import { benchmarkAddress } from '../links/lab-address.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
-import { COMMANDS } from './commands.ts';
+import { COMMANDS, type CommandName, isAvailable, type RunCommand } from './commands.ts';
 
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
@@ -16,7 +16,7 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ['Select (I)', 'Drag · one finger'],
 ];
 
-const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [
+const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Orbit', ['←', '→', '↑', '↓']],
   ['Pan', ['Shift', 'arrows']],
   ['Zoom', ['+', '−']],
@@ -24,17 +24,35 @@ const CAMERA_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Down, up', ['Page Down', 'Page Up']],
   ['Reset the view', ['Home']],
   ['A hard case’s cameras', ['[', ']']],
+  ['Find a command', ['Ctrl', 'K']],
+  ['Remove the selection', ['Delete']],
+  ['Undo', ['Ctrl', 'Z']],
+  ['Redo', ['Ctrl', 'Shift', 'Z']],
 ];
 
-export function Help({ store }: { store: ViewerStore }) {
+/** All commands, to be found by a word and run, and what else keys and gestures do. */
+export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isVisible = useStore(store, (state) => state.isHelpVisible);
+  const scene = useStore(store, (state) => state.scene);
+  const [query, setQuery] = useState('');
   const dialog = useRef<HTMLDialogElement>(null);
+  const field = useRef<HTMLInputElement>(null);
   useEffect(() => {
-    if (isVisible) dialog.current?.showModal();
-    else dialog.current?.close();
+    if (!isVisible) return dialog.current?.close();
+    setQuery('');
+    dialog.current?.showModal();
+    // On a phone that would bring up its keyboard.
+    if (matchMedia('(pointer: fine)').matches) field.current?.focus();
   }, [isVisible]);
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
+  const words = query.toLowerCase().split(' ');
+  const found = COMMANDS.filter(({ label }) => words.every((word) => label.toLowerCase().includes(word)));
+  const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, { scene }));
+  const choose = (name: CommandName) => {
+    hide();
+    run(name);
+  };
   return (
     <dialog
       ref={dialog}
@@ -47,9 +65,49 @@ export function Help({ store }: { store: ViewerStore }) {
     >
       <div className="help-body">
         <header className="spread">
-          <h2 id="help-title">Keys and gestures</h2>
+          <h2 id="help-title">Commands, keys, gestures</h2>
           <IconButton icon="close" label="Close" onClick={hide} />
         </header>
+        <search>
+          <form
+            onSubmit={(event) => {
+              event.preventDefault();
+              if (query && runnable[0]) choose(runnable[0].name);
+            }}
+          >
+            <input
+              ref={field}
+              type="search"
+              value={query}
+              placeholder="Find a command"
+              aria-label="Find a command"
+              data-testid="find-command"
+              onChange={({ target }) => setQuery(target.value)}
+              onKeyDown={(event) => {
+                if (event.key !== '?' || query) return;
+                event.preventDefault();
+                hide();
+              }}
+            />
+          </form>
+        </search>
+        <ul className="help-commands">
+          {found.map(({ name, label, key }) => (
+            <li key={name}>
+              <button
+                type="button"
+                className="spread"
+                aria-current={query !== '' && name === runnable[0]?.name}
+                disabled={!runnable.some((each) => each.name === name)}
+                data-testid={`run-${name}`}
+                onClick={() => choose(name)}
+              >
+                {label} <kbd>{key.toUpperCase()}</kbd>
+              </button>
+            </li>
+          ))}
+        </ul>
+        {found.length === 0 && <p role="status">No command has these words.</p>}
         <dl>
           {GESTURES.map(([what, how]) => (
             <div key={what}>
@@ -59,23 +117,13 @@ export function Help({ store }: { store: ViewerStore }) {
           ))}
         </dl>
         <dl>
-          {CAMERA_KEYS.map(([what, keys]) => (
+          {OTHER_KEYS.map(([what, keys]) => (
             <div key={what}>
               <dt>{what}</dt>
               <dd>
                 {keys.map((key) => (
                   <kbd key={key}>{key}</kbd>
                 ))}
-              </dd>
-            </div>
-          ))}
-        </dl>
-        <dl>
-          {COMMANDS.map(({ name, label, key }) => (
-            <div key={name}>
-              <dt>{label}</dt>
-              <dd>
-                <kbd>{key.toUpperCase()}</kbd>
               </dd>
             </div>
           ))}

@@ -15,7 +15,7 @@ export function LostGpu({ store, viewer }: PanelProps) {
         <LostPage
           store={store}
           onRecover={() => viewer.recover()}
-          onSmallScene={() => viewer.scenes.openSmallScene()}
+          onSmallScene={viewer.scenes.isHeld ? null : () => viewer.scenes.openSmallScene()}
         />
       )}
     </Suspense>

@@ -7,11 +7,12 @@ import { FreeArea } from './free-area.tsx';
 import { Poster } from './poster.tsx';
 import { Viewport } from './viewport.tsx';
 
-const SplitImage = lazyComponent(async () => (await import('../comparison/split-image.tsx')).SplitImage);
-const ModeMap = lazyComponent(async () => (await import('../view-modes/mode-map.tsx')).ModeMap);
-const ErrorMapImage = lazyComponent(
-  async () => (await import('../comparison/error-map-image.tsx')).ErrorMapImage,
-);
+/** Fetched once for all of them. */
+export const smallParts = () => import('./small-parts.ts');
+const SplitImage = lazyComponent(async () => (await smallParts()).SplitImage);
+const ModeMap = lazyComponent(async () => (await smallParts()).ModeMap);
+const ErrorMapImage = lazyComponent(async () => (await smallParts()).ErrorMapImage);
+const LookedPicture = lazyComponent(async () => (await smallParts()).LookedPicture);
 
 /**
  * The picture, and the image that is compared with it.
@@ -20,6 +21,7 @@ const ErrorMapImage = lazyComponent(
  */
 export function Picture({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const comparison = useStore(store, (state) => state.comparison);
+  const isLooked = useStore(store, (state) => state.looked !== null && state.judged !== null);
   const hasMap = useStore(store, (state) => isMapMode(state.viewMode));
   return (
     <>
@@ -31,6 +33,7 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
       <Suspense>
         {comparison?.kind === 'split' && <SplitImage store={store} viewer={viewer} split={comparison} />}
         {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
+        {isLooked && <LookedPicture store={store} />}
       </Suspense>
     </>
   );

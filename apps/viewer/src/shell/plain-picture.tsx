@@ -1,6 +1,7 @@
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import type { FileDropDecision } from '../file-drop/file-drop.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
+import { ThinProgress } from '../messages/load-panel.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { LostGpu } from './lost-gpu.tsx';
 import { Picture } from './picture.tsx';
@@ -23,6 +24,7 @@ export function PlainPicture({
             </div>
           </div>
         </div>
+        <ThinProgress store={store} />
         <DropZone onDrop={onDrop} />
       </main>
       <LostGpu store={store} viewer={viewer} />

@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
-import { COMMANDS, type CommandName, type RunCommand } from './commands.ts';
+import { COMMANDS, type CommandName, isAvailable, type RunCommand } from './commands.ts';
 import { inlineCommands } from './inline-commands.ts';
 
 const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
@@ -20,8 +20,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const isUpsideDown = useStore(store, (state) => !state.isZUp && (state.scene?.isUpsideDown ?? false));
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const dock = useStore(store, (state) => state.dock);
-  const hasScene = useStore(store, (state) => state.scene !== null);
-  const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  const scene = useStore(store, (state) => state.scene);
   const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
@@ -35,21 +34,14 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     effects: dock === 'effects',
     save: dock === 'save',
   };
-  const disabled: Partial<Record<CommandName, boolean>> = {
-    flip: !canFlip,
-    reset: !hasScene,
-    frame: !hasScene,
-    inspect: !hasScene,
-    save: !hasScene,
-    clouds: !hasScene,
-  };
+  const isDisabled = (name: CommandName) => !isAvailable(name, { scene });
   const inline = inlineCommands(
     BUTTONS,
     useSyncExternalStore(onResize, () => innerWidth),
   );
   const others = BUTTONS.filter((command) => !inline.includes(command));
   const isReachable =
-    stop === MENU ? others.length > 0 : inline.some(({ name }) => name === stop) && !disabled[stop];
+    stop === MENU ? others.length > 0 : inline.some(({ name }) => name === stop) && !isDisabled(stop);
   const tabStop = isReachable ? stop : COMMANDS[0].name;
   const onKeyDown = (event: KeyboardEvent) => {
     const buttons = [...(root.current?.querySelectorAll<HTMLElement>(BAR_BUTTONS) ?? [])];
@@ -77,10 +69,11 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
             aria-label={label}
             aria-keyshortcuts={key.toUpperCase()}
             aria-pressed={pressed[name]}
-            title={`${label} (${key.toUpperCase()})`}
+            data-tip={label}
+            data-key={key.toUpperCase()}
             tabIndex={name === tabStop ? 0 : -1}
             data-testid={`command-${name}`}
-            disabled={disabled[name]}
+            disabled={isDisabled(name)}
             onFocus={() => setStop(name)}
             onClick={() => run(name)}
           >
@@ -97,7 +90,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
               icon: name,
               shortcut: key.toUpperCase(),
               isOn: pressed[name],
-              isDisabled: disabled[name],
+              isDisabled: isDisabled(name),
             }))}
             tabIndex={tabStop === MENU ? 0 : -1}
             onFocus={() => setStop(MENU)}

@@ -9,6 +9,8 @@ export interface FailureReport {
   readonly title: string;
   readonly message: string;
   readonly advice: string;
+  /** The engine's own words, where the message has plainer ones. */
+  readonly details?: string;
   /** Whether it is a mistake of ours, not thrown on purpose: particulars belong in the console. */
   readonly isFault: boolean;
   /** Where to go instead. */

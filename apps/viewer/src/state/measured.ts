@@ -1,5 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 import type { AccuracyTable, EffectCost, MeasureProgress } from '@websplatter/core/measure';
+import type { LayerImage } from './layer-image.ts';
 
 /** Subject of a measurement. */
 export type MeasuredThing = 'accuracy' | 'effects';
@@ -34,6 +35,21 @@ export interface MeasuredAccuracy extends MeasuredImage {
   /** Time of every setting, by the times of the presets, ms; null unless those were measured. */
   readonly allSettingsMs: number | null;
 }
+
+/** A picture, and the part of it that is farthest from the reference. */
+export interface JudgedPicture {
+  readonly whole: LayerImage;
+  /** Top left of the crops in the picture. */
+  readonly xPx: number;
+  readonly yPx: number;
+  readonly actual: LayerImage;
+  readonly reference: LayerImage;
+  /** In the colours of an error map. */
+  readonly error: LayerImage;
+}
+
+/** Pictures of measured presets, by name. */
+export type JudgedPictures = Readonly<Record<string, JudgedPicture>>;
 
 /** Measured costs of effects. */
 export interface MeasuredEffects extends MeasuredImage {

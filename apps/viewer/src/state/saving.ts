@@ -5,6 +5,13 @@ export interface PicturingState {
   readonly part: number;
 }
 
+/** A video that is being drawn as a file. */
+export interface FilmingState {
+  readonly fileName: string;
+  readonly drawnFrames: number;
+  readonly frames: number;
+}
+
 /** A scene that is being written as a file. */
 export interface SavingState {
   readonly fileName: string;

@@ -43,8 +43,11 @@ export interface SceneWarning {
 /** A file that is being loaded, or a scene that is read again. */
 export interface LoadState {
   readonly title: string;
-  /** `make` for built-in scenes, which are computed instead of read. */
-  readonly phase: LoadProgress['phase'] | 'make';
+  /**
+   * `make` for built-in scenes, which are computed instead of read; `keep` while a file is arranged
+   * for streaming.
+   */
+  readonly phase: LoadProgress['phase'] | 'make' | 'keep';
   readonly loadedBytes: number;
   readonly totalBytes: number | undefined;
   readonly splats: number;

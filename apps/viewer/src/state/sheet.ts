@@ -1,6 +1,5 @@
 /** Heights at which a sheet comes to rest, as parts of the window's, the lowest first. */
 export const SHEET_PARTS = [0.3, 0.5, 0.9] as const;
-export const FIRST_SHEET_PART: number = SHEET_PARTS[1];
 
 const NAMES = ['low', 'half', 'full'] as const;
 
@@ -13,8 +12,7 @@ const CLOSING = 0.6;
 export function settledSheet(part: number, partsPerSecond: number): number | null {
   const goal = part + partsPerSecond * THROW_S;
   if (goal < CLOSING * SHEET_PARTS[0]) return null;
-  const distances = SHEET_PARTS.map((each) => Math.abs(each - goal));
-  return SHEET_PARTS[distances.indexOf(Math.min(...distances))];
+  return SHEET_PARTS[sheetStep(goal)];
 }
 
 /** The height of a sheet after `key` is pressed on its grip; null if the key does not change it. */

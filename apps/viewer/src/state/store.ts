@@ -3,7 +3,6 @@ import { createStore, type StoreApi } from 'zustand/vanilla';
 import { NOTHING_INSPECTED } from './inspecting.ts';
 import { FIRST_LOOK } from './look.ts';
 import { NO_EFFECTS } from './requested-effects.ts';
-import { FIRST_SHEET_PART } from './sheet.ts';
 import type { ViewerState } from './viewer-state.ts';
 
 export type ViewerStore = StoreApi<ViewerState>;
@@ -21,7 +20,9 @@ export function createViewerStore(): ViewerStore {
     selectedPart: null,
     preparing: null,
     saving: null,
+    savingPage: null,
     picturing: null,
+    filming: null,
     failure: null,
     warning: null,
     lastFile: null,
@@ -41,7 +42,7 @@ export function createViewerStore(): ViewerStore {
     isHudFrozen: false,
     isHelpVisible: false,
     dock: null,
-    sheetPart: FIRST_SHEET_PART,
+    sheetPart: 0.5,
     accuracyTab: 'measure',
     accuracy: defaultAccuracy,
     defaultAccuracy,
@@ -52,6 +53,8 @@ export function createViewerStore(): ViewerStore {
     comparison: null,
     measuring: null,
     failedMeasurement: null,
+    judged: null,
+    looked: null,
     measured: null,
     effects: [],
     effectCosts: null,

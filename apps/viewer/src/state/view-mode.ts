@@ -7,6 +7,7 @@ export const VIEW_MODE_NAMES = [
   'opacity',
   'harmonics',
   'overdraw',
+  'detail',
   'tile-cost',
   'pixel-cost',
   'contribution',

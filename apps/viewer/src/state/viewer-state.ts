@@ -14,10 +14,16 @@ import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { Inspecting } from './inspecting.ts';
 import type { Look } from './look.ts';
-import type { FailedMeasurement, MeasuredAccuracy, MeasuredEffects, RunningMeasurement } from './measured.ts';
+import type {
+  FailedMeasurement,
+  JudgedPictures,
+  MeasuredAccuracy,
+  MeasuredEffects,
+  RunningMeasurement,
+} from './measured.ts';
 import type { RequestedEffects } from './requested-effects.ts';
 import type { SavedView } from './saved-view.ts';
-import type { PicturingState, SavingState } from './saving.ts';
+import type { FilmingState, PicturingState, SavingState } from './saving.ts';
 import type { WaitingPart } from './scene-part.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 import { isMapMode, type MapModeName, type ViewModeName } from './view-mode.ts';
@@ -134,7 +140,10 @@ export interface ViewerState {
   /** The scene on the screen, while it is read again to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
   readonly saving: SavingState | null;
+  /** The scene that is being written as a web page. */
+  readonly savingPage: SavingState | null;
   readonly picturing: PicturingState | null;
+  readonly filming: FilmingState | null;
   readonly failure: FailureReport | null;
   /** The problem of the scene that is shown; stays until it is dismissed. */
   readonly warning: SceneWarning | null;
@@ -166,7 +175,7 @@ export interface ViewerState {
   readonly isHelpVisible: boolean;
   /** The panel that is shown beside the image. */
   readonly dock: DockName | null;
-  /** Height of a panel that is a sheet, as on phones, as a part of the window's. */
+  /** Height of a panel that is a sheet, as on phones, as a part of the window's: of `SHEET_PARTS`. */
   readonly sheetPart: number;
   readonly accuracyTab: AccuracyTab;
   /** Settings that frames are drawn with: asked for, or chosen because of the target. */
@@ -186,6 +195,10 @@ export interface ViewerState {
   /** Why the last measurement came to nothing, if it did. */
   readonly failedMeasurement: FailedMeasurement | null;
   readonly measured: MeasuredAccuracy | null;
+  /** Of the measured presets, as far as they have been drawn; null for another image. */
+  readonly judged: JudgedPictures | null;
+  /** The measured preset whose picture is shown while the pointer is on its row. */
+  readonly looked: string | null;
   /** Effects on and off, and why: of each frame while listed, else of the frame at rest. */
   readonly effects: readonly EffectEntry[];
   readonly effectCosts: MeasuredEffects | null;

@@ -1,5 +1,5 @@
 import { flippedPoint } from '../camera/flip.ts';
-import { type OrbitPose, poseFromLookAt } from '../camera/orbit-pose.ts';
+import { lookAt, type OrbitPose, poseFromLookAt } from '../camera/orbit-pose.ts';
 import { Y_UP } from '../camera/up-axis.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Background } from '../state/look.ts';
@@ -10,6 +10,12 @@ export function poseOf({ position, target }: SettingsPose): OrbitPose {
   return poseFromLookAt({ position: uprightPoint(position), target: uprightPoint(target), up: Y_UP });
 }
 
+/** The same of a pose, with a field of view over the image's longer side: undoes `poseOf`. */
+export function settingsPoseOf(pose: OrbitPose, fovDegrees: number): SettingsPose {
+  const { position, target } = lookAt(pose);
+  return { position: uprightPoint(position), target: uprightPoint(target), fovDegrees };
+}
+
 function uprightPoint([x, y, z]: Vec3): Vec3 {
   // Back to the file's own coordinates, and from there.
   return flippedPoint([-x, -y, z]);
@@ -18,6 +24,12 @@ function uprightPoint([x, y, z]: Vec3): Vec3 {
 /** SuperSplat's field of view lies over the image's longer side, this viewer's over the shorter. */
 export function shorterFov(fovDegrees: number, aspect: number): number {
   const half = Math.tan((fovDegrees * Math.PI) / 360) / Math.max(aspect, 1 / aspect);
+  return (Math.atan(half) * 360) / Math.PI;
+}
+
+/** Undoes `shorterFov`. */
+export function longerFov(fovDegrees: number, aspect: number): number {
+  const half = Math.tan((fovDegrees * Math.PI) / 360) * Math.max(aspect, 1 / aspect);
   return (Math.atan(half) * 360) / Math.PI;
 }
 

@@ -6,9 +6,10 @@ import depthWgsl from './depth-colors.wgsl?raw';
 import { viewDepthsOf } from './depth-range.ts';
 import ellipsoidsWgsl from './ellipsoids.wgsl?raw';
 import harmonicsWgsl from './harmonics-colors.wgsl?raw';
+import levelsWgsl from './level-colors.wgsl?raw';
 import opacityWgsl from './opacity-colors.wgsl?raw';
 import overdrawWgsl from './overdraw.wgsl?raw';
-import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, shaderColor, VALUE_RAMP } from './ramp.ts';
+import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, shaderColor, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 
 /** Radius at which dots of the mode `centres` are half opaque. Larger dots are culled too early. */
 export const CENTRE_RADIUS_PX = 1.5;
@@ -22,6 +23,9 @@ export const ELLIPSOID_DARKEST = 0.6;
 export const OVERDRAW_OPACITY = 1 / 32;
 /** Colour change at the end of the scale of the mode `harmonics`, in steps of an 8-bit channel. */
 export const MOST_STEPS = 64;
+
+/** Level at the end of the scale of the mode `detail`. */
+export const COARSEST_LEVEL = 5;
 
 export const centres = defineEffect<undefined, { radiusPx: 'f32' }>({
   name: 'centres',
@@ -105,6 +109,25 @@ export const overdraw = defineEffect<undefined, { color: 'vec3f'; opacity: 'f32'
   fields: { color: 'vec3f', opacity: 'f32' },
   calledFor: () => 'the view mode shows overdraw',
   valuesAt: () => ({ color: shaderColor(OVERDRAW_COLOR), opacity: OVERDRAW_OPACITY }),
+});
+
+export const levelColors = defineEffect<
+  undefined,
+  { low: 'vec3f'; coarsest: 'f32'; high: 'vec3f'; missing: 'vec3f' }
+>({
+  name: 'level-colors',
+  label: 'View mode: detail',
+  about: 'Colours splats by their level of detail.',
+  hooks: { color: 'levelColor' },
+  takesLevel: true,
+  wgsl: levelsWgsl,
+  fields: { low: 'vec3f', coarsest: 'f32', high: 'vec3f', missing: 'vec3f' },
+  calledFor: () => 'the view mode shows levels of detail',
+  valuesAt: () => ({
+    ...shaderRamp(VALUE_RAMP),
+    coarsest: COARSEST_LEVEL,
+    missing: shaderColor(UNSEEN_COLOR),
+  }),
 });
 
 function shaderRamp({ low, high }: Ramp): { low: Vec3; high: Vec3 } {

@@ -1,6 +1,7 @@
 import type { FrameRequest, SplatEngine } from '@websplatter/core';
-import { drawAtRest, type LayerImage } from '../drawing/draw-at-rest.ts';
+import { drawAtRest } from '../drawing/draw-at-rest.ts';
 import { sideDrawn } from '../state/comparison.ts';
+import type { LayerImage } from '../state/layer-image.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isMapMode, type MapModeName } from '../state/view-mode.ts';
 import type { MapFigures } from '../state/viewer-state.ts';

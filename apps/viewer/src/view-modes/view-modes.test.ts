@@ -49,6 +49,7 @@ describe('the view modes', () => {
     expect(ticksOf('depth')).toEqual(['5', '6', '7.5', '10', '15']);
     expect(ticksOf('opacity')).toEqual(['0', '0.25', '0.5', '0.75', '1']);
     expect(ticksOf('harmonics')).toEqual(['0', '16', '32', '48', '≥ 64']);
+    expect(ticksOf('detail')).toEqual(['0', '1', '2', '3', '4', '≥ 5']);
     expect(ticksOf('overdraw')).toEqual(['0', '10', '20', '40', '80']);
     expect(viewModeOf('overdraw').scale?.(FACTS).low.color).toEqual([0, 51, 255]);
     expect(viewModeOf('centres').scale).toBeUndefined();

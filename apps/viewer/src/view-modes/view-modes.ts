@@ -8,18 +8,20 @@ import { formatLength } from './format-length.ts';
 import { contributionNotes, contributionScale, costScale, pixelNotes, tileNotes } from './map-scales.ts';
 import {
   CENTRE_RADIUS_PX,
+  COARSEST_LEVEL,
   centres,
   type DepthOptions,
   depthColors,
   ELLIPSOID_EDGE,
   ellipsoids,
   harmonicsColors,
+  levelColors,
   MOST_STEPS,
   OVERDRAW_OPACITY,
   opacityColors,
   overdraw,
 } from './mode-effects.ts';
-import { DEPTH_RAMP, OVERDRAW_COLOR, VALUE_RAMP } from './ramp.ts';
+import { DEPTH_RAMP, OVERDRAW_COLOR, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 
 /** Facts of a picture at rest, or of one side of it, that legends need. */
@@ -141,6 +143,20 @@ export const VIEW_MODES: readonly ViewMode[] = [
         ? 'The opacity cutoff is so high that nothing is counted; choose a lower one (Accuracy, C).'
         : `What counts as less than ${least.toFixed(2)} is left out, by the opacity cutoff.`;
     },
+  },
+  {
+    name: 'detail',
+    label: 'Detail',
+    about: `How coarse the detail is: each level stands for up to 16 times as many splats as the one before, the first for up to 256. Where it is ${UNSEEN_COLOR.name}, finer detail is asked for and not there yet.`,
+    uses: () => [levelColors()],
+    scale: () => ({
+      title: 'Level of detail; 0 for splats themselves',
+      ...VALUE_RAMP,
+      ticks: Array.from({ length: COARSEST_LEVEL + 1 }, (_, level) => ({
+        part: level / COARSEST_LEVEL,
+        text: level < COARSEST_LEVEL ? String(level) : `≥ ${level}`,
+      })),
+    }),
   },
   {
     name: 'tile-cost',

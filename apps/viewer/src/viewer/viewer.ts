@@ -39,6 +39,8 @@ export interface StartOptions extends AddressedScene {
   /** As `encodeAccuracy` writes it. */
   readonly accuracy?: string | null;
   readonly linked?: LinkedStart;
+  /** Files with more bytes are arranged for streaming. */
+  readonly keepAboveBytes?: number;
 }
 
 /**
@@ -84,6 +86,7 @@ export class Viewer {
       addressed: start,
       linkedCamera: linked?.camera,
       linkedLooks: linked?.looks,
+      keepAboveBytes: start.keepAboveBytes,
       onClouds: () => this.#precisions.request(),
       onShow: () => this.#drawing.request(),
     });

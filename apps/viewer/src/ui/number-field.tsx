@@ -4,7 +4,7 @@ interface NumberFieldProps {
   readonly label: string;
   readonly value: number;
   /** Added by a click on an arrow. */
-  readonly step: number;
+  readonly step: number | 'any';
   readonly min?: number;
   readonly testId: string;
   readonly onChange: (value: number) => void;

@@ -1,0 +1,104 @@
+import { readFileSync } from 'node:fs';
+import { mergeConfig, type Plugin, type UserConfig } from 'vite';
+import viewer from './vite.config.ts';
+
+export interface OneFileOptions {
+  /** The page, in the folder of the viewer. */
+  readonly page: string;
+  /** Name of the file that is written. */
+  readonly fileName: string;
+  /** Path of the file that all built-in scenes are read from; null: they cannot be opened. */
+  readonly scene: string | null;
+}
+
+/** The viewer's build, changed so that a page is one file: scripts, styles, icon and workers too. */
+export function oneFile(options: OneFileOptions): UserConfig {
+  return mergeConfig(viewer, {
+    define: { 'import.meta.env.WEBSPLATTER_ALONE': 'true' },
+    plugins: [inlineFiles(options), onePage(options)],
+    worker: {
+      // A classic script needs no address of its own.
+      format: 'iife',
+      plugins: () => [inlineFiles(options)],
+      rolldownOptions: { output: { codeSplitting: false } },
+    },
+    build: {
+      // It lies beside the viewer of many files.
+      emptyOutDir: false,
+      cssCodeSplit: false,
+      rolldownOptions: { input: options.page, output: { codeSplitting: false } },
+      // It is large because everything is in it.
+      chunkSizeWarningLimit: Number.POSITIVE_INFINITY,
+    },
+  });
+}
+
+/** Has workers started from text within the script, and scenes read from it, instead of files. */
+function inlineFiles({ scene }: OneFileOptions): Plugin {
+  return {
+    name: 'websplatter:inline-files',
+    enforce: 'pre',
+    // One file has no other beside it.
+    load: (id) => (id === '\0virtual:scene-page' ? "export default ''" : null),
+    transform(code, id) {
+      if (!/\.tsx?$/.test(id) || !code.includes('import.meta.url')) return null;
+      const before = new Set<string>();
+      const replaced = code
+        .replace(/new URL\('[^']+\.(?:sog|spz)', import\.meta\.url\)/g, () => {
+          const bytes = scene === null ? '' : readFileSync(scene, 'base64');
+          before.add(`const inlineScene = 'data:application/octet-stream;base64,${bytes}';`);
+          return 'new URL(inlineScene)';
+        })
+        .replace(
+          /new Worker\(\s*new URL\('([^']+)', import\.meta\.url\),\s*\{[^}]*\}\s*,?\s*\)/g,
+          (_, path) => {
+            const name = `InlineWorker${before.size}`;
+            before.add(`import ${name} from '${path}?worker&inline';`);
+            return `new ${name}()`;
+          },
+        );
+      if (replaced.includes('import.meta.url'))
+        this.error(`${id}: a file is named in another form than the plugin knows`);
+      // On one line, so that the others keep their places.
+      return { code: [...before].join(' ') + replaced, map: null };
+    },
+  };
+}
+
+/** Writes the script, the styles and the icon into the page, which is all that is left. */
+function onePage({ page: name, fileName }: OneFileOptions): Plugin {
+  return {
+    name: 'websplatter:one-page',
+    enforce: 'post',
+    generateBundle: {
+      // After Vite's own plugins have completed the scripts.
+      order: 'post',
+      handler(_, bundle) {
+        const page = bundle[name];
+        if (page?.type !== 'asset') this.error('There is no page.');
+        let html = String(page.source);
+        const inline = (pattern: RegExp, write: (text: string) => string) => {
+          const [tag, path] = pattern.exec(html) ?? this.error(`The page has nothing like ${pattern}.`);
+          const file = bundle[path];
+          const text = file.type === 'chunk' ? file.code : String(file.source);
+          // A function, whose result is inserted verbatim.
+          html = html.replace(tag, () => write(text));
+          delete bundle[path];
+        };
+        inline(/<script type="module" crossorigin src="\.\/([^"]+)"><\/script>/, (script) => {
+          // These would end the script, or hide its end.
+          const safe = script.replace(/<(\/script|!--)/gi, (_tag, end) => `<\\${end}`);
+          return `<script type="module">${safe}</script>`;
+        });
+        inline(/<link rel="stylesheet" crossorigin href="\.\/([^"]+)">/, (css) => `<style>${css}</style>`);
+        inline(/<link rel="icon" href="\.\/([^"]+)" \/>/, (svg) => {
+          return `<link rel="icon" href="data:image/svg+xml,${encodeURIComponent(svg)}" />`;
+        });
+        delete bundle[name];
+        const rest = Object.keys(bundle);
+        if (rest.length > 0) this.error(`Besides the page there are still ${rest.join(', ')}.`);
+        this.emitFile({ type: 'asset', fileName, source: html });
+      },
+    },
+  };
+}

@@ -1,0 +1,71 @@
+import { formatBytes } from '../formatting/format.ts';
+import type { FailureReport } from '../state/failure.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { download } from './download.ts';
+
+export interface FileTask {
+  readonly fileName: string;
+  /** `Saving`, `Drawing`: what is cancelled. */
+  readonly doing: string;
+  readonly make: (signal: AbortSignal) => Promise<Blob>;
+  readonly failureOf: (error: unknown) => Omit<FailureReport, 'message'>;
+  /** Called in the end, however it ends. */
+  readonly onEnd: () => void;
+}
+
+/** Makes files of one kind, one at a time, and hands them to the browser. */
+export class FileWork {
+  readonly #store: ViewerStore;
+  #work: AbortController | null = null;
+
+  constructor(store: ViewerStore) {
+    this.#store = store;
+  }
+
+  get isBusy(): boolean {
+    return this.#work !== null;
+  }
+
+  /** The store learns how it has ended. */
+  async run({ fileName, doing, make, failureOf, onEnd }: FileTask): Promise<void> {
+    const store = this.#store;
+    const work = new AbortController();
+    this.#work = work;
+    try {
+      const file = await make(work.signal);
+      download(file, fileName);
+      store.setState({ notice: `Saved ${fileName} (${formatBytes(file.size)}).` });
+    } catch (error) {
+      if (work.signal.aborted) store.setState({ notice: `${doing} ${fileName} was cancelled.` });
+      else {
+        const failure = failureOf(error);
+        if (failure.isFault) console.error(error);
+        store.setState({
+          failure: { ...failure, message: error instanceof Error ? error.message : String(error) },
+        });
+      }
+    } finally {
+      // What else was begun for it has no use any more.
+      work.abort();
+      this.#work = null;
+      onEnd();
+    }
+  }
+
+  cancel(): void {
+    this.#work?.abort();
+  }
+}
+
+/** Makes one of something for each viewer: its panel comes and goes while a file is made. */
+export function perViewer<Made>(
+  make: (viewer: Viewer, store: ViewerStore) => Made,
+): (viewer: Viewer, store: ViewerStore) => Made {
+  const all = new WeakMap<Viewer, { readonly made: Made }>();
+  return (viewer, store) => {
+    const entry = all.get(viewer) ?? { made: make(viewer, store) };
+    all.set(viewer, entry);
+    return entry.made;
+  };
+}

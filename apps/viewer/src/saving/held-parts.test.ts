@@ -1,0 +1,93 @@
+import { afterEach, expect, test, vi } from 'vitest';
+import type { SceneSource } from '../scene/scene-source.ts';
+import { MOST_PAGE_BYTES, readParts } from './held-parts.ts';
+
+afterEach(() => vi.unstubAllGlobals());
+
+const url = (path: string): SceneSource => ({ kind: 'url', url: new URL(path, 'https://example.org/') });
+
+/** Serves these files alone, by their paths. */
+function serve(
+  files: Readonly<Record<string, string>>,
+  headers: Readonly<Record<string, string>> = {},
+): void {
+  vi.stubGlobal('fetch', async ({ pathname }: URL) => {
+    const text = files[pathname.slice(1)];
+    return text === undefined ? new Response(null, { status: 404 }) : new Response(text, { headers });
+  });
+}
+
+const read = (...sources: readonly SceneSource[]) =>
+  readParts(sources, { signal: new AbortController().signal, onPart: () => {} });
+
+/** Text of each file, by its path, of each part. */
+async function texts(...sources: readonly SceneSource[]) {
+  const parts = await read(...sources);
+  return Promise.all(
+    parts.map(async ({ title, files }) => ({
+      title,
+      files: await Promise.all(files.map(async ({ path, bytes }) => [path, await bytes.text()])),
+    })),
+  );
+}
+
+test('files are held as they came, by their titles and names', async () => {
+  serve({ 'a.spz': 'spz' });
+  const files = [new File(['1'], 'meta.json'), new Blob(['2'])];
+  expect(
+    await texts(
+      url('a.spz?key'),
+      { kind: 'file', name: 'B', source: new File(['ply'], 'b.ply') },
+      { kind: 'file', name: 'C', source: { files, paths: ['c/meta.json', 'c/means.webp'] } },
+    ),
+  ).toEqual([
+    { title: 'a.spz', files: [['a.spz', 'spz']] },
+    { title: 'B', files: [['b.ply', 'ply']] },
+    {
+      title: 'C',
+      files: [
+        ['c/meta.json', '1'],
+        ['c/means.webp', '2'],
+      ],
+    },
+  ]);
+});
+
+test('a SOG on a server is held with its images', async () => {
+  const meta = JSON.stringify({
+    means: { mins: [0], files: ['m_l.webp', 'm_u.webp'] },
+    shN: { files: ['s.webp'] },
+  });
+  serve({ 'room/meta.json': meta, 'room/m_l.webp': 'l', 'room/m_u.webp': 'u', 'room/s.webp': 's' });
+  expect(await texts(url('room/meta.json'))).toEqual([
+    {
+      title: 'room',
+      files: [
+        ['meta.json', meta],
+        ['m_l.webp', 'l'],
+        ['m_u.webp', 'u'],
+        ['s.webp', 's'],
+      ],
+    },
+  ]);
+});
+
+test('scenes that no page can hold are refused, with what to do', async () => {
+  serve({ 'a.ply': 'ply', 'room/lod-meta.json': '{}' }, { 'content-length': String(1.5 * MOST_PAGE_BYTES) });
+  await expect(read(url('a.ply'))).rejects.toMatchObject({
+    message: 'a.ply has 300 MB: a page holds at most 200 MB.',
+    advice: expect.stringContaining('.spz'),
+  });
+  const large = Object.defineProperty(new File([], 'c.ply'), 'size', { value: 2 * MOST_PAGE_BYTES });
+  await expect(read({ kind: 'file', name: 'c.ply', source: large })).rejects.toMatchObject({
+    message: 'The scene has 400 MB: a page holds at most 200 MB.',
+  });
+  await expect(read(url('room/lod-meta.json'))).rejects.toMatchObject({
+    message: 'lod-meta.json may lead to other files on its server.',
+    advice: expect.stringContaining('from this device'),
+  });
+  await expect(read(url('b.ply'))).rejects.toMatchObject({
+    message: 'b.ply cannot be read again: the server answers 404.',
+    advice: expect.stringContaining('connection'),
+  });
+});

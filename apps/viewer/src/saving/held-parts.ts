@@ -1,0 +1,147 @@
+import { baseName, formatBytes } from '../formatting/format.ts';
+import { type SceneSource, titleOf } from '../scene/scene-source.ts';
+import type { HeldFile, HeldPart } from '../scene-page/page-text.ts';
+
+/** Most bytes of a scene in a page: browsers hold its text, which is a third larger, as a whole. */
+export const MOST_PAGE_BYTES = 200e6;
+
+/** Why a scene cannot be put into a page, and what to do. */
+export class PageRefusal extends Error {
+  readonly advice: string;
+
+  constructor(message: string, advice: string) {
+    super(message);
+    this.advice = advice;
+  }
+}
+
+export interface ReadPartsOptions {
+  readonly signal: AbortSignal;
+  /** Called with the part that has been read, 0…1, or undefined where that is not known. */
+  readonly onPart: (part: number | undefined) => void;
+}
+
+/**
+ * The files of a scene as they came, so that a page of them shows the same picture.
+ *
+ * @throws PageRefusal where they are too large, cannot be fetched, or are not known one by one; the
+ * signal's reason once that is aborted.
+ */
+export async function readParts(
+  sources: readonly SceneSource[],
+  { signal, onPart }: ReadPartsOptions,
+): Promise<HeldPart[]> {
+  const parts: HeldPart[] = [];
+  let leftBytes = MOST_PAGE_BYTES;
+  for (const [i, source] of sources.entries()) {
+    const onFile = (part: number | undefined) =>
+      onPart(part === undefined ? undefined : (i + part) / sources.length);
+    const files = await filesOf(source, leftBytes, { signal, onPart: onFile });
+    leftBytes -= files.reduce((sum, { bytes }) => sum + bytes.size, 0);
+    if (leftBytes < 0) throw tooLarge('The scene', MOST_PAGE_BYTES - leftBytes);
+    const builtin = source.kind === 'builtin' ? source.scene.name : null;
+    parts.push({ title: titleOf(source), builtin, files });
+  }
+  return parts;
+}
+
+async function filesOf(
+  source: SceneSource,
+  mostBytes: number,
+  options: ReadPartsOptions,
+): Promise<readonly HeldFile[]> {
+  switch (source.kind) {
+    case 'builtin':
+      return [await fetchFile(source.scene.url, mostBytes, options)];
+    case 'url':
+      return fetchFiles(source.url, mostBytes, options);
+    case 'file': {
+      if (source.source instanceof File) return [{ path: source.source.name, bytes: source.source }];
+      const { files, paths } = source.source;
+      return files.map((bytes, i) => ({ path: paths?.[i] ?? ownPath(bytes, i), bytes }));
+    }
+    case 'hard-case':
+      throw new PageRefusal('There is no file behind this scene.', '');
+  }
+}
+
+function ownPath(file: Partial<File>, index: number): string {
+  return file.webkitRelativePath || file.name || String(index);
+}
+
+async function fetchFiles(url: URL, mostBytes: number, options: ReadPartsOptions): Promise<HeldFile[]> {
+  const name = baseName(url.href);
+  // Those that lead to other files, which are not all of a form that this knows.
+  if (/^lod-meta\.json$|\.(gltf|rad)$/i.test(name))
+    throw new PageRefusal(
+      `${name} may lead to other files on its server.`,
+      'Open its files from this device, all at once, and save the page then.',
+    );
+  const first = await fetchFile(url, mostBytes, options);
+  if (!/\.json$/i.test(name)) return [first];
+  const files = [first];
+  let leftBytes = mostBytes - first.bytes.size;
+  for (const path of listedFiles(JSON.parse(await first.bytes.text()))) {
+    const { bytes } = await fetchFile(new URL(path, url), leftBytes, options);
+    leftBytes -= bytes.size;
+    files.push({ path, bytes });
+  }
+  return files;
+}
+
+/** Names of the images of a SOG, which its meta.json lists by what they hold. */
+function listedFiles(meta: unknown): string[] {
+  if (typeof meta !== 'object' || meta === null) return [];
+  return Object.entries(meta).flatMap(([name, value]) =>
+    name === 'files' && Array.isArray(value) ? value.map(String) : listedFiles(value),
+  );
+}
+
+async function fetchFile(
+  url: URL,
+  mostBytes: number,
+  { signal, onPart }: ReadPartsOptions,
+): Promise<HeldFile> {
+  const name = baseName(url.href);
+  onPart(undefined);
+  const response = await fetch(url, { signal }).catch((error: unknown) => {
+    signal.throwIfAborted();
+    throw notRead(name, error);
+  });
+  if (!response.ok || !response.body) throw notRead(name, `the server answers ${response.status}`);
+  const totalBytes = Number(response.headers.get('content-length') ?? 0);
+  if (totalBytes > mostBytes) throw tooLarge(name, totalBytes);
+  const pieces: Uint8Array<ArrayBuffer>[] = [];
+  let readBytes = 0;
+  try {
+    const reader = response.body.getReader();
+    for (let read = await reader.read(); !read.done; read = await reader.read()) {
+      const piece = read.value;
+      pieces.push(piece);
+      readBytes += piece.length;
+      if (readBytes > mostBytes) throw tooLarge(name);
+      // Of a compressed answer, the length is that of what was sent.
+      if (totalBytes > 0) onPart(Math.min(1, readBytes / totalBytes));
+    }
+  } catch (error) {
+    signal.throwIfAborted();
+    throw error instanceof PageRefusal ? error : notRead(name, error);
+  }
+  return { path: name, bytes: new Blob(pieces) };
+}
+
+function notRead(name: string, reason: unknown): PageRefusal {
+  const words = reason instanceof Error ? reason.message : String(reason);
+  return new PageRefusal(
+    `${name} cannot be read again: ${words}.`,
+    'Check the connection, or open the file from this device.',
+  );
+}
+
+function tooLarge(name: string, bytes?: number): PageRefusal {
+  const size = bytes === undefined ? 'is too large' : `has ${formatBytes(bytes)}`;
+  return new PageRefusal(
+    `${name} ${size}: a page holds at most ${formatBytes(MOST_PAGE_BYTES)}.`,
+    'Save the scene in a smaller format (.spz or .sog), or a crop of it, open that and save the page then; or put the file on a web server and use a frame.',
+  );
+}

@@ -1,0 +1,88 @@
+import { encodeLook } from '../layout/look-text.ts';
+import { linkedViewOf } from '../links/linked-view.ts';
+import { heldView } from '../links/page-address.ts';
+import { joinedNames, titleOf } from '../scene/scene-source.ts';
+import { writePage } from '../scene-page/page-text.ts';
+import type { SavingState } from '../state/saving.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { FileWork, perViewer } from './file-work.ts';
+import { PageRefusal, readParts } from './held-parts.ts';
+import { savedName } from './saving.ts';
+import { fetchScenePage } from './scene-page-template.ts';
+
+/** Saves the scene and the view of it as a web page, one at a time. */
+class Pages {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  readonly #work: FileWork;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+    this.#work = new FileWork(store);
+  }
+
+  /** Writes the page and hands it to the browser. Does nothing without a scene, or while busy. */
+  async start(): Promise<void> {
+    const store = this.#store;
+    const state = store.getState();
+    const parts = this.#viewer.scenes.newest?.parts.filter(({ look }) => !look.isHidden) ?? [];
+    if (parts.length === 0 || this.#work.isBusy) return;
+    const titles = parts.map(({ source }) => titleOf(source));
+    const fileName = savedName(titles, { extension: '.html' });
+    // Written down now: the camera may move meanwhile. Looks are all told, as files may be left out.
+    const view = heldView({
+      ...linkedViewOf(this.#viewer, state),
+      looks: parts.map(({ look }) => encodeLook(look)),
+    });
+    const { background } = state.look;
+    const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>
+      store.setState({ savingPage: { fileName, ...progress } });
+    report({ phase: 'read', part: undefined });
+    store.setState({ failure: null });
+    const make = async (signal: AbortSignal) => {
+      if (state.inspecting.selecting.removed.size > 0) throw removedSplats();
+      const sources = parts.map(({ source }) => source);
+      const [template, held] = await Promise.all([
+        fetchScenePage(signal),
+        readParts(sources, { signal, onPart: (part) => report({ phase: 'read', part }) }),
+      ]);
+      const contents = {
+        title: joinedNames(titles),
+        view,
+        background: background === 'theme' ? null : background,
+        parts: held,
+      };
+      return writePage(template, contents, {
+        signal,
+        onPart: (part) => report({ phase: 'write', part }),
+      });
+    };
+    await this.#work.run({
+      fileName,
+      doing: 'Saving',
+      make,
+      failureOf: (error) => ({
+        title: `${fileName} cannot be saved`,
+        advice: error instanceof PageRefusal ? error.advice : '',
+        isFault: !(error instanceof PageRefusal),
+      }),
+      onEnd: () => store.setState({ savingPage: null }),
+    });
+  }
+
+  cancel(): void {
+    this.#work.cancel();
+  }
+}
+
+function removedSplats(): PageRefusal {
+  return new PageRefusal(
+    'A page holds files as they came, with the splats that were removed.',
+    'Save the scene as a file, which leaves them out, open that and save the page then.',
+  );
+}
+
+/** Those of a viewer. */
+export const pagesOf = perViewer((viewer, store) => new Pages(viewer, store));

@@ -1,0 +1,50 @@
+import { builtinScenes } from '@websplatter/scenes';
+import type { SceneSource } from '../scene/scene-source.ts';
+import { FILE_SELECTOR, PART_SELECTOR, VIEW_NAME } from './page-text.ts';
+
+export interface HeldScene {
+  readonly title: string;
+  /** The query of an address that shows the view. */
+  readonly view: string;
+  readonly sources: readonly SceneSource[];
+}
+
+/** Takes the scene out of a page of `writePage`: its text is large and not needed after that. */
+export function heldScene(page: Document): HeldScene {
+  const view = page.querySelector<HTMLMetaElement>(`meta[name="${VIEW_NAME}"]`)?.content ?? '';
+  const sources = [...page.querySelectorAll<HTMLElement>(PART_SELECTOR)].map((element) => {
+    element.remove();
+    return sourceIn(element);
+  });
+  return { title: page.title, view, sources };
+}
+
+function sourceIn(element: HTMLElement): SceneSource {
+  const { part: name = '', builtin } = element.dataset;
+  const texts = [...element.querySelectorAll<HTMLElement>(FILE_SELECTOR)].map(({ dataset, textContent }) => ({
+    path: dataset.path ?? '',
+    base64: textContent ?? '',
+  }));
+  const scene = builtinScenes.find((each) => each.name === builtin);
+  if (scene) {
+    const url = new URL(`data:application/octet-stream;base64,${texts[0].base64}`);
+    return { kind: 'builtin', scene: { ...scene, url } };
+  }
+  const files = texts.map(({ path, base64 }) => new File(bytesOf(base64), path.split('/').at(-1) ?? path));
+  const source = files.length === 1 ? files[0] : { files, paths: texts.map(({ path }) => path) };
+  return { kind: 'file', name, source };
+}
+
+/** A multiple of 4, so that pieces are base64 too. */
+const PIECE_CHARACTERS = 2 ** 22;
+
+function bytesOf(base64: string): Uint8Array<ArrayBuffer>[] {
+  const pieces: Uint8Array<ArrayBuffer>[] = [];
+  for (let at = 0; at < base64.length; at += PIECE_CHARACTERS) {
+    const binary = atob(base64.slice(at, at + PIECE_CHARACTERS));
+    const bytes = new Uint8Array(binary.length);
+    for (let i = 0; i < binary.length; i++) bytes[i] = binary.charCodeAt(i);
+    pieces.push(bytes);
+  }
+  return pieces;
+}

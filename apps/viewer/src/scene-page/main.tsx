@@ -1,0 +1,26 @@
+// The page that “Save as one web page” writes: the picture alone, of the scene that is in the page.
+import { followLinkedEffects } from '../links/linked-effects.ts';
+import { linkedStart } from '../links/linked-start.ts';
+import { mirrorToDocument } from '../shell/document-mirror.ts';
+import { show } from '../shell/show.tsx';
+import { createViewerStore } from '../state/store.ts';
+import { followViewMode } from '../view-modes/follow-view-mode.ts';
+import { Viewer } from '../viewer/viewer.ts';
+import { heldScene } from './held-scene.ts';
+import './scene-page.css';
+import { ScenePage } from './scene-page.tsx';
+
+const { title, view, sources } = heldScene(document);
+const query = new URLSearchParams(view);
+const store = createViewerStore();
+store.setState({ hasInterface: false });
+mirrorToDocument(store, document, () => title);
+const viewer = new Viewer(store, {
+  held: sources,
+  accuracy: query.get('accuracy'),
+  linked: linkedStart(query),
+});
+viewer.prepare();
+followViewMode(store, viewer);
+followLinkedEffects({ store, viewer }, query, (shown) => shown.every((source) => sources.includes(source)));
+show(<ScenePage store={store} viewer={viewer} />);

@@ -1,0 +1,13 @@
+/** Parts over the picture, in one file: each is so small that asking for it takes longer than it. */
+export { ErrorMapImage } from '../comparison/error-map-image.tsx';
+export { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
+export { SplitImage } from '../comparison/split-image.tsx';
+export { ClipGizmo } from '../effects/clip-gizmo.tsx';
+export { PlaceGizmo } from '../layout/place-gizmo.tsx';
+export { LookedPicture } from '../measurement/looked-picture.tsx';
+export { ReopenPanel } from '../messages/reopen-panel.tsx';
+export { StreamPanel } from '../messages/stream-panel.tsx';
+export { FlightBanner } from '../navigation/flight-banner.tsx';
+export { ModeLegend } from '../view-modes/mode-legend.tsx';
+export { ModeMap } from '../view-modes/mode-map.tsx';
+export { Help } from './help.tsx';

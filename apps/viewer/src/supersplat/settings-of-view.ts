@@ -1,0 +1,55 @@
+import { flippedPoint } from '../camera/flip.ts';
+import type { Vec3 } from '../camera/vec3.ts';
+import type { ViewedCamera } from '../camera/view-camera.ts';
+import { PATH_STEP_MS, pathMs, pathThrough, poseOnPath } from '../navigation/view-path.ts';
+import type { SavedView } from '../state/saved-view.ts';
+import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
+import { longerFov, settingsPoseOf } from './settings-pose.ts';
+
+/**
+ * From one saved view to the next: between keys SuperSplat's viewer moves the camera in straight
+ * lines that it rounds, this one around the target. So many lie within 0.1 % of each other, and the
+ * 736 of the longest path are fewer than the 1000 that SuperSplat takes.
+ */
+const KEYS_PER_STEP = 15;
+
+/** What of a scene its settings depend on. */
+export interface SettingsScene {
+  /** Whether the file's y axis points down. */
+  readonly isUpsideDown: boolean;
+  /** Width by height of the picture. */
+  readonly aspect: number;
+  /** sRGB, 0…1. */
+  readonly background: Vec3;
+}
+
+/** The settings that show a view of the scene, and then the path through saved views if there is one. */
+export function settingsOfView(
+  view: ViewedCamera,
+  savedViews: readonly SavedView[],
+  scene: SettingsScene,
+): SceneSettings {
+  const path = pathThrough(savedViews);
+  return {
+    camera: poseIn(scene, view),
+    background: scene.background,
+    track: path.length > 1 ? trackOf(path, scene) : null,
+  };
+}
+
+function trackOf(path: readonly SavedView[], scene: SettingsScene): CameraTrack {
+  const poses = path.map(({ pose }) => pose);
+  const keys = Array.from({ length: KEYS_PER_STEP * (path.length - 1) + 1 }, (_, i) => ({
+    timeS: (i * PATH_STEP_MS) / (1000 * KEYS_PER_STEP),
+    pose: poseIn(scene, { ...path[0], pose: poseOnPath(poses, i / KEYS_PER_STEP) }),
+  }));
+  return { durationS: pathMs(path.length) / 1000, loop: 'none', isStepped: false, smoothness: 1, keys };
+}
+
+function poseIn({ isUpsideDown, aspect }: SettingsScene, view: ViewedCamera): SettingsPose {
+  const { pose, fovDegrees, isFlipped } = view;
+  const upright = settingsPoseOf(pose, longerFov(fovDegrees, aspect));
+  if (isFlipped === isUpsideDown) return upright;
+  // Settings are about the scene the way up that it comes with.
+  return { ...upright, position: flippedPoint(upright.position), target: flippedPoint(upright.target) };
+}

@@ -1,0 +1,99 @@
+import { BufferTarget, EncodedPacket, EncodedVideoPacketSource, Output, WebMOutputFormat } from 'mediabunny';
+import { type VideoCodec, VideoError } from './video-codec.ts';
+import type { FrameRate } from './video-frames.ts';
+import { i420Of, VIDEO_COLORS } from './video-pixels.ts';
+
+/** Frames that wait for the encoder: each holds its pixels. */
+const MOST_QUEUED = 4;
+/** Players jump to frames that need no other. */
+const KEY_FRAME_S = 2;
+
+/** Writes a WebM of frames with even times. */
+export class VideoWriter {
+  readonly #encoder: VideoEncoder;
+  readonly #codec: VideoCodec;
+  readonly #framesPerS: FrameRate;
+  readonly #output = new Output({ format: new WebMOutputFormat(), target: new BufferTarget() });
+  #frames = 0;
+  #failure: VideoError | null = null;
+  /** Settles when all encoded frames are in the file. */
+  #written: Promise<void>;
+  /** Goes on with what waits for the encoder. */
+  #wake = () => {};
+
+  constructor(codec: VideoCodec, framesPerS: FrameRate) {
+    this.#codec = codec;
+    this.#framesPerS = framesPerS;
+    const source = new EncodedVideoPacketSource(codec.name);
+    this.#output.addVideoTrack(source, { frameRate: framesPerS });
+    this.#written = this.#output.start();
+    this.#encoder = new VideoEncoder({
+      output: (chunk, meta) => {
+        this.#written = this.#written.then(() => source.add(EncodedPacket.fromEncodedChunk(chunk), meta));
+        this.#written.catch((error: Error) => this.#fail(error));
+      },
+      error: (error) => this.#fail(error),
+    });
+    this.#encoder.ondequeue = () => this.#wake();
+    this.#encoder.configure(codec.config);
+  }
+
+  /**
+   * Appends a frame; resolves when there is room for the next one.
+   *
+   * @param pixels RGBA of an opaque image, top row first.
+   * @throws VideoError if the browser cannot encode it, or one before.
+   */
+  async add(pixels: Uint8ClampedArray<ArrayBuffer>): Promise<void> {
+    this.#check();
+    const index = this.#frames++;
+    const { width, height } = this.#codec.config;
+    const frame = new VideoFrame(i420Of(pixels, width, height), {
+      ...{ format: 'I420', codedWidth: width, codedHeight: height, colorSpace: VIDEO_COLORS },
+      timestamp: this.#timeUs(index),
+      duration: this.#timeUs(index + 1) - this.#timeUs(index),
+    });
+    this.#encoder.encode(frame, { keyFrame: index % (KEY_FRAME_S * this.#framesPerS) === 0 });
+    frame.close();
+    while (this.#encoder.encodeQueueSize > MOST_QUEUED && !this.#failure)
+      await new Promise<void>((resolve) => {
+        this.#wake = resolve;
+      });
+    this.#check();
+  }
+
+  /** The file, once all frames have been added. @throws VideoError as `add` does. */
+  async finish(): Promise<Blob> {
+    await this.#encoder.flush().catch((error: Error) => this.#fail(error));
+    await this.#written.catch((error: Error) => this.#fail(error));
+    this.#check();
+    this.#encoder.close();
+    await this.#output.finalize();
+    const { buffer } = this.#output.target;
+    if (!buffer) throw new VideoError('The video has no bytes.');
+    return new Blob([buffer], { type: 'video/webm' });
+  }
+
+  /** Lets go of the frames. */
+  abort(): void {
+    if (this.#encoder.state !== 'closed') this.#encoder.close();
+    this.#written.catch(() => {});
+    void this.#output.cancel().catch(() => {});
+  }
+
+  #timeUs(index: number): number {
+    return Math.round((index * 1e6) / this.#framesPerS);
+  }
+
+  #fail({ message }: Error): void {
+    const { words, config } = this.#codec;
+    this.#failure ??= new VideoError(
+      `The browser’s ${words} encoder stopped at ${config.width} × ${config.height} px: ${message}`,
+    );
+    this.#wake();
+  }
+
+  #check(): void {
+    if (this.#failure) throw this.#failure;
+  }
+}

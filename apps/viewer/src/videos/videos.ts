@@ -1,0 +1,103 @@
+import { WebSplatterError } from '@websplatter/core';
+import { flippedMatrix } from '../camera/flip.ts';
+import { onBackground } from '../navigation/thumbnail.ts';
+import { pathThrough, poseOnPath } from '../navigation/view-path.ts';
+import { FileWork, perViewer } from '../saving/file-work.ts';
+import type { SavedView } from '../state/saved-view.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { type VideoCodec, VideoError } from './video-codec.ts';
+import { type FrameRate, frameCount, placeOfFrame } from './video-frames.ts';
+
+export interface VideoOptions {
+  readonly codec: VideoCodec;
+  readonly framesPerS: FrameRate;
+}
+
+/** Saves the path through the saved views as a video, one at a time. */
+class Videos {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  readonly #work: FileWork;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+    this.#work = new FileWork(store);
+  }
+
+  /** Draws the video and hands it to the browser. Does nothing without a path, or while busy. */
+  async start(options: VideoOptions): Promise<void> {
+    const store = this.#store;
+    const path = pathThrough(store.getState().savedViews);
+    if (!this.#viewer.shownFrame || path.length < 2 || this.#work.isBusy) return;
+    const fileName = `${store.getState().scene?.title.replace(/\.[a-z]+$/i, '') || 'scene'}.webm`;
+    const frames = frameCount(path.length, options.framesPerS);
+    const report = (drawnFrames: number) => store.setState({ filming: { fileName, drawnFrames, frames } });
+    report(0);
+    await this.#work.run({
+      fileName,
+      doing: 'Drawing',
+      make: (signal) => this.#draw(path, options, report, signal),
+      failureOf: (error) => ({
+        title: `${fileName} cannot be made`,
+        advice: 'Nothing was saved. A smaller size, or fewer frames a second, ask less of the browser.',
+        isFault: !(error instanceof WebSplatterError || error instanceof VideoError),
+      }),
+      onEnd: () => store.setState({ filming: null }),
+    });
+  }
+
+  cancel(): void {
+    this.#work.cancel();
+  }
+
+  /** @throws VideoError; errors of `render`, `whenComplete` and `readPixels`. */
+  async #draw(
+    path: readonly SavedView[],
+    { codec, framesPerS }: VideoOptions,
+    onDrawn: (frames: number) => void,
+    signal: AbortSignal,
+  ): Promise<Blob> {
+    // A library that writes videos: most pages never do.
+    const { VideoWriter } = await import('./video-writer.ts');
+    const { camera, shownFrame } = this.#viewer;
+    signal.throwIfAborted();
+    if (!shownFrame) throw new Error('There is no frame any more.');
+    const { engine, centred: frame } = shownFrame;
+    const { isFlipped, accuracy } = this.#store.getState();
+    const [first] = path;
+    const clouds = frame.clouds.map((cloud) =>
+      first.isFlipped === isFlipped ? cloud : { ...cloud, modelMatrix: flippedMatrix(cloud.modelMatrix) },
+    );
+    const { width: widthPx, height: heightPx } = codec.config;
+    const [red, green, blue] = frame.background ?? [0, 0, 0];
+    const poses = path.map(({ pose }) => pose);
+    const frames = frameCount(path.length, framesPerS);
+    const writer = new VideoWriter(codec, framesPerS);
+    // A view of its own: the screen's image stays, and the memory goes when the video is there.
+    const view = engine.createView();
+    try {
+      for (let i = 0; i < frames; i++) {
+        const pose = poseOnPath(poses, placeOfFrame(i, path.length, framesPerS));
+        const seen = camera.cameraOf({ ...first, pose }, widthPx / heightPx);
+        view.render({ ...frame, clouds, accuracy, camera: seen, widthPx, heightPx, detail: 'full' });
+        await view.whenComplete();
+        const { data } = await view.readPixels();
+        signal.throwIfAborted();
+        await writer.add(onBackground(data, [red, green, blue]));
+        signal.throwIfAborted();
+        onDrawn(i + 1);
+      }
+      return await writer.finish();
+    } catch (error) {
+      writer.abort();
+      throw error;
+    } finally {
+      view.destroy();
+    }
+  }
+}
+
+/** Those of a viewer. */
+export const videosOf = perViewer((viewer, store) => new Videos(viewer, store));

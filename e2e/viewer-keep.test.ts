@@ -1,0 +1,165 @@
+import { encodePly, readSplats } from '@websplatter/core';
+import { writeSplats } from '@websplatter/core/write';
+import type { Page } from 'playwright-core';
+import { expect, it } from 'vitest';
+import { testScene } from './test-scene.ts';
+import { CHEAPLY, press, textOf, viewerHarness, waitForNotice, waitForScene } from './viewer-page.ts';
+
+/** More than a sample has, in several buckets. */
+const ply = encodePly(testScene(240_000));
+const bricks = await writeSplats(await readSplats(ply, { shPrecision: 'f32' }), 'bricks');
+const harness = viewerHarness({ 'large.ply': ply });
+/** Files above a megabyte are large. */
+const ADDRESS = `?scene=still-life-small&keep=1000000&${CHEAPLY}`;
+const SMALL_SCENE = 'Still life, small';
+/** A part of the work after which some of the bricks are made, and one that is done without any. */
+const [SOME_BRICKS, LEAST_GONE_ON] = [0.5, 0.25];
+
+/** Parts of the work that the page has told since the file was dropped. */
+declare const toldParts: number[];
+
+/** A page of its own with a small scene. @param initScript runs before the page's own. */
+async function openViewer(initScript = () => {}): Promise<Page> {
+  const page = await harness.newPage();
+  await page.addInitScript(initScript);
+  await page.goto(`${harness.server.url}${ADDRESS}`);
+  await waitForScene(page, SMALL_SCENE);
+  return page;
+}
+
+const toldTo = (page: Page) => page.evaluate(() => toldParts);
+const caption = (page: Page) => page.locator('.caption-figures').innerText();
+
+/** Drops the file, which is the same each time, as those from a disk are. */
+async function drop(page: Page): Promise<void> {
+  await page.evaluate(async () => {
+    const parts: number[] = [];
+    Object.assign(window, { toldParts: parts });
+    new MutationObserver(() => {
+      const bar = document.querySelector('[data-testid=load] progress') as HTMLProgressElement | null;
+      const phase = document.querySelector('[data-testid=load-phase]')?.textContent;
+      if (bar && phase === 'Arranging for streaming') parts.push(bar.value);
+    }).observe(document, { childList: true, attributes: true, subtree: true });
+    const bytes = await (await fetch('large.ply')).arrayBuffer();
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([bytes], 'large.ply', { lastModified: 1e12 }));
+    const canvas = document.querySelector('canvas')!;
+    for (const type of ['dragenter', 'dragover', 'drop'])
+      canvas.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+  });
+}
+
+/** The files that are kept of all scenes, by name. */
+function keptFiles(page: Page): Promise<Record<string, Uint8Array<ArrayBuffer>>> {
+  return page
+    .evaluate(async () => {
+      const root = await navigator.storage.getDirectory();
+      const folders = await root.getDirectoryHandle('websplatter-bricks').catch(() => null);
+      const found: Record<string, string> = {};
+      if (!folders) return found;
+      for await (const folder of folders.values())
+        for await (const entry of (folder as FileSystemDirectoryHandle).values()) {
+          const file = await (entry as FileSystemFileHandle).getFile();
+          const reader = new FileReader();
+          reader.readAsDataURL(file);
+          await new Promise((resolve) => reader.addEventListener('load', resolve));
+          found[entry.name] = String(reader.result).replace(/^.*,/, '');
+        }
+      return found;
+    })
+    .then((found) =>
+      Object.fromEntries(
+        Object.entries(found).map(([name, base64]) => [name, new Uint8Array(Buffer.from(base64, 'base64'))]),
+      ),
+    );
+}
+
+async function expectWholeScene(page: Page): Promise<void> {
+  const files = await keptFiles(page);
+  expect(Object.keys(files).sort()).toEqual(['about.json', 'scene.bricks', 'used']);
+  // Browsers have a zlib of their own, which packs the same bytes otherwise.
+  const options = { shPrecision: 'f32' } as const;
+  const { fileFacts: _, ...kept } = await readSplats(files['scene.bricks'], options);
+  const { fileFacts: __, ...expected } = await readSplats(bricks, options);
+  expect(kept).toEqual(expected);
+}
+
+it('shows a sample of a large file at once, then streams all of it, at once the next time', async () => {
+  const page = await openViewer();
+  await drop(page);
+  await page.waitForFunction(() => document.title.startsWith('large.ply'));
+  await expect.poll(() => textOf(page, 'load-phase')).toBe('Arranging for streaming');
+  expect(await caption(page)).toMatch('200,000');
+  // Another window waits for the same work.
+  const other = await page.context().newPage();
+  await other.goto(`${harness.server.url}${ADDRESS}`);
+  await waitForScene(other, SMALL_SCENE);
+  await drop(other);
+  for (const each of [page, other]) {
+    await waitForScene(each, 'large.ply');
+    expect(await caption(each)).toMatch('240,000');
+  }
+  await expectWholeScene(page);
+  expect(await toldTo(other)).toEqual([]);
+  const parts = await toldTo(page);
+  expect(parts).toEqual(parts.toSorted((a, b) => a - b));
+  expect(parts.at(-1)).toBe(1);
+
+  await other.goto(`${harness.server.url}${ADDRESS}`);
+  await waitForScene(other, SMALL_SCENE);
+  await drop(other);
+  await waitForScene(other, 'large.ply');
+  expect(await toldTo(other)).toEqual([]);
+  await page.close();
+  // It is on the screen.
+  await press(other, 'command-clouds');
+  await press(other, 'remove-kept');
+  await other.getByText('large.ply is in use').waitFor();
+  await other.goto(`${harness.server.url}${ADDRESS}`);
+  await waitForScene(other, SMALL_SCENE);
+  await press(other, 'command-clouds');
+  expect(await textOf(other, 'kept')).toMatch(/^large\.ply5\.\d MB/);
+  await press(other, 'remove-kept');
+  await other.getByTestId('kept').waitFor({ state: 'detached' });
+  expect(await keptFiles(other)).toEqual({});
+});
+
+it('goes on with work that was cancelled, or ended with its page, and has helpers', async () => {
+  const page = await openViewer(() => {
+    Object.defineProperty(Navigator.prototype, 'hardwareConcurrency', { get: () => 4 });
+  });
+  const lastPart = async () => Math.max(0, ...(await toldTo(page)));
+  await drop(page);
+  await expect.poll(lastPart, { interval: 20 }).toBeGreaterThan(SOME_BRICKS);
+  await press(page, 'cancel-load');
+  await waitForNotice(page, 'Opening large.ply was cancelled.');
+  await waitForScene(page, SMALL_SCENE);
+  expect(Object.keys(await keptFiles(page))).toContain('journal');
+  await press(page, 'command-clouds');
+  expect(await textOf(page, 'kept')).toMatch(/^large\.ply\d+ MB, not finished/);
+
+  await drop(page);
+  await expect.poll(lastPart).toBeGreaterThan(0);
+  const [first] = await toldTo(page);
+  expect(first).toBeGreaterThan(LEAST_GONE_ON);
+  await page.goto(`${harness.server.url}${ADDRESS}`);
+  await waitForScene(page, SMALL_SCENE);
+  await drop(page);
+  await waitForScene(page, 'large.ply');
+  expect((await toldTo(page))[0]).toBeGreaterThanOrEqual(first);
+  await expectWholeScene(page);
+});
+
+it('says how much room it needs where that lacks, and shows the sample', async () => {
+  const page = await openViewer();
+  const session = await page.context().newCDPSession(page);
+  const origin = new URL(harness.server.url).origin;
+  await session.send('Storage.overrideQuotaForOrigin', { origin, quotaSize: 2e7 });
+  await drop(page);
+  await waitForScene(page, 'large.ply', 'error');
+  expect(await textOf(page, 'error')).toMatch('Only some splats of large.ply are shown');
+  expect(await textOf(page, 'error-message')).toMatch(
+    /needs \d+ MB of this browser's storage, which has \d+ MB left/,
+  );
+  expect(await caption(page)).toMatch('200,000');
+});
