@@ -49,7 +49,7 @@ const unitTests = [
   'apps/*/src/**/*.test.{ts,tsx}',
 ];
 const gpuTests = 'packages/*/src/**/*.gpu.test.ts';
-const longGpuTests = ['packages/*/src/**/*.long.gpu.test.ts', 'packages/hardcases/src/**/*.gpu.test.ts'];
+const longTests = ['packages/*/src/**/*.long{,.gpu}.test.ts', 'packages/hardcases/src/**/*.gpu.test.ts'];
 /** A process of the terminal remembers which rasteriser was faster. */
 const terminalTests = 'packages/cli/src/*.gpu.test.ts';
 
@@ -95,7 +95,7 @@ const groups: TestProjectInlineConfiguration[][] = [
         name: 'unit',
         pool: 'threads',
         include: unitTests,
-        exclude: [gpuTests, ...mockingTests],
+        exclude: [gpuTests, ...longTests, ...mockingTests],
       },
     },
     {
@@ -111,16 +111,16 @@ const groups: TestProjectInlineConfiguration[][] = [
         ...inSharedProcesses,
         name: 'gpu',
         include: [gpuTests],
-        exclude: [...longGpuTests, ...apartGpuTests],
+        exclude: [...longTests, ...apartGpuTests],
       },
     },
     {
       ...resolvedBy(conditions),
-      test: { ...gpu, name: 'gpu-apart', include: apartGpuTests, exclude: longGpuTests },
+      test: { ...gpu, name: 'gpu-apart', include: apartGpuTests, exclude: longTests },
     },
     e2e('smoke', smokeTests),
   ],
-  [{ ...resolvedBy(conditions), test: { ...gpu, name: 'full:gpu', include: longGpuTests } }],
+  [{ ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } }],
   [e2e('full:viewer', viewerTests)],
   [e2e('full:hosts', hostTests)],
   [e2e('full:second-webgpu', secondWebGpuTests)],

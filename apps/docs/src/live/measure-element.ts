@@ -52,7 +52,7 @@ export function defineMeasure(kitUrl: URL): void {
           const measured = await module[kind]({
             signal: running.signal,
             onProgress: ({ done, total, label }) => {
-              status.textContent = `${label}: ${done} of ${total}`;
+              status.textContent = `${Math.floor((100 * done) / total)} %: ${label}`;
             },
           });
           status.textContent = '';
