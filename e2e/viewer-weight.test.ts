@@ -149,12 +149,18 @@ describe('the toolbar of small windows', () => {
     await page.evaluate(() => {
       const buttons = Array.from({ length: 17 }, () => ({ value: 0, pressed: false, touched: false }));
       const pad = { index: 0, connected: true, mapping: 'standard', axes: [0, 0, 1, 0], buttons };
-      navigator.getGamepads = () => (pad.connected ? [pad] : []) as unknown as Gamepad[];
+      let polls = 0;
+      navigator.getGamepads = () => {
+        document.documentElement.dataset.polls = `${++polls}`;
+        return (pad.connected ? [pad] : []) as unknown as Gamepad[];
+      };
       addEventListener('let-go', () => {
         pad.connected = false;
       });
       dispatchEvent(new Event('gamepadconnected'));
     });
+    // No time has passed at the first refresh that asks for the stick, so that the view turns later.
+    await page.waitForFunction(() => Number(document.documentElement.dataset.polls) > 2);
     await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === undefined);
     await page.evaluate(() => void dispatchEvent(new Event('let-go')));
     await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting !== undefined);
