@@ -40,6 +40,7 @@ export abstract class ViewedStream implements CloudStream {
     if (this.error instanceof SplatSourceError) this.retry();
   };
   #isTurnDue = false;
+  #isFollowDue = false;
   #isShown = false;
   /** Time that a part took with all that draws it, at best, ms. */
   #partMs = Number.POSITIVE_INFINITY;
@@ -67,6 +68,23 @@ export abstract class ViewedStream implements CloudStream {
   /** Views see something else, what is there may change again, or what failed is to be fetched. */
   protected abstract follow(): void;
 
+  /**
+   * Lets `follow` be called once for all that happens in a turn of the thread. Frames are submitted
+   * first, so that the device draws meanwhile.
+   */
+  protected followSoon(): void {
+    if (this.#isFollowDue) return;
+    this.#isFollowDue = true;
+    queueMicrotask(() => this.catchUp());
+  }
+
+  /** Follows now what is to be followed soon: before anything is told of it. */
+  protected catchUp(): void {
+    if (!this.#isFollowDue) return;
+    this.#isFollowDue = false;
+    this.follow();
+  }
+
   /** Resolves when the device has done all that was submitted. */
   protected abstract whenDone(): Promise<unknown>;
 
@@ -80,6 +98,7 @@ export abstract class ViewedStream implements CloudStream {
   protected abstract change(mostParts: number): number;
 
   get complete(): Promise<void> | null {
+    this.catchUp();
     return this.#wait?.complete ?? null;
   }
 
@@ -119,7 +138,7 @@ export abstract class ViewedStream implements CloudStream {
     this.#isShown = true;
     const begin = () => {
       this.isPictured = true;
-      this.follow();
+      this.followSoon();
     };
     // Hosts submit it before they yield.
     queueMicrotask(() => this.whenDone().then(begin, begin));
@@ -137,7 +156,7 @@ export abstract class ViewedStream implements CloudStream {
       this.#sights = null;
       this.#foreseen = null;
     }
-    this.follow();
+    this.followSoon();
   }
 
   subscribe(listener: () => void): () => void {
@@ -151,7 +170,7 @@ export abstract class ViewedStream implements CloudStream {
     this.#stale.delete(view);
     this.#sights = null;
     this.#foreseen = null;
-    if (this.#viewers.delete(view)) this.follow();
+    if (this.#viewers.delete(view)) this.followSoon();
   }
 
   hold(until: Promise<unknown>): void {
@@ -161,14 +180,14 @@ export abstract class ViewedStream implements CloudStream {
     const release = () => {
       this.#holds.delete(until);
       for (const each of frames) each.end(performance.now());
-      this.follow();
+      this.followSoon();
     };
     until.then(release, release);
   }
 
   retry(): void {
     this.error = null;
-    this.follow();
+    this.followSoon();
   }
 
   end(): void {
@@ -231,6 +250,7 @@ export abstract class ViewedStream implements CloudStream {
   #takeTurn(): void {
     this.#isTurnDue = false;
     if (this.isEnded || this.#holds.size > 0) return;
+    this.catchUp();
     const startMs = performance.now();
     const stepMs = this.#viewersInMotion.reduce(
       (least, { ownFrames }) => Math.min(least, ownFrames.stepMs),
@@ -242,7 +262,7 @@ export abstract class ViewedStream implements CloudStream {
     if (parts > 0) {
       const drawn = this.redraw();
       if (isAtRest) void this.#timeParts(parts, startMs, drawn);
-    } else this.follow();
+    } else this.followSoon();
   }
 
   /** Settles when what is there may change. */
@@ -262,7 +282,7 @@ export abstract class ViewedStream implements CloudStream {
       else drawn.push(this.#redraw(view, viewer));
     }
     if (this.#isBehind) this.#awaitRest();
-    this.follow();
+    this.followSoon();
     return drawn;
   }
 
@@ -301,7 +321,7 @@ export abstract class ViewedStream implements CloudStream {
       }
       this.#foreseen = null;
       if (this.#isBehind || this.foreseen.length > 0) this.#awaitRest();
-      this.follow();
+      this.followSoon();
     }, Math.ceil(restMs));
   }
 
@@ -317,7 +337,7 @@ export abstract class ViewedStream implements CloudStream {
       await viewer.redraw().catch(() => {});
     }
     this.#drawing.delete(view);
-    if (!this.isEnded) this.follow();
+    if (!this.isEnded) this.followSoon();
   }
 }
 

@@ -62,6 +62,7 @@ export class BrickStream extends ViewedStream {
   }
 
   report(): StreamReport {
+    this.catchUp();
     const { lowest, upper } = this.#pool.slots;
     return {
       bricks: this.#scene.brickCount,
@@ -82,6 +83,7 @@ export class BrickStream extends ViewedStream {
   }
 
   lackingCells(): Set<number> {
+    this.catchUp();
     return new Set(this.#missing.map(({ above }) => above.cell));
   }
 
@@ -206,7 +208,7 @@ export class BrickStream extends ViewedStream {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.error = error as Error;
     }
-    this.follow();
+    this.followSoon();
   }
 
   protected whenDone(): Promise<unknown> {

@@ -59,6 +59,7 @@ export class LeafStream extends ViewedStream {
   }
 
   report(): StreamReport {
+    this.catchUp();
     const sum = (chunksOf: (placed: PlacedLeaf, i: number) => number) =>
       this.#placed.reduce((total, placed, i) => total + chunksOf(placed, i), 0);
     const missing = (_: PlacedLeaf, i: number) => this.#missingChunks(i, this.#plan[i]);
@@ -84,6 +85,7 @@ export class LeafStream extends ViewedStream {
   }
 
   lackingCells(): Set<number> {
+    this.catchUp();
     const lacking = this.#placed.filter((_, i) => this.#missingChunks(i, this.#plan[i]) > 0);
     const runs = lacking.flatMap(({ finer, coarsest }) => (finer?.splats ?? coarsest)?.runs ?? []);
     return new Set(runs.flatMap(({ cells, first }) => cells.map((_, i) => first + i)));
@@ -227,7 +229,7 @@ export class LeafStream extends ViewedStream {
       if (!signal.aborted) this.error = error as Error;
     }
     this.#fetches.delete(file);
-    this.follow();
+    this.followSoon();
   }
 
   /** Makes ready a level of a leaf. */

@@ -29,21 +29,21 @@ export async function decodeHarmonics(
   for (let at = firstComponent; at < headBytes; at += componentBytes)
     planeCount += head.getUint8(at) & IS_WIDE ? 2 : 1;
   if (bytes.length !== headBytes + planeCount * count) return null;
-  const axes = new Float64Array(components * width);
-  const values = new Int32Array(components * count);
+  // Per coefficient, its factor of each component; per leaf, its value of each.
+  const factors = new Float64Array(width * components);
+  const values = new Float64Array(count * components);
   const planes = new PlaneReader(bytes, count, headBytes);
   for (let component = 0; component < components; component++) {
     const at = firstComponent + component * componentBytes;
     const flags = head.getUint8(at);
     const length = head.getFloat32(at + 1, true);
     for (let k = 0; k < width; k++)
-      axes[component * width + k] = length * head.getInt8(at + COMPONENT_BYTES + k);
+      factors[k * components + component] = length * head.getInt8(at + COMPONENT_BYTES + k);
     const isDifference = (flags & IS_DIFFERENCE) !== 0;
-    const first = component * count;
     let value = 0;
     const take = (leaf: number, bits: number) => {
       value = unzigzag(bits) + (isDifference ? value : 0);
-      values[first + leaf] = value;
+      values[leaf * components + component] = value;
     };
     if (flags & IS_WIDE) planes.wide(take);
     else planes.narrow(take);
@@ -52,18 +52,67 @@ export async function decodeHarmonics(
     head.getFloat32(HARMONICS_HEAD_BYTES + 4 * k, true),
   );
   const coefficients = new Float32Array(count * width);
-  // Leaf by leaf, in half of the time that it takes component by component.
-  const sums = new Float64Array(width);
-  for (let leaf = 0; leaf < count; leaf++) {
-    if (leaf % CHUNK_SPLATS === 0) await turns.give();
-    sums.set(means);
-    for (let component = 0; component < components; component++) {
-      const value = values[component * count + leaf];
-      if (value === 0) continue;
-      const axis = component * width;
-      for (let k = 0; k < width; k++) sums[k] += value * axes[axis + k];
-    }
-    coefficients.set(sums, leaf * width);
+  let isFinite = true;
+  for (let start = 0; start < count; start += CHUNK_SPLATS) {
+    await turns.give();
+    const end = Math.min(start + CHUNK_SPLATS, count);
+    isFinite = addComponents(coefficients, { means, factors, values }, start, end) && isFinite;
   }
-  return coefficients.every(Number.isFinite) ? coefficients : null;
+  return isFinite ? coefficients : null;
+}
+
+interface Components {
+  readonly means: Float64Array;
+  readonly factors: Float64Array;
+  readonly values: Float64Array;
+}
+
+/**
+ * Writes the coefficients of leaves from `start` to `end`: most of the time that a brick takes.
+ * Returns whether all are finite.
+ */
+function addComponents(
+  coefficients: Float32Array,
+  { means, factors, values }: Components,
+  start: number,
+  end: number,
+): boolean {
+  const width = means.length;
+  const components = factors.length / width;
+  // What is not finite makes this NaN.
+  let zero = 0;
+  // Two leaves and three channels at once take a third of the time of one by one: less is read.
+  for (let leaf = start; leaf < end; leaf += 2) {
+    const a = leaf * components;
+    // The last one, where they are odd, is written twice.
+    const next = Math.min(leaf + 1, end - 1);
+    const b = next * components;
+    for (let k = 0; k < width; k += 3) {
+      let [redA, greenA, blueA] = [means[k], means[k + 1], means[k + 2]];
+      let [redB, greenB, blueB] = [redA, greenA, blueA];
+      const red = k * components;
+      const green = red + components;
+      const blue = green + components;
+      for (let i = 0; i < components; i++) {
+        const [valueA, valueB] = [values[a + i], values[b + i]];
+        redA += valueA * factors[red + i];
+        redB += valueB * factors[red + i];
+        greenA += valueA * factors[green + i];
+        greenB += valueB * factors[green + i];
+        blueA += valueA * factors[blue + i];
+        blueB += valueB * factors[blue + i];
+      }
+      const atA = leaf * width + k;
+      const atB = next * width + k;
+      coefficients[atA] = redA;
+      coefficients[atA + 1] = greenA;
+      coefficients[atA + 2] = blueA;
+      coefficients[atB] = redB;
+      coefficients[atB + 1] = greenB;
+      coefficients[atB + 2] = blueB;
+      for (let channel = 0; channel < 3; channel++)
+        zero += 0 * coefficients[atA + channel] + 0 * coefficients[atB + channel];
+    }
+  }
+  return zero === 0;
 }
