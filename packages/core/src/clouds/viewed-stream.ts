@@ -170,7 +170,7 @@ export abstract class ViewedStream implements CloudStream {
     this.#stale.delete(view);
     this.#sights = null;
     this.#foreseen = null;
-    if (this.#viewers.delete(view)) this.followSoon();
+    if (this.#viewers.delete(view)) this.follow();
   }
 
   hold(until: Promise<unknown>): void {

@@ -30,6 +30,8 @@ export async function expectReports(
   const view = engine.createView();
   const request = { ...look, clouds: [{ cloud }] };
   view.render(request);
+  // What is lacking is fetched once the frame is submitted.
+  await null;
   expect(seen.at(-1)).toMatchObject({ isComplete: false, ...fetching });
   give();
   await view.whenComplete();
@@ -53,19 +55,21 @@ export async function expectReports(
  *
  * @param signals those of the fetches that have begun.
  */
-export function expectEnds(
+export async function expectEnds(
   engine: SplatEngine,
   { cloud, ...look }: Look,
   signals: readonly AbortSignal[],
-): void {
+): Promise<void> {
   const request = { ...look, clouds: [{ cloud }] };
   const view = engine.createView();
   view.render(request);
+  await null;
   expect(signals.length).toBeGreaterThan(0);
   view.destroy();
   expect(signals.every(({ aborted }) => aborted)).toBe(true);
   const other = engine.createView();
   other.render(request);
+  await null;
   cloud.destroy();
   expect(signals.every(({ aborted }) => aborted)).toBe(true);
   other.destroy();

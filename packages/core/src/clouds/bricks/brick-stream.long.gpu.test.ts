@@ -335,7 +335,7 @@ describe('a streamed scene', () => {
       },
     };
     const cloud = await engine.stream(slow);
-    expectEnds(engine, { cloud, camera: lookFrom([0, 0, 4]), ...SIZE }, signals);
+    await expectEnds(engine, { cloud, camera: lookFrom([0, 0, 4]), ...SIZE }, signals);
     give();
     const { totalBytes } = engine.memory();
     await expect(engine.stream(scene, { signal: AbortSignal.abort(new Error('enough')) })).rejects.toThrow(

@@ -38,7 +38,7 @@ gpuTest(
         return brick;
       },
     };
-    const budgetBytes = poolBytes(scene.shDegree, { lowest: 3, upper: 3 });
+    const budgetBytes = poolBytes(scene.shDegree, { lowest: 2, upper: 3 });
     const start = async () => {
       const engine = await SplatEngine.create({
         device,

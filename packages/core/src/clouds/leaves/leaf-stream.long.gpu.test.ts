@@ -254,7 +254,7 @@ describe('a streamed SOG', () => {
       };
       const cloud = await stream(slow);
       isFirst = false;
-      expectEnds(engine, { cloud, camera: lookFrom([0, 0, 4]), ...SIZE }, signals);
+      await expectEnds(engine, { cloud, camera: lookFrom([0, 0, 4]), ...SIZE }, signals);
       give();
       const { totalBytes } = engine.memory();
       const aborted = { signal: AbortSignal.abort(new Error('enough')) };

@@ -56,6 +56,7 @@ export class LeafStream extends ViewedStream {
     this.#grow();
     for (const [i, splats] of coarsest.entries()) this.#placed[i].coarsest = splats;
     this.#roomChunks = pool.freeChunks;
+    this.#replan();
   }
 
   report(): StreamReport {

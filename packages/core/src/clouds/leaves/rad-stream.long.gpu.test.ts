@@ -253,6 +253,7 @@ describe('a .rad', () => {
     });
     const view = engine.createView();
     view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud }], ...SIZE });
+    await null;
     expect(signals.length).toBeGreaterThan(0);
     cloud.destroy();
     expect(signals.every(({ aborted: isAborted }) => isAborted)).toBe(true);

@@ -4,6 +4,7 @@ import type { GpuMemory } from '../gpu-memory.ts';
 import { GpuTimer } from './gpu-timer.ts';
 
 vi.stubGlobal('GPUBufferUsage', { QUERY_RESOLVE: 1, COPY_SRC: 2, COPY_DST: 4, MAP_READ: 8 });
+vi.stubGlobal('GPUMapMode', { READ: 1 });
 
 /** A timer on a device whose query sets are answered with `error`, or that is lost before. */
 function timerWith(error: object | null, isLost = false) {
@@ -24,7 +25,7 @@ function timerWith(error: object | null, isLost = false) {
       return error;
     },
   };
-  const memory = { createBuffer: () => ({}), destroy: () => {} };
+  const memory = { createBuffer: () => ({}), destroy: () => {}, map: vi.fn() };
   const makeTimer = () => new GpuTimer(device as unknown as GPUDevice, memory as unknown as GpuMemory);
   const timer = makeTimer();
   const writesOfNextFrame = (timer: GpuTimer) => {
@@ -37,7 +38,7 @@ function timerWith(error: object | null, isLost = false) {
     for (let turn = 0; turn < 10; turn++) await null;
   };
   const held = () => made.filter(({ isHeld }) => isHeld);
-  return { timer, makeTimer, made, held, answer, writesOfNextFrame };
+  return { timer, makeTimer, made, held, memory, answer, writesOfNextFrame };
 }
 
 test('times frames from the first on that is begun after the queries are known to work', async () => {
@@ -80,4 +81,12 @@ test('keeps no queries where it is destroyed before they are known to work', asy
   timer.destroy();
   await answer();
   expect(held()).toEqual([]);
+});
+
+test('maps nothing of a frame whose view is destroyed right after it', async () => {
+  const { timer, memory, writesOfNextFrame } = timerWith(null);
+  writesOfNextFrame(timer);
+  timer.destroy();
+  expect(await timer.read({ frame: 1, loadedSplats: 1, cutErrorPx: null })).toBeNull();
+  expect(memory.map).not.toHaveBeenCalled();
 });

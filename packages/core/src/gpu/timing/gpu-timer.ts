@@ -124,7 +124,8 @@ export class GpuTimer {
     const hasBudget = this.#hasBudget;
     const isTimed = this.#recorded !== null;
     this.#measuring = null;
-    if (!buffer) return null;
+    // A view may be destroyed between the frame that it submits and this.
+    if (!buffer || this.#isDestroyed) return null;
     try {
       const mapped = this.#memory.map(buffer, GPUMapMode.READ);
       await this.#queue.onSubmittedWorkDone();
