@@ -52,13 +52,13 @@ export async function decodeHarmonics(
     head.getFloat32(HARMONICS_HEAD_BYTES + 4 * k, true),
   );
   const coefficients = new Float32Array(count * width);
-  let isFinite = true;
+  let areFinite = true;
   for (let start = 0; start < count; start += CHUNK_SPLATS) {
     await turns.give();
     const end = Math.min(start + CHUNK_SPLATS, count);
-    isFinite = addComponents(coefficients, { means, factors, values }, start, end) && isFinite;
+    areFinite = addComponents(coefficients, { means, factors, values }, start, end) && areFinite;
   }
-  return isFinite ? coefficients : null;
+  return areFinite ? coefficients : null;
 }
 
 interface Components {
