@@ -212,7 +212,7 @@ test('any damage to a file gives splats or a typed error, however it comes', {
 }, async () => {
   const found: Record<string, number> = {};
   let slowestMs = 0;
-  await fuzz({ few: 300, many: 100_000 }, async (choices) => {
+  await fuzz({ few: 300, many: 25_000 }, async (choices) => {
     const bytes = damaged(plyBytes(fixtureOf(choices)), choices);
     const limits: ReadLimits = choices.isTrue(0.1)
       ? { maxBytes: 1 + choices.below(bytes.length + 10), maxSplats: 1 + choices.below(6) }
