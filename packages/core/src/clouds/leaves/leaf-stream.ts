@@ -23,19 +23,28 @@ interface ReadyLevel {
 
 /**
  * What is on the GPU of a leaf: its coarsest level, unless it is a part of one whose finest is not
- * there, and perhaps a finer one, which is drawn instead.
+ * there, perhaps the one that is planned, and those that were drawn before, while there is room.
  */
 interface PlacedLeaf {
-  coarsest: PlacedSplats | null;
-  finer: { readonly level: number; readonly splats: PlacedSplats } | null;
+  /** By level; null where it is not there. */
+  readonly levels: (PlacedLevel | null)[];
+  /** The level that is drawn; null where the finest of the leaf above is not. */
+  drawn: number | null;
   ready: ReadyLevel | null;
   /** Leaves that are a part of it. */
   readonly parts: number[];
 }
 
+interface PlacedLevel {
+  readonly splats: PlacedSplats;
+  /** When it was drawn last, in turns of the stream. */
+  drawnTurn: number;
+}
+
 /**
  * Keeps that level of each leaf of a scene on the GPU that its views need most, beside the coarsest
- * one. One level of a leaf is drawn, and another takes its place between two frames.
+ * one, and as many others as there is room for: views that turn back need them again. One level of
+ * a leaf is drawn, and another takes its place between two frames.
  */
 export class LeafStream extends ViewedStream {
   readonly #scene: LeafScene;
@@ -47,6 +56,7 @@ export class LeafStream extends ViewedStream {
   #plan: readonly PlannedLeaf[] = [];
   /** Files that are fetched, decoded and taken, by number. */
   readonly #fetches = new Map<number, AbortController>();
+  #turn = 0;
 
   /** @param coarsest the coarsest level of each leaf, in `pool`, which has nothing else. */
   constructor(scene: LeafScene, pool: LeafPool, coarsest: readonly PlacedSplats[]) {
@@ -54,7 +64,7 @@ export class LeafStream extends ViewedStream {
     this.#scene = scene;
     this.#pool = pool;
     this.#grow();
-    for (const [i, splats] of coarsest.entries()) this.#placed[i].coarsest = splats;
+    for (const [i, splats] of coarsest.entries()) this.#take(i, this.#coarsestOf(i), splats);
     this.#roomChunks = pool.freeChunks;
     this.#replan();
   }
@@ -75,7 +85,7 @@ export class LeafStream extends ViewedStream {
       fetching: this.#fetches.size,
       fetchedBytes: this.#scene.fetchedBytes,
       bytesPerSecond: this.#fetches.size > 0 ? this.rate.bytesPerSecond : 0,
-      isComplete: this.isSeen && this.#placed.every((_, i) => !this.#isToChange(i)),
+      isComplete: this.isSeen && this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
       error: this.error,
     };
   }
@@ -88,7 +98,7 @@ export class LeafStream extends ViewedStream {
   lackingCells(): Set<number> {
     this.catchUp();
     const lacking = this.#placed.filter((_, i) => this.#missingChunks(i, this.#plan[i]) > 0);
-    const runs = lacking.flatMap(({ finer, coarsest }) => (finer?.splats ?? coarsest)?.runs ?? []);
+    const runs = lacking.flatMap(({ levels, drawn }) => (drawn === null ? [] : levels[drawn]!.splats.runs));
     return new Set(runs.flatMap(({ cells, first }) => cells.map((_, i) => first + i)));
   }
 
@@ -98,15 +108,12 @@ export class LeafStream extends ViewedStream {
     if (this.isEnded) return;
     const { leaves } = this.#scene;
     const coarsest = this.#placed.reduce(
-      (sum, placed, i) => sum + (leaves[i].above === undefined ? placed.coarsest!.chunkCount : 0),
+      (sum, { levels }, i) => sum + (leaves[i].above === undefined ? levels.at(-1)!.splats.chunkCount : 0),
       0,
     );
     this.#roomChunks = chunkCount - coarsest;
     this.#replan();
-    for (const other of this.#unplanned()) {
-      if (this.#pool.chunkCells - this.#pool.freeChunks <= chunkCount) break;
-      if (this.#placed[other].finer) this.#coarsen(other);
-    }
+    this.#makeRoom(this.#pool.chunkCells - chunkCount);
     this.#pool = this.#pool.resized(chunkCount);
     this.redraw();
   }
@@ -137,28 +144,42 @@ export class LeafStream extends ViewedStream {
   }
 
   protected get isWaiting(): boolean {
-    return this.#placed.some((_, i) => this.#isPlaceable(i) || this.#isTooFine(i));
+    return this.#placed.some((_, i) => this.#isPlaceable(i) || this.#isDrawable(i));
   }
 
   #replan(): void {
     this.#plan = planLeaves(this.#scene.leaves, this.sights, this.#roomChunks);
   }
 
-  /** Leaves with a finer level that is not planned, those out of sight first, and parts before what they are in. */
-  #unplanned(): number[] {
-    const others = [...this.#placed.keys()].filter((i) => {
-      const { finer } = this.#placed[i];
-      return finer && finer.level !== this.#plan[i].target;
+  /**
+   * Removes what is not planned until so many chunks are free: first what is not drawn, that which
+   * was drawn longest ago, then what is, out of sight before in sight.
+   */
+  #makeRoom(chunkCount: number): void {
+    if (this.#pool.freeChunks >= chunkCount) return;
+    const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
+      const { target, isSeen } = this.#plan[leaf];
+      return levels.flatMap((placed, level) => {
+        if (!placed || level === target || level === this.#coarsestOf(leaf)) return [];
+        const drawnTurn = level === drawn ? this.#turn + 1 + Number(isSeen) : placed.drawnTurn;
+        return [{ leaf, level, drawnTurn }];
+      });
     });
-    return others.sort((a, b) => Number(this.#plan[a].isSeen) - Number(this.#plan[b].isSeen) || b - a);
+    // Parts before what they are in.
+    others.sort((a, b) => a.drawnTurn - b.drawnTurn || b.leaf - a.leaf);
+    for (const { leaf, level } of others) {
+      if (this.#pool.freeChunks >= chunkCount) return;
+      // It may have gone with what it is a part of.
+      if (this.#placed[leaf].levels[level]) this.#remove(leaf, level);
+    }
   }
 
   /** Takes in leaves that have been found. */
   #grow(): void {
     const { leaves } = this.#scene;
     for (let i = this.#placed.length; i < leaves.length; i++) {
-      this.#placed.push({ coarsest: null, finer: null, ready: null, parts: [] });
-      const { above } = leaves[i];
+      const { above, levels } = leaves[i];
+      this.#placed.push({ levels: levels.map(() => null), drawn: null, ready: null, parts: [] });
       if (above !== undefined) this.#placed[above].parts.push(i);
     }
   }
@@ -172,7 +193,8 @@ export class LeafStream extends ViewedStream {
     return [...this.#placed.keys()]
       .filter((i) => {
         const { target } = this.#plan[i];
-        return this.#isMissing(i, target) && this.#placed[i].ready?.level !== target;
+        const { levels, ready } = this.#placed[i];
+        return this.#isBetter(i, target) && levels[target] === null && ready?.level !== target;
       })
       .sort((a, b) => this.#plan[b].value - this.#plan[a].value || a - b);
   }
@@ -181,36 +203,32 @@ export class LeafStream extends ViewedStream {
     return this.#levelsOf(i)[this.#plan[i].target];
   }
 
-  /** Whether a level is to be fetched: finer than what is there, or coarser than what is seen. */
-  #isMissing(i: number, level: number, { isSeen }: PlannedLeaf = this.#plan[i]): boolean {
-    const coarsest = this.#coarsestOf(i);
-    const shown = this.#placed[i].finer?.level ?? coarsest;
-    return level < shown || (isSeen && level > shown && level < coarsest);
+  /** Whether a level is to be drawn in place of what is: a finer one, or a coarser one in sight. */
+  #isBetter(i: number, level: number, { isSeen }: PlannedLeaf = this.#plan[i]): boolean {
+    const drawn = this.#placed[i].drawn ?? this.#coarsestOf(i);
+    return level < drawn || (isSeen && level > drawn);
   }
 
-  /** Chunks of the wanted level of a leaf, if it is not there; none before a view is known. */
+  /** Chunks of the wanted level of a leaf, if it is not drawn; none before a view is known. */
   #missingChunks(i: number, plan: PlannedLeaf | undefined): number {
-    return plan && this.#isMissing(i, plan.wanted, plan) ? this.#levelsOf(i)[plan.wanted].chunkCount : 0;
+    if (!plan || plan.wanted === this.#coarsestOf(i) || !this.#isBetter(i, plan.wanted, plan)) return 0;
+    return this.#levelsOf(i)[plan.wanted].chunkCount;
   }
 
   #coarsestOf(i: number): number {
     return this.#levelsOf(i).length - 1;
   }
 
-  /** Whether a level of a leaf is ready, and what it is a part of is there. */
+  /** Whether a level of a leaf is ready, and what it is a part of is drawn. */
   #isPlaceable(i: number): boolean {
-    return this.#placed[i].ready !== null && this.#placed[i].coarsest !== null;
+    return this.#placed[i].ready !== null && this.#placed[i].drawn !== null;
   }
 
-  /** Whether a leaf in sight is to be drawn at its coarsest level, and is not. */
-  #isTooFine(i: number): boolean {
-    const { isSeen, target } = this.#plan[i];
-    return isSeen && this.#placed[i].finer !== null && target === this.#coarsestOf(i);
-  }
-
-  /** Whether another level of a leaf is to be drawn than the one that is. */
-  #isToChange(i: number): boolean {
-    return this.#isMissing(i, this.#plan[i].target) || this.#isTooFine(i);
+  /** Whether the planned level of a leaf is there, and is to be drawn in place of another. */
+  #isDrawable(i: number): boolean {
+    const { levels, drawn } = this.#placed[i];
+    const { target } = this.#plan[i];
+    return drawn !== null && levels[target] !== null && this.#isBetter(i, target);
   }
 
   /** Fetches a file and makes ready what is missing of it. */
@@ -247,58 +265,76 @@ export class LeafStream extends ViewedStream {
 
   /** Draws what is ready, and what is planned and there. */
   protected change(mostParts: number): number {
+    this.#turn++;
     let placed = 0;
-    let coarsened = 0;
+    let drawn = 0;
     // Parts follow what they are a part of.
     for (const [i, { ready }] of this.#placed.entries()) {
       if (ready && this.#isPlaceable(i)) {
         if (placed >= mostParts) continue;
         this.#place(i, ready);
         placed++;
-      } else if (this.#isTooFine(i)) {
-        this.#coarsen(i);
-        coarsened++;
+      } else if (this.#isDrawable(i)) {
+        this.#draw(i, this.#plan[i].target);
+        drawn++;
       }
     }
-    return placed + coarsened;
+    return placed + drawn;
   }
 
   #place(i: number, { level, pieces, parts }: ReadyLevel): void {
-    const placed = this.#placed[i];
-    placed.ready = null;
+    this.#placed[i].ready = null;
     const chunkCount = [...pieces, ...parts.flatMap((part) => part.pieces)].reduce(
       (sum, { cells }) => sum + cells.length,
       0,
     );
-    if (placed.finer) this.#strip(i);
-    else this.#pool.show(placed.coarsest!, false);
     // All that is planned has room: so what is not goes.
-    for (const other of this.#unplanned()) {
-      if (this.#pool.freeChunks >= chunkCount) break;
-      if (this.#placed[other].finer) this.#coarsen(other);
+    this.#makeRoom(chunkCount);
+    this.#hide(i);
+    this.#take(i, level, this.#pool.place(pieces, level));
+    for (const { leaf, pieces } of parts) {
+      const coarsest = this.#coarsestOf(leaf);
+      this.#take(leaf, coarsest, this.#pool.place(pieces, coarsest));
     }
-    placed.finer = { level, splats: this.#pool.place(pieces, level) };
-    for (const part of parts)
-      this.#placed[part.leaf].coarsest = this.#pool.place(part.pieces, this.#coarsestOf(part.leaf));
   }
 
-  /** Draws the coarsest level of a leaf instead of a finer one. */
-  #coarsen(i: number): void {
-    this.#strip(i);
-    this.#pool.show(this.#placed[i].coarsest!, true);
+  /** Takes in a level of a leaf that has been placed, and is drawn. */
+  #take(i: number, level: number, splats: PlacedSplats): void {
+    this.#placed[i].levels[level] = { splats, drawnTurn: this.#turn };
+    this.#placed[i].drawn = level;
   }
 
-  /** Takes out the finer level of a leaf, with all that is a part of it. */
-  #strip(i: number): void {
-    const placed = this.#placed[i];
-    for (const part of placed.parts) {
-      const { coarsest, finer } = this.#placed[part];
-      if (finer) this.#strip(part);
-      if (coarsest) this.#pool.remove(coarsest);
-      this.#placed[part].coarsest = null;
+  /** Draws a level of a leaf that is there instead of another. */
+  #draw(i: number, level: number): void {
+    this.#hide(i);
+    const { levels, parts } = this.#placed[i];
+    this.#pool.show(levels[level]!.splats, true);
+    this.#placed[i].drawn = level;
+    if (level === 0) for (const part of parts) this.#draw(part, this.#coarsestOf(part));
+  }
+
+  /** Draws nothing of a leaf, and of what is a part of it. */
+  #hide(i: number): void {
+    const { levels, drawn, parts } = this.#placed[i];
+    if (drawn === null) return;
+    const placed = levels[drawn]!;
+    placed.drawnTurn = this.#turn;
+    this.#pool.show(placed.splats, false);
+    this.#placed[i].drawn = null;
+    if (drawn === 0) for (const part of parts) this.#hide(part);
+  }
+
+  /** Removes a level of a leaf, with all that is a part of it; the coarsest is drawn if it was. */
+  #remove(i: number, level: number): void {
+    const { levels, drawn, parts } = this.#placed[i];
+    if (level === drawn) this.#draw(i, this.#coarsestOf(i));
+    this.#pool.remove(levels[level]!.splats);
+    levels[level] = null;
+    if (level > 0) return;
+    for (const part of parts) {
+      const { levels } = this.#placed[part];
       this.#placed[part].ready = null;
+      for (let each = levels.length - 1; each >= 0; each--) if (levels[each]) this.#remove(part, each);
     }
-    this.#pool.remove(placed.finer!.splats);
-    placed.finer = null;
   }
 }
