@@ -61,6 +61,8 @@ export interface SplatCloudOptions {
 export interface CloudPool {
   /** Most splats and blobs that a frame draws of what is there. */
   readonly capacity: number;
+  /** One `Chunk` struct per chunk, as of now; a buffer that has been read never changes. */
+  readonly chunks: ArrayBuffer;
 }
 
 /** Facts about a cloud's splats, besides its planes. */
@@ -114,8 +116,6 @@ export class SplatCloud {
   readonly sources: readonly CloudSource[];
   /** @internal */
   readonly sourceOptions: SourceOptions;
-  /** @internal One `Chunk` struct per chunk; never changes, but another may take its place. */
-  chunks: ArrayBuffer;
   /** @internal */
   planes: CloudPlanes;
   /** @internal */
@@ -153,6 +153,7 @@ export class SplatCloud {
    */
   readonly uploaded: Promise<void>;
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
+  #chunks: ArrayBuffer;
   #levelsMade: Promise<void> | null = null;
   #levelsLack: Error | null = null;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
@@ -177,7 +178,7 @@ export class SplatCloud {
     this.fileIndices = contents.fileIndices;
     this.sources = [source ?? []].flat();
     this.sourceOptions = options.sourceOptions ?? {};
-    this.chunks = contents.chunks;
+    this.#chunks = contents.chunks;
     this.isPreview = isPreview;
     this.pool = options.pool ?? null;
     this.visibleLimit = visibleLimit;
@@ -339,6 +340,16 @@ export class SplatCloud {
     return this.isDestroyed || this.isPreview ? 0 : this.planes.bytes + (this.levels?.bytes ?? 0);
   }
 
+  /** @internal One `Chunk` struct per chunk; never changes, but another may take its place. */
+  get chunks(): ArrayBuffer {
+    // Parts of a scene come and go more often than their chunks are read.
+    return this.pool?.chunks ?? this.#chunks;
+  }
+
+  set chunks(chunks: ArrayBuffer) {
+    this.#chunks = chunks;
+  }
+
   /** Whether the cloud, or its engine, was destroyed. */
   get isDestroyed(): boolean {
     return this.#endedBecause !== null;
@@ -365,14 +376,13 @@ export class SplatCloud {
    */
   takePool(
     pool: CloudPool & Levels,
-    { planes, fileIndices, chunks }: Pick<SplatCloud, 'planes' | 'fileIndices' | 'chunks'>,
+    { planes, fileIndices }: Pick<SplatCloud, 'planes' | 'fileIndices'>,
     checked: Promise<void> | null,
   ): void {
     this.pool = pool;
     this.levels = pool;
     this.planes = planes;
     this.fileIndices = fileIndices;
-    this.chunks = chunks;
     this.version++;
     this.#awaitMemory(checked).catch(() => {});
   }

@@ -154,9 +154,10 @@ gpuTest(
       geometryPrecision: whole.precisions.geometry[0],
       shPrecision: whole.precisions.sh[0],
     };
+    const contents = { ...whole, chunks: whole.chunks, precision };
     const seenWith = async (visibleLimit?: number) => {
       const options = { name: 'limited', isPreview: true, visibleLimit };
-      const cloud = new SplatCloud(device, whole.planes, { ...whole, precision }, options);
+      const cloud = new SplatCloud(device, whole.planes, contents, options);
       const request = { ...SIZE, camera: OVERVIEW, clouds: [{ cloud }], force: true };
       const { visibleSplats: visible } = await drawMeasured(engine, view, request);
       return { pixels: (await view.readPixels()).data, visible, room: view.shape?.visibleCapacity };
@@ -170,12 +171,7 @@ gpuTest(
     expect(some.pixels).not.toEqual(all.pixels);
     // Beside another cloud there is room for all of both.
     const { planes } = whole;
-    const limited = new SplatCloud(
-      device,
-      planes,
-      { ...whole, precision },
-      { name: 'limited', visibleLimit: 9 },
-    );
+    const limited = new SplatCloud(device, planes, contents, { name: 'limited', visibleLimit: 9 });
     await draw(view, { ...SIZE, camera: OVERVIEW, clouds: [{ cloud: limited }, { cloud: whole }] });
     expect(view.shape?.visibleCapacity).toBe(6000);
     engine.destroy();

@@ -7,7 +7,7 @@ import type { LeafLevel, LeafScene, SceneLeaf } from '../data/bricks/leaf-scene.
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import { ChunkLinks } from '../data/layout/level-structs.ts';
+import { ChunkLinks, LevelCell } from '../data/layout/level-structs.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { nextTask } from '../data/turns.ts';
 import { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -15,6 +15,9 @@ import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { seededRandom } from './seeded-random.ts';
 import { signalOf } from './signal.ts';
+
+/** Less than what bounds have that are in no frustum. */
+const NOWHERE = 1e17;
 
 export const SIZE = { widthPx: 96, heightPx: 64 };
 
@@ -90,7 +93,7 @@ function shownNumbers(cloud: SplatCloud): number[] {
   const words = new Float32Array(cloud.chunks);
   const chunkCount = words.length / CHUNK_WORDS.count;
   return Array.from({ length: chunkCount }, (_, chunk) => chunk)
-    .filter((chunk) => words[CHUNK_WORDS.count * chunk + CHUNK_WORDS.minPosition] < 1e17)
+    .filter((chunk) => words[CHUNK_WORDS.count * chunk + CHUNK_WORDS.minPosition] < NOWHERE)
     .map((chunk) => cloud.fileIndices[CHUNK_SPLATS * chunk]);
 }
 
@@ -137,8 +140,11 @@ async function drawnNumbers(device: GPUDevice, cloud: SplatCloud): Promise<numbe
   const cellsOf = (pages: Uint32Array[]) =>
     pages.flatMap((words) => [...words].filter((_, i) => i % ChunkLinks.words === 0));
   expect(cellsOf(blobLinks)).toEqual(cellsOf(links));
+  const cells = await readWords(device, levels.cells);
+  const nearest = new Float32Array(cells.buffer);
+  const cellWords = LevelCell.bytes / 4;
   return cellsOf(links).flatMap((cell, chunk) =>
-    cell === chunk ? [cloud.fileIndices[CHUNK_SPLATS * chunk]] : [],
+    cell === chunk && nearest[cellWords * cell] < NOWHERE ? [cloud.fileIndices[CHUNK_SPLATS * chunk]] : [],
   );
 }
 

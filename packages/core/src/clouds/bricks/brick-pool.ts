@@ -24,7 +24,7 @@ import {
   LINKS_BYTES,
   makeBlobPage,
   mergeStages,
-  nowhereCell,
+  nowhereCells,
   poolBuffer,
   shBytes,
   upperBindings,
@@ -198,6 +198,10 @@ export class BrickPool implements Levels {
   /** Most splats and blobs that a frame draws of what is there. */
   get capacity(): number {
     return BRICK_LEAVES * (this.slots.lowest + this.slots.upper);
+  }
+
+  get chunks(): ArrayBuffer {
+    return this.#chunks.words.buffer;
   }
 
   /** Free slots for bricks of a level. */
@@ -439,16 +443,14 @@ export class BrickPool implements Levels {
   /** Fills everything with nothing. */
   #clear(): void {
     const { queue } = this.#context.device;
-    queue.writeBuffer(this.cells, LevelCell.bytes * this.#nowhere, nowhereCell(this.#nowhere));
+    queue.writeBuffer(this.cells, LevelCell.bytes * this.#nowhere, nowhereCells(this.#nowhere, 1));
     for (let slot = 0; slot < this.slots.lowest; slot++) this.#clearLinks('lowest', slot);
     for (let slot = 0; slot < this.slots.upper; slot++) this.#clearLinks('upper', slot);
     this.#chunks.unbound(0, this.chunkCells);
   }
 
   #changed(): void {
-    if (!this.#cloud) return;
-    this.#cloud.chunks = this.#chunks.words.buffer;
-    this.#cloud.version++;
+    if (this.#cloud) this.#cloud.version++;
   }
 }
 

@@ -223,16 +223,6 @@ export class ChunkPages {
     for (const links of this.splatLinks) this.#memory.destroy(links);
   }
 
-  /** Draws chunks that have been merged, or does not. */
-  show(chunks: readonly number[], isShown: boolean): void {
-    for (const chunk of chunks) {
-      const { page, chunk: at } = this.#placeOf(chunk);
-      const cell = Uint32Array.of(isShown ? chunk : this.#nowhere);
-      for (const links of [this.splatLinks[page], this.blobPages[page].links])
-        this.#device.queue.writeBuffer(links, LINKS_BYTES * at + 4 * CELL_WORD, cell);
-    }
-  }
-
   /** Takes out what chunks hold. */
   clear(first: number, count: number): void {
     const { page, chunk } = this.#placeOf(first);
@@ -353,13 +343,13 @@ export function emptyLinks(
   return links;
 }
 
-/** The cell of chunks that hold nothing: in no frustum. */
-export function nowhereCell(nowhere: number): ArrayBuffer {
-  return LevelCell.pack({
-    minPosition: [NOWHERE, NOWHERE, NOWHERE],
-    maxPosition: [-NOWHERE, -NOWHERE, -NOWHERE],
-    parent: nowhere,
-  });
+/** Cells in no frustum. @param nowhere the one of chunks that hold nothing. */
+export function nowhereCells(nowhere: number, count: number): ArrayBuffer {
+  const contents = new ArrayBuffer(LevelCell.bytes * count);
+  const [min, max] = [NOWHERE, -NOWHERE].map((value) => [value, value, value]);
+  for (let i = 0; i < count; i++)
+    LevelCell.write(contents, { minPosition: min, maxPosition: max, parent: nowhere }, LevelCell.bytes * i);
+  return contents;
 }
 
 /** Writes the cells of a pool from `first` on. @param parent the cell above. */

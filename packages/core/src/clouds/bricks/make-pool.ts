@@ -58,8 +58,8 @@ export function resizedPool<Pool extends CloudPool & Levels>(
 ): Pool | null {
   if (growthBytes > memory.availableBytes) return null;
   const { result, checked } = memory.guard(cloud.name, POOL_ADVICE, make);
-  const { planes, rows, words } = result.pages;
-  cloud.takePool(result.pool, { planes, fileIndices: rows, chunks: words.buffer }, checked);
+  const { planes, rows } = result.pages;
+  cloud.takePool(result.pool, { planes, fileIndices: rows }, checked);
   return result.pool;
 }
 
@@ -122,7 +122,7 @@ export function streamedCloud(
     dropped: {},
     fileIndices: pages.rows,
     facts,
-    chunks: pages.words.buffer,
+    chunks: pool.chunks,
     precision: STREAM_PRECISION,
   };
   const cloud = new SplatCloud(device, pages.planes, contents, { ...options, name, pool });

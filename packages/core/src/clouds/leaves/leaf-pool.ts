@@ -12,7 +12,7 @@ import {
   freeBlobPage,
   makeBlobPage,
   mergeStages,
-  nowhereCell,
+  nowhereCells,
   poolBuffer,
   shBytes,
   writeCells,
@@ -144,46 +144,56 @@ export class LeafPool implements Levels, CloudPool {
     return CHUNK_SPLATS * this.chunkCells;
   }
 
+  get chunks(): ArrayBuffer {
+    return this.#chunks.words.buffer;
+  }
+
   get freeChunks(): number {
     return this.chunkCells - this.#takenChunks;
   }
 
   /**
-   * Puts splats into free chunks, of which there must be enough, makes their blobs and draws them.
+   * Puts splats into free chunks, of which there must be enough, and makes their blobs; `show` draws
+   * them.
    *
    * @param level that of the leaf that they are; 0 is the finest.
    */
-  place(pieces: readonly SplatCells[], level: number): PlacedSplats {
-    const runs = pieces.flatMap((piece) => this.#write(piece));
-    const chunkCount = runs.reduce((sum, { cells }) => sum + cells.length, 0);
-    const placed = { runs, chunkCount, level, isShown: true };
+  place(piece: SplatCells, level: number): PlacedSplats {
+    const placed = { runs: this.#write(piece), chunkCount: piece.cells.length, level, isShown: false };
     this.#placed.add(placed);
     this.#merge(placed);
-    this.#changed();
     return placed;
   }
 
-  /** Makes the blobs of splats, and draws them. */
+  /** Makes the blobs of splats. */
   #merge({ runs, level }: PlacedSplats): void {
     for (const { cells, first } of runs) this.#levels.fill(level, first, first + cells.length);
     const dispatches = new Dispatches(this.#context);
     const upper = { start: this.chunkCells, page: this.blobPages.at(-1)! };
     for (const { cells, first } of runs) this.#chunks.merge(dispatches, cells, first, upper);
-    if (runs.length > 0) dispatches.submit(`${this.#scene.name} leaf`);
+    dispatches.submit(`${this.#scene.name} leaf`);
+    this.#hide(runs);
   }
 
   /** Draws splats that have been placed, or does not, though they stay. */
   show(placed: PlacedSplats, isShown: boolean): void {
     placed.isShown = isShown;
-    for (const { cells, first } of placed.runs) {
-      this.#chunks.show(
-        cells.map((_, i) => first + i),
-        isShown,
-      );
-      if (isShown) this.#chunks.bound(cells, first);
-      else this.#chunks.unbound(first, first + cells.length);
-    }
+    if (!isShown) this.#hide(placed.runs);
+    else
+      for (const { cells, first } of placed.runs) {
+        writeCells(this.#context.device, this.cells, cells, first, LEVEL_CONSTANTS.NO_CELL);
+        this.#chunks.bound(cells, first);
+      }
     this.#changed();
+  }
+
+  /** Gives chunks cells that are in no frustum. */
+  #hide(runs: readonly Run[]): void {
+    const { queue } = this.#context.device;
+    for (const { cells, first } of runs) {
+      queue.writeBuffer(this.cells, LevelCell.bytes * first, nowhereCells(this.chunkCells, cells.length));
+      this.#chunks.unbound(first, first + cells.length);
+    }
   }
 
   remove(placed: PlacedSplats): void {
@@ -283,7 +293,7 @@ export class LeafPool implements Levels, CloudPool {
       this.#placed.add(placed);
       this.#takenChunks += placed.chunkCount;
       this.#merge(placed);
-      if (!placed.isShown) this.show(placed, false);
+      if (placed.isShown) this.show(placed, true);
     }
   }
 
@@ -298,7 +308,7 @@ export class LeafPool implements Levels, CloudPool {
   #clear(): void {
     const { queue } = this.#context.device;
     const nowhere = this.chunkCells;
-    queue.writeBuffer(this.cells, LevelCell.bytes * nowhere, nowhereCell(nowhere));
+    queue.writeBuffer(this.cells, LevelCell.bytes * nowhere, nowhereCells(nowhere, 1));
     queue.writeBuffer(this.blobPages.at(-1)!.links, 0, emptyLinks(nowhere, UPPER_CHUNKS));
     const { pageChunks } = this.#chunks;
     for (let first = 0; first < nowhere; first += pageChunks)
@@ -307,8 +317,6 @@ export class LeafPool implements Levels, CloudPool {
   }
 
   #changed(): void {
-    if (!this.#cloud) return;
-    this.#cloud.chunks = this.#chunks.words.buffer;
-    this.#cloud.version++;
+    if (this.#cloud) this.#cloud.version++;
   }
 }

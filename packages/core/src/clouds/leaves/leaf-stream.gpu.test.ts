@@ -42,7 +42,7 @@ gpuTest('levels that were drawn before are drawn again without a fetch, while th
   // Room for the coarsest level of each leaf and the finest, of two chunks.
   const budgetBytes = (LEAVES + 2 * LEAVES + 4) * chunkBytes(scene.shDegree);
   const cloud = await streamLeaves(streamContext(engine.device), scene, { budgetBytes }, {});
-  const look = async ([camera, detail]: typeof NEAR | typeof MIDDLE, when: string) => {
+  const look = async ([camera, detail]: typeof NEAR | typeof MIDDLE | typeof FAR, when: string) => {
     const { data, report } = await drawComplete(engine, cloud, { detail }, camera);
     expect(report, when).toMatchObject({ isComplete: true, missing: 0 });
     return { data, reads, cut: expectOneLevel(scene, await expectShown(engine.device, cloud), when) };

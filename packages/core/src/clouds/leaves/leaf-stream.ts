@@ -7,18 +7,19 @@ import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 /** Files that are fetched at once. */
 export const FETCHED_AT_ONCE = 4;
 
-/** The coarsest level of a leaf. */
-interface CoarsestLevel {
+/** Splats of a leaf. */
+interface LeafPiece {
   readonly leaf: number;
-  readonly pieces: readonly SplatCells[];
+  readonly piece: SplatCells;
 }
 
-/** A level of a leaf that has been decoded, and is about to be placed. */
+/** A level of a leaf that has been decoded, and is drawn once all of it has been placed. */
 interface ReadyLevel {
   readonly level: number;
-  readonly pieces: readonly SplatCells[];
-  /** Of the leaves that are a part of it. */
-  readonly parts: readonly CoarsestLevel[];
+  /** Its pieces that have not, with those of the coarsest levels of the leaves that are a part of it. */
+  readonly waiting: LeafPiece[];
+  /** What has, of all these leaves. */
+  readonly placed: ReadonlyMap<number, PlacedSplats[]>;
 }
 
 /**
@@ -36,7 +37,7 @@ interface PlacedLeaf {
 }
 
 interface PlacedLevel {
-  readonly splats: PlacedSplats;
+  readonly splats: readonly PlacedSplats[];
   /** When it was drawn last, in turns of the stream. */
   drawnTurn: number;
 }
@@ -59,7 +60,7 @@ export class LeafStream extends ViewedStream {
   #turn = 0;
 
   /** @param coarsest the coarsest level of each leaf, in `pool`, which has nothing else. */
-  constructor(scene: LeafScene, pool: LeafPool, coarsest: readonly PlacedSplats[]) {
+  constructor(scene: LeafScene, pool: LeafPool, coarsest: readonly (readonly PlacedSplats[])[]) {
     super();
     this.#scene = scene;
     this.#pool = pool;
@@ -98,7 +99,9 @@ export class LeafStream extends ViewedStream {
   lackingCells(): Set<number> {
     this.catchUp();
     const lacking = this.#placed.filter((_, i) => this.#missingChunks(i, this.#plan[i]) > 0);
-    const runs = lacking.flatMap(({ levels, drawn }) => (drawn === null ? [] : levels[drawn]!.splats.runs));
+    const runs = lacking.flatMap(({ levels, drawn }) =>
+      drawn === null ? [] : levels[drawn]!.splats.flatMap((each) => each.runs),
+    );
     return new Set(runs.flatMap(({ cells, first }) => cells.map((_, i) => first + i)));
   }
 
@@ -108,11 +111,12 @@ export class LeafStream extends ViewedStream {
     if (this.isEnded) return;
     const { leaves } = this.#scene;
     const coarsest = this.#placed.reduce(
-      (sum, { levels }, i) => sum + (leaves[i].above === undefined ? levels.at(-1)!.splats.chunkCount : 0),
+      (sum, { levels }, i) => sum + (leaves[i].above === undefined ? chunkCountOf(levels.at(-1)!.splats) : 0),
       0,
     );
     this.#roomChunks = chunkCount - coarsest;
     this.#replan();
+    this.#dropUnplanned();
     this.#makeRoom(this.#pool.chunkCells - chunkCount);
     this.#pool = this.#pool.resized(chunkCount);
     this.redraw();
@@ -128,8 +132,7 @@ export class LeafStream extends ViewedStream {
     if (this.isEnded) return;
     this.#grow();
     this.#replan();
-    for (const [i, placed] of this.#placed.entries())
-      if (placed.ready?.level !== this.#plan[i].target) placed.ready = null;
+    this.#dropUnplanned();
     const wanted = new Set(this.#missing().map((i) => this.#targetOf(i).file));
     for (const [file, ending] of this.#fetches) if (!wanted.has(file)) ending.abort();
     for (const file of wanted) {
@@ -149,6 +152,18 @@ export class LeafStream extends ViewedStream {
 
   #replan(): void {
     this.#plan = planLeaves(this.#scene.leaves, this.sights, this.#roomChunks);
+  }
+
+  /** Removes what has been placed of levels that are not planned any more. */
+  #dropUnplanned(): void {
+    for (const [i, { ready }] of this.#placed.entries())
+      if (ready && ready.level !== this.#plan[i].target) this.#drop(i);
+  }
+
+  #drop(i: number): void {
+    const splats = [...(this.#placed[i].ready?.placed.values() ?? [])].flat();
+    for (const each of splats) this.#pool.remove(each);
+    this.#placed[i].ready = null;
   }
 
   /**
@@ -257,10 +272,12 @@ export class LeafStream extends ViewedStream {
     const pieces = await decoded.pieces(leaves[i], leaves[i].levels[level], signal);
     // Leaves that have been found may take more room than there is.
     if (leaves.length > this.#placed.length) this.follow();
-    const parts: CoarsestLevel[] = [];
-    for (const leaf of level === 0 ? this.#placed[i].parts : [])
-      parts.push({ leaf, pieces: await decoded.pieces(leaves[leaf], this.#levelsOf(leaf).at(-1)!, signal) });
-    return { level, pieces, parts };
+    const waiting = pieces.map((piece) => ({ leaf: i, piece }));
+    const parts = level === 0 ? this.#placed[i].parts : [];
+    for (const leaf of parts)
+      for (const piece of await decoded.pieces(leaves[leaf], this.#levelsOf(leaf).at(-1)!, signal))
+        waiting.push({ leaf, piece });
+    return { level, waiting, placed: new Map([i, ...parts].map((leaf) => [leaf, []])) };
   }
 
   /** Draws what is ready, and what is planned and there. */
@@ -272,8 +289,8 @@ export class LeafStream extends ViewedStream {
     for (const [i, { ready }] of this.#placed.entries()) {
       if (ready && this.#isPlaceable(i)) {
         if (placed >= mostParts) continue;
-        this.#place(i, ready);
-        placed++;
+        placed += this.#place(i, ready, mostParts - placed);
+        if (this.#placed[i].ready === null) drawn++;
       } else if (this.#isDrawable(i)) {
         this.#draw(i, this.#plan[i].target);
         drawn++;
@@ -282,33 +299,39 @@ export class LeafStream extends ViewedStream {
     return placed + drawn;
   }
 
-  #place(i: number, { level, pieces, parts }: ReadyLevel): void {
-    this.#placed[i].ready = null;
-    const chunkCount = [...pieces, ...parts.flatMap((part) => part.pieces)].reduce(
-      (sum, { cells }) => sum + cells.length,
-      0,
-    );
-    // All that is planned has room: so what is not goes.
-    this.#makeRoom(chunkCount);
-    this.#hide(i);
-    this.#take(i, level, this.#pool.place(pieces, level));
-    for (const { leaf, pieces } of parts) {
-      const coarsest = this.#coarsestOf(leaf);
-      this.#take(leaf, coarsest, this.#pool.place(pieces, coarsest));
+  /** Places so many pieces at most, and draws the level after the last; returns how many it placed. */
+  #place(i: number, { level, waiting, placed }: ReadyLevel, mostParts: number): number {
+    const levelOf = (leaf: number) => (leaf === i ? level : this.#coarsestOf(leaf));
+    const pieces = waiting.splice(0, mostParts);
+    for (const { leaf, piece } of pieces) {
+      // All that is planned has room: so what is not goes.
+      this.#makeRoom(piece.cells.length);
+      placed.get(leaf)!.push(this.#pool.place(piece, levelOf(leaf)));
     }
+    if (waiting.length === 0) {
+      this.#hide(i);
+      for (const [leaf, splats] of placed) this.#take(leaf, levelOf(leaf), splats);
+      this.#placed[i].ready = null;
+    }
+    return pieces.length;
   }
 
-  /** Takes in a level of a leaf that has been placed, and is drawn. */
-  #take(i: number, level: number, splats: PlacedSplats): void {
+  /** Takes in a level of a leaf that has been placed, and draws it. */
+  #take(i: number, level: number, splats: readonly PlacedSplats[]): void {
     this.#placed[i].levels[level] = { splats, drawnTurn: this.#turn };
     this.#placed[i].drawn = level;
+    this.#show(splats, true);
+  }
+
+  #show(splats: readonly PlacedSplats[], isShown: boolean): void {
+    for (const each of splats) this.#pool.show(each, isShown);
   }
 
   /** Draws a level of a leaf that is there instead of another. */
   #draw(i: number, level: number): void {
     this.#hide(i);
     const { levels, parts } = this.#placed[i];
-    this.#pool.show(levels[level]!.splats, true);
+    this.#show(levels[level]!.splats, true);
     this.#placed[i].drawn = level;
     if (level === 0) for (const part of parts) this.#draw(part, this.#coarsestOf(part));
   }
@@ -319,7 +342,7 @@ export class LeafStream extends ViewedStream {
     if (drawn === null) return;
     const placed = levels[drawn]!;
     placed.drawnTurn = this.#turn;
-    this.#pool.show(placed.splats, false);
+    this.#show(placed.splats, false);
     this.#placed[i].drawn = null;
     if (drawn === 0) for (const part of parts) this.#hide(part);
   }
@@ -328,13 +351,17 @@ export class LeafStream extends ViewedStream {
   #remove(i: number, level: number): void {
     const { levels, drawn, parts } = this.#placed[i];
     if (level === drawn) this.#draw(i, this.#coarsestOf(i));
-    this.#pool.remove(levels[level]!.splats);
+    for (const each of levels[level]!.splats) this.#pool.remove(each);
     levels[level] = null;
     if (level > 0) return;
     for (const part of parts) {
       const { levels } = this.#placed[part];
-      this.#placed[part].ready = null;
+      this.#drop(part);
       for (let each = levels.length - 1; each >= 0; each--) if (levels[each]) this.#remove(part, each);
     }
   }
+}
+
+function chunkCountOf(splats: readonly PlacedSplats[]): number {
+  return splats.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
 }

@@ -67,7 +67,9 @@ export async function streamLeaves(
     const shown = { ...scene, ...boundsOf(scene, coarsest) };
     const pool = await LeafPool.make(context, shown, chunksIn(shareBytes));
     const begin = () => {
-      const placed = coarsest.map((pieces, i) => pool.place(pieces, scene.leaves[i].levels.length - 1));
+      const placed = coarsest.map((pieces, i) =>
+        pieces.map((piece) => pool.place(piece, scene.leaves[i].levels.length - 1)),
+      );
       return new LeafStream(scene, pool, placed);
     };
     const { made, stream } = streamInto(pool, begin, leave, { ...options, onDestroyed });
