@@ -2,10 +2,8 @@ import { SplatSourceError } from '../data/errors.ts';
 import type { CloudSight, CloudStream, StreamReport } from './cloud-stream.ts';
 import { FetchRate } from './fetch-rate.ts';
 import { OwnFrames } from './own-frames.ts';
+import { PartPace } from './part-pace.ts';
 import { SightMotion } from './sight-motion.ts';
-
-/** Part of the time from frame to frame that a turn may take. */
-const STEP_SHARE = 1 / 4;
 
 interface Viewer {
   sights: readonly CloudSight[];
@@ -42,8 +40,9 @@ export abstract class ViewedStream implements CloudStream {
   #isTurnDue = false;
   #isFollowDue = false;
   #isShown = false;
-  /** Time that a part took with all that draws it, at best, ms. */
-  #partMs = Number.POSITIVE_INFINITY;
+  readonly #pace = new PartPace();
+  /** Parts that have come or gone since a frame. */
+  #newParts = 0;
   /** Runs until views may be at rest that draw by themselves. */
   #restTimer: ReturnType<typeof setTimeout> | null = null;
   /** Settles when nothing is missing that could be there; null if it is so. */
@@ -128,8 +127,17 @@ export abstract class ViewedStream implements CloudStream {
 
   /** Takes a frame that is about to be submitted. */
   #follow(ownFrames: OwnFrames): void {
-    ownFrames.begin(performance.now());
-    const end = () => ownFrames.end(performance.now());
+    const beginMs = performance.now();
+    ownFrames.begin(beginMs);
+    const { stepMs } = ownFrames;
+    const newParts = this.#newParts;
+    this.#newParts = 0;
+    const end = () => {
+      const endMs = performance.now();
+      ownFrames.end(endMs);
+      // Frames that follow none tell nothing of others.
+      if (Number.isFinite(stepMs)) this.#pace.learn(newParts, endMs - beginMs, stepMs);
+    };
     queueMicrotask(() => this.whenDone().then(end, end));
   }
 
@@ -251,18 +259,11 @@ export abstract class ViewedStream implements CloudStream {
     this.#isTurnDue = false;
     if (this.isEnded || this.#holds.size > 0) return;
     this.catchUp();
-    const startMs = performance.now();
-    const stepMs = this.#viewersInMotion.reduce(
-      (least, { ownFrames }) => Math.min(least, ownFrames.stepMs),
-      Number.POSITIVE_INFINITY,
-    );
-    const isAtRest = stepMs === Number.POSITIVE_INFINITY;
-    const fitting = Math.max(1, Math.floor((STEP_SHARE * stepMs) / this.#partMs));
-    const parts = this.change(isAtRest ? Number.POSITIVE_INFINITY : fitting);
-    if (parts > 0) {
-      const drawn = this.redraw();
-      if (isAtRest) void this.#timeParts(parts, startMs, drawn);
-    } else this.followSoon();
+    const isAtRest = this.#viewersInMotion.length === 0;
+    const parts = this.change(isAtRest ? Number.POSITIVE_INFINITY : this.#pace.most);
+    this.#newParts += parts;
+    if (parts > 0) this.redraw();
+    else this.followSoon();
   }
 
   /** Settles when what is there may change. */
@@ -270,25 +271,15 @@ export abstract class ViewedStream implements CloudStream {
     while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
   }
 
-  /**
-   * Has all views show what has changed: by their own next frames where they draw by themselves.
-   * Returns what settles as the others have been drawn.
-   */
-  protected redraw(): Promise<void>[] {
+  /** Has all views show what has changed: by their own next frames where they draw by themselves. */
+  protected redraw(): void {
     const nowMs = performance.now();
-    const drawn: Promise<void>[] = [];
     for (const [view, viewer] of this.#viewers) {
       if (viewer.ownFrames.restMs(nowMs) > 0) viewer.isBehind = true;
-      else drawn.push(this.#redraw(view, viewer));
+      else void this.#redraw(view, viewer);
     }
     if (this.#isBehind) this.#awaitRest();
     this.followSoon();
-    return drawn;
-  }
-
-  async #timeParts(parts: number, startMs: number, drawn: readonly Promise<void>[]): Promise<void> {
-    await Promise.all(drawn);
-    if (drawn.length > 0) this.#partMs = Math.min(this.#partMs, (performance.now() - startMs) / parts);
   }
 
   /** Whether the next frame of a view is to show what has changed. */

@@ -1,0 +1,64 @@
+import { describe, expect, test } from 'vitest';
+import { PartPace } from './part-pace.ts';
+
+const STEP_MS = 16;
+
+/** Frames of a device, with as many parts before each as the pace allows; returns these numbers. */
+function draw(pace: PartPace, frames: number, frameMs: (parts: number, frame: number) => number): number[] {
+  const parts: number[] = [];
+  for (let frame = 0; frame < frames; frame++) {
+    parts.push(pace.most);
+    pace.learn(pace.most, frameMs(pace.most, frame), STEP_MS);
+  }
+  return parts;
+}
+
+/** A pace that knows what frames take without parts. */
+function paceAfter(plainMs: number): PartPace {
+  const pace = new PartPace();
+  for (let frame = 0; frame < 10; frame++) pace.learn(0, plainMs, STEP_MS);
+  return pace;
+}
+
+describe('the pace of parts', () => {
+  test('grows by one from frame to frame while parts delay none', () => {
+    expect(draw(paceAfter(5), 6, () => 5)).toEqual([1, 2, 3, 4, 5, 6]);
+  });
+
+  test('stays where parts delay frames by a quarter of the time between these', () => {
+    const parts = draw(paceAfter(5), 400, (count) => 5 + 0.5 * count).slice(100);
+    // Eight take 4 ms, of 16.
+    expect(Math.max(...parts)).toBe(9);
+    expect(parts.reduce((sum, count) => sum + count, 0) / parts.length).toBeGreaterThan(5);
+    expect(parts.filter((count) => count > 8).length).toBeLessThan(0.02 * parts.length);
+  });
+
+  test('has hardly ever more than one where one takes long', () => {
+    const parts = draw(paceAfter(5), 300, (count) => 5 + 10 * count);
+    expect(new Set(parts)).toEqual(new Set([1, 2]));
+    expect(parts.filter((count) => count > 1).length).toBeLessThan(0.05 * parts.length);
+  });
+
+  test('is halved by one late frame, and grows again, at once if nothing has come meanwhile', () => {
+    const frameMs = (_: number, frame: number) => (frame === 8 ? 30 : 5);
+    expect(draw(paceAfter(5), 14, frameMs).slice(7)).toEqual([8, 9, 4, 4, 5, 5, 6]);
+    const pace = paceAfter(5);
+    draw(pace, 9, frameMs);
+    pace.learn(0, 5, STEP_MS);
+    expect(draw(pace, 4, () => 5)).toEqual([4, 5, 6, 7]);
+  });
+
+  test('does not grow by frames with fewer parts than are allowed', () => {
+    const pace = paceAfter(5);
+    draw(pace, 4, () => 5);
+    pace.learn(2, 5, STEP_MS);
+    expect(pace.most).toBe(5);
+  });
+
+  test('follows what frames take without parts', () => {
+    const pace = paceAfter(5);
+    // A scene that takes longer as more of it is there.
+    for (let frame = 0; frame < 30; frame++) pace.learn(0, 12, STEP_MS);
+    expect(draw(pace, 4, () => 12)).toEqual([1, 2, 3, 4]);
+  });
+});
