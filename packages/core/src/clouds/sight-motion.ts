@@ -40,12 +40,15 @@ export class SightMotion {
 }
 
 function isSame(a: CloudSight, b: CloudSight): boolean {
-  const numbersOf = ({ cut, sides }: CloudSight) => [
-    ...cut.camera,
-    ...sides.flatMap(({ normal, offset }) => [...normal, offset]),
-  ];
-  const others = numbersOf(b);
-  return numbersOf(a).every((value, i) => value === others[i]);
+  if (!isSamePoint(a.cut.camera, b.cut.camera) || a.sides.length !== b.sides.length) return false;
+  return a.sides.every(({ normal, offset }, i) => {
+    const other = b.sides[i];
+    return offset === other.offset && isSamePoint(normal, other.normal);
+  });
+}
+
+function isSamePoint(a: Vec3, b: Vec3): boolean {
+  return a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
 }
 
 /** @param factor of the change from one sight to the other, by which the second changes further. */

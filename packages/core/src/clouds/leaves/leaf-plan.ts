@@ -123,6 +123,15 @@ function refined(
   room: number,
 ): number[] {
   const reached = leaves.map(({ levels }) => levels.length - 1);
+  const all = leaves.map(() => 0);
+  let size = 0;
+  for (const [leaf, coarsest] of reached.entries()) {
+    const { above } = leaves[leaf];
+    all[leaf] = above === undefined || all[above] === 0 ? wanted[leaf] : coarsest;
+    size += sizeOf(leaf, all[leaf]) - sizeOf(leaf, coarsest);
+  }
+  // Then the order does not matter, which takes longest to find.
+  if (size <= room) return all;
   const steps: { leaf: number; rank: number; level: number; value: number }[] = [];
   for (const [leaf, coarsest] of reached.entries())
     for (let level = coarsest; level > wanted[leaf]; level--)
