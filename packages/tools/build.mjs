@@ -39,7 +39,7 @@ const PACKAGES = [
       collider: 'src/clouds/collider/index.ts',
       keep: 'src/keep.ts',
       'ply-worker': 'src/io/formats/ply/ply-worker.ts',
-      'bricks-worker': 'src/io/formats/bricks/bricks-worker.ts',
+      'scene-worker': 'src/io/formats/scene-worker.ts',
       'formats-worker': 'src/io/formats/formats-worker.ts',
       'collider-worker': 'src/clouds/collider/collider-worker.ts',
       'ray-worker': 'src/clouds/ray-worker.ts',

@@ -1,12 +1,12 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { BuildRequest } from './clouds/geometry-builder.ts';
-import type { BrickRequest } from './io/formats/bricks/serve-bricks.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
+import type { SceneRequest } from './io/loading/serve-scene.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
-  onmessage: ((event: { data: LoadRequest | BuildRequest | BrickRequest }) => void) | null;
+  onmessage: ((event: { data: LoadRequest | BuildRequest | SceneRequest }) => void) | null;
   readonly postMessage: (reply: { kind: string }) => void;
 }
 
@@ -49,13 +49,15 @@ test('the worker that pages host makes a collider', async () => {
   await expect.poll(() => replies.at(-1)).toBe('built');
 });
 
-test('the worker that pages host decodes bricks', async () => {
+test('the worker that pages host does the tasks of a scene', async () => {
   const request = {
-    brick: 'decode',
+    task: 'decodeBrick',
     id: 1,
-    file: { name: 'a.bricks', splatCount: 300, shDegree: 0 },
-    address: { number: 0, offset: 0, bytes: 300 },
-    bytes: new Uint8Array(300),
+    input: {
+      file: { name: 'a.bricks', splatCount: 300, shDegree: 0 },
+      address: { number: 0, offset: 0, bytes: 300 },
+      bytes: new Uint8Array(300),
+    },
   } as const;
   port.onmessage?.({ data: request });
   await expect.poll(() => replies).toEqual(['ready', 'ready', 'error']);

@@ -124,6 +124,7 @@ export class LeafStream extends ViewedStream {
 
   override end(): void {
     for (const ending of this.#fetches.values()) ending.abort();
+    this.#scene.end();
     super.end();
   }
 

@@ -32,7 +32,13 @@ export async function loadLeaves(
 ): Promise<SplatCloud | null> {
   const open = /\.rad$/im.test(names) ? await radOpener() : openLeaves;
   const scene = await open(source, options);
-  return scene && streamLeaves(context, scene, options, cloudOptions);
+  if (!scene) return null;
+  try {
+    return await streamLeaves(context, scene, options, cloudOptions);
+  } catch (error) {
+    scene.end();
+    throw error;
+  }
 }
 
 async function radOpener(): Promise<typeof openLeaves> {

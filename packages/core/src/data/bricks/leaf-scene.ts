@@ -30,6 +30,8 @@ export interface LeafScene {
    *   the signal's reason.
    */
   readonly read: (file: number, signal?: AbortSignal, onBytes?: (bytes: number) => void) => Promise<LeafFile>;
+  /** Ends the workers that decode, and all reads. */
+  readonly end: () => void;
 }
 
 export interface SceneLeaf {
@@ -71,7 +73,8 @@ export interface LeafFile {
    * sixteen cells, without those of leaves that are a part of it. Those that are not finite are left
    * out.
    *
-   * @throws SplatFileError 'damaged' for splats outside of the leaf; the signal's reason.
+   * @throws SplatFileError 'damaged' for splats outside of the leaf; DestroyedError after the end of the
+   *   scene; WebSplatterError 'worker-failed'; the signal's reason.
    */
   pieces(leaf: SceneLeaf, level: LeafLevel, signal?: AbortSignal): Promise<SplatCells[]>;
 }

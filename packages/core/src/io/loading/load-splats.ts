@@ -30,7 +30,7 @@ type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
 type OtherFile = Extract<LoadReply, { kind: 'other-format' }>;
 
 /** Of a worker that reads files. */
-type Kind = Exclude<keyof typeof WORKERS, 'bricks'>;
+type Kind = Exclude<keyof typeof WORKERS, 'scenes'>;
 
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 

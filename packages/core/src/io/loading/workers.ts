@@ -3,7 +3,6 @@
 /** Makers of the workers that read and decode, each in one piece: the form that bundlers recognise. */
 export const WORKERS = {
   ply: () => new Worker(new URL('../formats/ply/ply-worker.ts', import.meta.url), { type: 'module' }),
-  bricks: () =>
-    new Worker(new URL('../formats/bricks/bricks-worker.ts', import.meta.url), { type: 'module' }),
+  scenes: () => new Worker(new URL('../formats/scene-worker.ts', import.meta.url), { type: 'module' }),
   others: () => new Worker(new URL('../formats/formats-worker.ts', import.meta.url), { type: 'module' }),
 } as const;

@@ -2,10 +2,10 @@ import type { Brick, BrickAddress, BrickCell, BrickScene } from '../../../data/b
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import { wrongArgument } from '../../../data/given.ts';
+import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { BrickDecoders } from './brick-decoder.ts';
 import { checkNested } from './brick-header.ts';
 import { brickHeaderBytes, mostBrickBytes } from './bricks-layout.ts';
 import { readFileHeader } from './file-header.ts';
@@ -25,17 +25,17 @@ export async function openBricks(
   source: SplatSource,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
 ): Promise<BrickScene> {
-  const decoders = new BrickDecoders(options.name ?? sourceName(source));
+  const workers = new SceneWorkers(options.name ?? sourceName(source));
   try {
-    return await openWith(decoders, source, options);
+    return await openWith(workers, source, options);
   } catch (error) {
-    decoders.end();
+    workers.end();
     throw error;
   }
 }
 
 async function openWith(
-  decoders: BrickDecoders,
+  workers: SceneWorkers,
   source: SplatSource,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
 ): Promise<BrickScene> {
@@ -74,7 +74,10 @@ async function openWith(
       const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
       throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
     }
-    const brick = await decoders.next().decode(bytes, address, { name, splatCount, shDegree }, signal);
+    // They may be a part of more that is still needed.
+    const own = bytes.slice();
+    const file = { name, splatCount, shDegree };
+    const brick = await workers.run('decodeBrick', { file, address, bytes: own }, [own.buffer], signal);
     const parent = above.get(address);
     if (parent) checkNested(brick, parent, address, name);
     for (const cell of brick.cells) {
@@ -84,7 +87,7 @@ async function openWith(
     }
     return brick;
   };
-  const end = () => decoders.end();
+  const end = () => workers.end();
   check(header.root);
   const { isAntialiased, origin, bounds, robustBounds, root } = header;
   return {

@@ -8,6 +8,7 @@ import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
+import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
@@ -63,8 +64,13 @@ export async function openRad(
   const opened = await openRadSource(source, options);
   if (!opened?.header.isTree || opened.header.chunks.length < 2) return null;
   const scene = new RadScene(opened, options);
-  await scene.readRoot(options.signal);
-  return scene;
+  try {
+    await scene.readRoot(options.signal);
+    return scene;
+  } catch (error) {
+    scene.end();
+    throw error;
+  }
 }
 
 class RadScene implements LeafScene {
@@ -83,6 +89,7 @@ class RadScene implements LeafScene {
   readonly #files: ChunkRange[] = [];
   readonly #fileNumbers = new Map<string, number>();
   readonly #chunks = new KeptReads<NodeChunk>(KEPT_BYTES, ({ bytes }) => bytes);
+  readonly #workers: SceneWorkers;
   #palette: HarmonicsColumns | undefined;
   /** Leaves whose finest level was never decoded. */
   #unknownCount = 1;
@@ -94,6 +101,7 @@ class RadScene implements LeafScene {
     this.shDegree = shDegree;
     this.mostChunks = chunkCountOf(count) + LEAVES_OF_CHUNK * chunks.length;
     this.#source = source;
+    this.#workers = new SceneWorkers(source.name);
     this.#maxBytes = maxBytes;
     this.#tree = new TreeDivider(count, chunks[0].count, source.name);
   }
@@ -136,6 +144,8 @@ class RadScene implements LeafScene {
       },
     };
   };
+
+  readonly end = () => this.#workers.end();
 
   #chunk(
     number: number,
@@ -240,7 +250,7 @@ class RadScene implements LeafScene {
       for (let axis = 0; axis < 3; axis++) row[ROW_SLOT.logScale + axis] += growth;
       return NO_ROW;
     };
-    return packPieces(splats.length, this.shDegree, row, fill, signal);
+    return packPieces(this.#workers, splats.length, this.shDegree, row, fill, signal);
   }
 
   #levelOf(chunks: ChunkRange, count: number, chunkCount: number, error: number): LeafLevel {

@@ -9,6 +9,7 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { paletteValues, type RowLayout } from '../../../data/packing/row-layout.ts';
 import { ROW_SLOT, reasonToDrop } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
+import type { SceneWorkers } from '../../loading/scene-workers.ts';
 import { packPieces } from '../cell-columns.ts';
 import type { RowSink } from '../row-sink.ts';
 
@@ -39,14 +40,17 @@ export interface LeafSplats extends LeafLevel {
 export class LeafRows implements RowSink, LeafFile {
   readonly mayDetach = true;
   readonly #promised: PromisedRows;
+  readonly #workers: SceneWorkers;
   #layout: RowLayout | null = null;
   #palette = new Float32Array(0);
   #paletteLength = 0;
   /** All but the last have `pieceRows` rows. */
   readonly #pieces: Float32Array[] = [];
 
-  constructor(promised: PromisedRows) {
+  /** @param workers that pack its leaves. */
+  constructor(promised: PromisedRows, workers: SceneWorkers) {
     this.#promised = promised;
+    this.#workers = workers;
   }
 
   /** @throws SplatFileError 'damaged' for a file that is not as the scene says. */
@@ -91,7 +95,7 @@ export class LeafRows implements RowSink, LeafFile {
       }
       return firstRow === null ? NO_ROW : firstRow + i;
     };
-    return packPieces(count, this.#promised.shDegree, row, fill, signal);
+    return packPieces(this.#workers, count, this.#promised.shDegree, row, fill, signal);
   }
 
   /** Writes row `i` into `row`, as trained. */

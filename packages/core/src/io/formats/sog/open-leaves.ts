@@ -3,6 +3,7 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { loadOrPass } from '../../loading/load-splats.ts';
+import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
 import { openFiles } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
@@ -77,11 +78,12 @@ export async function openLeaves(
   const shDegree = degrees.reduce((most, degree) => (degree > most ? degree : most));
   const { isAntialiased } = metas[0];
 
+  const workers = new SceneWorkers(name);
   let fetchedBytes = 0;
   const kept = new KeptReads<LeafRows>(KEPT_BYTES, ({ bytes }) => bytes);
   const load = async (index: number, ending: AbortSignal, onBytes?: (bytes: number) => void) => {
     const { path, count } = files[index];
-    const rows = new LeafRows({ file: path, count, shDegree });
+    const rows = new LeafRows({ file: path, count, shDegree }, workers);
     let loadedBytes = 0;
     const onProgress = (progress: LoadProgress) => {
       const bytes = progress.loadedBytes - loadedBytes;
@@ -100,6 +102,7 @@ export async function openLeaves(
     kept.read(index, (ending) => load(index, ending, onBytes), end);
   return {
     ...{ name, splatCount, shDegree, origin: [0, 0, 0], leaves, read },
+    end: () => workers.end(),
     get fetchedBytes() {
       return fetchedBytes;
     },

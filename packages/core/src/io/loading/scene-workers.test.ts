@@ -1,15 +1,21 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import type { Brick, BrickScene } from '../../../data/bricks/brick.ts';
-import { DestroyedError, SplatFileError, WebSplatterError } from '../../../data/errors.ts';
-import { fakeWorker } from '../../../testing/fake-worker.ts';
-import { fileErrorOf } from '../../../testing/file-error-of.ts';
-import { randomSplats } from '../../../testing/random-splats.ts';
-import { brickHeaderBytes, FILE_HEADER_BYTES } from './bricks-layout.ts';
-import { openBricks } from './open-bricks.ts';
-import { type BrickPort, serveBricks } from './serve-bricks.ts';
-import { write } from './write-bricks.ts';
+import type { Brick, BrickScene } from '../../data/bricks/brick.ts';
+import { DestroyedError, SplatFileError, WebSplatterError } from '../../data/errors.ts';
+import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { coefficientsPerSplat } from '../../data/splats/splat-set.ts';
+import { fakeWorker } from '../../testing/fake-worker.ts';
+import { fileErrorOf } from '../../testing/file-error-of.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { brickHeaderBytes, FILE_HEADER_BYTES } from '../formats/bricks/bricks-layout.ts';
+import { openBricks } from '../formats/bricks/open-bricks.ts';
+import { write } from '../formats/bricks/write-bricks.ts';
+import { packPieces } from '../formats/cell-columns.ts';
+import { SCENE_TASKS } from '../formats/scene-tasks.ts';
+import { SceneWorkers } from './scene-workers.ts';
+import { type ScenePort, serveScene } from './serve-scene.ts';
 
-const FakeWorker = fakeWorker((port: BrickPort) => serveBricks(port));
+const FakeWorker = fakeWorker((port: ScenePort) => serveScene(port, SCENE_TASKS));
 const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
 
 beforeEach(() => {
@@ -113,7 +119,7 @@ describe('bricks that a worker decodes', () => {
     await expect.poll(() => FakeWorker.requests.length).toBe(2);
     ending.abort('not needed');
     await expect(reading).rejects.toBe('not needed');
-    expect(FakeWorker.requests.at(-1)).toEqual({ brick: 'drop', id: 2 });
+    expect(FakeWorker.requests.at(-1)).toEqual({ task: 'drop', id: 2 });
     FakeWorker.behaviour = 'works';
     expect(await scene.read(scene.root)).toEqual(root);
     scene.end();
@@ -127,7 +133,7 @@ describe('bricks that a worker decodes', () => {
     expect(error).toBeInstanceOf(WebSplatterError);
     expect(error).toMatchObject({
       code: 'worker-failed',
-      message: 'a.bricks: the worker that decodes bricks stopped: out of memory.',
+      message: 'a.bricks: the worker of the scene stopped: out of memory.',
     });
     FakeWorker.behaviour = 'works';
     await scene.read(scene.root);
@@ -154,18 +160,44 @@ describe('bricks that a worker decodes', () => {
   });
 });
 
+test('splats that a worker packs are those that the calling thread packs, bit for bit', async () => {
+  const count = 700;
+  const width = ROW_SLOT.harmonics + coefficientsPerSplat(2);
+  const random = seededRandom(4);
+  const source = Array.from({ length: count }, () =>
+    Float64Array.from({ length: width }, () => random() - 0.5),
+  );
+  source[3][ROW_SLOT.opacity] = Number.NaN;
+  const pack = async () => {
+    const workers = new SceneWorkers('lod-meta.json');
+    const row = new Float64Array(width);
+    const pieces = await packPieces(workers, count, 2, row, (i) => {
+      row.set(source[i]);
+      return 10 + i;
+    });
+    workers.end();
+    return pieces;
+  };
+  const packed = await pack();
+  expect(FakeWorker.requests).toHaveLength(1);
+  expect(packed[0].cells.map(({ leafCount }) => leafCount)).toEqual([256, 256, 187]);
+  expect(new Set(packed[0].rows.slice(0, count - 1)).size).toBe(count - 1);
+  vi.stubGlobal('Worker', undefined);
+  expect(await pack()).toEqual(packed);
+});
+
 test('the worker does not begin with what is dropped', async () => {
   const replies: { kind: string; id?: number }[] = [];
-  const port: BrickPort = { onmessage: null, postMessage: (reply) => replies.push(reply) };
-  serveBricks(port);
+  const port: ScenePort = { onmessage: null, postMessage: (reply) => replies.push(reply) };
+  serveScene(port, SCENE_TASKS);
   const bytes = (await written).slice();
   const post = (data: unknown) => port.onmessage?.({ data } as MessageEvent);
   const file = { name: 'a.bricks', splatCount: 5000, shDegree: 2 };
   for (const id of [1, 2]) {
     const address = { number: 0, offset: 0, bytes: bytes.length };
-    post({ brick: 'decode', id, file, address, bytes });
+    post({ task: 'decodeBrick', id, input: { file, address, bytes } });
   }
-  post({ brick: 'drop', id: 2 });
+  post({ task: 'drop', id: 2 });
   await expect.poll(() => replies.length).toBe(3);
   // Neither are bricks; the first one was looked at.
   expect(replies).toMatchObject([

@@ -1,0 +1,69 @@
+import type { SplatCells } from '../../data/bricks/leaf-scene.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { chunkCountOf, logScalesOf, maxScaleOf } from '../../data/packing/chunks.ts';
+import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
+import { packCoefficients, shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import { mortonOrder } from '../../data/packing/morton-order.ts';
+import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { type CellColumns, widthOf } from './cell-columns.ts';
+
+const { position, logScale, rotation, opacity, colorDc, harmonics: HARMONICS } = ROW_SLOT;
+
+/** Packs splats, at least one, in Morton order. */
+export function packColumns({ count, shDegree, rows, values }: CellColumns): SplatCells {
+  const width = widthOf(shDegree);
+  const column = (slot: number, slots: number, order?: Uint32Array) => {
+    const found = new Float32Array(count * slots);
+    for (let i = 0; i < count; i++) {
+      const from = (order ? order[i] : i) * width + slot;
+      for (let k = 0; k < slots; k++) found[i * slots + k] = values[from + k];
+    }
+    return found;
+  };
+  const order = mortonOrder(column(position, 3), count);
+  const ordered = (slot: number, slots: number) => column(slot, slots, order);
+  const places = CHUNK_SPLATS * chunkCountOf(count);
+  const placedRows = new Uint32Array(places);
+  for (let i = 0; i < count; i++) placedRows[i] = rows[order[i]];
+  const { words, chunks } = packGeometry(
+    {
+      count,
+      origin: [0, 0, 0],
+      positions: ordered(position, 3),
+      logScales: ordered(logScale, 3),
+      rotations: ordered(rotation, 4),
+      opacityLogits: ordered(opacity, 1),
+      colorDc: ordered(colorDc, 3),
+      fileIndices: placedRows,
+      dropped: {},
+    },
+    'packed',
+  );
+  const geometry = new Uint32Array(places * GEOMETRY_WORDS.packed);
+  geometry.set(words);
+  const shWords = shDegree > 0 ? shWordsPerSplat(shDegree, 'u8') : 0;
+  const harmonics = new Uint32Array(places * shWords);
+  for (let i = 0; i < count && shDegree > 0; i++) {
+    const at = order[i] * width + HARMONICS;
+    packCoefficients(shDegree, 'u8', values.subarray(at, at + width - HARMONICS), harmonics, i * shWords);
+  }
+  const cells = Array.from({ length: chunkCountOf(count) }, (_, chunk) => cellOf(chunks, chunk, count));
+  return { cells, geometry, harmonics, rows: placedRows };
+}
+
+/** The cell of a chunk of splats. */
+function cellOf(chunks: Float32Array, chunk: number, count: number): SplatCells['cells'][number] {
+  const at = chunk * CHUNK_WORDS.count;
+  const vector = (word: number) => [chunks[at + word], chunks[at + word + 1], chunks[at + word + 2]] as const;
+  const { min, step } = logScalesOf(chunks, chunk);
+  return {
+    bounds: { min: vector(CHUNK_WORDS.minPosition), max: vector(CHUNK_WORDS.maxPosition) },
+    largestScale: maxScaleOf(chunks, chunk),
+    leafCount: Math.min(CHUNK_SPLATS, count - CHUNK_SPLATS * chunk),
+    logScales: [min, step],
+    child: null,
+    childErrors: [],
+    childRoots: [],
+  };
+}
