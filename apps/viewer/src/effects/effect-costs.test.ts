@@ -1,5 +1,18 @@
-import { describe, expect, it } from 'vitest';
-import { describeCost, formatCost } from './effect-costs.ts';
+import type { MeasureEffectsOptions } from '@websplatter/core/measure';
+import { describe, expect, it, vi } from 'vitest';
+import { Measurement } from '../measurement/measurement.ts';
+import { createViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { describeCost, formatCost, measureSwitchedOn } from './effect-costs.ts';
+
+const measured: MeasureEffectsOptions[] = [];
+
+vi.mock('@websplatter/core/measure', () => ({
+  measureEffects: async (_engine: unknown, _frame: unknown, options: MeasureEffectsOptions) => {
+    measured.push(options);
+    return [];
+  },
+}));
 
 describe('the cost of an effect', () => {
   it.each([
@@ -13,5 +26,47 @@ describe('the cost of an effect', () => {
   ])('is written for %o', (costMs, figure, sentence) => {
     expect(formatCost(costMs)).toBe(figure);
     expect(describeCost(costMs)).toBe(sentence);
+  });
+});
+
+describe('an effect that is switched on', () => {
+  function viewerOn(adapterInfo: object) {
+    const store = createViewerStore();
+    const viewer = { shownFrame: { engine: { device: { adapterInfo } }, frame: {} } } as unknown as Viewer;
+    return { store, measurement: new Measurement(viewer, store) };
+  }
+  const GPU = { architecture: 'hopper', vendor: 'nvidia' };
+  const SOFTWARE = { architecture: 'swiftshader', vendor: 'google' };
+
+  function draw({ store }: ReturnType<typeof viewerOn>, fogIsOn: boolean): void {
+    store.setState(({ requested, imageId }) => ({
+      requested: { ...requested, choices: { fog: { isOn: fogIsOn, values: {} } } },
+      imageId: imageId + 1,
+    }));
+  }
+
+  it('is measured alone, once it is on the screen', async () => {
+    const on = viewerOn(GPU);
+    measureSwitchedOn(on.store, on.measurement, 'fog');
+    on.store.setState({ notice: null });
+    expect(measured).toHaveLength(0);
+    draw(on, true);
+    await expect.poll(() => measured).toMatchObject([{ names: ['fog'] }]);
+    draw(on, true);
+    await expect.poll(() => on.store.getState().effectCosts).not.toBeNull();
+    expect(measured.splice(0)).toHaveLength(1);
+  });
+
+  it('is not measured where it went off at once, nor where a CPU draws', async () => {
+    for (const [adapter, isOn] of [
+      [GPU, false],
+      [SOFTWARE, true],
+    ] as const) {
+      const off = viewerOn(adapter);
+      measureSwitchedOn(off.store, off.measurement, 'fog');
+      draw(off, isOn);
+      expect(off.store.getState().measuring).toBeNull();
+    }
+    expect(measured).toHaveLength(0);
   });
 });

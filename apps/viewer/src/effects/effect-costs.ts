@@ -7,8 +7,12 @@ import type { ViewerStore } from '../state/store.ts';
 /** The fewest for a 95 % interval: a software rasteriser is a hundred times as slow as a GPU. */
 const SOFTWARE_FRAMES = 6;
 
-/** Measures the cost of each effect for the frame on the screen. */
-export async function measureEffectCosts(store: ViewerStore, measurement: Measurement): Promise<void> {
+/** Measures the cost of each effect, or of one, for the frame on the screen. */
+export async function measureEffectCosts(
+  store: ViewerStore,
+  measurement: Measurement,
+  name?: string,
+): Promise<void> {
   const { accuracy } = store.getState();
   await measurement.run('effects', async ({ engine, frame }, { image, ...options }) => {
     const { measureEffects } = await import('@websplatter/core/measure');
@@ -16,9 +20,22 @@ export async function measureEffectCosts(store: ViewerStore, measurement: Measur
     const costs = await measureEffects(
       engine,
       { ...frame, accuracy },
-      { ...options, ...(isSoftware && { frames: SOFTWARE_FRAMES }) },
+      { ...options, ...(isSoftware && { frames: SOFTWARE_FRAMES }), ...(name && { names: [name] }) },
     );
     if (!options.signal.aborted) store.setState({ effectCosts: { ...image, costs, accuracy } });
+  });
+}
+
+/**
+ * Measures the cost of an effect that is being switched on, once it is on the screen. Software
+ * adapters are spared that: there it takes seconds.
+ */
+export function measureSwitchedOn(store: ViewerStore, measurement: Measurement, name: string): void {
+  if (measurement.isOnSoftware) return;
+  const stop = store.subscribe(({ imageId }, before) => {
+    if (imageId === before.imageId) return;
+    stop();
+    if (store.getState().requested.choices[name]?.isOn) void measureEffectCosts(store, measurement, name);
   });
 }
 

@@ -11,7 +11,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { Dock } from '../ui/dock.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { describeCost, formatCost, measureEffectCosts } from './effect-costs.ts';
+import { describeCost, formatCost, measureEffectCosts, measureSwitchedOn } from './effect-costs.ts';
 import { RequestedEffectsForm } from './requested-effects-form.tsx';
 
 interface EffectsProps extends PanelProps {
@@ -41,7 +41,13 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
             {formatCount(off.length)} cost nothing.
           </p>
         )}
-        <RequestedEffectsForm store={store} viewer={viewer} costs={listed.costs} isStale={isStale} />
+        <RequestedEffectsForm
+          store={store}
+          viewer={viewer}
+          costs={listed.costs}
+          isStale={isStale}
+          onSwitchedOn={(name) => measureSwitchedOn(store, measurement, name)}
+        />
         <EffectList title="In this frame" entries={on} {...listed} />
         <MeasurementRunner
           store={store}
@@ -97,24 +103,44 @@ function EffectList({
   ...listed
 }: ListedProps & { readonly title: string; readonly entries: readonly EffectEntry[] }) {
   const id = useId();
+  const reasons = [...new Set(entries.map(({ reason }) => reason))];
   return (
     <>
       <h3 id={id} className="spread">
         {title} <small>{formatCount(entries.length)}</small>
       </h3>
       <ul aria-labelledby={id}>
-        {entries.map((entry) => (
-          <li key={entry.name}>
-            <Effect entry={entry} {...listed} />
-          </li>
-        ))}
+        {reasons.map((reason) => {
+          const group = entries.filter((entry) => entry.reason === reason);
+          return group.length > 1 ? (
+            <li key={reason} className="effect-group">
+              <p className="effect-reason">{reason}</p>
+              <ul>
+                {group.map((entry) => (
+                  <li key={entry.name}>
+                    <Effect entry={entry} {...listed} />
+                  </li>
+                ))}
+              </ul>
+            </li>
+          ) : (
+            <li key={reason}>
+              <Effect entry={group[0]} {...listed} hasOwnReason />
+            </li>
+          );
+        })}
       </ul>
     </>
   );
 }
 
-/** The reason and the cost of an effect; on demand, its description. */
-function Effect({ entry, costs, hasSeveralClouds }: ListedProps & { readonly entry: EffectEntry }) {
+/** The cost of an effect, and the reason where others have another; on demand, its description. */
+function Effect({
+  entry,
+  costs,
+  hasSeveralClouds,
+  hasOwnReason = false,
+}: ListedProps & { readonly entry: EffectEntry; readonly hasOwnReason?: boolean }) {
   const { name, label, about, isOn, reason, clouds, stages, bytes } = entry;
   const cost = costs.find((each) => each.name === name);
   const figures = [...(cost ? [formatCost(cost.costMs)] : []), ...(bytes > 0 ? [formatBytes(bytes)] : [])];
@@ -123,7 +149,7 @@ function Effect({ entry, costs, hasSeveralClouds }: ListedProps & { readonly ent
       <summary>
         <span className="effect-label">{label}</span>
         <span className="effect-figures">{figures.join(' · ')}</span>
-        <span className="effect-reason">{reason}</span>
+        {hasOwnReason && <span className="effect-reason">{reason}</span>}
       </summary>
       <p>{about}</p>
       {cost && <p>{describeCost(cost.costMs)}</p>}

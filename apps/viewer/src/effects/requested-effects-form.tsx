@@ -26,8 +26,13 @@ interface CostsProps {
   readonly isStale: boolean;
 }
 
+interface RequestsProps extends PanelProps, CostsProps {
+  /** An effect is on from the next frame on. */
+  readonly onSwitchedOn: (name: string) => void;
+}
+
 /** Switches and sliders for the effects that can be asked for, each with its measured cost. */
-export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & CostsProps) {
+export function RequestedEffectsForm({ store, viewer, ...others }: RequestsProps) {
   const isTouched = useStore(store, ({ requested }) => requested.choices !== NO_CHOICES);
   const hasScene = useStore(store, ({ scene }) => scene !== null);
   const highlight = useStore(store, ({ effects }) => effects.find(({ name }) => name === 'highlight'));
@@ -46,7 +51,7 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
       </div>
       <fieldset className="requests" disabled={!hasScene} aria-label="Effects to ask for">
         {Object.keys(EFFECT_OPTIONS).map((name) => (
-          <Request key={name} store={store} viewer={viewer} name={name} {...costs} />
+          <Request key={name} store={store} viewer={viewer} name={name} {...others} />
         ))}
         <HighlightRow entry={highlight} />
       </fieldset>
@@ -55,7 +60,7 @@ export function RequestedEffectsForm({ store, viewer, ...costs }: PanelProps & C
 }
 
 /** The switch of one effect and, while it is on, its options. */
-function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { name: string }) {
+function Request({ store, viewer, name, onSwitchedOn, ...costs }: RequestsProps & { name: string }) {
   const id = useId();
   const isOn = useStore(store, ({ requested }) => requested.choices[name]?.isOn ?? false);
   const { label, about } = EFFECT_OPTIONS[name].effect;
@@ -67,7 +72,10 @@ function Request({ store, viewer, name, ...costs }: PanelProps & CostsProps & { 
           effect={EFFECT_OPTIONS[name].effect}
           isOn={isOn}
           aboutId={`${id}-about`}
-          onSwitch={(isWanted) => switchEffect(panel, name, isWanted)}
+          onSwitch={(isWanted) => {
+            switchEffect(panel, name, isWanted);
+            if (isWanted) onSwitchedOn(name);
+          }}
         />
         {isOn && <Cost name={name} {...costs} />}
       </div>

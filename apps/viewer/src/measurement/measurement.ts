@@ -26,6 +26,12 @@ export class Measurement {
     this.#store = store;
   }
 
+  /** Whether the frame on the screen was drawn by a CPU; false without one. */
+  get isOnSoftware(): boolean {
+    const shown = this.#viewer.shownFrame;
+    return shown !== null && isSoftwareAdapter(shown.engine.device.adapterInfo);
+  }
+
   /** Cancels a measurement when its scene or device goes. Returns a function that stops both. */
   watch(): () => void {
     const unsubscribe = this.#store.subscribe((state, before) => {

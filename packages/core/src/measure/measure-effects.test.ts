@@ -69,11 +69,8 @@ test('a cost is the time with an effect less the time without it, whatever drift
   const clouds = [
     { cloud: { facts: {}, checkUsable: () => {} } as never, effects: [tint([1, 0, 0]), brightness(1)] },
   ];
-  const costs = await measureEffects(
-    fakeEngine(),
-    { camera, clouds, widthPx: 8, heightPx: 8 },
-    { frames: 8 },
-  );
+  const frame = { camera, clouds, widthPx: 8, heightPx: 8 };
+  const costs = await measureEffects(fakeEngine(), frame, { frames: 8 });
   // Brightness is requested and changes nothing.
   expect(costs.map(({ name }) => name)).toEqual(Object.keys(COSTS_MS));
   // Between the two frames of a pair, one is drawn that is not counted.
@@ -83,4 +80,10 @@ test('a cost is the time with an effect less the time without it, whatever drift
     expect(costMs.low, name).toBeCloseTo(COSTS_MS[name] - pairDriftMs, 9);
     expect(costMs.high, name).toBeCloseTo(COSTS_MS[name] + pairDriftMs, 9);
   }
+  // By name, as for all; brightness changes nothing, and there is no glitter.
+  const some = await measureEffects(fakeEngine(), frame, {
+    frames: 8,
+    names: ['tint', 'brightness', 'glitter'],
+  });
+  expect(some.map(({ name }) => name)).toEqual(['tint']);
 });

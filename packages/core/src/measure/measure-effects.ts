@@ -17,6 +17,8 @@ export interface MeasureEffectsOptions {
    * drawn and not counted. Fewer than 6 pairs give no 95 % interval: see `TimeSpread`.
    */
   readonly frames?: number;
+  /** Names of the effects to measure; default all. Those that are off, or unknown, have no cost. */
+  readonly names?: readonly string[];
   /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
@@ -56,7 +58,7 @@ export async function measureEffects(
   frame: Pick<FrameRequest, 'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy' | 'detail'>,
   options: MeasureEffectsOptions = {},
 ): Promise<EffectCost[]> {
-  const { frames = DEFAULT_FRAMES, signal, onProgress } = given(options);
+  const { frames = DEFAULT_FRAMES, names, signal, onProgress } = given(options);
   checkMeasured(engine, frame, { frames });
   const { accuracy = engine.accuracy } = frame;
   const settings = isAccuracyTarget(accuracy) ? engine.accuracy : accuracy;
@@ -64,7 +66,10 @@ export async function measureEffects(
   return withView(engine, async (view) => {
     signal?.throwIfAborted();
     await drawMeasured(engine, view, request);
-    const comparisons = view.effects().flatMap((entry) => comparisonFor(entry, request) ?? []);
+    const comparisons = view
+      .effects()
+      .filter(({ name }) => names?.includes(name) ?? true)
+      .flatMap((entry) => comparisonFor(entry, request) ?? []);
     const frameTimer = new FrameTimer(engine, view);
     const costs: EffectCost[] = [];
     for (const [index, comparison] of comparisons.entries()) {
