@@ -2,12 +2,13 @@ import { type Detail, isFixedDetail } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
 import { describeDetail } from '../formatting/detail-words.ts';
-import { formatMany } from '../formatting/format.ts';
+import { formatMany, formatPsnr } from '../formatting/format.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
+import { useDetailDb } from './use-detail-db.ts';
 
 /** Details besides numbers of splats. */
 const DETAILS: readonly Choice<Detail>[] = [
@@ -20,7 +21,7 @@ const LEAST_PART = 1 / 100;
 /** With fewer the slider's steps would be smaller than a splat. */
 const LEAST_SPLATS = 100;
 
-/** How much of the scene is drawn: all of it, or so many splats at most. */
+/** How much of the scene is drawn, all of it or so many splats at most, and how near that comes. */
 export function DetailDial({ store, viewer }: PanelProps) {
   const id = useId();
   const detail = useStore(store, (state) => state.detail);
@@ -30,6 +31,7 @@ export function DetailDial({ store, viewer }: PanelProps) {
   const maxSplats = typeof detail === 'object' && 'maxSplats' in detail ? detail.maxSplats : undefined;
   const most = Math.min(maxSplats ?? splats, splats);
   const isCount = detail === 'full' || maxSplats !== undefined;
+  const psnrDb = useDetailDb({ store, viewer });
   const words = isCount ? `${formatMany(most)} of ${formatMany(splats)}` : describeDetail(detail);
   return (
     <div className="detail-dial" data-testid="detail-dial">
@@ -43,7 +45,10 @@ export function DetailDial({ store, viewer }: PanelProps) {
           testId="detail-"
           onChoose={(chosen) => viewer.setDetail(chosen)}
         />
-        <output htmlFor={id}>{splats > 0 && words}</output>
+        <output htmlFor={id} title="PSNR against the picture with all splats">
+          {splats > 0 && words}
+          {psnrDb !== null && <span data-testid="detail-db"> · {formatPsnr(psnrDb)}</span>}
+        </output>
       </div>
       <input
         id={id}
