@@ -73,6 +73,22 @@ describe('the page that runs hard cases in any browser', () => {
     await waitForState(page, 'done');
     expect(await textOf(page, 'headline')).toContain('stopped before');
   });
+
+  it('keeps what has run, and begins with what has not', async () => {
+    const page = await harness.open('?conformance&cases=sort-0-keys');
+    expect(await page.getByTestId('kept-run').count()).toBe(0);
+    await page.getByTestId('run').click();
+    await waitForState(page, 'done');
+    await page.goto(`${harness.server.url}?conformance&cases=sort-0-keys,input-truncated`);
+    const others = HARD_CASES.length - 1;
+    expect(await textOf(page, 'kept-run')).toContain(
+      `1 of ${HARD_CASES.length} cases pass on this device: ${others} have not run, by version`,
+    );
+    await page.getByTestId('run').click();
+    await waitForState(page, 'done');
+    const names = await page.locator('[data-testid=results] tbody a').allTextContents();
+    expect(names).toEqual(['input-truncated', 'sort-0-keys']);
+  });
 });
 
 describe('the benchmark', () => {

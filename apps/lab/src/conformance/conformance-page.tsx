@@ -6,8 +6,12 @@ import {
   type HardCaseReport,
   type HardCaseResult,
   jsonReport,
+  keepRun,
+  keptRun,
+  keptVerdict,
   runHardCases,
   textReport,
+  unrunFirst,
 } from '@websplatter/hardcases';
 import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react';
 import { BUILD } from '../build.ts';
@@ -38,9 +42,12 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
   const { cases, problem } = useMemo(() => chosenCases(query.get('cases')), [query]);
   const [state, setState] = useState<RunState>({ kind: 'idle' });
   const [results, setResults] = useState<readonly HardCaseResult[]>([]);
+  const [kept, setKept] = useState(() => keptRun());
   const running = useRef<AbortController | null>(null);
   const message = problem ?? (state.kind === 'failed' ? state.message : null);
   const isRunning = state.kind === 'running';
+  // Until the run ends, its order stays.
+  const ordered = useMemo(() => unrunFirst(cases, kept), [cases, kept]);
 
   const run = async () => {
     const controller = new AbortController();
@@ -51,12 +58,14 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
     try {
       const report = await runHardCases({
         gpu: navigator.gpu,
-        cases,
+        cases: ordered,
         place: { program: navigator.userAgent, ...BUILD },
         onResult: (result) => setResults((before) => [...before, result]),
         signal: controller.signal,
       });
       window.report = report;
+      keepRun(report);
+      setKept(keptRun());
       setState({ kind: 'done', report });
     } catch (error) {
       setState({ kind: 'failed', message: error instanceof Error ? error.message : String(error) });
@@ -87,13 +96,18 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
         </>
       }
     >
+      {kept && state.kind === 'idle' && (
+        <p data-testid="kept-run">
+          {keptVerdict(kept)}, by version {kept.version}, {new Date(kept.date).toLocaleDateString()}.
+        </p>
+      )}
       {message !== null && (
         <p className="failure" role="alert" data-testid="failure">
           {message}
         </p>
       )}
       {isRunning ? (
-        <Progress label={progressText(results, cases)} done={results.length / cases.length}>
+        <Progress label={progressText(results, ordered)} done={results.length / cases.length}>
           <StopButton onStop={() => running.current?.abort()} />
         </Progress>
       ) : (

@@ -1,5 +1,5 @@
-import type { HardCase } from '@websplatter/hardcases';
-import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
+import { type HardCase, keptRun, keptVerdict } from '@websplatter/hardcases';
+import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
 import { formatCount } from '../formatting/format.ts';
 import { conformanceAddress } from '../links/lab-address.ts';
 import { caseAddress } from './case-addresses.ts';
@@ -35,6 +35,7 @@ export function Gallery({
   // Read out when typing pauses, not with every letter.
   const count = useDeferredValue(found.length);
   const conformance = conformanceAddress();
+  const [kept] = useState(() => keptRun());
   const page = useRef<HTMLElement>(null);
   const search = useRef<HTMLInputElement>(null);
 
@@ -63,8 +64,16 @@ export function Gallery({
         <h1>Hard cases</h1>
         <p>
           Small scenes that break splat renderers, each with the fault that it provokes. Tests compare every
-          image with float64. {conformance && <a href={conformance}>Run all of them on this device</a>}
+          image with float64.{' '}
+          {conformance && (
+            <a href={conformance}>{kept ? 'Run them again' : 'Run all of them on this device'}</a>
+          )}
         </p>
+        {kept && (
+          <p className="gallery-verdict" data-testid="gallery-verdict">
+            {keptVerdict(kept)}, by version {kept.version}, {new Date(kept.date).toLocaleDateString()}.
+          </p>
+        )}
       </header>
       <search className="gallery-search">
         <input

@@ -1,0 +1,71 @@
+import { HARD_CASES } from './catalogue.ts';
+import type { HardCaseReport } from './report.ts';
+
+/** Where the browser keeps it, for all pages of an origin. */
+const KEY = 'websplatter-hard-cases';
+
+/** What became of the cases that ran in this browser with one version on one adapter. */
+export interface KeptRun extends Pick<HardCaseReport, 'version' | 'commit' | 'adapter'> {
+  /** Of the last run, ISO 8601. */
+  readonly date: string;
+  /** Names of cases, by their last verdict. */
+  readonly passed: readonly string[];
+  readonly failed: readonly string[];
+}
+
+/** The kept run; null where none is, or the browser keeps nothing for the page. */
+export function keptRun(storage = ownStorage()): KeptRun | null {
+  try {
+    const kept = JSON.parse(storage?.getItem(KEY) ?? 'null') as KeptRun | null;
+    return kept && Array.isArray(kept.passed) && Array.isArray(kept.failed) ? kept : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Keeps what a run has found, beside what others found with the same version and adapter. */
+export function keepRun(report: HardCaseReport, storage = ownStorage()): void {
+  const { version, commit, adapter, date, results } = report;
+  const before = keptRun(storage);
+  const isSame = before?.version === version && before.commit === commit && before.adapter === adapter;
+  const ran = new Set(results.map(({ name }) => name));
+  const namesOf = (verdict: string, others: readonly string[] = []) => [
+    ...(isSame ? others : []).filter((name) => !ran.has(name)),
+    ...results.filter((result) => result.verdict === verdict).map(({ name }) => name),
+  ];
+  const passed = namesOf('pass', before?.passed);
+  const kept: KeptRun = { version, commit, adapter, date, passed, failed: namesOf('fail', before?.failed) };
+  try {
+    storage?.setItem(KEY, JSON.stringify(kept));
+  } catch {
+    // It is full, or closed to the page.
+  }
+}
+
+/** `289 of 289 cases pass on this device`, `3 of 289 …: 2 fail, 284 have not run`. */
+export function keptVerdict({ passed, failed }: KeptRun, names = HARD_CASES.map(({ name }) => name)): string {
+  const [passes, fails] = [passed, failed].map((some) => names.filter((name) => some.includes(name)).length);
+  const others = [
+    ...(fails > 0 ? [`${fails} ${fails === 1 ? 'fails' : 'fail'}`] : []),
+    ...(passes + fails < names.length ? [`${names.length - passes - fails} have not run`] : []),
+  ];
+  const verdict = `${passes} of ${names.length} cases pass on this device`;
+  return others.length > 0 ? `${verdict}: ${others.join(', ')}` : verdict;
+}
+
+/** The cases, first those that have not run. */
+export function unrunFirst<Case extends { readonly name: string }>(
+  cases: readonly Case[],
+  kept: KeptRun | null,
+): Case[] {
+  const hasRun = ({ name }: Case) => Boolean(kept?.passed.includes(name) || kept?.failed.includes(name));
+  return cases.toSorted((a, b) => Number(hasRun(a)) - Number(hasRun(b)));
+}
+
+function ownStorage(): Pick<Storage, 'getItem' | 'setItem'> | undefined {
+  try {
+    return globalThis.localStorage;
+  } catch {
+    return undefined;
+  }
+}
