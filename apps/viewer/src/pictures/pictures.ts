@@ -2,6 +2,7 @@ import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownFrame } from '../drawing/drawn-frame.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
+import { savedName } from '../saving/saved-name.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { drawnSize, type PictureTile, pictureTiles, tileCamera } from './picture-tiles.ts';
@@ -33,7 +34,7 @@ class Pictures {
     const shown = this.#viewer.shownFrame;
     if (!shown || this.#work.isBusy) return;
     const store = this.#store;
-    const fileName = `${store.getState().scene?.title.replace(/\.[a-z]+$/i, '') || 'scene'}.png`;
+    const fileName = savedName([store.getState().scene?.title ?? ''], { extension: '.png' });
     const report = (part: number) => store.setState({ picturing: { fileName, part } });
     report(0);
     const { accuracy } = store.getState();

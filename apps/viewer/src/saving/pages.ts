@@ -8,7 +8,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { FileWork, perViewer } from './file-work.ts';
 import { PageRefusal, readParts } from './held-parts.ts';
-import { savedName } from './saving.ts';
+import { savedName } from './saved-name.ts';
 import { fetchScenePage } from './scene-page-template.ts';
 
 /** Saves the scene and the view of it as a web page, one at a time. */

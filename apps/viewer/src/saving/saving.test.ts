@@ -7,7 +7,8 @@ import type { ShownPart } from '../scene/shown-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { createViewerStore } from '../state/store.ts';
 import type { SaveReply } from './save-messages.ts';
-import { Saving, savedName } from './saving.ts';
+import { savedName } from './saved-name.ts';
+import { Saving } from './saving.ts';
 import { writeScene } from './write-scene.ts';
 
 test.each([

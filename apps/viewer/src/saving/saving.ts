@@ -2,12 +2,13 @@ import type { WritableFormat } from '@websplatter/core/write';
 import { upAxisOf } from '../camera/up-axis.ts';
 import { formatBytes } from '../formatting/format.ts';
 import { lastingScene } from '../reload/lasting-scene.ts';
-import { joinedNames, titleOf } from '../scene/scene-source.ts';
+import { titleOf } from '../scene/scene-source.ts';
 import { cloudKey, type ShownPart } from '../scene/shown-scene.ts';
 import type { Selecting } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { download } from './download.ts';
 import type { SavedPart, SavedRows, SaveReply, SaveRequest } from './save-messages.ts';
+import { savedName } from './saved-name.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 export class Saving {
@@ -97,13 +98,4 @@ function savedRows(key: string, selecting: Selecting): SavedRows | null {
 /** Whether only the selected splats are saved. */
 export function savesSelection({ savesSelection: isAsked, selected }: Selecting): boolean {
   return isAsked && selected.size > 0;
-}
-
-/** The names of a scene's files, or of what is in them, with another end. */
-export function savedName(
-  titles: readonly string[],
-  { extension }: Pick<WritableFormat, 'extension'>,
-): string {
-  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
-  return `${joinedNames(names)}${extension}`;
 }

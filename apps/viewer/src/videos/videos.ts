@@ -3,6 +3,7 @@ import { flippedMatrix } from '../camera/flip.ts';
 import { onBackground } from '../navigation/thumbnail.ts';
 import { pathThrough, poseOnPath } from '../navigation/view-path.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
+import { savedName } from '../saving/saved-name.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -31,7 +32,7 @@ class Videos {
     const store = this.#store;
     const path = pathThrough(store.getState().savedViews);
     if (!this.#viewer.shownFrame || path.length < 2 || this.#work.isBusy) return;
-    const fileName = `${store.getState().scene?.title.replace(/\.[a-z]+$/i, '') || 'scene'}.webm`;
+    const fileName = savedName([store.getState().scene?.title ?? ''], { extension: '.webm' });
     const frames = frameCount(path.length, options.framesPerS);
     const report = (drawnFrames: number) => store.setState({ filming: { fileName, drawnFrames, frames } });
     report(0);
