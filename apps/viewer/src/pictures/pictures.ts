@@ -3,8 +3,6 @@ import type { Vec3 } from '../camera/vec3.ts';
 import type { ShownFrame } from '../drawing/drawn-frame.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
 import { savedName } from '../saving/saved-name.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { drawnSize, type PictureTile, pictureTiles, tileCamera } from './picture-tiles.ts';
 import { PngWriter, writePixels } from './png-writer.ts';
 
@@ -18,27 +16,17 @@ export interface PictureOptions {
 }
 
 /** Saves the frame on the screen as a picture of any size, one at a time. */
-class Pictures {
-  readonly #viewer: Viewer;
-  readonly #store: ViewerStore;
-  readonly #work: FileWork;
-
-  constructor(viewer: Viewer, store: ViewerStore) {
-    this.#viewer = viewer;
-    this.#store = store;
-    this.#work = new FileWork(store);
-  }
-
+class Pictures extends FileWork {
   /** Draws the picture and hands it to the browser. Does nothing without a frame, or while busy. */
   async start(options: PictureOptions): Promise<void> {
-    const shown = this.#viewer.shownFrame;
-    if (!shown || this.#work.isBusy) return;
-    const store = this.#store;
+    const shown = this.viewer.shownFrame;
+    if (!shown || this.isBusy) return;
+    const { store } = this;
     const fileName = savedName([store.getState().scene?.title ?? ''], { extension: '.png' });
     const report = (part: number) => store.setState({ picturing: { fileName, part } });
     report(0);
     const { accuracy } = store.getState();
-    await this.#work.run({
+    await this.run({
       fileName,
       doing: 'Drawing',
       make: (signal) => drawPicture(shown, accuracy, options, report, signal),
@@ -49,10 +37,6 @@ class Pictures {
       }),
       onEnd: () => store.setState({ picturing: null }),
     });
-  }
-
-  cancel(): void {
-    this.#work.cancel();
   }
 }
 

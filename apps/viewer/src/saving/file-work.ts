@@ -14,22 +14,24 @@ export interface FileTask {
   readonly onEnd: () => void;
 }
 
-/** Makes files of one kind, one at a time, and hands them to the browser. */
-export class FileWork {
-  readonly #store: ViewerStore;
+/** Makes files of one kind from what a viewer shows, one at a time, and hands them to the browser. */
+export abstract class FileWork {
+  protected readonly viewer: Viewer;
+  protected readonly store: ViewerStore;
   #work: AbortController | null = null;
 
-  constructor(store: ViewerStore) {
-    this.#store = store;
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.viewer = viewer;
+    this.store = store;
   }
 
-  get isBusy(): boolean {
+  protected get isBusy(): boolean {
     return this.#work !== null;
   }
 
   /** The store learns how it has ended. */
-  async run({ fileName, doing, make, failureOf, onEnd }: FileTask): Promise<void> {
-    const store = this.#store;
+  protected async run({ fileName, doing, make, failureOf, onEnd }: FileTask): Promise<void> {
+    const { store } = this;
     const work = new AbortController();
     this.#work = work;
     try {

@@ -4,36 +4,24 @@ import { heldView } from '../links/page-address.ts';
 import { joinedNames, titleOf } from '../scene/scene-source.ts';
 import { writePage } from '../scene-page/page-text.ts';
 import type { SavingState } from '../state/saving.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { FileWork, perViewer } from './file-work.ts';
 import { PageRefusal, readParts } from './held-parts.ts';
 import { savedName } from './saved-name.ts';
 import { fetchScenePage } from './scene-page-template.ts';
 
 /** Saves the scene and the view of it as a web page, one at a time. */
-class Pages {
-  readonly #viewer: Viewer;
-  readonly #store: ViewerStore;
-  readonly #work: FileWork;
-
-  constructor(viewer: Viewer, store: ViewerStore) {
-    this.#viewer = viewer;
-    this.#store = store;
-    this.#work = new FileWork(store);
-  }
-
+class Pages extends FileWork {
   /** Writes the page and hands it to the browser. Does nothing without a scene, or while busy. */
   async start(): Promise<void> {
-    const store = this.#store;
+    const { store } = this;
     const state = store.getState();
-    const parts = this.#viewer.scenes.newest?.parts.filter(({ look }) => !look.isHidden) ?? [];
-    if (parts.length === 0 || this.#work.isBusy) return;
+    const parts = this.viewer.scenes.newest?.parts.filter(({ look }) => !look.isHidden) ?? [];
+    if (parts.length === 0 || this.isBusy) return;
     const titles = parts.map(({ source }) => titleOf(source));
     const fileName = savedName(titles, { extension: '.html' });
     // Written down now: the camera may move meanwhile. Looks are all told, as files may be left out.
     const view = heldView({
-      ...linkedViewOf(this.#viewer, state),
+      ...linkedViewOf(this.viewer, state),
       looks: parts.map(({ look }) => encodeLook(look)),
     });
     const { background } = state.look;
@@ -59,7 +47,7 @@ class Pages {
         onPart: (part) => report({ phase: 'write', part }),
       });
     };
-    await this.#work.run({
+    await this.run({
       fileName,
       doing: 'Saving',
       make,
@@ -70,10 +58,6 @@ class Pages {
       }),
       onEnd: () => store.setState({ savingPage: null }),
     });
-  }
-
-  cancel(): void {
-    this.#work.cancel();
   }
 }
 

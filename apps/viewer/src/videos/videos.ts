@@ -5,8 +5,6 @@ import { pathThrough, poseOnPath } from '../navigation/view-path.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
 import { savedName } from '../saving/saved-name.ts';
 import type { SavedView } from '../state/saved-view.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { type VideoCodec, VideoError } from './video-codec.ts';
 import { type FrameRate, frameCount, placeOfFrame } from './video-frames.ts';
 
@@ -16,27 +14,17 @@ export interface VideoOptions {
 }
 
 /** Saves the path through the saved views as a video, one at a time. */
-class Videos {
-  readonly #viewer: Viewer;
-  readonly #store: ViewerStore;
-  readonly #work: FileWork;
-
-  constructor(viewer: Viewer, store: ViewerStore) {
-    this.#viewer = viewer;
-    this.#store = store;
-    this.#work = new FileWork(store);
-  }
-
+class Videos extends FileWork {
   /** Draws the video and hands it to the browser. Does nothing without a path, or while busy. */
   async start(options: VideoOptions): Promise<void> {
-    const store = this.#store;
+    const { store } = this;
     const path = pathThrough(store.getState().savedViews);
-    if (!this.#viewer.shownFrame || path.length < 2 || this.#work.isBusy) return;
+    if (!this.viewer.shownFrame || path.length < 2 || this.isBusy) return;
     const fileName = savedName([store.getState().scene?.title ?? ''], { extension: '.webm' });
     const frames = frameCount(path.length, options.framesPerS);
     const report = (drawnFrames: number) => store.setState({ filming: { fileName, drawnFrames, frames } });
     report(0);
-    await this.#work.run({
+    await this.run({
       fileName,
       doing: 'Drawing',
       make: (signal) => this.#draw(path, options, report, signal),
@@ -49,10 +37,6 @@ class Videos {
     });
   }
 
-  cancel(): void {
-    this.#work.cancel();
-  }
-
   /** @throws VideoError; errors of `render`, `whenComplete` and `readPixels`. */
   async #draw(
     path: readonly SavedView[],
@@ -62,11 +46,11 @@ class Videos {
   ): Promise<Blob> {
     // A library that writes videos: most pages never do.
     const { VideoWriter } = await import('./video-writer.ts');
-    const { camera, shownFrame } = this.#viewer;
+    const { camera, shownFrame } = this.viewer;
     signal.throwIfAborted();
     if (!shownFrame) throw new Error('There is no frame any more.');
     const { engine, centred: frame } = shownFrame;
-    const { isFlipped, accuracy } = this.#store.getState();
+    const { isFlipped, accuracy } = this.store.getState();
     const [first] = path;
     const clouds = frame.clouds.map((cloud) =>
       first.isFlipped === isFlipped ? cloud : { ...cloud, modelMatrix: flippedMatrix(cloud.modelMatrix) },
