@@ -114,8 +114,9 @@ export async function build() {
     const built = Object.keys({ ...item.entries, ...item.hosted }).map(
       (entry) => `${folder}/dist/${entry}.js`,
     );
-    if (isBuilt(item.name, hash, built)) continue;
-    await timeBuild(item.name, hash, () => buildPackage(item));
+    const wanted = hash;
+    const isDone = () => isBuilt(item.name, wanted, built);
+    if (!isDone()) await timeBuild(item.name, wanted, () => buildPackage(item, isDone));
   }
 }
 
@@ -156,7 +157,8 @@ async function timeBuild(name, hash, run) {
   console.log(`Built @websplatter/${name} in ${((performance.now() - startedMs) / 1000).toFixed(1)} s`);
 }
 
-async function buildPackage(item) {
+/** @param isDone whether another process, such as that of a test, has built the same meanwhile. */
+async function buildPackage(item, isDone) {
   const folder = join(repositoryRoot, 'packages', item.name);
   // Build into another folder first, so that a failed build leaves the previous dist.
   const aside = join(cacheFolder, `${item.name}-${process.pid}`);
@@ -166,7 +168,8 @@ async function buildPackage(item) {
       await bundle({ [name]: path }, folder, aside, { minify: true, emptyOutDir: false });
     checkDirectives(item, folder, aside);
     if (item.hasDeclarations) emitDeclarations(folder, aside);
-    rmSync(join(folder, 'dist'), { recursive: true, force: true });
+    if (isDone()) return;
+    rmSync(join(folder, 'dist'), { recursive: true, force: true, maxRetries: 10 });
     cpSync(aside, join(folder, 'dist'), { recursive: true });
   } finally {
     rmSync(aside, { recursive: true, force: true });
