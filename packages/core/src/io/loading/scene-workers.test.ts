@@ -10,7 +10,7 @@ import { seededRandom } from '../../testing/seeded-random.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES } from '../formats/bricks/bricks-layout.ts';
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
-import { packPieces } from '../formats/cell-columns.ts';
+import { packPieces } from '../formats/pack-pieces.ts';
 import { SCENE_TASKS } from '../formats/scene-tasks.ts';
 import { SceneWorkers } from './scene-workers.ts';
 import { type ScenePort, serveScene } from './serve-scene.ts';

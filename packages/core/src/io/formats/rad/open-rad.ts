@@ -12,7 +12,7 @@ import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { packPieces } from '../cell-columns.ts';
+import { packPieces } from '../pack-pieces.ts';
 import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
 import { RadChunk } from './rad-chunk.ts';
 import { openRadSource, type RadSource } from './rad-source.ts';

@@ -10,7 +10,7 @@ import { paletteValues, type RowLayout } from '../../../data/packing/row-layout.
 import { ROW_SLOT, reasonToDrop } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { SceneWorkers } from '../../loading/scene-workers.ts';
-import { packPieces } from '../cell-columns.ts';
+import { packPieces } from '../pack-pieces.ts';
 import type { RowSink } from '../row-sink.ts';
 
 /**

@@ -1,0 +1,56 @@
+import type { SplatCells } from '../../data/bricks/leaf-scene.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import { reasonToDrop } from '../../data/splats/splat-row.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import { Turns } from '../../data/turns.ts';
+import type { SceneWorkers } from '../loading/scene-workers.ts';
+import { type CellColumns, widthOf } from './cell-columns.ts';
+
+/** Most splats of a piece. */
+const PIECE_SPLATS = LEVEL_CONSTANTS.CELL_CHILDREN * CHUNK_SPLATS;
+/** Longest that the calling thread is kept busy at a time: frames are drawn meanwhile. */
+const MAX_BUSY_MS = 4;
+/** Pieces that wait to be packed, about a megabyte each of degree 3, at most. */
+const MOST_WAITING = 8;
+
+/**
+ * Packs splats in pieces of up to sixteen cells, without those that are not finite.
+ *
+ * @param row that `fill` writes; perhaps of a lower degree.
+ * @param fill writes splat `i`, and returns the number of its row.
+ * @throws the signal's reason, and as `SceneWorkers.run`.
+ */
+export async function packPieces(
+  workers: SceneWorkers,
+  count: number,
+  shDegree: ShDegree,
+  row: Float64Array,
+  fill: (i: number) => number,
+  signal?: AbortSignal,
+): Promise<SplatCells[]> {
+  const turns = new Turns(signal, MAX_BUSY_MS);
+  const pieces: Promise<SplatCells>[] = [];
+  const width = widthOf(shDegree);
+  for (let start = 0; start < count; start += PIECE_SPLATS) {
+    const most = Math.min(PIECE_SPLATS, count - start);
+    const rows = new Uint32Array(most);
+    const values = new Float32Array(most * width);
+    let taken = 0;
+    for (let i = start; i < start + most; i++) {
+      const number = fill(i);
+      if (reasonToDrop(row) !== undefined) continue;
+      values.set(row, taken * width);
+      rows[taken++] = number;
+    }
+    const columns: CellColumns = { count: taken, shDegree, rows, values };
+    const piece = taken > 0 && workers.run('packCells', columns, [rows.buffer, values.buffer], signal);
+    if (piece) {
+      // What fails first ends all.
+      piece.catch(() => {});
+      pieces.push(piece);
+    }
+    await Promise.all([turns.give(), pieces[pieces.length - MOST_WAITING]]);
+  }
+  return Promise.all(pieces);
+}
