@@ -1,5 +1,7 @@
 /** Longest time a page's thread is kept busy before its event loop gets a turn. */
 const MAX_BUSY_MS = 16;
+/** The same where frames are to be drawn meanwhile. */
+export const SMOOTH_BUSY_MS = 4;
 
 /** Resolves in a new task, by a message: timers wait for 4 ms in pages, for 1 s in hidden ones. */
 export function nextTask(): Promise<void> {

@@ -3,14 +3,12 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { reasonToDrop } from '../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
-import { Turns } from '../../data/turns.ts';
+import { SMOOTH_BUSY_MS, Turns } from '../../data/turns.ts';
 import type { SceneWorkers } from '../loading/scene-workers.ts';
 import { type CellColumns, widthOf } from './cell-columns.ts';
 
 /** Most splats of a piece. */
 const PIECE_SPLATS = LEVEL_CONSTANTS.CELL_CHILDREN * CHUNK_SPLATS;
-/** Longest that the calling thread is kept busy at a time: frames are drawn meanwhile. */
-const MAX_BUSY_MS = 4;
 /** Pieces that wait to be packed, about a megabyte each of degree 3, at most. */
 const MOST_WAITING = 8;
 
@@ -29,7 +27,7 @@ export async function packPieces(
   fill: (i: number) => number,
   signal?: AbortSignal,
 ): Promise<SplatCells[]> {
-  const turns = new Turns(signal, MAX_BUSY_MS);
+  const turns = new Turns(signal, SMOOTH_BUSY_MS);
   const pieces: Promise<SplatCells>[] = [];
   const width = widthOf(shDegree);
   for (let start = 0; start < count; start += PIECE_SPLATS) {

@@ -1,5 +1,5 @@
 import { DestroyedError } from '../../data/errors.ts';
-import { Turns } from '../../data/turns.ts';
+import { nextTask, SMOOTH_BUSY_MS, Turns } from '../../data/turns.ts';
 import type { SceneTasks } from '../formats/scene-tasks.ts';
 import { hostedWorker } from './hosted-worker.ts';
 import { fromPostedError } from './load-messages.ts';
@@ -9,8 +9,6 @@ import { endWorker } from './try-worker.ts';
 
 /** Workers of a scene, at most: more are faster than parts are fetched and placed. */
 const MOST_WORKERS = 4;
-/** Longest that the calling thread is kept busy at a time: frames are drawn meanwhile. */
-const MAX_BUSY_MS = 4;
 
 type TaskName = keyof SceneTasks;
 type AnyResult = TaskResult<TaskName>;
@@ -135,7 +133,10 @@ class SceneWorker {
     }
     // Only pages without a worker for it fetch the code.
     const { SCENE_TASKS } = await import('../formats/scene-tasks.ts');
-    wait.resolve(await SCENE_TASKS[request.task](request.input as never, new Turns(signal, MAX_BUSY_MS)));
+    // Several that are due at once would keep the thread busy one after another.
+    await nextTask();
+    signal?.throwIfAborted();
+    wait.resolve(await SCENE_TASKS[request.task](request.input as never, new Turns(signal, SMOOTH_BUSY_MS)));
   }
 
   /** Never rejects: without a worker, the calling thread does the tasks. */
