@@ -23,8 +23,8 @@ export function keptRun(storage = ownStorage()): KeptRun | null {
   }
 }
 
-/** Keeps what a run has found, beside what others found with the same version and adapter. */
-export function keepRun(report: HardCaseReport, storage = ownStorage()): void {
+/** Keeps what a run has found, beside what others found with the same version and adapter; returns all. */
+export function keepRun(report: HardCaseReport, storage = ownStorage()): KeptRun {
   const { version, commit, adapter, date, results } = report;
   const before = keptRun(storage);
   const isSame = before?.version === version && before.commit === commit && before.adapter === adapter;
@@ -40,6 +40,7 @@ export function keepRun(report: HardCaseReport, storage = ownStorage()): void {
   } catch {
     // It is full, or closed to the page.
   }
+  return kept;
 }
 
 /** `289 of 289 cases pass on this device`, `3 of 289 …: 2 fail, 284 have not run`. */
@@ -51,6 +52,11 @@ export function keptVerdict({ passed, failed }: KeptRun, names = HARD_CASES.map(
   ];
   const verdict = `${passes} of ${names.length} cases pass on this device`;
   return others.length > 0 ? `${verdict}: ${others.join(', ')}` : verdict;
+}
+
+/** The verdict, with the version that ran and the day, as a sentence. */
+export function keptSentence(kept: KeptRun): string {
+  return `${keptVerdict(kept)}, by version ${kept.version}, ${new Date(kept.date).toLocaleDateString()}.`;
 }
 
 /** The cases, first those that have not run. */

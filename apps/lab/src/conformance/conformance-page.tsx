@@ -8,7 +8,7 @@ import {
   jsonReport,
   keepRun,
   keptRun,
-  keptVerdict,
+  keptSentence,
   runHardCases,
   textReport,
   unrunFirst,
@@ -64,8 +64,7 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
         signal: controller.signal,
       });
       window.report = report;
-      keepRun(report);
-      setKept(keptRun());
+      setKept(keepRun(report));
       setState({ kind: 'done', report });
     } catch (error) {
       setState({ kind: 'failed', message: error instanceof Error ? error.message : String(error) });
@@ -96,11 +95,7 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
         </>
       }
     >
-      {kept && state.kind === 'idle' && (
-        <p data-testid="kept-run">
-          {keptVerdict(kept)}, by version {kept.version}, {new Date(kept.date).toLocaleDateString()}.
-        </p>
-      )}
+      {kept && state.kind === 'idle' && <p data-testid="kept-run">{keptSentence(kept)}</p>}
       {message !== null && (
         <p className="failure" role="alert" data-testid="failure">
           {message}

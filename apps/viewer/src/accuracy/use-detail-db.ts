@@ -13,10 +13,13 @@ const RESTS_AFTER_MS = 500;
  */
 export function useDetailDb({ store, viewer }: PanelProps): number | null {
   const imageId = useStore(store, (state) => state.imageId);
+  const isMeasuring = useStore(store, (state) => state.measuring !== null);
   const [found, setFound] = useState<{ readonly imageId: number; readonly psnrDb: number | null } | null>(
     null,
   );
   useEffect(() => {
+    // Its frames would slow those that are timed.
+    if (isMeasuring) return;
     let isCurrent = true;
     const timer = setTimeout(async () => {
       try {
@@ -31,7 +34,7 @@ export function useDetailDb({ store, viewer }: PanelProps): number | null {
       isCurrent = false;
       clearTimeout(timer);
     };
-  }, [store, viewer, imageId]);
+  }, [store, viewer, imageId, isMeasuring]);
   return found?.imageId === imageId ? found.psnrDb : null;
 }
 

@@ -1,4 +1,3 @@
-import { isSoftwareAdapter } from '@websplatter/core';
 import type { EffectCost } from '@websplatter/core/measure';
 import { formatMs } from '../formatting/format.ts';
 import type { Measurement } from '../measurement/measurement.ts';
@@ -16,11 +15,10 @@ export async function measureEffectCosts(
   const { accuracy } = store.getState();
   await measurement.run('effects', async ({ engine, frame }, { image, ...options }) => {
     const { measureEffects } = await import('@websplatter/core/measure');
-    const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
     const costs = await measureEffects(
       engine,
       { ...frame, accuracy },
-      { ...options, ...(isSoftware && { frames: SOFTWARE_FRAMES }), ...(name && { names: [name] }) },
+      { ...options, ...(image.isSoftware && { frames: SOFTWARE_FRAMES }), ...(name && { names: [name] }) },
     );
     if (!options.signal.aborted) store.setState({ effectCosts: { ...image, costs, accuracy } });
   });

@@ -1,4 +1,4 @@
-import { type HardCase, keptRun, keptVerdict } from '@websplatter/hardcases';
+import { type HardCase, keptRun, keptSentence } from '@websplatter/hardcases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
 import { formatCount } from '../formatting/format.ts';
 import { conformanceAddress } from '../links/lab-address.ts';
@@ -71,7 +71,7 @@ export function Gallery({
         </p>
         {kept && (
           <p className="gallery-verdict" data-testid="gallery-verdict">
-            {keptVerdict(kept)}, by version {kept.version}, {new Date(kept.date).toLocaleDateString()}.
+            {keptSentence(kept)}
           </p>
         )}
       </header>

@@ -58,7 +58,7 @@ export class Measurement {
     this.#running = running;
     const { signal } = running;
     const { imageId } = store.getState();
-    const isSoftware = isSoftwareAdapter(shown.engine.device.adapterInfo);
+    const isSoftware = this.isOnSoftware;
     store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
     try {
       const onProgress = (progress: MeasureProgress) => {
