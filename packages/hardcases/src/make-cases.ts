@@ -18,6 +18,16 @@ export function amongOrdinary(
   return () => [{ set: splatsOf([...ordinarySplats(), ...hard], options) }];
 }
 
+/** What `amongOrdinary` adds to, alone, and nothing hard; not in the catalogue. */
+export const ORDINARY_SCENE: SceneCase = {
+  kind: 'scene',
+  group: 'scale',
+  name: 'ordinary',
+  breaks: 'Nothing.',
+  clouds: amongOrdinary([]),
+  cameras: frontOnly,
+};
+
 /** Vertical field of view of `front`, degrees. */
 const FRONT_FOV_DEGREES = 60;
 /** Distance of `front` from the origin. */

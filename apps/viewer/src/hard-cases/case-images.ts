@@ -11,6 +11,7 @@ import {
   type DeviceCase,
   type Mutation,
   minPsnrOf,
+  ORDINARY_SCENE,
   type SceneCase,
   truncatesHalves,
 } from '@websplatter/hardcases';
@@ -49,6 +50,7 @@ interface Draughtsman {
 export class CaseImages {
   readonly #turns = new Turns();
   #draughtsman: Promise<Draughtsman> | null = null;
+  #ordinary: Promise<CaseImage> | null = null;
   #isDestroyed = false;
   readonly #mutation: Mutation | undefined;
 
@@ -63,6 +65,20 @@ export class CaseImages {
       this.#draughtsman ??= this.#create();
       return drawCase(await this.#draughtsman, request);
     }, signal);
+  }
+
+  /** Draws the splats that most cases add theirs to, once for all; the first request tells how. */
+  ordinary(request: Omit<CaseImageRequest, 'hardCase' | 'camera'>): Promise<CaseImage> {
+    const { front } = ORDINARY_SCENE.cameras(request.widthPx / request.heightPx);
+    this.#ordinary ??= this.draw(
+      { hardCase: ORDINARY_SCENE, camera: front, ...request },
+      new AbortController().signal,
+    );
+    // The next one who asks tries again.
+    this.#ordinary.catch(() => {
+      this.#ordinary = null;
+    });
+    return this.#ordinary;
   }
 
   destroy(): void {

@@ -1,13 +1,13 @@
 import { useEffect, useRef } from 'react';
 import type { CaseImages, ImageCase } from './case-images.ts';
-import { pixelsOnBlack } from './difference.ts';
+import { ownPart } from './own-part.ts';
 
 /** Pixels of a thumbnail: twice those that style sheets give it, for dense screens. */
 const SIZE = { widthPx: 208, heightPx: 156 };
 /** Thumbnails are drawn this long before they come into view. */
 const AHEAD = '300px';
 
-/** Image of a case by its first camera, drawn by this device once it comes into view. */
+/** What is a case's own in its picture by its first camera, drawn by this device once in view. */
 export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -17,9 +17,9 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
     let isInView: AbortController | null = null;
     const draw = async (signal: AbortSignal) => {
       const [camera] = Object.values(hardCase.cameras(SIZE.widthPx / SIZE.heightPx));
-      const request = { hardCase, camera, ...SIZE, preset: 'reference', rasterizer: 'quads' } as const;
-      const { data } = await images.draw(request, signal);
-      show(element, data);
+      const how = { ...SIZE, preset: 'reference', rasterizer: 'quads' } as const;
+      const ordinary = await images.ordinary(how);
+      show(element, (await images.draw({ hardCase, camera, ...how }, signal)).data, ordinary.data);
       observer.disconnect();
     };
     const observer = new IntersectionObserver(
@@ -45,8 +45,14 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
   );
 }
 
-function show(canvas: HTMLCanvasElement, data: Float32Array): void {
+function show(canvas: HTMLCanvasElement, own: Float32Array, ordinary: Float32Array): void {
   const { widthPx, heightPx } = SIZE;
-  canvas.getContext('2d')?.putImageData(new ImageData(pixelsOnBlack(data), widthPx, heightPx), 0, 0);
+  const { pixels, box } = ownPart(own, ordinary, SIZE);
+  const context = canvas.getContext('2d');
+  if (!context) return;
+  context.putImageData(new ImageData(pixels, widthPx, heightPx), 0, 0);
+  context.imageSmoothingEnabled = false;
+  const { leftPx, topPx } = box;
+  context.drawImage(canvas, leftPx, topPx, box.widthPx, box.heightPx, 0, 0, widthPx, heightPx);
   canvas.dataset.drawn = '';
 }

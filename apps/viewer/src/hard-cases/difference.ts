@@ -41,7 +41,8 @@ export function differenceOf(
   return { pixels, fullSteps, maxSteps };
 }
 
-function pixelSteps(actual: ArrayLike<number>, expected: ArrayLike<number>, at: number): number {
+/** Largest difference of the channels of the pixel whose values begin at `at`, in 8-bit steps. */
+export function pixelSteps(actual: ArrayLike<number>, expected: ArrayLike<number>, at: number): number {
   let most = 0;
   for (let channel = at; channel < at + 3; channel++)
     most = Math.max(most, Math.abs(clamped(actual[channel]) - clamped(expected[channel])));

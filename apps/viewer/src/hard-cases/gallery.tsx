@@ -3,7 +3,7 @@ import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 're
 import { formatCount } from '../formatting/format.ts';
 import { conformanceAddress } from '../links/lab-address.ts';
 import { caseAddress } from './case-addresses.ts';
-import type { CaseImages } from './case-images.ts';
+import type { CaseImages, ImageCase } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
 import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from './catalogue.ts';
@@ -147,11 +147,11 @@ const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps 
   const note = noteOn(hardCase);
   return (
     <a className="gallery-case" href={caseAddress(name)} data-case={name} onClick={inPlace(() => onGo(name))}>
-      {hasImage(hardCase) ? (
+      {hasImage(hardCase) && !droppedCount(hardCase) ? (
         <CaseThumbnail hardCase={hardCase} images={images} />
       ) : (
         <span className="gallery-thumbnail" aria-hidden="true">
-          {WITHOUT_IMAGE[hardCase.kind]}
+          {hasImage(hardCase) ? `${droppedCount(hardCase)} dropped` : WITHOUT_IMAGE[hardCase.kind]}
         </span>
       )}
       <span>
@@ -162,6 +162,11 @@ const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps 
     </a>
   );
 });
+
+/** Splats of a case that reading drops: the picture of the others would show nothing of it. */
+function droppedCount({ dropped = {} }: ImageCase): number {
+  return Object.values(dropped).reduce((sum, count) => sum + count, 0);
+}
 
 /** Stands where the image would be. */
 const WITHOUT_IMAGE: Readonly<Record<HardCase['kind'], string>> = {
