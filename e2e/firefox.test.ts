@@ -139,9 +139,9 @@ firefoxTest('a scene that is saved as a web page shows the picture of `?noui` fr
   const served = await open('apps/viewer', `?file=/scene.ply&${view}`);
   await waitForScene(served, 'scene.ply');
   await served.keyboard.press('x');
-  await served.waitForSelector('[data-testid=save-page]');
+  await served.waitForSelector('[data-testid=save-html]');
   const saved = served.evaluate(keepSaved);
-  await served.evaluate(() => document.querySelector<HTMLElement>('[data-testid=save-page]')?.click());
+  await served.evaluate(() => document.querySelector<HTMLElement>('[data-testid=save-html]')?.click());
   await saved;
   const text = await served.evaluate(() => (window as unknown as { saved: string }).saved);
   const path = join(folder, 'scene.html');

@@ -1,10 +1,12 @@
-import { mkdtemp, rm } from 'node:fs/promises';
+import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { encodePly } from '@websplatter/core';
+import { serveFiles } from '@websplatter/tools/file-server';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { openZipEntry, readZipDirectory } from '../packages/core/src/io/containers/zip.ts';
 import { colorsIn } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
@@ -26,12 +28,12 @@ beforeAll(async () => {
 });
 afterAll(() => rm(folder, { recursive: true, force: true }));
 
-/** Saves the scene that is shown as a page, by the panel; returns the page's path. */
-async function savePage(page: Page): Promise<string> {
+/** Saves the scene that is shown as a page, or a zip of one, by the panel; returns its path. */
+async function savePage(page: Page, kind: 'html' | 'zip' = 'html'): Promise<string> {
   await page.keyboard.press('x');
   const [download] = await Promise.all([
     page.waitForEvent('download'),
-    page.getByTestId('save-page').click(),
+    page.getByTestId(`save-${kind}`).click(),
   ]);
   const path = join(folder, download.suggestedFilename());
   await download.saveAs(path);
@@ -95,5 +97,56 @@ describe('a scene that is saved as one web page', () => {
       Object.defineProperty(navigator, 'gpu', { value: undefined });
     });
     await without.getByText('This page needs WebGPU').waitFor();
+  });
+});
+
+/** Unpacks a zip beside it; returns the folder. */
+async function unpacked(path: string): Promise<string> {
+  const bytes = new Uint8Array(await readFile(path));
+  for (const entry of readZipDirectory(bytes, path)) {
+    const target = join(`${path}.d`, entry.path);
+    await mkdir(dirname(target), { recursive: true });
+    await writeFile(target, openZipEntry(bytes, entry, path).stream);
+  }
+  return `${path}.d`;
+}
+
+describe('a scene that is saved as a zip', () => {
+  it('shows the same picture from any web host, and its own picture until then', async () => {
+    const viewer = await harness.newPage(WINDOW);
+    const [a, b] = [testScene(), testScene(100)].map((scene) => Buffer.from(encodePly(scene)));
+    await viewer.route('**/first.ply', (route) => route.fulfill({ body: a }));
+    // In the address of the page, whose parameters are encoded themselves.
+    await viewer.route(/second\.ply$/, (route) => route.fulfill({ body: b }));
+    await viewer.goto(
+      `${harness.server.url}?src=first.ply&src=100%2525%2520second.ply&place=&place=move:0.3:0:0&${CHEAPLY}`,
+    );
+    await waitForImage(viewer);
+    const path = await savePage(viewer, 'zip');
+    await viewer.goto(`${await viewer.getByTestId('link').inputValue()}&noui`);
+    await waitForImage(viewer);
+
+    const server = await serveFiles(await unpacked(path), { base: '/some/where/' });
+    const page = await harness.newPage(WINDOW);
+    let sendScene = () => {};
+    const isHeld = new Promise<void>((resolve) => {
+      sendScene = resolve;
+    });
+    await page.route('**/first.ply', async (route) => {
+      await isHeld;
+      await route.continue();
+    });
+    await page.goto(`${server.url}index.html`);
+    const poster = page.getByTestId('poster');
+    await poster.waitFor();
+    expect(
+      await poster.evaluate((image: HTMLImageElement) => image.decode().then(() => image.naturalWidth)),
+    ).toBe(WINDOW.viewport.width);
+    sendScene();
+    await waitForImage(page);
+    const picture = await viewerScreenshot(page);
+    expect(colorsIn(picture)).toBeGreaterThan(1000);
+    expect(picture).toEqual(await viewerScreenshot(viewer));
+    await server.close();
   });
 });

@@ -15,6 +15,7 @@ export {
   uprightRotation,
 } from './data/editing/quaternion.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
+export { zipFiles } from './io/containers/write-zip.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';
 export { taskBuffers as brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';

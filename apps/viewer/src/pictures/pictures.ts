@@ -44,7 +44,7 @@ class Pictures extends FileWork {
 export const picturesOf = perViewer((viewer, store) => new Pictures(viewer, store));
 
 /** @throws InvalidArgumentError for an impossible size; errors of `render` and `readPixels`. */
-async function drawPicture(
+export async function drawPicture(
   { engine, centred: frame }: ShownFrame,
   accuracy: ShownFrame['frame']['accuracy'],
   { widthPx, heightPx, isTransparent }: PictureOptions,

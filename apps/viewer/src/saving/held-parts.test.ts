@@ -1,6 +1,6 @@
 import { afterEach, expect, test, vi } from 'vitest';
 import type { SceneSource } from '../scene/scene-source.ts';
-import { MOST_PAGE_BYTES, readParts } from './held-parts.ts';
+import { MOST_BYTES, readParts } from './held-parts.ts';
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -18,7 +18,7 @@ function serve(
 }
 
 const read = (...sources: readonly SceneSource[]) =>
-  readParts(sources, { signal: new AbortController().signal, onPart: () => {} });
+  readParts(sources, { kind: 'html', signal: new AbortController().signal, onPart: () => {} });
 
 /** Text of each file, by its path, of each part. */
 async function texts(...sources: readonly SceneSource[]) {
@@ -73,14 +73,14 @@ test('a SOG on a server is held with its images', async () => {
 });
 
 test('scenes that no page can hold are refused, with what to do', async () => {
-  serve({ 'a.ply': 'ply', 'room/lod-meta.json': '{}' }, { 'content-length': String(1.5 * MOST_PAGE_BYTES) });
+  serve({ 'a.ply': 'ply', 'room/lod-meta.json': '{}' }, { 'content-length': String(1.5 * MOST_BYTES.html) });
   await expect(read(url('a.ply'))).rejects.toMatchObject({
-    message: 'a.ply has 300 MB: a page holds at most 200 MB.',
+    message: 'a.ply has 300 MB: an .html file holds at most 200 MB.',
     advice: expect.stringContaining('.spz'),
   });
-  const large = Object.defineProperty(new File([], 'c.ply'), 'size', { value: 2 * MOST_PAGE_BYTES });
+  const large = Object.defineProperty(new File([], 'c.ply'), 'size', { value: 2 * MOST_BYTES.html });
   await expect(read({ kind: 'file', name: 'c.ply', source: large })).rejects.toMatchObject({
-    message: 'The scene has 400 MB: a page holds at most 200 MB.',
+    message: 'The scene has 400 MB: an .html file holds at most 200 MB.',
   });
   await expect(read(url('room/lod-meta.json'))).rejects.toMatchObject({
     message: 'lod-meta.json may lead to other files on its server.',

@@ -2,8 +2,11 @@ import { baseName, formatBytes } from '../formatting/format.ts';
 import { type SceneSource, titleOf } from '../scene/scene-source.ts';
 import type { HeldFile, HeldPart } from '../scene-page/page-text.ts';
 
-/** Most bytes of a scene in a page: browsers hold its text, which is a third larger, as a whole. */
-export const MOST_PAGE_BYTES = 200e6;
+/** A page and its scene as one file, or as files for a web host in a zip. */
+export type PageKind = 'html' | 'zip';
+
+/** Most bytes of a scene: browsers hold a page's text, which is a third larger, or a zip as a whole. */
+export const MOST_BYTES: Readonly<Record<PageKind, number>> = { html: 200e6, zip: 1e9 };
 
 /** Why a scene cannot be put into a page, and what to do. */
 export class PageRefusal extends Error {
@@ -16,6 +19,7 @@ export class PageRefusal extends Error {
 }
 
 export interface ReadPartsOptions {
+  readonly kind: PageKind;
   readonly signal: AbortSignal;
   /** Called with the part that has been read, 0…1, or undefined where that is not known. */
   readonly onPart: (part: number | undefined) => void;
@@ -29,16 +33,16 @@ export interface ReadPartsOptions {
  */
 export async function readParts(
   sources: readonly SceneSource[],
-  { signal, onPart }: ReadPartsOptions,
+  { kind, signal, onPart }: ReadPartsOptions,
 ): Promise<HeldPart[]> {
   const parts: HeldPart[] = [];
-  let leftBytes = MOST_PAGE_BYTES;
+  let leftBytes = MOST_BYTES[kind];
   for (const [i, source] of sources.entries()) {
     const onFile = (part: number | undefined) =>
       onPart(part === undefined ? undefined : (i + part) / sources.length);
-    const files = await filesOf(source, leftBytes, { signal, onPart: onFile });
+    const files = await filesOf(source, leftBytes, { kind, signal, onPart: onFile });
     leftBytes -= files.reduce((sum, { bytes }) => sum + bytes.size, 0);
-    if (leftBytes < 0) throw tooLarge('The scene', MOST_PAGE_BYTES - leftBytes);
+    if (leftBytes < 0) throw tooLarge(kind, 'The scene', MOST_BYTES[kind] - leftBytes);
     const builtin = source.kind === 'builtin' ? source.scene.name : null;
     parts.push({ title: titleOf(source), builtin, files });
   }
@@ -100,7 +104,7 @@ function listedFiles(meta: unknown): string[] {
 async function fetchFile(
   url: URL,
   mostBytes: number,
-  { signal, onPart }: ReadPartsOptions,
+  { kind, signal, onPart }: ReadPartsOptions,
 ): Promise<HeldFile> {
   const name = baseName(url.href);
   onPart(undefined);
@@ -110,7 +114,7 @@ async function fetchFile(
   });
   if (!response.ok || !response.body) throw notRead(name, `the server answers ${response.status}`);
   const totalBytes = Number(response.headers.get('content-length') ?? 0);
-  if (totalBytes > mostBytes) throw tooLarge(name, totalBytes);
+  if (totalBytes > mostBytes) throw tooLarge(kind, name, totalBytes);
   const pieces: Uint8Array<ArrayBuffer>[] = [];
   let readBytes = 0;
   try {
@@ -119,7 +123,7 @@ async function fetchFile(
       const piece = read.value;
       pieces.push(piece);
       readBytes += piece.length;
-      if (readBytes > mostBytes) throw tooLarge(name);
+      if (readBytes > mostBytes) throw tooLarge(kind, name);
       // Of a compressed answer, the length is that of what was sent.
       if (totalBytes > 0) onPart(Math.min(1, readBytes / totalBytes));
     }
@@ -138,10 +142,10 @@ function notRead(name: string, reason: unknown): PageRefusal {
   );
 }
 
-function tooLarge(name: string, bytes?: number): PageRefusal {
+function tooLarge(kind: PageKind, name: string, bytes?: number): PageRefusal {
   const size = bytes === undefined ? 'is too large' : `has ${formatBytes(bytes)}`;
   return new PageRefusal(
-    `${name} ${size}: a page holds at most ${formatBytes(MOST_PAGE_BYTES)}.`,
+    `${name} ${size}: an .${kind} file holds at most ${formatBytes(MOST_BYTES[kind])}.`,
     'Save the scene in a smaller format (.spz or .sog), or a crop of it, open that and save the page then; or put the file on a web server and use a frame.',
   );
 }

@@ -2,40 +2,53 @@ import { useStore } from 'zustand';
 import { TextButton } from '../ui/controls.tsx';
 import { NOT_FETCHED } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import type { PageKind } from './held-parts.ts';
+import type { pagesOf } from './pages.ts';
 import { SavingProgress } from './saving-progress.tsx';
 
-/** Saves the scene and this view of it as one file that shows both by itself. */
+const PAGE_KINDS: readonly PageKind[] = ['html', 'zip'];
+
+/** Saves the scene and this view of it as a page that shows both by itself. */
 export function PageSection({ store, viewer }: PanelProps) {
   const running = useStore(store, (state) => state.savingPage);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   // Fetched when somebody saves a page.
-  const withPages = async (act: 'start' | 'cancel') => {
+  const withPages = async (act: (pages: ReturnType<typeof pagesOf>) => void) => {
     const code = await import('./pages.ts').catch(() => null);
-    if (code) await code.pagesOf(viewer, store)[act]();
+    if (code) act(code.pagesOf(viewer, store));
     else store.setState({ notice: NOT_FETCHED });
   };
   return (
     <section>
       <h3>Web page</h3>
       {running ? (
-        <SavingProgress running={running} name="page" onCancel={() => void withPages('cancel')} />
+        <SavingProgress
+          running={running}
+          name="page"
+          onCancel={() => void withPages((pages) => pages.cancel())}
+        />
       ) : (
         <div className="runner">
           <p>
             {canSave && isCropped && <strong>The page holds what the crop hides, too. </strong>}
             {canSave
-              ? 'One file with the scene and this view, to be sent on: it opens without a server or a network.'
+              ? 'The scene in this view: .html is one file that opens without a server or a network, .zip is files for any web host, which show splats while they arrive.'
               : 'There is no file behind this scene.'}
           </p>
-          <TextButton
-            look="primary"
-            disabled={!canSave}
-            testId="save-page"
-            onClick={() => void withPages('start')}
-          >
-            Save .html
-          </TextButton>
+          <div className="spread">
+            {PAGE_KINDS.map((kind) => (
+              <TextButton
+                key={kind}
+                look="primary"
+                disabled={!canSave}
+                testId={`save-${kind}`}
+                onClick={() => void withPages((pages) => void pages.start(kind))}
+              >
+                Save .{kind}
+              </TextButton>
+            ))}
+          </div>
         </div>
       )}
     </section>

@@ -1,24 +1,26 @@
 import { encodeLook } from '../layout/look-text.ts';
 import { linkedViewOf } from '../links/linked-view.ts';
 import { heldView } from '../links/page-address.ts';
+import { drawPicture } from '../pictures/pictures.ts';
 import { joinedNames, titleOf } from '../scene/scene-source.ts';
 import { writePage } from '../scene-page/page-text.ts';
+import { zipPage } from '../scene-page/page-zip.ts';
 import type { SavingState } from '../state/saving.ts';
 import { FileWork, perViewer } from './file-work.ts';
-import { PageRefusal, readParts } from './held-parts.ts';
+import { type PageKind, PageRefusal, readParts } from './held-parts.ts';
 import { savedName } from './saved-name.ts';
 import { fetchScenePage } from './scene-page-template.ts';
 
-/** Saves the scene and the view of it as a web page, one at a time. */
+/** Saves the scene and the view of it as a web page or a zip of one, one at a time. */
 class Pages extends FileWork {
-  /** Writes the page and hands it to the browser. Does nothing without a scene, or while busy. */
-  async start(): Promise<void> {
+  /** Writes the file and hands it to the browser. Does nothing without a scene, or while busy. */
+  async start(kind: PageKind): Promise<void> {
     const { store } = this;
     const state = store.getState();
     const parts = this.viewer.scenes.newest?.parts.filter(({ look }) => !look.isHidden) ?? [];
     if (parts.length === 0 || this.isBusy) return;
     const titles = parts.map(({ source }) => titleOf(source));
-    const fileName = savedName(titles, { extension: '.html' });
+    const fileName = savedName(titles, { extension: `.${kind}` });
     // Written down now: the camera may move meanwhile. Looks are all told, as files may be left out.
     const view = heldView({
       ...linkedViewOf(this.viewer, state),
@@ -34,7 +36,7 @@ class Pages extends FileWork {
       const sources = parts.map(({ source }) => source);
       const [template, held] = await Promise.all([
         fetchScenePage(signal),
-        readParts(sources, { signal, onPart: (part) => report({ phase: 'read', part }) }),
+        readParts(sources, { kind, signal, onPart: (part) => report({ phase: 'read', part }) }),
       ]);
       const contents = {
         title: joinedNames(titles),
@@ -42,10 +44,9 @@ class Pages extends FileWork {
         background: background === 'theme' ? null : background,
         parts: held,
       };
-      return writePage(template, contents, {
-        signal,
-        onPart: (part) => report({ phase: 'write', part }),
-      });
+      const options = { signal, onPart: (part: number) => report({ phase: 'write', part }) };
+      if (kind === 'html') return writePage(template, contents, options);
+      return zipPage(template, contents, await this.#poster(signal), options);
     };
     await this.run({
       fileName,
@@ -58,6 +59,15 @@ class Pages extends FileWork {
       }),
       onEnd: () => store.setState({ savingPage: null }),
     });
+  }
+
+  /** The picture on the screen. */
+  async #poster(signal: AbortSignal): Promise<Blob> {
+    const shown = this.viewer.shownFrame;
+    if (!shown) return new Blob();
+    const { widthPx, heightPx } = shown.frame;
+    const options = { widthPx, heightPx, isTransparent: false };
+    return drawPicture(shown, this.store.getState().accuracy, options, () => {}, signal);
   }
 }
 

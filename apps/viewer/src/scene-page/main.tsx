@@ -1,4 +1,4 @@
-// The page that “Save as one web page” writes: the picture alone, of the scene that is in the page.
+// The page that the section “Web page” saves: the picture alone, of the scene in it or beside it.
 import { followLinkedEffects } from '../links/linked-effects.ts';
 import { linkedStart } from '../links/linked-start.ts';
 import { mirrorToDocument } from '../shell/document-mirror.ts';
@@ -10,7 +10,7 @@ import { heldScene } from './held-scene.ts';
 import './scene-page.css';
 import { ScenePage } from './scene-page.tsx';
 
-const { title, view, sources } = heldScene(document);
+const { title, view, poster, sources } = heldScene(document);
 const query = new URLSearchParams(view);
 const store = createViewerStore();
 store.setState({ hasInterface: false });
@@ -23,4 +23,4 @@ const viewer = new Viewer(store, {
 viewer.prepare();
 followViewMode(store, viewer);
 followLinkedEffects({ store, viewer }, query, (shown) => shown.every((source) => sources.includes(source)));
-show(<ScenePage store={store} viewer={viewer} />);
+show(<ScenePage store={store} viewer={viewer} poster={poster} />);

@@ -5,6 +5,8 @@ export interface HeldFile {
   /** Its name, or its path from the folder of a scene in several files. */
   readonly path: string;
   readonly bytes: Blob;
+  /** Where it lies, from the page; by default the page itself holds its bytes. */
+  readonly address?: string;
 }
 
 /** A part of a scene, as one of the viewer's sources. */
@@ -22,13 +24,16 @@ export interface PageContents {
   readonly view: string;
   /** Background of the picture as style sheets write it; null: that of the theme. */
   readonly background: string | null;
+  /** Address of an image to show until there is a picture. */
+  readonly poster?: string;
   readonly parts: readonly HeldPart[];
 }
 
-/** The meta element with the view, and the elements with parts and files of the scene. */
+/** The meta elements with the view and the poster; elements with parts and files of the scene. */
 export const VIEW_NAME = 'websplatter-view';
+export const POSTER_NAME = 'websplatter-poster';
 export const PART_SELECTOR = '[data-part]';
-export const FILE_SELECTOR = 'script[data-path]';
+export const FILE_SELECTOR = '[data-path]';
 
 /** A multiple of 3, so that base64 of the pieces is that of the whole. */
 const PIECE_BYTES = 3 * 2 ** 20;
@@ -47,7 +52,7 @@ export interface WritePageOptions {
  */
 export async function writePage(
   template: string,
-  { title, view, background, parts }: PageContents,
+  { title, view, background, poster = '', parts }: PageContents,
   { signal, onPart }: WritePageOptions,
 ): Promise<Blob> {
   const style = background === null ? '' : ` style="--scene-background: ${escaped(background)}"`;
@@ -55,17 +60,23 @@ export async function writePage(
     .replace('<html', () => `<html${style}`)
     .replace(
       /<title>.*?<\/title>/s,
-      () => `<title>${escaped(title)}</title>\n<meta name="${VIEW_NAME}" content="${escaped(view)}">`,
+      () => `<title>${escaped(title)}</title>\n${meta(VIEW_NAME, view)}${meta(POSTER_NAME, poster)}`,
     );
   // The scripts before it may have such words too.
   const end = head.lastIndexOf('</body>');
-  const totalBytes = parts.flatMap(({ files }) => files).reduce((sum, { bytes }) => sum + bytes.size, 0);
+  const totalBytes = parts
+    .flatMap(({ files }) => files.filter(({ address }) => address === undefined))
+    .reduce((sum, { bytes }) => sum + bytes.size, 0);
   let writtenBytes = 0;
   const pieces: string[] = [head.slice(0, end)];
   for (const part of parts) {
     const builtin = part.builtin === null ? '' : ` data-builtin="${escaped(part.builtin)}"`;
     pieces.push(`<div hidden data-part="${escaped(part.title)}"${builtin}>\n`);
-    for (const { path, bytes } of part.files) {
+    for (const { path, bytes, address } of part.files) {
+      if (address !== undefined) {
+        pieces.push(`<a data-path="${escaped(path)}" href="${escaped(address)}"></a>\n`);
+        continue;
+      }
       pieces.push(`<script type="application/octet-stream" data-path="${escaped(path)}">`);
       for (let at = 0; at < bytes.size; at += PIECE_BYTES) {
         const piece = bytes.slice(at, at + PIECE_BYTES);
@@ -79,6 +90,10 @@ export async function writePage(
     pieces.push('</div>\n');
   }
   return new Blob([...pieces, head.slice(end)], { type: 'text/html' });
+}
+
+function meta(name: string, content: string): string {
+  return content && `<meta name="${name}" content="${escaped(content)}">`;
 }
 
 async function base64Of(bytes: Blob): Promise<string> {

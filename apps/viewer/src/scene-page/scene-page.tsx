@@ -8,7 +8,7 @@ import { PlainPicture } from '../shell/plain-picture.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
 /** The picture alone, and the reason where there can be none. */
-export function ScenePage({ store, viewer }: PanelProps) {
+export function ScenePage({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   // Without the interface no key chooses files.
   const run = useMemo(() => createCommands(viewer, store, () => {}), [viewer, store]);
@@ -19,7 +19,7 @@ export function ScenePage({ store, viewer }: PanelProps) {
     <PlainPicture
       store={store}
       viewer={viewer}
-      poster={null}
+      poster={poster}
       onDrop={(decision) => followDrop(decision, store, viewer)}
     />
   );
