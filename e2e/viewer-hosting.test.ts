@@ -46,6 +46,18 @@ describe('the viewer on plain static hosting, below a path', () => {
     expect(await textOf(page, 'scene-title')).toContain('Still life');
   });
 
+  it('has the licences of the packages in it, to which the help leads', async () => {
+    const page = await harness.newPage();
+    await page.goto(`${host.url}index.html${CHEAP}`);
+    await waitForImage(page);
+    await page.keyboard.press('?');
+    await page.getByRole('link', { name: 'their licences' }).click();
+    await page.getByText('mediabunny').first().waitFor();
+    const text = (await page.textContent('body')) ?? '';
+    for (const words of ['(MPL-2.0)', 'react-dom', 'zustand', 'THE SOFTWARE IS PROVIDED "AS IS"'])
+      expect(text).toContain(words);
+  });
+
   it('has links that lead from the gallery to a case and back', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html?scene=hard&q=camera-orthographic&${CHEAPLY}`);

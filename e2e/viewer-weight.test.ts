@@ -1,3 +1,4 @@
+import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { encodePly } from '@websplatter/core';
@@ -48,6 +49,10 @@ describe('the viewer as one file', () => {
     });
     await waitForScene(page, 'a.ply');
     expect(await page.title()).toMatch(/^a\.ply/);
+  });
+
+  it('ends with the licences of the packages in it', async () => {
+    expect((await readFile(file, 'utf8')).slice(-50_000)).toMatch(/## mediabunny - .*## zustand - /s);
   });
 
   it('shows a file of the page that embeds it, without an interface', async () => {

@@ -1,5 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { mergeConfig, type Plugin, type UserConfig } from 'vite';
+import { LICENSES_ADDRESS } from './src/links/licenses-address.ts';
 import viewer from './vite.config.ts';
 
 export interface OneFileOptions {
@@ -65,7 +66,7 @@ function inlineFiles({ scene }: OneFileOptions): Plugin {
   };
 }
 
-/** Writes the script, the styles and the icon into the page, which is all that is left. */
+/** Writes scripts, styles, icon and the licences of others into the page, which is all that is left. */
 function onePage({ page: name, fileName }: OneFileOptions): Plugin {
   return {
     name: 'websplatter:one-page',
@@ -94,6 +95,11 @@ function onePage({ page: name, fileName }: OneFileOptions): Plugin {
         inline(/<link rel="icon" href="\.\/([^"]+)" \/>/, (svg) => {
           return `<link rel="icon" href="data:image/svg+xml,${encodeURIComponent(svg)}" />`;
         });
+        const licenses = bundle[LICENSES_ADDRESS];
+        // Two hyphens would end the comment.
+        if (licenses?.type === 'asset')
+          html += `<!--\n${String(licenses.source).replaceAll('--', '==')}-->\n`;
+        delete bundle[LICENSES_ADDRESS];
         delete bundle[name];
         const rest = Object.keys(bundle);
         if (rest.length > 0) this.error(`Besides the page there are still ${rest.join(', ')}.`);

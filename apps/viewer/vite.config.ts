@@ -10,6 +10,7 @@ import {
   type Rolldown,
 } from 'vite';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
+import { LICENSES_ADDRESS } from './src/links/licenses-address.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
@@ -64,6 +65,7 @@ export default defineConfig({
     },
   },
   build: {
+    license: { fileName: LICENSES_ADDRESS },
     modulePreload: {
       // Every browser with WebGPU does this itself.
       polyfill: false,

@@ -1,7 +1,8 @@
 import { ADDRESS_NAMES } from '../scene/addressed-scene.ts';
 
-/** The lab beside the viewer; null for the viewer as one file, which has nothing beside it. */
-const LAB: string | null = import.meta.env.WEBSPLATTER_ALONE ? null : 'lab/';
+/** The viewer as one file has nothing beside it. */
+export const IS_ONE_FILE: boolean = import.meta.env.WEBSPLATTER_ALONE ?? false;
+const LAB = IS_ONE_FILE ? null : 'lab/';
 
 /** Parts of an address that the viewer and the benchmark both read. */
 const SHARED_NAMES: readonly string[] = [...ADDRESS_NAMES, 'scene', 'accuracy'];

@@ -1,6 +1,7 @@
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { type RefObject, useState } from 'react';
 import { useStore } from 'zustand';
+import { IS_ONE_FILE } from '../links/lab-address.ts';
 import { LinkSection } from '../links/link-section.tsx';
 import { PictureSection } from '../pictures/picture-section.tsx';
 import { SettingsSection } from '../supersplat/settings-section.tsx';
@@ -17,9 +18,6 @@ const SAVED: readonly Choice<boolean>[] = [
   [false, 'All that is left', 'all'],
   [true, 'The selection', 'selection'],
 ];
-
-/** The viewer as one file has no page beside it that a scene could be put into. */
-const IS_ONE_FILE: boolean = import.meta.env.WEBSPLATTER_ALONE ?? false;
 
 /** A link to the present view, a page with it, a picture of it, and the scene in another format. */
 export function SavePanel({

@@ -2,7 +2,8 @@ import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import { READABLE_FORMATS } from '../file-drop/file-drop.ts';
 import { GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
-import { benchmarkAddress } from '../links/lab-address.ts';
+import { benchmarkAddress, IS_ONE_FILE } from '../links/lab-address.ts';
+import { LICENSES_ADDRESS } from '../links/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { COMMANDS, type CommandName, isAvailable, type RunCommand } from './commands.ts';
@@ -150,6 +151,11 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
             </>
           )}
         </p>
+        {!IS_ONE_FILE && import.meta.env.PROD && (
+          <p>
+            This page contains packages from npm, unchanged: <a href={LICENSES_ADDRESS}>their licences</a>.
+          </p>
+        )}
       </div>
     </dialog>
   );
