@@ -7,10 +7,10 @@ import type { AccuracyTab } from '../state/viewer-state.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import { AccuracyPresets } from './accuracy-presets.tsx';
 import { AccuracySettingsForm } from './accuracy-settings.tsx';
 import { AccuracyStatus } from './accuracy-status.tsx';
 import { DetailDial } from './detail-dial.tsx';
+import { PresetRows } from './preset-rows.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {
   measure: 'Presets',
@@ -40,7 +40,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
         {tab !== 'measure' && (
           <>
             <DetailDial store={store} viewer={viewer} />
-            <AccuracyPresets store={store} viewer={viewer} />
+            <PresetRows store={store} viewer={viewer} />
           </>
         )}
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}

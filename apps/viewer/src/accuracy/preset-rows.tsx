@@ -15,14 +15,16 @@ const MOST_OF_REFERENCE = 3;
 const STAGES = ['preprocess', 'sort', 'rasterize'] as const;
 
 /**
- * The presets with their time and error: one under the pointer shows its picture, a click keeps it.
+ * The presets with their time and error, if there are any: one under the pointer shows its picture,
+ * a click keeps it.
  */
 export function PresetRows({
   store,
   viewer,
-  costs,
-  pictures,
-}: PanelProps & { readonly costs: readonly PresetCost[]; readonly pictures: JudgedPictures | null }) {
+  costs = [],
+  pictures = null,
+}: PanelProps & { readonly costs?: readonly PresetCost[]; readonly pictures?: JudgedPictures | null }) {
+  const hasCosts = costs.length > 0;
   const accuracy = useStore(store, (state) => state.accuracy);
   const target = useStore(store, (state) => state.target);
   const { preset, changed } = nearestPreset(accuracy);
@@ -39,7 +41,7 @@ export function PresetRows({
   // A row that goes with its panel is not left.
   useEffect(() => () => store.setState({ looked: null }), [store]);
   return (
-    <fieldset className="preset-rows" aria-label="Presets">
+    <fieldset className={hasCosts ? 'preset-rows' : 'chips'} aria-label="Presets">
       {PRESET_NAMES.map((name) => {
         const cost = costs.find((each) => each.name === name);
         const picture = pictures?.[name];
@@ -47,7 +49,7 @@ export function PresetRows({
           <button
             key={name}
             type="button"
-            className="preset-row"
+            className={hasCosts ? 'preset-row' : 'chip'}
             aria-pressed={name === chosen}
             data-testid={`preset-${name}`}
             onClick={() => viewer.setAccuracy(ACCURACY_PRESETS[name])}
