@@ -33,10 +33,10 @@ export function PageSection({ store, viewer }: PanelProps) {
           <p>
             {canSave && isCropped && <strong>The page holds what the crop hides, too. </strong>}
             {canSave
-              ? 'The scene in this view: .html is one file that opens without a server or a network, .zip is files for any web host, which show splats while they arrive.'
+              ? 'The scene in this view: .html is one file, which opens without a server; .zip has files for any web host, which show splats while they arrive.'
               : 'There is no file behind this scene.'}
           </p>
-          <div className="spread">
+          <div className="page-kinds">
             {PAGE_KINDS.map((kind) => (
               <TextButton
                 key={kind}
