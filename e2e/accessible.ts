@@ -4,6 +4,12 @@ import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
 import { expect } from 'vitest';
 
+const THEMES = [
+  ['light', 'active'],
+  ['dark', 'active'],
+  ['dark', 'none'],
+] as const;
+
 /** axe-core, to be evaluated in a page before functions that use it. */
 export const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
@@ -16,10 +22,29 @@ async function violations(page: Page): Promise<string[]> {
   return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
 }
 
-/** Expects no violation in the light and in the dark theme. */
+/** Windows from a phone, upright and on its side, to a desk, CSS pixels. */
+const SIZES = [
+  { width: 360, height: 640 },
+  { width: 640, height: 360 },
+  { width: 900, height: 600 },
+  { width: 1440, height: 900 },
+];
+
+/**
+ * Expects no violation in a window of each size, nor, in its own, in the light and the dark theme and
+ * in colours of the system.
+ */
 export async function expectAccessible(page: Page, state: string): Promise<void> {
-  for (const colorScheme of ['light', 'dark'] as const) {
-    await page.emulateMedia({ colorScheme });
-    expect(await violations(page), `${state}, ${colorScheme}`).toEqual([]);
+  const own = page.viewportSize();
+  if (!own) throw new Error('The page has no size of its own.');
+  // The theme is the light one unless a browser is told otherwise.
+  for (const size of [...SIZES, own]) {
+    await page.setViewportSize(size);
+    expect(await violations(page), `${state}, ${size.width}×${size.height}`).toEqual([]);
   }
+  for (const [colorScheme, forcedColors] of THEMES) {
+    await page.emulateMedia({ colorScheme, forcedColors });
+    expect(await violations(page), `${state}, ${colorScheme}, forced colours ${forcedColors}`).toEqual([]);
+  }
+  await page.emulateMedia({ colorScheme: null, forcedColors: null });
 }

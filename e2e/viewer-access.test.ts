@@ -3,7 +3,16 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { AXE, expectAccessible } from './accessible.ts';
 import { testScene } from './test-scene.ts';
-import { CHEAP, dropFiles, textOf, viewerHarness, waitForScene, waitForState } from './viewer-page.ts';
+import {
+  CHEAP,
+  dropFiles,
+  loseDeviceOnDemand,
+  textOf,
+  viewerHarness,
+  waitForImage,
+  waitForScene,
+  waitForState,
+} from './viewer-page.ts';
 
 const harness = viewerHarness();
 
@@ -62,7 +71,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     }
   });
 
-  it('has nothing that axe-core finds wrong while it compares settings', async () => {
+  it('has nothing that axe-core finds wrong while it compares settings, nor with its menu', async () => {
     const page = await openAudited(WIDE);
     await openTab(page, 'compare');
     await page.getByTestId('compare-split').click();
@@ -70,25 +79,19 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'split image');
     await openErrorMap(page);
     await expectAccessible(page, 'error map');
-  });
-
-  it('has nothing that axe-core finds wrong on a phone, with its menu and with a map of errors', async () => {
-    const page = await openAudited(PHONE);
-    await openTab(page, 'compare');
-    await openErrorMap(page);
-    await expectAccessible(page, 'error map');
+    await page.setViewportSize(PHONE.viewport);
     await page.getByTestId('more').click();
     await expectAccessible(page, 'menu');
   });
 
-  it('has nothing that axe-core finds wrong on a phone with effects', async () => {
+  it('has nothing that axe-core finds wrong with effects', async () => {
     const page = await openAudited(PHONE);
     await openPanel(page, 'e', 'effects');
     for (const each of ['switch-clip', 'switch-reveal', 'switch-fog']) await page.getByTestId(each).click();
     await expectAccessible(page, 'effects');
   });
 
-  it('has nothing that axe-core finds wrong on a phone while splats are inspected and selected', async () => {
+  it('has nothing that axe-core finds wrong while splats are inspected and selected', async () => {
     const page = await openAudited(PHONE);
     await openPanel(page, 'i', 'inspect');
     await expectAccessible(page, 'inspecting');
@@ -97,9 +100,10 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'selecting');
   });
 
-  it('has nothing that axe-core finds wrong on a phone in the panels to save, of files and of keys', async () => {
+  it('has nothing that axe-core finds wrong in the panels of the view, to save, of files and of keys', async () => {
     const page = await openAudited(PHONE);
     for (const [key, name] of [
+      ['v', 'view'],
       ['x', 'save'],
       ['n', 'clouds'],
       ['?', 'help'],
@@ -109,11 +113,33 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     }
   });
 
-  it('has nothing that axe-core finds wrong on a phone that shows an error', async () => {
+  it('has nothing that axe-core finds wrong where it shows an error', async () => {
     const page = await openAudited(PHONE);
     await dropFiles(page, [{ name: 'cut.ply', bytes: new TextEncoder().encode('ply\nthat ends') }]);
     await waitForState(page, 'error');
     await expectAccessible(page, 'an error');
+  });
+
+  it('has nothing that axe-core finds wrong where there is no GPU, or no longer', async () => {
+    const without = await harness.newPage(PHONE);
+    await without.addInitScript(() => Object.defineProperty(navigator, 'gpu', { value: undefined }));
+    await without.goto(harness.server.url);
+    await without.getByTestId('webgpu-unavailable').waitFor();
+    await without.evaluate(AXE);
+    await expectAccessible(without, 'no GPU');
+
+    const page = await harness.newPage(PHONE);
+    await page.addInitScript(loseDeviceOnDemand);
+    await page.goto(`${harness.server.url}${CHEAP}`);
+    await waitForImage(page);
+    // There is no other.
+    await page.evaluate(() => {
+      GPU.prototype.requestAdapter = async () => null;
+      dispatchEvent(new Event('lose-device'));
+    });
+    await page.getByTestId('device-lost').waitFor();
+    await page.evaluate(AXE);
+    await expectAccessible(page, 'lost GPU');
   });
 
   it('keeps swatches and what is pressed apart where the system chooses the colours', async () => {

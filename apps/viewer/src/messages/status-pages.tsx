@@ -11,7 +11,8 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
   const isCodeMissing = useStore(store, (state) => state.isCodeMissing);
   if (isCodeMissing) return <PageFailedPage />;
   return (
-    <main className="status-page" data-testid="webgpu-unavailable">
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: keys scroll it, where it holds no button.
+    <main className="status-page" tabIndex={0} data-testid="webgpu-unavailable">
       <h1>This page needs WebGPU</h1>
       <p>
         WebSplatter sorts and draws millions of Gaussian splats on the graphics processor through WebGPU, the
