@@ -86,7 +86,7 @@ describe('effects in the viewer', () => {
     await press(page, 'measure');
     await cautions.waitFor({ state: 'attached', timeout: LONG_PATIENCE_MS });
     expect(await textOf(page, 'cost-brightness')).toMatch(/^(under |−)?[\d.,]+ ms$/);
-    expect(await cautions.textContent()).toContain('software adapter');
+    expect(await cautions.textContent()).toContain('without a GPU');
     expect(await effect(page, 'harmonics').textContent()).toMatch(/\d ms · .*(of each frame|take the same)/);
     expect(await effect(page, 'fog').textContent()).not.toContain('ms');
     expect(await cautions.getAttribute('data-stale')).toBe('false');

@@ -9,7 +9,7 @@ it('says how much of a scene is there, and fetches again what could not be', asy
   harness.expectProblem(/403/);
   harness.server.answerParts('refuse');
   const page = await harness.open('?url=city.bricks');
-  const retry = page.getByTestId('stream-error').getByRole('button', { name: 'Retry' });
+  const retry = page.getByTestId('stream-error').getByRole('button', { name: 'Try again' });
   await retry.waitFor();
   const figure = (name: string) => page.getByTestId(name).innerText();
   await expect.poll(() => figure('bricks')).toBe('2 of 12, 10 missing');

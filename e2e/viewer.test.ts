@@ -644,7 +644,7 @@ describe('viewer', () => {
 
   it('lists its keys and hides its figures', async () => {
     const page = await openViewer(CHEAP);
-    await page.getByTestId('hint').getByText('Drag to turn').waitFor({ state: 'attached' });
+    await page.getByTestId('hint').getByText('Drag to orbit').waitFor({ state: 'attached' });
     await page.keyboard.press('?');
     await page.getByTestId('help').waitFor();
     expect(await page.getByTestId('hint').count()).toBe(0);

@@ -26,7 +26,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
 }: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
   const tab = useStore(store, (state) => state.accuracyTab);
   return (
-    <Dock store={store} name="accuracy" title="Accuracy">
+    <Dock store={store} name="accuracy">
       <Tabs
         label="Accuracy"
         tabs={TABS}

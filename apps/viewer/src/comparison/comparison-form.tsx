@@ -10,7 +10,7 @@ type Kind = Comparison['kind'] | 'none';
 
 const KINDS: readonly Choice<Kind>[] = [
   ['none', 'Off'],
-  ['split', 'Split image'],
+  ['split', 'Split picture'],
   ['error', 'Error map'],
 ];
 const ABOUT: Readonly<Partial<Record<Kind, string>>> = {

@@ -56,7 +56,7 @@ export function SplitImage({
           className="split-line"
           role="slider"
           tabIndex={0}
-          aria-label="Line between the images"
+          aria-label="Line between the pictures"
           aria-orientation="horizontal"
           aria-valuemin={0}
           aria-valuemax={100}

@@ -28,7 +28,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
   const off = effects.filter(({ isOn }) => !isOn);
   const listed = { costs: measured?.costs ?? [], hasSeveralClouds };
   return (
-    <Dock store={store} name="effects" title="Effects">
+    <Dock store={store} name="effects">
       <section
         className="dock-body"
         aria-label="Effects of this frame"
@@ -58,7 +58,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
           onCancel={() => measurement.stop()}
         />
         {measured && <Cautions store={store} measured={measured} isStale={isStale} />}
-        <EffectList title="Not called for" entries={off} {...listed} />
+        <EffectList title="Not in this frame" entries={off} {...listed} />
       </section>
     </Dock>
   );
@@ -82,7 +82,7 @@ function Cautions({
   return (
     <div className="circumstances" data-testid="effect-cautions" data-stale={isStale}>
       {isStale && (
-        <p className="stale">Costs are those of another view, size, accuracy, detail or choice of effects.</p>
+        <p className="stale">Measured for another view, size, accuracy, detail or choice of effects.</p>
       )}
       {timingCautions(isSoftware, source).map((caution) => (
         <p key={caution}>{caution}</p>

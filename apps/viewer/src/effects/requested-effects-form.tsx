@@ -49,7 +49,7 @@ export function RequestedEffectsForm({ store, viewer, ...others }: RequestsProps
           Reset all
         </TextButton>
       </div>
-      <fieldset className="requests" disabled={!hasScene} aria-label="Effects to ask for">
+      <fieldset className="requests" disabled={!hasScene} aria-label="Change the picture">
         {Object.keys(EFFECT_OPTIONS).map((name) => (
           <Request key={name} store={store} viewer={viewer} name={name} {...others} />
         ))}
@@ -138,7 +138,7 @@ function Cost({ name, costs, isStale }: CostsProps & { name: string }) {
       className="effect-figures"
       data-testid={`cost-${name}`}
       data-stale={isStale}
-      title={isStale ? 'Of another view, size, accuracy or choice' : undefined}
+      title={isStale ? 'Measured for another view, size, accuracy, detail or choice of effects' : undefined}
     >
       {cost ? formatCost(cost.costMs) : 'cost not measured'}
       {cost && isStale && ' before'}

@@ -28,9 +28,9 @@ export function formatRate(framesPerSecond: number): string {
   return framesPerSecond < 9.95 ? framesPerSecond.toFixed(1) : wholeNumber.format(framesPerSecond);
 }
 
-/** `48.3`, of decibels; `equal` for equal images. */
+/** `48.3`, of decibels; `identical` for identical images. */
 export function formatDb(psnrDb: number): string {
-  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : 'equal';
+  return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : 'identical';
 }
 
 /** `48.3 dB`, or `identical to the reference`. */

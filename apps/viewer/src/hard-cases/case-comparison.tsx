@@ -207,7 +207,7 @@ function verdictOf(
 ): string {
   const { psnrDb } = compareImages(data, expected, size);
   const found =
-    psnrDb === Number.POSITIVE_INFINITY ? 'The images are equal.' : `PSNR ${formatDb(psnrDb)} dB.`;
+    psnrDb === Number.POSITIVE_INFINITY ? 'Identical to float64.' : `PSNR ${formatDb(psnrDb)} dB.`;
   if (scale !== 1 || hardCase.decidesAtThreshold !== undefined) return found;
   if (minPsnrDb === null) return `${found} The tests only report it at ${preset}.`;
   const cause = hardCase.bounds?.[preset]?.cause;

@@ -53,7 +53,7 @@ export function CasePage({
             </a>
           </p>
           <nav className="case-steps" aria-label="Cases">
-            <Step icon="previous" label="Case before" keyName="ArrowLeft" name={previous} onGo={onGo} />
+            <Step icon="previous" label="Previous case" keyName="ArrowLeft" name={previous} onGo={onGo} />
             <Step icon="next" label="Next case" keyName="ArrowRight" name={next} onGo={onGo} />
           </nav>
         </div>

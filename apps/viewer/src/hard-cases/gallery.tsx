@@ -63,8 +63,8 @@ export function Gallery({
         </a>
         <h1>Hard cases</h1>
         <p>
-          Small scenes that break splat renderers, each with the fault that it provokes. Tests compare every
-          image with float64.{' '}
+          Small scenes that splat renderers get wrong, each with what goes wrong elsewhere. Here, tests
+          compare every image with float64.{' '}
           {conformance && (
             <a href={conformance}>{kept ? 'Run them again' : 'Run all of them on this device'}</a>
           )}
@@ -151,7 +151,7 @@ const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps 
         <CaseThumbnail hardCase={hardCase} images={images} />
       ) : (
         <span className="gallery-thumbnail" aria-hidden="true">
-          {hasImage(hardCase) ? `${droppedCount(hardCase)} dropped` : WITHOUT_IMAGE[hardCase.kind]}
+          {hasImage(hardCase) ? `${droppedCount(hardCase)} left out` : WITHOUT_IMAGE[hardCase.kind]}
         </span>
       )}
       <span>

@@ -135,7 +135,7 @@ export function HudDetails({ isSplit }: { isSplit: boolean }) {
           label="Resolution of splats"
           figure="left.scale"
           rightFigure={right('scale')}
-          title="Width of the layer that splats are blended in, as a part of the image's (resolutionScale)"
+          title="Width of the layer that splats are blended in, as a part of the picture's (resolutionScale)"
         />
       </dl>
       <details className="hud-passes" data-testid="hud-passes">

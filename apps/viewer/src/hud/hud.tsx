@@ -11,7 +11,7 @@ import { HudRow } from './hud-row.tsx';
 const STAGES = [
   ['preprocess', 'Pre-process'],
   ['sort', 'Sort'],
-  ['rasterize', 'Rasterize'],
+  ['rasterize', 'Rasterise'],
   ['rest', 'Rest'],
 ] as const;
 
@@ -56,7 +56,7 @@ export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & {
           <FrameFacts isSplit={isSplit} isLarge={isLarge} />
           {isLarge && <HudDetails isSplit={isSplit} />}
           <dl className="hud-device">
-            <HudRow label="Image" figure="resolution" testId="resolution" />
+            <HudRow label="Picture" figure="resolution" testId="resolution" />
             <HudRow label="GPU" figure="adapter" testId="adapter" />
           </dl>
         </>
@@ -160,7 +160,7 @@ function FrameFacts({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }
           label="Candidates"
           figure="left.candidates"
           rightFigure={isSplit ? 'right.candidates' : undefined}
-          title="Splats of the chunks that reach into the image (candidateSplats)"
+          title="Splats of the chunks that reach into the picture (candidateSplats)"
           testId="candidate-splats"
         />
       )}

@@ -70,7 +70,7 @@ export function CropTab({ store, inspection }: InspectProps) {
 function CropToView({ inspection }: Pick<InspectProps, 'inspection'>) {
   return (
     <TextButton
-      title="The smallest box around all splats that are within the image, however deep"
+      title="The smallest box around all splats that are within the picture, however deep"
       testId="crop-to-view"
       onClick={() => void inspection.cropping.cropToView()}
     >

@@ -98,7 +98,7 @@ export class Cropping {
     const look = shownLook(this.#tools);
     if (!look) return;
     const bounds = await reader.ask('seen', look);
-    if (bounds === null) update({ problem: 'No splat is within the image.' });
+    if (bounds === null) update({ problem: 'No splat is within the picture.' });
     if (bounds) this.set({ min: bounds.min, max: bounds.max, keep: 'inside' });
   }
 

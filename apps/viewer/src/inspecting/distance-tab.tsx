@@ -13,13 +13,13 @@ export function DistanceTab({ store, inspection }: InspectProps) {
   return (
     <div className="inspect-sections">
       <p data-testid="ruler-hint">
-        {rulerStart ? 'Click the other end.' : 'Click two places in the image to measure between them.'}
+        {rulerStart ? 'Click the other end.' : 'Click two places in the picture to measure between them.'}
       </p>
       <div className="inspect-actions">
         <TextButton testId="ruler-middle" onClick={() => inspection.pickMiddle()}>
-          Mark the middle of the image
+          Mark the middle of the picture
         </TextButton>
-        {rulerStart && <TextButton onClick={() => inspection.rulers.forgetStart()}>Give up</TextButton>}
+        {rulerStart && <TextButton onClick={() => inspection.rulers.forgetStart()}>Cancel</TextButton>}
       </div>
       {rulers.length > 0 && (
         <ol className="inspect-rulers" aria-label="Rulers">

@@ -20,7 +20,7 @@ export function HistogramTab({ store, inspection }: InspectProps) {
     <div className="inspect-sections">
       <p>
         Standard deviations are in scene units. The height of a bar is the logarithm of its count. Move a
-        slider to mark the splats of a bar in the image.
+        slider to mark the splats of a bar in the picture.
       </p>
       {histograms &&
         QUANTITIES.map((quantity) => (
@@ -80,7 +80,7 @@ function HistogramChart({
         {bin === null ? `Median: ${rangeOf(shown)}` : textOf(bin)}
         {bin !== null && (
           <button type="button" className="disclosure" onClick={() => void inspection.histograms.mark(null)}>
-            Mark none
+            Clear marks
           </button>
         )}
       </p>

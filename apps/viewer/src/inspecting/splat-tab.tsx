@@ -18,7 +18,7 @@ export function SplatTab({ store, inspection }: InspectProps) {
   const splat = useStore(store, (state) => state.inspecting.splat);
   return (
     <div className="inspect-sections">
-      {!splat && <p>Click a splat in the image to see its values.</p>}
+      {!splat && <p>Click a splat in the picture to see its values.</p>}
       {splat && <Found store={store} splat={splat} />}
       <Finder inspection={inspection} store={store} />
     </div>
@@ -35,7 +35,7 @@ function Finder({ inspection }: InspectProps) {
   return (
     <div className="inspect-actions">
       <TextButton testId="inspect-middle" onClick={() => inspection.pickMiddle()}>
-        Inspect the middle of the image
+        Inspect the middle of the picture
       </TextButton>
       <form onSubmit={onSubmit}>
         <label htmlFor={id}>Row</label>
@@ -115,7 +115,7 @@ function Seen({ seen }: { seen: TracedSplat | null }) {
     <>
       <Section title="Seen from here">
         <Figure name="Depth" code="depthView" value={formatFigure(depthView)} testId="inspect-depth" />
-        <Figure name="Size in the image" code="px" value={size.join(' × ')} />
+        <Figure name="Size in the picture" code="px" value={size.join(' × ')} />
       </Section>
       <table className="inspect-colors" data-testid="inspect-colors">
         <caption>Colour by degree of harmonics, 8-bit</caption>

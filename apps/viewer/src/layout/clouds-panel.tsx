@@ -13,7 +13,7 @@ import { selectedPartOf } from './selected-part.ts';
 export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () => void }) {
   const parts = useStore(store, (state) => state.scene?.parts);
   return (
-    <Dock store={store} name="clouds" title="Scene">
+    <Dock store={store} name="clouds">
       <div className="dock-body">
         <ul className="parts">
           {parts?.map((part) => (
@@ -85,11 +85,11 @@ function Coming({ store, viewer }: PanelProps) {
   const waiting = useStore(store, (state) => state.waiting);
   if (title === undefined) return null;
   return (
-    <ul className="parts" aria-label="Still to come">
+    <ul className="parts" aria-label="Files to open">
       <li className="part-row">
         <p className="part-name">
           <span>{title}</span>
-          <small>Being opened</small>
+          <small>Opening</small>
         </p>
         <TextButton look="plain" onClick={() => viewer.scenes.cancelLoad()}>
           Cancel
@@ -99,11 +99,11 @@ function Coming({ store, viewer }: PanelProps) {
         <li key={part.key} className="part-row" data-testid="waiting">
           <p className="part-name">
             <span>{part.title}</span>
-            <small>Waits</small>
+            <small>Waiting</small>
           </p>
           <IconButton
             icon="close"
-            label={`Do not open ${part.title}`}
+            label={`Cancel ${part.title}`}
             onClick={() => viewer.scenes.remove(part.key)}
           />
         </li>

@@ -74,7 +74,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
               })
             }
           >
-            As it came
+            Reset
           </TextButton>
         </>
       ) : (

@@ -27,7 +27,7 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
     await navigator.clipboard.writeText(link);
     store.setState({ notice: 'The link is copied: it shows this picture in a window of the same size.' });
   } catch {
-    const notice = 'The browser does not let this page copy. Copy the link from the panel “Save and share”.';
+    const notice = 'The browser does not let this page copy. Copy the link from Save and share (X).';
     store.setState({ dock: 'save', notice });
   }
 }

@@ -27,7 +27,7 @@ describe('a crop in the address', () => {
     ['0:0:0:1:1:x:inside', '“x” is no number'],
     ['0:0:0:1:1::inside', 'a number is missing'],
     ['0:0:0:1:1:1:both', '“both” is neither'],
-    ['0:2:0:1:1:1:inside', 'least y, 2, is above the greatest, 1'],
+    ['0:2:0:1:1:1:inside', 'min y, 2, is above its max, 1'],
   ])('refuses %j with what is wrong and what would do', (text, why) => {
     expect(() => decodeCrop(text)).toThrow(InvalidArgumentError);
     expect(() => decodeCrop(text)).toThrow(why);

@@ -29,11 +29,11 @@ export function decodeCrop(text: string): Crop {
   ];
   const axis = [0, 1, 2].find((each) => min[each] > max[each]);
   if (axis !== undefined)
-    throw refused(`its least ${'xyz'[axis]}, ${min[axis]}, is above the greatest, ${max[axis]}`);
+    throw refused(`its min ${'xyz'[axis]}, ${min[axis]}, is above its max, ${max[axis]}`);
   return { min, max, keep };
 }
 
 function refused(why: string): InvalidArgumentError {
-  const form = 'write crop=x:y:z:x:y:z:inside, with the least and then the greatest corner, or outside';
+  const form = 'write crop=x:y:z:x:y:z:inside, with the min and then the max corner, or outside';
   return new InvalidArgumentError('crop', `The crop of the address cannot be read: ${why}; ${form}.`);
 }

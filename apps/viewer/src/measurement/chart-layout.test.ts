@@ -94,6 +94,6 @@ describe('chart of accuracy', () => {
 
   it('writes decibels', () => {
     expect(formatDb(48.26)).toBe('48.3');
-    expect(formatDb(Number.POSITIVE_INFINITY)).toBe('equal');
+    expect(formatDb(Number.POSITIVE_INFINITY)).toBe('identical');
   });
 });

@@ -139,12 +139,12 @@ const Axes = memo(function Axes({
         ))}
         {equalFromDb !== null && (
           <text x={-4} y={bandPx / 2 + 4} textAnchor="end">
-            equal
+            identical
           </text>
         )}
         <path className="chart-front" d={front.join('')} />
         <text x={widthPx / 2} y={AREA_HEIGHT_PX + 34} textAnchor="middle">
-          milliseconds a frame
+          milliseconds per frame
         </text>
         <text transform={`translate(-38 ${AREA_HEIGHT_PX / 2}) rotate(-90)`} textAnchor="middle">
           PSNR in dB, higher is better

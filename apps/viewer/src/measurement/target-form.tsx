@@ -24,7 +24,7 @@ export function TargetForm({ store, viewer }: PanelProps) {
   };
   return (
     <form className="target" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="target">
-      <h3 id={`${id}-title`}>Ask for an outcome</h3>
+      <h3 id={`${id}-title`}>Set a target</h3>
       <div className="target-row">
         <select
           aria-label="Target"
@@ -37,7 +37,7 @@ export function TargetForm({ store, viewer }: PanelProps) {
         </select>
         <input
           type="number"
-          aria-label={kind === 'minPsnrDb' ? 'Decibels of PSNR' : 'Milliseconds a frame'}
+          aria-label={kind === 'minPsnrDb' ? 'Decibels of PSNR' : 'Milliseconds per frame'}
           min={kind === 'minPsnrDb' ? 1 : 0.1}
           step="any"
           required

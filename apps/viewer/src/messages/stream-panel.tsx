@@ -17,7 +17,7 @@ export function StreamPanel({ store, viewer }: PanelProps) {
         <section className="panel notice stream-panel" data-testid="stream-error">
           <p title={error.message}>Parts of the scene could not be fetched.</p>
           <button type="button" className="chip" onClick={retry}>
-            Retry
+            Try again
           </button>
         </section>
       )}

@@ -16,7 +16,7 @@ export function FlightBanner({ store, viewer }: PanelProps) {
         </span>
       </p>
       <TextButton look="plain" testId="end-flight" onClick={() => void viewer.toggleFlight()}>
-        End <kbd>Esc</kbd>
+        Stop <kbd>Esc</kbd>
       </TextButton>
     </div>
   );

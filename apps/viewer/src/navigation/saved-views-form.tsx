@@ -61,7 +61,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
       </div>
       <p>
         Kept in this browser by the name of the scene.
-        {list.length > 1 && ' The Save panel (X) makes a video of the path.'}
+        {list.length > 1 && ' Save and share (X) makes a video of the path.'}
       </p>
     </fieldset>
   );

@@ -28,7 +28,7 @@ const OWN_COLOR = '#808080';
 /** Options of looking at the scene that have no gesture in the image. */
 export function ViewPanel({ store, viewer }: PanelProps) {
   return (
-    <Dock store={store} name="view" title="View">
+    <Dock store={store} name="view">
       <div className="dock-body">
         <ModeForm store={store} />
         <Actions store={store} viewer={viewer} />
@@ -55,12 +55,12 @@ function Actions({ viewer }: PanelProps) {
         Fly
       </TextButton>
       <TextButton
-        title="Turn around what is in the middle of the image"
+        title="Orbit around what is in the middle of the picture"
         testId="focus-middle"
         onClick={() => void viewer.focusMiddle()}
       >
         <Icon name="focus" />
-        Turn around the middle
+        Orbit around the middle
       </TextButton>
       <TextButton aria-keyshortcuts="T" title="Changes the theme (T)" testId="theme" onClick={toggleTheme}>
         <Icon name="theme" />

@@ -34,7 +34,7 @@ export function SavePanel({
   const isSelection = savesSelection(selecting);
   const [chosen, setChosen] = useState(WRITABLE_FORMATS[0]);
   return (
-    <Dock store={store} name="save" title="Save and share">
+    <Dock store={store} name="save">
       <div className="dock-body">
         <LinkSection store={store} viewer={viewer} />
         {!IS_ONE_FILE && <PageSection store={store} viewer={viewer} />}

@@ -58,7 +58,7 @@ function Hint() {
   const isTouch = matchMedia('(pointer: coarse)').matches;
   return (
     <p data-testid="hint">
-      {isTouch ? 'Drag to turn, pinch to zoom' : 'Drag to turn, scroll to zoom, drop a file to open it'}
+      {isTouch ? 'Drag to orbit, pinch to zoom' : 'Drag to orbit, scroll to zoom, drop a file to open it'}
     </p>
   );
 }
@@ -148,7 +148,7 @@ function CameraStepper({
     );
   return (
     <fieldset className="stepper" aria-label="Camera">
-      {stepButton('previous', 'Camera before', '[', -1)}
+      {stepButton('previous', 'Previous camera', '[', -1)}
       <p role="status" data-testid="camera">
         <b>{cameras[cameraIndex]}</b>
         {!isSingle && ` ${cameraIndex + 1} of ${cameras.length}`}

@@ -12,7 +12,7 @@ import './select-tab.css';
 const TOOLS: readonly Choice<SelectTool>[] = [
   ['rectangle', 'Rectangle'],
   ['brush', 'Brush'],
-  [null, 'Turn the view', 'turn'],
+  [null, 'Orbit', 'turn'],
 ];
 const MODES: readonly Choice<SelectMode>[] = [
   ['replace', 'New'],
@@ -48,7 +48,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
       <p>
         {tool
           ? 'A drag over the picture selects splats by their centres, however deep: Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.'
-          : 'A drag turns the scene.'}
+          : 'A drag orbits the scene.'}
       </p>
       {tool === 'brush' && <BrushSize store={store} inspection={inspection} />}
       <Choices

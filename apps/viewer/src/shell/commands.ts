@@ -1,6 +1,6 @@
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
+import { type DockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import { toggleTheme } from '../ui/theme.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
@@ -85,21 +85,23 @@ export function createCommands(
   store: ViewerStore,
   chooseFiles: (isAdded: boolean) => void,
 ): RunCommand {
+  const toggle = (name: DockName) => () =>
+    store.setState(({ dock }) => ({ dock: dock === name ? null : name }));
   const run: Record<CommandName, () => void> = {
     open: () => chooseFiles(false),
     add: () => chooseFiles(true),
-    clouds: () => store.setState(({ dock }) => ({ dock: dock === 'clouds' ? null : 'clouds' })),
+    clouds: toggle('clouds'),
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),
-    view: () => store.setState(({ dock }) => ({ dock: dock === 'view' ? null : 'view' })),
+    view: toggle('view'),
     fly: () => void viewer.toggleFlight(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
-    inspect: () => store.setState(({ dock }) => ({ dock: dock === 'inspect' ? null : 'inspect' })),
+    inspect: toggle('inspect'),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
-    accuracy: () => store.setState(({ dock }) => ({ dock: dock === 'accuracy' ? null : 'accuracy' })),
-    effects: () => store.setState(({ dock }) => ({ dock: dock === 'effects' ? null : 'effects' })),
-    save: () => store.setState(({ dock }) => ({ dock: dock === 'save' ? null : 'save' })),
+    accuracy: toggle('accuracy'),
+    effects: toggle('effects'),
+    save: toggle('save'),
     link: () => void import('../links/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
     theme: toggleTheme,
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),

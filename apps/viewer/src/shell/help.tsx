@@ -12,7 +12,7 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
   ['Pan', 'Right, middle or Shift drag · two fingers'],
   ['Zoom', 'Wheel, to the cursor · pinch'],
-  ['Turn around a place', 'Double-click · double tap'],
+  ['Orbit around a place', 'Double-click · double tap'],
   ['Inspect, measure (I)', 'Click · tap'],
   ['Select (I)', 'Drag · one finger'],
 ];
@@ -131,7 +131,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
         </dl>
         <p>
           In flight (G) the mouse looks around, W, A, S, D, Q and E move, Shift is faster, the wheel changes
-          the speed, and Escape ends it.
+          the speed, and Escape stops.
         </p>
         <p>
           On a gamepad the right stick turns, the left one moves, the triggers come nearer and go away; A

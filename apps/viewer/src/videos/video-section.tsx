@@ -48,9 +48,9 @@ export function VideoSection({ store, viewer }: PanelProps) {
             onChoose={setLines}
           />
           <div className="spread picture-row">
-            <span>Frames a second</span>
+            <span>Frames per second</span>
             <Choices
-              label="Frames a second"
+              label="Frames per second"
               isChips
               choices={FRAME_RATES.map((rate) => [rate, `${rate}`])}
               chosen={framesPerS}
@@ -76,7 +76,7 @@ export function VideoSection({ store, viewer }: PanelProps) {
             {codec === null
               ? noEncoder(lines)
               : views < 2
-                ? 'The video follows the path through saved views: save two or more in the View panel (V).'
+                ? 'The video follows the path through saved views: save two or more in View and camera (V).'
                 : `${views} views, ${pathMs(views) / 1000} s, ${formatCount(frameCount(views, framesPerS))} frames of ${videoWidthPx} × ${videoHeightPx} px, all at full detail.`}
           </p>
           <TextButton

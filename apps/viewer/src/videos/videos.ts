@@ -30,7 +30,7 @@ class Videos extends FileWork {
       make: (signal) => this.#draw(path, options, report, signal),
       failureOf: (error) => ({
         title: `${fileName} cannot be made`,
-        advice: 'Nothing was saved. A smaller size, or fewer frames a second, ask less of the browser.',
+        advice: 'Nothing was saved. A smaller size, or fewer frames per second, ask less of the browser.',
         isFault: !(error instanceof WebSplatterError || error instanceof VideoError),
       }),
       onEnd: () => store.setState({ filming: null }),
