@@ -1,3 +1,6 @@
+/** What browsers say no more of than that there is an error. */
+export const NOT_STARTED = 'The worker could not be started, or had no memory.';
+
 /**
  * Asks a worker that answers one message with another, one at a time; rejects where it fails or
  * cannot be started.
@@ -9,7 +12,7 @@ export function askWorker<Answer>(
 ): Promise<Answer> {
   return new Promise((resolve, reject) => {
     worker.onmessage = ({ data }: MessageEvent<Answer>) => resolve(data);
-    worker.onerror = (event) => reject(new Error(event.message || 'The worker could not be started.'));
+    worker.onerror = (event) => reject(new Error(event.message || NOT_STARTED));
     worker.postMessage(request, transfer);
   });
 }

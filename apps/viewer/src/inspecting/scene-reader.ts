@@ -1,3 +1,4 @@
+import { NOT_STARTED } from '../drawing/ask-worker.ts';
 import type { Reading } from '../state/inspecting.ts';
 import type { Answers, CloudToRead, InspectReply, InspectRequest, Topic } from './inspect-messages.ts';
 
@@ -43,8 +44,7 @@ export class SceneReader {
     this.#onReading({ kind: 'running', part: undefined });
     this.#whenTold = this.#tell(worker);
     worker.onmessage = ({ data }: MessageEvent<InspectReply>) => this.#take(data);
-    worker.onerror = ({ message }) =>
-      this.#end({ kind: 'failed', message: message || 'The worker could not be started, or had no memory.' });
+    worker.onerror = ({ message }) => this.#end({ kind: 'failed', message: message || NOT_STARTED });
     return worker;
   }
 

@@ -1,5 +1,5 @@
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
-import { type RefObject, useState } from 'react';
+import { useState } from 'react';
 import { useStore } from 'zustand';
 import { IS_ONE_FILE } from '../links/lab-address.ts';
 import { LinkSection } from '../links/link-section.tsx';
@@ -11,7 +11,7 @@ import { Dock } from '../ui/dock.tsx';
 import { VideoSection } from '../videos/video-section.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { PageSection } from './page-section.tsx';
-import { Saving, savesSelection } from './saving.ts';
+import { savesSelection, savingOf } from './saving.ts';
 import { SavingProgress } from './saving-progress.tsx';
 
 const SAVED: readonly Choice<boolean>[] = [
@@ -20,13 +20,8 @@ const SAVED: readonly Choice<boolean>[] = [
 ];
 
 /** A link to the present view, a page with it, a picture of it, and the scene in another format. */
-export function SavePanel({
-  store,
-  viewer,
-  saving: kept,
-}: PanelProps & { readonly saving: RefObject<Saving | null> }) {
-  kept.current ??= new Saving(store, () => viewer.scenes.newest?.parts ?? []);
-  const saving = kept.current;
+export function SavePanel({ store, viewer }: PanelProps) {
+  const saving = savingOf(viewer, store);
   const running = useStore(store, (state) => state.saving);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
@@ -85,7 +80,7 @@ export function SavePanel({
                 look="primary"
                 disabled={!canSave}
                 testId="save-file"
-                onClick={() => saving.start(chosen)}
+                onClick={() => void saving.start(chosen)}
               >
                 Save {chosen.extension}
               </TextButton>

@@ -6,9 +6,10 @@ import type { SceneSource } from '../scene/scene-source.ts';
 import type { ShownPart } from '../scene/shown-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { createViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
 import type { SaveReply } from './save-messages.ts';
 import { savedName } from './saved-name.ts';
-import { Saving } from './saving.ts';
+import { savingOf } from './saving.ts';
 import { writeScene } from './write-scene.ts';
 
 test.each([
@@ -140,13 +141,14 @@ function startSaving(source: SceneSource, look = PLAIN_LOOK) {
   vi.stubGlobal('Worker', FakeWorker);
   const store = createViewerStore();
   store.setState({ isFlipped: true });
-  const saving = new Saving(store, () => [partOf(source, look)]);
+  const viewer = { scenes: { newest: { parts: [partOf(source, look)] } } } as unknown as Viewer;
+  const saving = savingOf(viewer, store);
   FakeWorker.started.length = 0;
-  saving.start(WRITABLE_FORMATS[0]);
+  void saving.start(WRITABLE_FORMATS[0]);
   return { store, saving, worker: FakeWorker.started.at(0) };
 }
 
-test('progress is shown; saving can be cancelled, and started again', () => {
+test('progress is shown; saving can be cancelled, and started again', async () => {
   const { store, saving, worker } = startSaving({ kind: 'url', url: new URL('https://example.org/a.spz') });
   const source = { kind: 'url', href: 'https://example.org/a.spz' };
   expect(worker?.posted).toEqual([
@@ -158,20 +160,21 @@ test('progress is shown; saving can be cancelled, and started again', () => {
   worker?.onmessage?.({ data: { kind: 'progress', phase: 'write', part: 0.5 } });
   expect(store.getState().saving).toMatchObject({ phase: 'write', part: 0.5 });
   // One at a time.
-  saving.start(WRITABLE_FORMATS[0]);
+  void saving.start(WRITABLE_FORMATS[0]);
   expect(FakeWorker.started.length).toBe(1);
   saving.cancel();
   expect(worker?.isEnded).toBe(true);
-  expect(store.getState()).toMatchObject({ saving: null, notice: expect.stringContaining('cancelled') });
-  saving.start(WRITABLE_FORMATS[0]);
+  await vi.waitFor(() => expect(store.getState().saving).toBeNull());
+  expect(store.getState().notice).toContain('cancelled');
+  void saving.start(WRITABLE_FORMATS[0]);
   expect(FakeWorker.started.length).toBe(2);
 });
 
-test('a scene that cannot be saved is told with the reason, and stays', () => {
+test('a scene that cannot be saved is told with the reason, and stays', async () => {
   const { store, worker } = startSaving({ kind: 'file', name: 'a.ply', source: new File([], 'a.ply') });
   worker?.onmessage?.({ data: { kind: 'failed', message: 'Splat 3 is far away.', isFault: false } });
+  await vi.waitFor(() => expect(store.getState().saving).toBeNull());
   expect(store.getState()).toMatchObject({
-    saving: null,
     failure: { message: 'Splat 3 is far away.', title: expect.stringContaining('cannot be saved') },
   });
   expect(worker?.isEnded).toBe(true);

@@ -1,81 +1,76 @@
 import type { WritableFormat } from '@websplatter/core/write';
 import { upAxisOf } from '../camera/up-axis.ts';
-import { formatBytes } from '../formatting/format.ts';
+import { NOT_STARTED } from '../drawing/ask-worker.ts';
 import { lastingScene } from '../reload/lasting-scene.ts';
 import { titleOf } from '../scene/scene-source.ts';
 import { cloudKey, type ShownPart } from '../scene/shown-scene.ts';
+import type { SavingState } from '../state/saving.ts';
 import type { Selecting } from '../state/selecting.ts';
-import type { ViewerStore } from '../state/store.ts';
-import { download } from './download.ts';
+import { FileWork, perViewer } from './file-work.ts';
 import type { SavedPart, SavedRows, SaveReply, SaveRequest } from './save-messages.ts';
 import { savedName } from './saved-name.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
-export class Saving {
-  readonly #store: ViewerStore;
-  readonly #partsOf: () => readonly ShownPart[];
-  #worker: Worker | null = null;
-
-  /** @param partsOf the files of the scene on the screen. */
-  constructor(store: ViewerStore, partsOf: () => readonly ShownPart[]) {
-    this.#store = store;
-    this.#partsOf = partsOf;
-  }
-
+class Saving extends FileWork {
   /** Writes the scene in another format and hands the browser the file, if there is a scene. */
-  start(format: WritableFormat): void {
-    const state = this.#store.getState();
+  async start(format: WritableFormat): Promise<void> {
+    const { store } = this;
+    const state = store.getState();
     const { crop, selecting } = state.inspecting;
-    const seen = this.#partsOf().filter(({ look }) => !look.isHidden && look.opacity > 0);
+    const all = this.viewer.scenes.newest?.parts ?? [];
+    const seen = all.filter(({ look }) => !look.isHidden && look.opacity > 0);
     const parts = seen.map((part) => savedPart(part, selecting)).filter((part) => part !== null);
-    if (parts.length === 0 || this.#worker) return;
+    if (parts.length === 0 || this.isBusy) return;
     const fileName = savedName(
       seen.map(({ source }) => titleOf(source)),
       format,
     );
+    const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>
+      store.setState({ saving: { fileName, ...progress } });
+    report({ phase: 'read', part: undefined });
+    store.setState({ failure: null });
     const up = upAxisOf(state);
-    this.#store.setState({ saving: { fileName, phase: 'read', part: undefined }, failure: null });
-    const worker = new Worker(new URL('../reload/scene.worker.ts', import.meta.url), { type: 'module' });
-    this.#worker = worker;
-    worker.onmessage = ({ data }: MessageEvent<SaveReply>) => this.#take(data, fileName);
-    worker.onerror = ({ message }) =>
-      this.#fail(fileName, message || 'The worker could not be started, or had no memory.', true);
     const request: SaveRequest = { kind: 'save', parts, formatName: format.name, up, crop };
+    await this.run({
+      fileName,
+      doing: 'Saving',
+      make: (signal) => savedFile(request, report, signal),
+      failureOf: (error) => ({
+        title: `${fileName} cannot be saved`,
+        advice: '',
+        isFault: !(error instanceof SaveRefusal),
+      }),
+      onEnd: () => store.setState({ saving: null }),
+    });
+  }
+}
+
+/** That of a viewer. */
+export const savingOf = perViewer((viewer, store) => new Saving(viewer, store));
+
+/** The scene cannot be written, which is no fault of the viewer. */
+class SaveRefusal extends Error {}
+
+/** Has a worker write the file, until the signal aborts. */
+function savedFile(
+  request: SaveRequest,
+  onProgress: (progress: Pick<SavingState, 'phase' | 'part'>) => void,
+  signal: AbortSignal,
+): Promise<Blob> {
+  const worker = new Worker(new URL('../reload/scene.worker.ts', import.meta.url), { type: 'module' });
+  return new Promise((resolve, reject) => {
+    signal.addEventListener('abort', () => {
+      worker.terminate();
+      reject(signal.reason);
+    });
+    worker.onmessage = ({ data }: MessageEvent<SaveReply>) => {
+      if (data.kind === 'progress') onProgress({ phase: data.phase, part: data.part });
+      else if (data.kind === 'done') resolve(new Blob([data.bytes]));
+      else reject(data.isFault ? new Error(data.message) : new SaveRefusal(data.message));
+    };
+    worker.onerror = ({ message }) => reject(new Error(message || NOT_STARTED));
     worker.postMessage(request);
-  }
-
-  cancel(): void {
-    const { saving } = this.#store.getState();
-    this.#end();
-    if (saving) this.#store.setState({ notice: `Saving ${saving.fileName} was cancelled.` });
-  }
-
-  #take(reply: SaveReply, fileName: string): void {
-    if (reply.kind === 'progress') {
-      const { phase, part } = reply;
-      this.#store.setState({ saving: { fileName, phase, part } });
-      return;
-    }
-    if (reply.kind === 'failed') {
-      this.#fail(fileName, reply.message, reply.isFault);
-      return;
-    }
-    this.#end();
-    download(new Blob([reply.bytes]), fileName);
-    this.#store.setState({ notice: `Saved ${fileName} (${formatBytes(reply.bytes.length)}).` });
-  }
-
-  #fail(fileName: string, message: string, isFault: boolean): void {
-    this.#end();
-    const failure = { title: `${fileName} cannot be saved`, message, advice: '', isFault };
-    this.#store.setState({ failure });
-  }
-
-  #end(): void {
-    this.#worker?.terminate();
-    this.#worker = null;
-    this.#store.setState({ saving: null });
-  }
+  });
 }
 
 /** Null for what is no file. */

@@ -11,7 +11,6 @@ import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
-import type { Saving } from '../saving/saving.ts';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import type { ViewerStore } from '../state/store.ts';
 import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
@@ -79,8 +78,6 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
       }),
     [viewer, store],
   );
-  /** Made by its panel, and goes on when that is closed. */
-  const saving = useRef<Saving | null>(null);
   const recorder = useMemo(() => new FrameRecorder(store), [store]);
   const measurements = useMeasurements(store, viewer);
   useEffect(() => recorder.watch(), [recorder]);
@@ -122,7 +119,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             {dock === 'effects' && measurements && (
               <EffectsPanel store={store} viewer={viewer} {...measurements} />
             )}
-            {dock === 'save' && <SavePanel store={store} viewer={viewer} saving={saving} />}
+            {dock === 'save' && <SavePanel store={store} viewer={viewer} />}
           </Suspense>
           <Suspense>
             {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
