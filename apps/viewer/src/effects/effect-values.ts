@@ -8,8 +8,8 @@ import {
 } from '@websplatter/core/effect-options';
 import type { EffectUse } from '@websplatter/core/effects';
 import type { Vec3 } from '../camera/vec3.ts';
+import { roundedTo, stepFor } from '../handles/nice-steps.ts';
 import type { EffectChoices } from '../state/requested-effects.ts';
-import { roundedTo, stepFor } from './nice-steps.ts';
 
 /** The options of an effect that have a meaning beside these values, with their names. */
 export function optionsBeside(

@@ -23,11 +23,3 @@ export function moveStep({ radius, look }: Pick<ScenePartSummary, 'radius' | 'lo
   const shown = radius * (look.placement?.scale ?? 1);
   return 10 ** Math.floor(Math.log10(shown / 50));
 }
-
-/** `value` to a tenth of a step, so that drags leave numbers that can be read. */
-export function roundedMove(value: number, step: number): number {
-  const unit = step / 10;
-  const rounded = Math.round(value / unit) * unit;
-  // As decimal fractions are written, without remains of binary ones; −0 becomes 0.
-  return Number(rounded.toPrecision(12)) + 0;
-}

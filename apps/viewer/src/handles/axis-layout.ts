@@ -9,35 +9,28 @@ export interface SeenAxis {
   readonly canDrag: boolean;
 }
 
-/** Axes that are shorter in the image have no direction to drag in. */
-const LEAST_LENGTH_PX = 14;
+/** Axes that are shorter, of their whole length, have no direction to drag in. */
+const LEAST_PART = 1 / 6;
 
 /** Image coordinates times depth, and depth: linear in the point, so that lines stay lines. */
 type Homogeneous = readonly [x: number, y: number, w: number];
 
 /**
- * The axes of the scene at `point` as a camera sees them, `lengthPx` long where they lie across the
+ * An axis of the scene at `point` as a camera sees it, `lengthPx` long where it lies across the
  * view; null where the point is behind the camera.
  *
- * @param axes unit vectors, in the world that the camera sees.
+ * @param axis a unit vector, in the world that the camera sees.
  */
-export function seenAxes(
-  space: PictureSpace,
-  point: Vec3,
-  axes: readonly Vec3[],
-  lengthPx: number,
-): readonly SeenAxis[] | null {
+export function seenAxis(space: PictureSpace, point: Vec3, axis: Vec3, lengthPx: number): SeenAxis | null {
   const middle = homogeneous(space, point, 1);
   if (!(middle[2] > 0)) return null;
   const from = place(middle);
   const across = homogeneous(space, rowOf(space.camera.viewMatrix, 0), 0);
   const length = (lengthPx * middle[2]) / Math.hypot(across[0], across[1]);
-  return axes.map((axis) => {
-    const to = along(middle, homogeneous(space, axis, 0), length);
-    const seen = to[2] > 0 ? place(to) : from;
-    const canDrag = Math.hypot(seen[0] - from[0], seen[1] - from[1]) >= LEAST_LENGTH_PX;
-    return { from, to: seen, canDrag };
-  });
+  const end = along(middle, homogeneous(space, axis, 0), length);
+  const to = end[2] > 0 ? place(end) : from;
+  const canDrag = Math.hypot(to[0] - from[0], to[1] - from[1]) >= LEAST_PART * lengthPx;
+  return { from, to, canDrag };
 }
 
 /**

@@ -1,6 +1,6 @@
 import { orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { distanceAlong, seenAxes } from './gizmo-layout.ts';
+import { distanceAlong, seenAxis } from './axis-layout.ts';
 
 const size = { width: 600, height: 400 };
 const view = { position: [0, 0, 4], target: [0, 0, 0], aspect: 1.5 } as const;
@@ -18,7 +18,7 @@ describe.each(['perspective', 'parallel'] as const)('axes in %s', (kind) => {
   const space = { camera: cameras[kind], ...size };
 
   it('are as long as they are to be where they lie across the view, and not to be dragged end on', () => {
-    const [x, y, z] = seenAxes(space, [0, 0, 0], AXES, 70) ?? [];
+    const [x, y, z] = AXES.map((axis) => seenAxis(space, [0, 0, 0], axis, 70)!);
     expect(x.from[0]).toBeCloseTo(300);
     expect(x.from[1]).toBeCloseTo(200);
     expect(x.to[0]).toBeCloseTo(370);
@@ -31,7 +31,7 @@ describe.each(['perspective', 'parallel'] as const)('axes in %s', (kind) => {
     const slanted = [0.6, 0, 0.8] as const;
     for (const distance of [-2, 0.5, 3]) {
       const point = [distance * slanted[0], 0, distance * slanted[2]] as const;
-      const [{ from }] = seenAxes(space, point, AXES, 1) ?? [];
+      const { from } = seenAxis(space, point, AXES[0], 1)!;
       // Beside the axis, straight across it.
       const found = distanceAlong(space, [0, 0, 0], slanted, [from[0], from[1] + 50]);
       expect(found).toBeCloseTo(distance, 9);
@@ -41,6 +41,6 @@ describe.each(['perspective', 'parallel'] as const)('axes in %s', (kind) => {
 
 it('axes behind the camera are not seen', () => {
   const space = { camera: cameras.perspective, ...size };
-  expect(seenAxes(space, [0, 0, 5], AXES, 70)).toBeNull();
+  expect(seenAxis(space, [0, 0, 5], AXES[0], 70)).toBeNull();
   expect(distanceAlong(space, [0, 0, 0], [0, 0, 1], [300, 200])).toBeNull();
 });
