@@ -148,7 +148,7 @@ describe('inspecting a scene in the viewer', () => {
     await drag(page, [130, 300], [230, 300]);
     await page.keyboard.up('Alt');
     await expect.poll(() => countIn(page, 'select-count')).toBeLessThan(selected);
-    await page.getByTestId('select-undo').click();
+    await page.getByTestId('undo').click();
     await expect.poll(() => countIn(page, 'select-count')).toBe(selected);
   });
 
@@ -170,7 +170,7 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('save-edited').waitFor();
     expect(await savedCount(page)).toBe(COUNT - selected);
     await page.keyboard.press('i');
-    await redraw(page, () => page.getByTestId('select-undo').click());
+    await redraw(page, () => page.getByTestId('undo').click());
     await redraw(page, () => page.getByTestId('select-none').click());
     expect(differing(await viewerScreenshot(page), before)).toBe(0);
   });

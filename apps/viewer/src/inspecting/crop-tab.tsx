@@ -6,6 +6,7 @@ import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
+import { StepActions } from './actions.tsx';
 import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import type { InspectProps } from './inspect-props.ts';
 import './crop-tab.css';
@@ -32,6 +33,7 @@ export function CropTab({ store, inspection }: InspectProps) {
             Crop to a box
           </TextButton>
           <CropToView inspection={inspection} />
+          <StepActions store={store} inspection={inspection} />
         </div>
       </div>
     );
@@ -54,6 +56,7 @@ export function CropTab({ store, inspection }: InspectProps) {
       <div className="inspect-actions">
         <CropToView inspection={inspection} />
         <TextButton onClick={() => cropping.begin()}>Box around the scene</TextButton>
+        <StepActions store={store} inspection={inspection} />
         <TextButton testId="crop-end" onClick={() => cropping.set(null)}>
           Show everything
         </TextButton>
@@ -99,7 +102,7 @@ function Sides({ inspection, crop, axis }: AxisProps) {
         const name = `${side === 'min' ? 'Min' : 'Max'} ${'xyz'[axis]}`;
         const testId = `crop-${side}-${'xyz'[axis]}`;
         const value = Number(crop[side][axis].toPrecision(5));
-        const set = (place: number) => cropping.set(withSide(crop, side, axis, place));
+        const set = (place: number) => cropping.set(withSide(crop, side, axis, place), name);
         return (
           <Slider
             key={side}

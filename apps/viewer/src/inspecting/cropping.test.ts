@@ -5,6 +5,7 @@ import { describe, expect, it } from 'vitest';
 import type { Crop } from '../state/inspecting.ts';
 import { Cropping, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import { clipVolume } from './draw-crop.ts';
+import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
 
 const crop: Crop = { min: [0, -1, 2], max: [1, 1, 6], keep: 'inside' };
@@ -64,7 +65,7 @@ describe('cropping', () => {
   it('draws what stays at once, and counts it', async () => {
     const fake = fakeTools();
     fake.ask.mockResolvedValue({ kept: 3, total: 9 });
-    const cropping = new Cropping(fake.tools);
+    const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     cropping.set(crop);
     expect(volumesOf(fake)).toEqual([clipVolume(crop, false)]);
     await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 3, total: 9 });
@@ -83,7 +84,7 @@ describe('cropping', () => {
     const fake = fakeTools();
     const answers: ((count: unknown) => void)[] = [];
     fake.ask.mockImplementation(() => new Promise((resolve) => answers.push(resolve)));
-    const cropping = new Cropping(fake.tools);
+    const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     const boxes = [1, 2, 3].map((x) => withSide(crop, 'max', 0, x));
     for (const each of boxes) cropping.set(each);
     expect(fake.ask).toHaveBeenCalledOnce();
@@ -97,7 +98,7 @@ describe('cropping', () => {
 
   it('begins around the scene, and goes to what is seen', async () => {
     const fake = fakeTools();
-    const cropping = new Cropping(fake.tools);
+    const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     cropping.begin();
     await cropping.cropToView();
     expect(fake.inspecting().crop).toBeNull();
@@ -118,7 +119,7 @@ describe('cropping', () => {
 
   it('has sliders whose steps are finest around the subject', () => {
     const fake = fakeTools();
-    const cropping = new Cropping(fake.tools);
+    const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     expect(cropping.subject).toEqual([1, 2, 3]);
     fake.store.setState({ isFlipped: true });
     expect(cropping.subject).toEqual([1, -2, -3]);

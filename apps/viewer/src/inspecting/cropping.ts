@@ -3,6 +3,7 @@ import { boundsOf } from '../camera/scene-bounds.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { drawCrop } from './draw-crop.ts';
+import type { EditHistory } from './edit-history.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import { shownLook } from './shown-look.ts';
 
@@ -49,10 +50,12 @@ export function sliderPosition(value: number, { low, high, middle }: SliderRange
 /** Crops the scene to a box, in the image at once and when it is saved. */
 export class Cropping {
   readonly #tools: InspectTools;
+  readonly #history: EditHistory;
   #isCounting = false;
 
-  constructor(tools: InspectTools) {
+  constructor(tools: InspectTools, history: EditHistory) {
     this.#tools = tools;
+    this.#history = history;
   }
 
   /** The box around the scene without stray splats, in its own space; null without a scene. */
@@ -68,11 +71,14 @@ export class Cropping {
     return store.getState().isFlipped ? flippedPoint(target) : target;
   }
 
-  /** Crops to `crop` from the next frame on, or with null not at all. */
-  set(crop: Crop | null): void {
-    this.#tools.update({ crop, cropCount: null, problem: null });
-    this.draw();
-    if (crop) void this.#count();
+  /**
+   * Crops to `crop` from the next frame on, or with null not at all.
+   *
+   * @param gesture crops of one gesture in a row are undone together.
+   */
+  set(crop: Crop | null, gesture: unknown = null): void {
+    this.#history.take({ crop }, gesture);
+    this.count();
   }
 
   /** Begins with a box around nearly all splats. */

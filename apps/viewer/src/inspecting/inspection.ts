@@ -12,6 +12,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { Cropping } from './cropping.ts';
+import { EditHistory } from './edit-history.ts';
 import { HistogramMarks } from './histogram-marks.ts';
 import type { CloudToRead } from './inspect-messages.ts';
 import type { InspectTools } from './inspect-tools.ts';
@@ -29,6 +30,7 @@ export class Inspection {
   readonly histograms: HistogramMarks;
   readonly cropping: Cropping;
   readonly selecting: SplatSelecting;
+  readonly #history: EditHistory;
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
@@ -48,8 +50,9 @@ export class Inspection {
     this.splats = new SplatInspector(tools);
     this.rulers = new Rulers({ ...tools, storage: () => localStorage });
     this.histograms = new HistogramMarks(tools);
-    this.cropping = new Cropping(tools);
-    this.selecting = new SplatSelecting(tools);
+    this.#history = new EditHistory(tools);
+    this.cropping = new Cropping(tools, this.#history);
+    this.selecting = new SplatSelecting(tools, this.#history);
   }
 
   /** Follows the store and the pointer; returns a function that stops this. */
@@ -77,14 +80,25 @@ export class Inspection {
     this.#pick(...this.#viewer.camera.middle);
   }
 
+  /** Takes back the last change of the crop, the selection, or what is removed. */
+  undo(): void {
+    this.#history.undo();
+    this.cropping.count();
+  }
+
+  redo(): void {
+    this.#history.redo();
+    this.cropping.count();
+  }
+
   /** Keys that edit, while the panel is open. */
   #keyPressed(event: KeyboardEvent): void {
     const { dock, isHelpVisible } = this.#store.getState();
     if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
     const isCommand = event.ctrlKey || event.metaKey;
     const key = `${isCommand ? 'Ctrl+' : ''}${event.shiftKey ? 'Shift+' : ''}${event.key.toLowerCase()}`;
-    if (key === 'Ctrl+z') this.selecting.undo();
-    else if (key === 'Ctrl+Shift+z' || key === 'Ctrl+y') this.selecting.redo();
+    if (key === 'Ctrl+z') this.undo();
+    else if (key === 'Ctrl+Shift+z' || key === 'Ctrl+y') this.redo();
     else if (key === 'delete' || key === 'backspace') this.selecting.remove();
     else return;
     event.preventDefault();

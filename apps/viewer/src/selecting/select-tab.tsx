@@ -1,10 +1,9 @@
-import type { ComponentProps } from 'react';
 import { useStore } from 'zustand';
 import { formatCount, formatSplats } from '../formatting/format.ts';
+import { Action, StepActions } from '../inspecting/actions.tsx';
 import type { InspectProps } from '../inspecting/inspect-props.ts';
 import type { SelectMode, SelectTool } from '../state/selecting.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { countOf } from './row-masks.ts';
 import './select-tab.css';
@@ -23,10 +22,7 @@ const BRUSH_PX = { least: 4, most: 120 } as const;
 
 /** Selects splats in the picture, removes them, and saves them or the others. */
 export function SelectTab({ store, inspection }: InspectProps) {
-  const { selected, removed, past, undone, tool, mode } = useStore(
-    store,
-    (state) => state.inspecting.selecting,
-  );
+  const { selected, removed, tool, mode } = useStore(store, (state) => state.inspecting.selecting);
   const marked = useStore(store, (state) => state.inspecting.marked);
   const total = useStore(store, (state) => state.scene?.splats ?? 0);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
@@ -94,22 +90,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
         >
           Remove
         </Action>
-        <Action
-          testId="select-undo"
-          title="Undo (Ctrl+Z)"
-          isOff={past.length === 0}
-          onClick={() => selecting.undo()}
-        >
-          Undo
-        </Action>
-        <Action
-          testId="select-redo"
-          title="Redo (Ctrl+Shift+Z)"
-          isOff={undone.length === 0}
-          onClick={() => selecting.redo()}
-        >
-          Redo
-        </Action>
+        <StepActions store={store} inspection={inspection} />
         {removed.size > 0 && (
           <Action testId="select-restore" onClick={() => selecting.restore()}>
             Bring all back
@@ -144,13 +125,4 @@ function BrushSize({ store, inspection }: InspectProps) {
       onValue={(widthPx) => inspection.selecting.choose({ brushRadius: widthPx / 2 })}
     />
   );
-}
-
-/** It stays where the keyboard is when it is off. */
-function Action({
-  isOff = false,
-  onClick,
-  ...rest
-}: ComponentProps<typeof TextButton> & { readonly isOff?: boolean }) {
-  return <TextButton {...rest} aria-disabled={isOff || undefined} onClick={isOff ? undefined : onClick} />;
 }

@@ -1,6 +1,7 @@
 import { perspectiveCamera } from '@websplatter/core';
 import type { SplatSelection } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
+import { EditHistory } from '../inspecting/edit-history.ts';
 import { fakeTools } from '../inspecting/inspect-tools.fixture.ts';
 import type { CloudEffects } from '../state/requested-effects.ts';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
@@ -20,7 +21,8 @@ function selectingOf(...found: readonly number[]) {
   Object.assign(fake.viewer.scenes, { newest: { parts: [part(3), part(4, true), part(5)] } });
   Object.assign(fake.viewer, { shownFrame: { frame: { camera } } });
   fake.ask.mockResolvedValue(found.map((word) => Uint32Array.of(word)));
-  const selecting = new SplatSelecting(fake.tools);
+  const history = new EditHistory(fake.tools);
+  const selecting = new SplatSelecting(fake.tools, history);
   const now = () => fake.inspecting().selecting;
   const counts = () => [countOf(now().selected), countOf(now().removed)];
   const hidden = () =>
@@ -28,7 +30,7 @@ function selectingOf(...found: readonly number[]) {
       key,
       (use.options as SplatSelection).count,
     ]);
-  return { ...fake, selecting, now, counts, hidden };
+  return { ...fake, selecting, history, now, counts, hidden };
 }
 
 it('selects what a drag covers as the image shows it, of the clouds that are drawn', async () => {
@@ -46,7 +48,7 @@ it('selects what a drag covers as the image shows it, of the clouds that are dra
 });
 
 it('removes what is selected from the picture, inverts what is left, and undoes each step', async () => {
-  const { selecting, ask, counts, hidden } = selectingOf(0b11, 0);
+  const { selecting, history, ask, counts, hidden } = selectingOf(0b11, 0);
   await selecting.select({ kind: 'all' });
   selecting.remove();
   expect(counts()).toEqual([0, 2]);
@@ -56,29 +58,23 @@ it('removes what is selected from the picture, inverts what is left, and undoes 
   expect(counts()).toEqual([3, 2]);
   selecting.remove();
   expect(counts()).toEqual([0, 5]);
-  selecting.undo();
+  history.undo();
   expect(counts()).toEqual([3, 2]);
   expect(hidden()).toEqual([['3/0', 2]]);
-  selecting.redo();
-  selecting.redo();
+  history.redo();
+  history.redo();
   expect(counts()).toEqual([0, 5]);
-  selecting.undo();
-  selecting.undo();
+  history.undo();
+  history.undo();
   selecting.restore();
   expect(counts()).toEqual([0, 0]);
   expect(hidden()).toEqual([]);
-  for (let i = 0; i < 9; i++) selecting.undo();
+  for (let i = 0; i < 9; i++) history.undo();
   expect(counts()).toEqual([0, 0]);
   // An edit takes the place of what was undone.
   await selecting.select({ kind: 'all' });
-  selecting.redo();
+  history.redo();
   expect(counts()).toEqual([5, 0]);
-});
-
-it('holds a bounded number of steps to undo', async () => {
-  const { selecting, now } = selectingOf(1, 1);
-  for (let i = 0; i < 40; i++) await selecting.select({ kind: 'all' });
-  expect(now().past).toHaveLength(32);
 });
 
 it('says where no splat is, and changes nothing where the scene cannot be read', async () => {

@@ -1,21 +1,21 @@
+import type { EditHistory } from '../inspecting/edit-history.ts';
 import type { Region } from '../inspecting/inspect-messages.ts';
 import type { InspectTools } from '../inspecting/inspect-tools.ts';
 import { shownLook } from '../inspecting/shown-look.ts';
 import { cloudKeys } from '../scene/shown-scene.ts';
-import type { DragRegion, RowMasks, Selecting, SelectMode, SplatEdit } from '../state/selecting.ts';
-import { removedUses } from './removed.ts';
+import type { DragRegion, RowMasks, Selecting, SelectMode } from '../state/selecting.ts';
 import { joined, selectedWith, without } from './row-masks.ts';
 
-/** So many steps can be undone: each holds a bit per splat. */
-const MOST_STEPS = 32;
 const NONE: RowMasks = new Map();
 
 /** Selects splats by places in the picture, and removes them. */
 export class SplatSelecting {
   readonly #tools: InspectTools;
+  readonly #history: EditHistory;
 
-  constructor(tools: InspectTools) {
+  constructor(tools: InspectTools, history: EditHistory) {
     this.#tools = tools;
+    this.#history = history;
   }
 
   /** Sets the options of the next selection. */
@@ -37,7 +37,7 @@ export class SplatSelecting {
   async select(region: Region, mode = this.#now.mode): Promise<void> {
     const found = await this.#rowsWithin(region);
     if (!found) return;
-    this.#take({ ...this.#now, selected: selectedWith(mode, this.#now, found) });
+    this.#history.take({ selected: selectedWith(mode, this.#now, found) });
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 
@@ -46,35 +46,22 @@ export class SplatSelecting {
     const all = await this.#rowsWithin({ kind: 'all' });
     if (!all) return;
     const { selected, removed } = this.#now;
-    this.#take({ removed, selected: without(without(all, removed), selected) });
+    this.#history.take({ selected: without(without(all, removed), selected) });
   }
 
   clear(): void {
-    this.#take({ ...this.#now, selected: NONE });
+    this.#history.take({ selected: NONE });
   }
 
   /** Leaves the selected splats out of the picture and of saved files. */
   remove(): void {
     const { selected, removed } = this.#now;
-    if (selected.size > 0) this.#take({ selected: NONE, removed: joined(removed, selected) });
+    if (selected.size > 0) this.#history.take({ selected: NONE, removed: joined(removed, selected) });
   }
 
   /** Brings all removed splats back. */
   restore(): void {
-    this.#take({ ...this.#now, removed: NONE });
-  }
-
-  undo(): void {
-    const { past, undone, selected, removed } = this.#now;
-    const before = past.at(-1);
-    if (before)
-      this.#show({ ...before, past: past.slice(0, -1), undone: [...undone, { selected, removed }] });
-  }
-
-  redo(): void {
-    const { past, undone, selected, removed } = this.#now;
-    const after = undone.at(-1);
-    if (after) this.#show({ ...after, past: [...past, { selected, removed }], undone: undone.slice(0, -1) });
+    this.#history.take({ removed: NONE });
   }
 
   get #now(): Selecting {
@@ -91,18 +78,5 @@ export class SplatSelecting {
     if (!found) return undefined;
     const keys = cloudKeys(scene);
     return without(new Map(found.map((words, i) => [keys[i], words])), NONE);
-  }
-
-  #take({ selected, removed }: SplatEdit): void {
-    const { selected: selectedBefore, removed: removedBefore, past } = this.#now;
-    const before = { selected: selectedBefore, removed: removedBefore };
-    this.#show({ selected, removed, past: [...past, before].slice(-MOST_STEPS), undone: [] });
-  }
-
-  #show(edit: Pick<Selecting, 'selected' | 'removed' | 'past' | 'undone'>): void {
-    const { update, viewer } = this.#tools;
-    const isOther = edit.removed !== this.#now.removed;
-    update({ selecting: { ...this.#now, ...edit }, problem: null });
-    if (isOther) viewer.setEffects('removed', removedUses(edit.removed));
   }
 }

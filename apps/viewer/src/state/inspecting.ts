@@ -1,7 +1,7 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
 import type { Vec3 } from '../camera/vec3.ts';
-import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
+import { NOTHING_SELECTED, type Selecting, type SplatEdit } from './selecting.ts';
 
 /** Tabs of the panel; each has its own meaning of a click in the image. */
 export type InspectTab = 'splat' | 'distance' | 'histogram' | 'select' | 'crop';
@@ -91,6 +91,11 @@ export interface CropCount {
   readonly total: number;
 }
 
+/** What is undone and redone. */
+export interface SceneEdit extends SplatEdit {
+  readonly crop: Crop | null;
+}
+
 export interface Inspecting {
   readonly tab: InspectTab;
   readonly reading: Reading;
@@ -109,6 +114,10 @@ export interface Inspecting {
   /** Null until it has been counted. */
   readonly cropCount: CropCount | null;
   readonly selecting: Selecting;
+  /** Earlier edits, the newest last. */
+  readonly past: readonly SceneEdit[];
+  /** Edits that were undone, the next one last. */
+  readonly undone: readonly SceneEdit[];
 }
 
 /** State that every scene begins with. */
@@ -125,6 +134,8 @@ export const NOTHING_INSPECTED: Inspecting = {
   crop: null,
   cropCount: null,
   selecting: NOTHING_SELECTED,
+  past: [],
+  undone: [],
 };
 
 /**

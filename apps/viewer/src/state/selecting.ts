@@ -27,10 +27,6 @@ export interface SplatEdit {
 }
 
 export interface Selecting extends SplatEdit {
-  /** Earlier edits, the newest last. */
-  readonly past: readonly SplatEdit[];
-  /** Edits that were undone, the next one last. */
-  readonly undone: readonly SplatEdit[];
   readonly tool: SelectTool;
   readonly mode: SelectMode;
   /** CSS px. */
@@ -44,8 +40,6 @@ export interface Selecting extends SplatEdit {
 export const NOTHING_SELECTED: Selecting = {
   selected: new Map(),
   removed: new Map(),
-  past: [],
-  undone: [],
   tool: 'rectangle',
   mode: 'replace',
   brushRadius: 20,

@@ -1,0 +1,33 @@
+import type { ComponentProps } from 'react';
+import { useStore } from 'zustand';
+import { TextButton } from '../ui/controls.tsx';
+import type { InspectProps } from './inspect-props.ts';
+
+/** A button that stays where the keyboard is when it is off. */
+export function Action({
+  isOff = false,
+  onClick,
+  ...rest
+}: ComponentProps<typeof TextButton> & { readonly isOff?: boolean }) {
+  return <TextButton {...rest} aria-disabled={isOff || undefined} onClick={isOff ? undefined : onClick} />;
+}
+
+/** Undo and redo, of crops and selections alike. */
+export function StepActions({ store, inspection }: InspectProps) {
+  const { past, undone } = useStore(store, (state) => state.inspecting);
+  return (
+    <>
+      <Action testId="undo" title="Undo (Ctrl+Z)" isOff={past.length === 0} onClick={() => inspection.undo()}>
+        Undo
+      </Action>
+      <Action
+        testId="redo"
+        title="Redo (Ctrl+Shift+Z)"
+        isOff={undone.length === 0}
+        onClick={() => inspection.redo()}
+      >
+        Redo
+      </Action>
+    </>
+  );
+}

@@ -1,0 +1,75 @@
+import type { ClipOptions, EffectUse, SplatSelection } from '@websplatter/core/effects';
+import { expect, it } from 'vitest';
+import type { Crop } from '../state/inspecting.ts';
+import type { CloudEffects } from '../state/requested-effects.ts';
+import type { RowMasks } from '../state/selecting.ts';
+import { EditHistory } from './edit-history.ts';
+import { fakeTools } from './inspect-tools.fixture.ts';
+
+const cropTo = (x: number): Crop => ({ min: [0, 0, 0], max: [x, 1, 1], keep: 'inside' });
+const rows = (word: number): RowMasks => new Map([['3/0', Uint32Array.of(word)]]);
+
+function editing() {
+  const fake = fakeTools();
+  // As the viewer does: what is asked for is known before it is drawn.
+  fake.viewer.setEffects.mockImplementation((name, uses) =>
+    fake.store.setState(({ requested }) => ({ requested: { ...requested, [name]: uses } })),
+  );
+  const requested = () => fake.store.getState().requested;
+  const drawnWidth = () =>
+    (requested().crop as EffectUse[]).flatMap(({ options }) =>
+      (options as ClipOptions).volumes.map((volume) => volume.shape === 'box' && volume.size[0]),
+    )[0];
+  const hidden = () =>
+    [...(requested().removed as CloudEffects).values()].map(([use]) => (use.options as SplatSelection).count);
+  return { ...fake, history: new EditHistory(fake.tools), drawnWidth, hidden };
+}
+
+it('steps back and forth through crops and removals, in the picture too', () => {
+  const { history, inspecting, drawnWidth, hidden } = editing();
+  history.take({ crop: cropTo(5) });
+  history.take({ removed: rows(0b11) });
+  history.take({ crop: cropTo(3) });
+  expect([drawnWidth(), hidden()]).toEqual([3, [2]]);
+  history.undo();
+  expect([drawnWidth(), hidden()]).toEqual([5, [2]]);
+  history.undo();
+  expect([drawnWidth(), hidden()]).toEqual([5, []]);
+  history.undo();
+  history.undo();
+  expect([drawnWidth(), inspecting().crop]).toEqual([undefined, null]);
+  for (let i = 0; i < 4; i++) history.redo();
+  expect([drawnWidth(), hidden()]).toEqual([3, [2]]);
+  // An edit takes the place of what was undone.
+  history.undo();
+  history.take({ selected: rows(1) });
+  history.redo();
+  expect(drawnWidth()).toBe(5);
+});
+
+it('takes the changes of one gesture in a row as one step', () => {
+  const { history, inspecting } = editing();
+  const [drag, next] = [{}, {}];
+  for (const x of [1, 2, 3]) history.take({ crop: cropTo(x) }, drag);
+  expect(history.before(drag).crop).toBeNull();
+  for (const x of [4, 5]) history.take({ crop: cropTo(x) }, next);
+  history.take({ crop: cropTo(6) });
+  history.take({ crop: cropTo(7) });
+  const widths: (number | undefined)[] = [];
+  for (let i = 0; i < 5; i++) {
+    widths.push(inspecting().crop?.max[0]);
+    history.undo();
+  }
+  expect(widths).toEqual([7, 6, 5, 3, undefined]);
+  // What is undone ends the gesture.
+  history.take({ crop: cropTo(8) }, next);
+  history.undo();
+  history.take({ crop: cropTo(9) }, next);
+  expect(inspecting().past).toHaveLength(1);
+});
+
+it('holds a bounded number of steps', () => {
+  const { history, inspecting } = editing();
+  for (let i = 0; i < 40; i++) history.take({ selected: rows(i + 1) });
+  expect(inspecting().past).toHaveLength(32);
+});
