@@ -198,4 +198,29 @@ describe('inspecting a scene in the viewer', () => {
     await redraw(page, () => page.getByTestId('crop-end').click());
     await expect.poll(() => marks(page, '[data-mark=box]')).toEqual([]);
   });
+
+  it('moves the faces of a crop by handles in the picture, by pointer and by key, and undoes each', async () => {
+    const page = await openInspect('crop');
+    await redraw(page, () => page.getByTestId('crop-begin').click());
+    const maxX = async () => Number(await page.getByTestId('crop-max-x-number').inputValue());
+    const begun = await maxX();
+    const handle = page.getByTestId('crop-handle-max-x');
+    const mark = (await handle.locator('span').boundingBox())!;
+    const [x, y] = [mark.x + mark.width / 2, mark.y + mark.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    // Two steps of one drag, towards the middle of the box.
+    await redraw(page, () => page.mouse.move(x - 20, y));
+    await redraw(page, () => page.mouse.move(x - 40, y));
+    await page.mouse.up();
+    const dragged = await maxX();
+    expect(dragged).toBeLessThan(begun);
+    // It has the keyboard now.
+    await redraw(page, () => page.keyboard.press('Shift+ArrowRight'));
+    expect(await maxX()).toBeGreaterThan(dragged);
+    await redraw(page, () => page.keyboard.press('ControlOrMeta+z'));
+    expect(await maxX()).toBe(dragged);
+    await redraw(page, () => page.getByTestId('undo').click());
+    expect(await maxX()).toBe(begun);
+  });
 });

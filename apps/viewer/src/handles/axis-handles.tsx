@@ -8,7 +8,7 @@ import { pictureSpace, useHandle, useOverPicture } from './over-picture.ts';
 
 /** With Shift, keys go so many steps at once. */
 const LARGE_STEP = 10;
-/** Half of a handle, which stays in the picture whatever it moves. */
+/** Half of a handle, which stays beside panels and in the picture, whatever it moves. */
 const HALF_PX = 22;
 const DIRECTIONS: Readonly<Record<string, number>> = {
   ArrowRight: 1,
@@ -53,7 +53,7 @@ interface AxisHandlesProps<Handle extends AxisHandle> extends PanelProps {
 
 /** Handles at arms over the picture, each of which a pointer or keys move along an axis. */
 export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<Handle>) {
-  const { store, viewer, handles, armPx, testId, placeOf } = props;
+  const { store, viewer, handles, armPx, testId, step, placeOf } = props;
   const root = useRef<HTMLDivElement>(null);
   /** In the world that the camera sees. */
   const seen = (point: Vec3) => (store.getState().isFlipped ? flippedPoint(point) : point);
@@ -67,16 +67,19 @@ export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<H
       const place = placeOf(handles[i]);
       const arm = seenAxis(space, seen(place.foot), seen(scale(UNIT_AXES[axis], side)), armPx);
       for (const each of [element, arms[i]]) each.toggleAttribute('hidden', !arm?.canDrag);
-      element.setAttribute('aria-valuenow', String(place.value));
-      element.setAttribute('aria-valuetext', `${place.value} scene units`);
+      const value = String(roundedTo(place.value, step / 10));
+      element.setAttribute('aria-valuenow', value);
+      element.setAttribute('aria-valuetext', `${value} scene units`);
       if (!arm) continue;
       const { from, to } = arm;
-      const x = clamp(to[0], HALF_PX, space.width - HALF_PX);
-      const y = clamp(to[1], HALF_PX, space.height - HALF_PX);
+      // The middle of the part that panels leave free.
+      const [xMiddle, yMiddle] = viewer.camera.middle;
+      const x = clamp(to[0], HALF_PX, 2 * xMiddle * space.width - HALF_PX);
+      const y = clamp(to[1], HALF_PX, 2 * yMiddle * space.height - HALF_PX);
       element.style.translate = `${x}px ${y}px`;
       for (const line of arms[i].children)
-        for (const [name, value] of Object.entries({ x1: from[0], y1: from[1], x2: to[0], y2: to[1] }))
-          line.setAttribute(name, String(value));
+        for (const [name, px] of Object.entries({ x1: from[0], y1: from[1], x2: to[0], y2: to[1] }))
+          line.setAttribute(name, String(px));
     }
   });
   return (

@@ -55,7 +55,7 @@ export function CropTab({ store, inspection }: InspectProps) {
       </p>
       <div className="inspect-actions">
         <CropToView inspection={inspection} />
-        <TextButton onClick={() => cropping.begin()}>Box around the scene</TextButton>
+        <TextButton onClick={() => cropping.cropToScene()}>Box around the scene</TextButton>
         <StepActions store={store} inspection={inspection} />
         <TextButton testId="crop-end" onClick={() => cropping.set(null)}>
           Show everything
@@ -94,7 +94,7 @@ function Sides({ inspection, crop, axis }: AxisProps) {
   const margin = MARGIN * (scene.max[axis] - scene.min[axis]) || 1;
   const low = Math.min(crop.min[axis], scene.min[axis] - margin);
   const high = Math.max(crop.max[axis], scene.max[axis] + margin);
-  const range = { low, high, middle: clamp(cropping.subject[axis], low, high) };
+  const range = { low, high, middle: clamp(cropping.place.center[axis], low, high) };
   return (
     <fieldset className="inspect-sides">
       <legend>{'xyz'[axis]}</legend>

@@ -3,7 +3,7 @@ import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import type { Crop } from '../state/inspecting.ts';
-import { Cropping, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
+import { Cropping, faceMiddle, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import { clipVolume } from './draw-crop.ts';
 import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
@@ -31,6 +31,11 @@ describe('a side that is moved', () => {
     expect(withSide(crop, 'min', 2, 7)).toEqual({ ...crop, min: [0, -1, 7], max: [1, 1, 7] });
     expect(withSide(crop, 'max', 2, 1)).toEqual({ ...crop, min: [0, -1, 1], max: [1, 1, 1] });
   });
+});
+
+it('has faces with a middle', () => {
+  expect(faceMiddle(crop, 'min', 0)).toEqual([0, 0, 4]);
+  expect(faceMiddle(crop, 'max', 2)).toEqual([0.5, 0, 6]);
 });
 
 describe('a slider', () => {
@@ -96,7 +101,7 @@ describe('cropping', () => {
     await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 2, total: 9 });
   });
 
-  it('begins around the scene, and goes to what is seen', async () => {
+  it('begins around what the first view looks at, and goes to the scene and to what is seen', async () => {
     const fake = fakeTools();
     const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     cropping.begin();
@@ -106,6 +111,12 @@ describe('cropping', () => {
     Object.assign(fake.viewer.scenes, { newest: { clouds: [{ cloud }] } });
     fake.ask.mockResolvedValue({ kept: 1, total: 1 });
     cropping.begin();
+    expect(fake.inspecting().crop).toEqual({ min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' });
+    fake.store.setState({ isFlipped: true });
+    cropping.begin();
+    // The first view looks at the other side of y and z then, where no splat is.
+    expect(fake.inspecting().crop).toEqual({ min: [0, 0, 0], max: [2, 0, 0], keep: 'inside' });
+    cropping.cropToScene();
     expect(fake.inspecting().crop).toEqual({ min: [0, 0, 0], max: [2, 3, 4], keep: 'inside' });
     const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });
     Object.assign(fake.viewer, { shownFrame: { frame: { camera } } });
@@ -120,8 +131,8 @@ describe('cropping', () => {
   it('has sliders whose steps are finest around the subject', () => {
     const fake = fakeTools();
     const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
-    expect(cropping.subject).toEqual([1, 2, 3]);
+    expect(cropping.place.center).toEqual([1, 2, 3]);
     fake.store.setState({ isFlipped: true });
-    expect(cropping.subject).toEqual([1, -2, -3]);
+    expect(cropping.place.center).toEqual([1, -2, -3]);
   });
 });

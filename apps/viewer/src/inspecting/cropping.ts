@@ -1,6 +1,8 @@
+import type { ScenePlace } from '@websplatter/core/effect-options';
 import { flippedPoint } from '../camera/flip.ts';
 import { boundsOf } from '../camera/scene-bounds.ts';
-import type { Vec3 } from '../camera/vec3.ts';
+import { add, clamp, scale, type Vec3 } from '../camera/vec3.ts';
+import { scenePlaceOf } from '../effects/scene-place.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { EditHistory } from './edit-history.ts';
@@ -22,6 +24,12 @@ export function withSide<Boxed extends Box>(
   return side === 'min'
     ? { ...box, min: moved(box.min, only), max: moved(box.max, Math.max) }
     : { ...box, max: moved(box.max, only), min: moved(box.min, Math.min) };
+}
+
+/** The middle of the face where `box` ends along an axis. */
+export function faceMiddle({ min, max }: Box, side: 'min' | 'max', axis: number): Vec3 {
+  const middle = scale(add(min, max), 0.5);
+  return middle.map((value, i) => (i === axis ? { min, max }[side][i] : value)) as unknown as Vec3;
 }
 
 /** Positions of a slider run from 0 to this. */
@@ -64,11 +72,11 @@ export class Cropping {
     return scene && boundsOf(scene.clouds, 'robustBounds');
   }
 
-  /** The target of the scene's first view, in the scene's own space. */
-  get subject(): Vec3 {
+  /** What the scene's first view looks at, in the scene's own space. */
+  get place(): Pick<ScenePlace, 'center' | 'radius'> {
     const { store, viewer } = this.#tools;
-    const { target } = viewer.camera.controls.home;
-    return store.getState().isFlipped ? flippedPoint(target) : target;
+    const { center, radius } = scenePlaceOf(viewer);
+    return { center: store.getState().isFlipped ? flippedPoint(center) : center, radius };
   }
 
   /**
@@ -81,8 +89,22 @@ export class Cropping {
     this.count();
   }
 
-  /** Begins with a box around nearly all splats. */
+  /**
+   * Begins with a box around the scene, or around what its first view looks at where that is much
+   * smaller: faces of a box with the camera inside it are far from view.
+   */
   begin(): void {
+    const { sceneBox, place } = this;
+    if (!sceneBox) return;
+    const side = (way: 1 | -1) =>
+      place.center.map((value, axis) =>
+        clamp(value + way * place.radius, sceneBox.min[axis], sceneBox.max[axis]),
+      ) as unknown as Vec3;
+    this.set({ min: side(-1), max: side(1), keep: 'inside' });
+  }
+
+  /** Crops to a box around nearly all splats. */
+  cropToScene(): void {
     const { sceneBox } = this;
     if (sceneBox) this.set({ ...sceneBox, keep: 'inside' });
   }

@@ -1,6 +1,6 @@
 import { clip } from '@websplatter/core/effects';
 import { flippedPoint } from '../camera/flip.ts';
-import type { Vec3 } from '../camera/vec3.ts';
+import { add, scale, subtract } from '../camera/vec3.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
@@ -17,12 +17,12 @@ export function drawCrop({
 
 /** The volume that is drawn: around the box as the scene is shown. */
 export function clipVolume({ min, max, keep }: Crop, isFlipped: boolean) {
-  const center: Vec3 = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
+  const center = scale(add(min, max), 0.5);
   // Half a turn around x leaves its edges along the axes.
   return {
     shape: 'box',
     center: isFlipped ? flippedPoint(center) : center,
-    size: [max[0] - min[0], max[1] - min[1], max[2] - min[2]],
+    size: subtract(max, min),
     keep,
   } as const;
 }

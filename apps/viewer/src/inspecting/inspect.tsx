@@ -1,6 +1,7 @@
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../viewer/panel-props.ts';
+import { CropHandles } from './crop-handles.tsx';
 import { drawInspectMarks } from './inspect-marks.ts';
 import './inspect-marks.css';
 import { InspectPanel } from './inspect-panel.tsx';
@@ -16,6 +17,7 @@ export function Inspect({ store, viewer }: PanelProps) {
   return (
     <>
       <svg ref={svg} className="over-picture inspect-marks" aria-hidden="true" data-testid="inspect-marks" />
+      <CropHandles store={store} viewer={viewer} inspection={inspection} />
       {isOpen && <InspectPanel store={store} inspection={inspection} />}
     </>
   );
