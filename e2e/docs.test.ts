@@ -64,6 +64,8 @@ describe('the documentation site', () => {
       const { page, problems } = await open('index.html', viewport);
       for (const path of KINDS) {
         await page.goto(host.url + path);
+        // The page of lost addresses has nothing in it until its script has run.
+        await page.getByRole('main').first().waitFor();
         await page.evaluate(axe);
         for (const colorScheme of ['light', 'dark'] as const) {
           await page.emulateMedia({ colorScheme });
