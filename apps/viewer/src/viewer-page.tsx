@@ -30,7 +30,10 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
   viewer.prepare();
   followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
-  void import('./links/address-mirror.ts').then(({ mirrorToAddress }) => mirrorToAddress(store, viewer));
+  void import('./links/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
+    keepStory({ store, viewer }, dropped ? new URLSearchParams() : address, () => localStorage);
+    mirrorToAddress(store, viewer);
+  });
   if ((address.has('effects') || address.has('crop')) && !dropped)
     void import('./links/linked-effects.ts').then(({ followLinkedEffects }) =>
       followLinkedEffects({ store, viewer }, address),

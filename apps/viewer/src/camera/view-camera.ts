@@ -1,5 +1,6 @@
 import { type Camera, orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import { FIRST_LOOK, type Look } from '../state/look.ts';
+import type { KeptView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
@@ -8,7 +9,7 @@ import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import type { orbitNear } from './orbit-near.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
-import { type UpAxis, type Uprightness, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
+import { type UpAxis, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
 import type { Vec3 } from './vec3.ts';
 
 /** Cameras that a scene comes with, and what moving on from them takes: few scenes need it. */
@@ -39,16 +40,13 @@ export interface CameraSubject {
 }
 
 /** The camera's state, so that it can come back to it. */
-export interface CameraSnapshot extends Uprightness {
-  readonly pose: OrbitPose;
+export interface CameraSnapshot extends KeptView {
   readonly home: OrbitPose;
-  readonly fovDegrees: number;
-  readonly isOrthographic: boolean;
   readonly cameraIndex: number;
 }
 
 /** The parts of a camera that its image depends on. */
-export type ViewedCamera = Pick<CameraSnapshot, 'pose' | 'fovDegrees' | 'isOrthographic' | 'isFlipped'>;
+export type ViewedCamera = Omit<KeptView, 'isZUp'>;
 
 /** Camera of a link: its place, without where it began. */
 export type LinkedCamera = Omit<CameraSnapshot, 'home'>;

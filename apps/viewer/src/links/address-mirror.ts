@@ -48,6 +48,7 @@ const MIRRORED = [
   'isZUp',
   'look',
   'viewMode',
+  'savedViews',
   'cameraIndex',
   'restedFrames',
   'isIdle',

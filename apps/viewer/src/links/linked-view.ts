@@ -6,7 +6,7 @@ import type { LinkedView } from './page-address.ts';
 
 /** Contents of an address that shows the present view again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
-  const { target, accuracy, detail, comparison, splitPart, requested, viewMode, inspecting } = state;
+  const { target, accuracy, detail, comparison, splitPart, requested, inspecting } = state;
   const parts = viewer.scenes.newest?.parts ?? [];
   return {
     sources: parts.map(({ source }) => source),
@@ -17,7 +17,8 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
     comparison: comparison && { comparison, splitPart },
     effects: requested.text,
     crop: inspecting.crop,
-    viewMode,
+    viewMode: state.viewMode,
+    savedViews: state.savedViews,
   };
 }
 

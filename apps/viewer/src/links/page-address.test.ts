@@ -28,6 +28,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     effects: null,
     crop: null,
     viewMode: 'colours',
+    savedViews: [],
     ...changes,
   };
 }
@@ -85,6 +86,18 @@ describe('the address of the page', () => {
     expect(written(`/?${text}`, { sources: [file], crop })).toBe('/');
     expect(written(`/?src=gone.ply&${text}`, { crop })).toBe('/?src=gone.ply');
     expect(linkTo(page('/'), view({ crop }))).toContain(text);
+  });
+
+  it('names saved views, and with them the scene', () => {
+    const saved = [moved, { ...first, fovDegrees: 30 }].map((each, i) => ({
+      ...{ ...each, name: ['The door', ''][i], thumbnail: null },
+    }));
+    const text = 'view=0,0,0,4,0.25,1,name:The+door&view=0,0,0,10,0,1.5708,fov:30';
+    expect(written('/', { savedViews: saved })).toBe(`/?${text}&scene=${scene.name}`);
+    expect(written(`/?${text}`, {})).toBe('/');
+    expect(written(`/?${text}`, { sources: [file], savedViews: saved })).toBe('/');
+    expect(written(`/?src=gone.ply&${text}`, { savedViews: saved })).toBe('/?src=gone.ply');
+    expect(linkTo(page('/'), view({ savedViews: saved }))).toContain(text);
   });
 
   it('names the view mode', () => {

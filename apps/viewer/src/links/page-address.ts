@@ -5,6 +5,7 @@ import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/addressed-scene.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { Crop } from '../state/inspecting.ts';
+import type { SavedView } from '../state/saved-view.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
@@ -12,6 +13,7 @@ import { encodeCrop } from './crop-text.ts';
 import { encodeDetail } from './detail-text.ts';
 import { LOOK_NAME } from './linked-start.ts';
 import { encodeViewMode } from './view-mode-text.ts';
+import { encodeView } from './view-text.ts';
 
 /** The viewer's state in an address. */
 export interface LinkedView {
@@ -27,6 +29,7 @@ export interface LinkedView {
   readonly effects: string | null;
   readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
+  readonly savedViews: readonly SavedView[];
 }
 
 /** First state on this device and in this window, which the page's address need not mention. */
@@ -36,8 +39,11 @@ export interface UnmentionedView {
   readonly accuracy: AccuracySettings;
 }
 
+/** Name in the query of each saved view. */
+export const VIEW_PARAMETER = 'view';
+
 /** Names in the query that belong to the scene they were chosen for, at that scene's scale. */
-const OF_ONE_SCENE = ['camera', 'effects', 'crop'];
+const OF_ONE_SCENE = ['camera', 'effects', 'crop', VIEW_PARAMETER];
 
 /** Address of `page` while it shows `view`: path, query and fragment. Other parameters stay. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
@@ -48,13 +54,12 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   else {
     // Other devices lack this one's files: camera, effects and crop would be another scene's.
     const isShared = canLink(view.sources);
-    const isMentioned = isShared && !isFirstView;
-    const effects = isShared ? view.effects : null;
-    write(query, 'camera', isMentioned ? camera : null);
-    const crop = isShared && view.crop ? encodeCrop(view.crop) : null;
-    write(query, 'effects', effects);
-    write(query, 'crop', crop);
-    writeSources(query, view, page, isMentioned || effects !== null || crop !== null);
+    write(query, 'camera', isShared && !isFirstView ? camera : null);
+    write(query, 'effects', isShared ? view.effects : null);
+    write(query, 'crop', isShared && view.crop ? encodeCrop(view.crop) : null);
+    writeViews(query, isShared ? view.savedViews : []);
+    const isNamed = OF_ONE_SCENE.some((name) => query.has(name));
+    writeSources(query, view, page, isNamed);
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
   write(query, 'detail', encodeDetail(view.detail));
@@ -92,6 +97,12 @@ function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'l
   write(query, 'detail', encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
+  writeViews(query, view.savedViews);
+}
+
+function writeViews(query: URLSearchParams, views: readonly SavedView[]): void {
+  query.delete(VIEW_PARAMETER);
+  for (const view of views) query.append(VIEW_PARAMETER, encodeView(view));
 }
 
 /** Whether a built-in scene is shown because the scene of the address could not be opened. */

@@ -1,10 +1,13 @@
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
-import type { SavedView } from '../state/saved-view.ts';
+import { type SavedView, viewName } from '../state/saved-view.ts';
 import { IconButton, TextButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { SavedViews } from './saved-views.ts';
 import { drawThumbnail, showThumbnail } from './thumbnail.ts';
+
+/** Addresses have them all. */
+const MAX_NAME_LENGTH = 60;
 
 /** The views that a person has saved of this scene. */
 export function SavedViewsForm({ store, viewer }: PanelProps) {
@@ -16,33 +19,47 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
       new SavedViews({
         store,
         camera: viewer.camera,
-        draw: () => drawThumbnail(viewer, store.getState().accuracy),
-        storage: () => localStorage,
+        draw: (view) => drawThumbnail({ store, viewer }, view),
       }),
     [store, viewer],
   );
   useEffect(() => views.watch(), [views]);
+  const hasPicture = useStore(store, (state) => state.imageId > 0);
+  const incomplete = list.find(({ thumbnail }) => thumbnail === null);
+  useEffect(() => {
+    if (hasPicture && incomplete) void views.complete(incomplete);
+  }, [views, hasPicture, incomplete]);
   return (
     <fieldset className="view-field">
       <legend>Saved views</legend>
       {list.length > 0 && (
         <ol className="saved-views" data-testid="saved-views">
           {list.map((view, i) => (
-            // biome-ignore lint/suspicious/noArrayIndexKey: views have no name but their place.
+            // biome-ignore lint/suspicious/noArrayIndexKey: names may be those of several.
             <li key={i}>
               <button
                 type="button"
                 className="saved-view"
-                aria-label={`View ${i + 1}`}
+                aria-label={viewName(view, i)}
                 data-testid={`saved-view-${i + 1}`}
                 onClick={() => views.show(view)}
               >
                 <Thumbnail view={view} />
               </button>
+              <input
+                type="text"
+                className="saved-view-name"
+                value={view.name}
+                placeholder={viewName({ name: '' }, i)}
+                maxLength={MAX_NAME_LENGTH}
+                aria-label={`Name of view ${i + 1}`}
+                data-testid={`saved-view-name-${i + 1}`}
+                onChange={({ target }) => views.rename(view, target.value)}
+              />
               <IconButton
                 icon="close"
                 className="icon-button saved-view-remove"
-                label={`Remove view ${i + 1}`}
+                label={`Remove ${viewName(view, i)}`}
                 onClick={() => views.remove(view)}
               />
             </li>
@@ -60,7 +77,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
         )}
       </div>
       <p>
-        Kept in this browser by the name of the scene.
+        Kept in this browser by the name of the scene, and in links to it.
         {list.length > 1 && ' Save and share (X) makes a video of the path.'}
       </p>
     </fieldset>
@@ -70,7 +87,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
 function Thumbnail({ view }: { view: SavedView }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
-    if (canvas.current) void showThumbnail(canvas.current, view.thumbnail);
+    if (canvas.current) void showThumbnail(canvas.current, view.thumbnail ?? '');
   }, [view]);
   return <canvas ref={canvas} />;
 }

@@ -4,10 +4,7 @@ import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
 import { SavedViews } from './saved-views.ts';
 
-function opened(
-  kept = new Map<string, string>(),
-  setItem = (key: string, text: string) => void kept.set(key, text),
-) {
+function opened() {
   const store = createViewerStore();
   store.setState({ widthPx: 300, heightPx: 200, scene: { title: 'a.ply', canFlip: true } as SceneSummary });
   const camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => true });
@@ -16,28 +13,29 @@ function opened(
   camera.follow({ sphere, extent: sphere, ...plain });
   camera.showFirstView();
   const draw = vi.fn(async (): Promise<string | null> => '/9j/');
-  const storage = {
-    getItem: (key: string) => kept.get(key) ?? null,
-    setItem,
-    removeItem: (key: string) => void kept.delete(key),
-  };
-  const views = new SavedViews({ store, camera, draw, storage: () => storage });
+  const views = new SavedViews({ store, camera, draw });
   views.watch();
   const turn = () =>
     camera.controls.moveTo({ ...camera.controls.pose, azimuth: camera.controls.pose.azimuth + 1 });
-  return { store, camera, draw, views, turn, kept };
+  return { store, camera, draw, views, turn };
 }
 
 describe('saved views', () => {
-  it('are kept by the name of the scene, and go with the last of them', async () => {
-    const { store, views, kept } = opened();
+  it('have names, and small images that links lack', async () => {
+    const { store, draw, views } = opened();
     await views.save();
-    const again = opened(kept).store;
-    expect(again.getState().savedViews).toEqual(store.getState().savedViews);
-    again.setState({ scene: { title: 'b.ply' } as SceneSummary });
-    expect(again.getState().savedViews).toEqual([]);
+    views.rename(store.getState().savedViews[0], 'Front');
+    store.setState(({ savedViews }) => ({
+      savedViews: [...savedViews, { ...savedViews[0], thumbnail: null }],
+    }));
+    draw.mockResolvedValueOnce('/9j/2');
+    await views.complete(store.getState().savedViews[1]);
+    expect(store.getState().savedViews).toMatchObject([
+      { name: 'Front', thumbnail: '/9j/' },
+      { name: 'Front', thumbnail: '/9j/2' },
+    ]);
     views.remove(store.getState().savedViews[0]);
-    expect(kept.size).toBe(0);
+    expect(store.getState().savedViews).toMatchObject([{ thumbnail: '/9j/2' }]);
   });
 
   it('show again where the camera was, how it looked and which way was up', async () => {
@@ -99,14 +97,5 @@ describe('saved views', () => {
     store.setState({ scene: { title: 'b.ply' } as SceneSummary });
     await saving;
     expect(store.getState().savedViews).toEqual([]);
-  });
-
-  it('tell where the browser has no room for them', async () => {
-    const { store, views } = opened(new Map(), () => {
-      throw new DOMException('Full.', 'QuotaExceededError');
-    });
-    await views.save();
-    expect(store.getState().savedViews.length).toBe(1);
-    expect(store.getState().notice).toContain('no room');
   });
 });

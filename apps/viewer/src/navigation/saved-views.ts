@@ -1,23 +1,18 @@
 import { upAxisOf } from '../camera/up-axis.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import type { KeptView, SavedView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { MAX_SAVED_VIEWS, viewListKey } from './view-list.ts';
+import { MAX_SAVED_VIEWS } from './view-list.ts';
 import { PATH_STEP_MS, pathThrough, poseOnPath } from './view-path.ts';
-import { type ViewStorage, watchViewList } from './watch-view-list.ts';
 
 export interface SavedViewsOptions {
   readonly store: ViewerStore;
   readonly camera: ViewCamera;
-  /** Draws a small JPEG image, base64, of the frame on the screen; null if there is none. */
-  readonly draw: () => Promise<string | null>;
-  readonly storage: ViewStorage;
+  /** Draws a small JPEG image, base64, of a view of the scene; null if there is no frame. */
+  readonly draw: (view: KeptView) => Promise<string | null>;
 }
 
-/**
- * The views that a person has saved of the scene on the screen: kept in the browser by the scene's
- * name, shown one by one or as a path.
- */
+/** The views that a person has saved of the scene on the screen, shown one by one or as a path. */
 export class SavedViews {
   readonly #options: SavedViewsOptions;
   /** How far the path has been followed, in views. */
@@ -27,10 +22,10 @@ export class SavedViews {
     this.#options = options;
   }
 
-  /** Keeps the list in step with the scene; returns a function to stop this. Paths play on. */
+  /** Ends the path with its scene; returns a function to stop this. Paths play on. */
   watch(): () => void {
-    const { store, storage } = this.#options;
-    return watchViewList(store, storage, () => {
+    return this.#options.store.subscribe(({ scene }, before) => {
+      if (scene?.title === before.scene?.title) return;
       this.pause();
       this.#at = 0;
     });
@@ -39,10 +34,11 @@ export class SavedViews {
   /** Saves the view on the screen. */
   async save(): Promise<void> {
     const { store, camera, draw } = this.#options;
-    const { scene, look, isFlipped, isZUp } = store.getState();
-    const { pose } = camera.controls;
+    const { scene } = store.getState();
+    const { pose, fovDegrees, isOrthographic, isFlipped, isZUp } = camera.snapshot();
+    const view = { pose, fovDegrees, isOrthographic, isFlipped, isZUp };
     // The device may be lost meanwhile; the viewer tells of that.
-    const thumbnail = await draw().catch(() => null);
+    const thumbnail = await draw(view).catch(() => null);
     const { savedViews, scene: sceneNow } = store.getState();
     if (thumbnail === null || sceneNow?.title !== scene?.title) return;
     if (savedViews.length >= MAX_SAVED_VIEWS) {
@@ -51,13 +47,24 @@ export class SavedViews {
       });
       return;
     }
-    const { fovDegrees, isOrthographic } = look;
-    this.#take([...savedViews, { pose, fovDegrees, isOrthographic, isFlipped, isZUp, thumbnail }]);
+    store.setState({ savedViews: [...savedViews, { ...view, name: '', thumbnail }] });
+  }
+
+  /** Draws the small image of a view that came without one. */
+  async complete(view: SavedView): Promise<void> {
+    const thumbnail = await this.#options.draw(view).catch(() => null);
+    if (thumbnail !== null) this.#replace(view, { thumbnail });
+  }
+
+  rename(view: SavedView, name: string): void {
+    this.#replace(view, { name });
   }
 
   remove(view: SavedView): void {
     this.pause();
-    this.#take(this.#options.store.getState().savedViews.filter((each) => each !== view));
+    this.#options.store.setState(({ savedViews }) => ({
+      savedViews: savedViews.filter((each) => each !== view),
+    }));
   }
 
   /** Goes to a view. */
@@ -100,25 +107,16 @@ export class SavedViews {
   }
 
   /** Looks as in `view`, but from where the camera is. */
-  #prepare(view: SavedView): void {
+  #prepare(view: KeptView): void {
     const { store, camera } = this.#options;
     const { fovDegrees, isOrthographic } = view;
     if (upAxisOf(view) !== upAxisOf(store.getState())) camera.setUpAxis(upAxisOf(view));
     camera.setLook({ fovDegrees, isOrthographic });
   }
 
-  #take(savedViews: readonly SavedView[]): void {
-    const { store, storage } = this.#options;
-    store.setState({ savedViews });
-    const title = store.getState().scene?.title;
-    if (title === undefined) return;
-    try {
-      if (savedViews.length === 0) storage().removeItem(viewListKey(title));
-      else storage().setItem(viewListKey(title), JSON.stringify(savedViews));
-    } catch {
-      store.setState({
-        notice: 'The browser has no room for this view: it is gone when the page is closed.',
-      });
-    }
+  #replace(view: SavedView, change: Partial<SavedView>): void {
+    this.#options.store.setState(({ savedViews }) => ({
+      savedViews: savedViews.map((each) => (each === view ? { ...each, ...change } : each)),
+    }));
   }
 }

@@ -1,26 +1,26 @@
-import type { AccuracySettings } from '@websplatter/core';
-import type { Viewer } from '../viewer/viewer.ts';
+import { frameOfView } from '../drawing/frame-of-view.ts';
+import type { KeptView } from '../state/saved-view.ts';
+import type { PanelProps } from '../viewer/panel-props.ts';
 
 const WIDTH_PX = 144;
 const MAX_HEIGHT_PX = 144;
 const JPEG_QUALITY = 0.8;
 
-/** Draws the frame again, small, without panels; returns a base64 JPEG, or null for no frame. */
-export async function drawThumbnail(
-  viewer: Pick<Viewer, 'shownFrame'>,
-  accuracy: AccuracySettings,
-): Promise<string | null> {
+/** Draws a view of the scene, small, without panels; returns a base64 JPEG, or null for no frame. */
+export async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptView): Promise<string | null> {
   const shown = viewer.shownFrame;
   if (!shown) return null;
   const { centred: frame, engine } = shown;
   const scale = Math.min(WIDTH_PX / frame.widthPx, MAX_HEIGHT_PX / frame.heightPx);
   const widthPx = Math.max(1, Math.round(frame.widthPx * scale));
   const heightPx = Math.max(1, Math.round(frame.heightPx * scale));
+  const { accuracy, isFlipped } = store.getState();
+  const small = frameOfView(frame, isFlipped, viewer.camera, seen, { widthPx, heightPx });
   const canvas = Object.assign(document.createElement('canvas'), { width: widthPx, height: heightPx });
   // A view of its own, so that other images are not in the way.
   const view = engine.createView();
   try {
-    view.render({ ...frame, widthPx, heightPx, accuracy });
+    view.render({ ...small, accuracy });
     const { data } = await view.readPixels();
     const [red, green, blue] = frame.background ?? [0, 0, 0];
     const pixels = onBackground(data, [red, green, blue]);

@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { SavedView } from '../state/saved-view.ts';
-import { MAX_SAVED_VIEWS, readViewList } from './view-list.ts';
+import { joinedViews, MAX_SAVED_VIEWS, readViewList } from './view-list.ts';
 
 const VIEW: SavedView = {
   pose: FRONT,
@@ -10,6 +10,7 @@ const VIEW: SavedView = {
   isOrthographic: false,
   isFlipped: true,
   isZUp: false,
+  name: 'Front',
   thumbnail: '/9j/',
 };
 
@@ -17,6 +18,18 @@ describe('the list of saved views', () => {
   it('comes back as it was written', () => {
     expect(readViewList(JSON.stringify([VIEW]))).toEqual([VIEW]);
     expect(readViewList(null)).toEqual([]);
+  });
+
+  it('comes back from browsers that kept it before views had names', () => {
+    const { name, ...nameless } = VIEW;
+    expect(readViewList(JSON.stringify([nameless]))).toEqual([{ ...VIEW, name: '' }]);
+  });
+
+  it('begins with the views of a link: kept ones are those of the link but for their names', () => {
+    const other = { ...VIEW, fovDegrees: 40, name: 'Side' };
+    const linked = { ...VIEW, name: 'Entry', thumbnail: null };
+    expect(joinedViews([linked], [other, VIEW])).toEqual([{ ...VIEW, name: 'Entry' }, other]);
+    expect(joinedViews([linked], [other])).toEqual([linked, other]);
   });
 
   it('leaves out what is no view', () => {
@@ -28,6 +41,8 @@ describe('the list of saved views', () => {
       { ...VIEW, pose: { ...FRONT, target: [1, 2] } },
       { ...VIEW, fovDegrees: 180 },
       { ...VIEW, isZUp: 'no' },
+      { ...VIEW, name: 1 },
+      { ...VIEW, thumbnail: 1 },
     ];
     expect(readViewList(JSON.stringify([...broken, VIEW]))).toEqual([VIEW]);
   });

@@ -1,4 +1,5 @@
 import type { Vec3 } from '../camera/vec3.ts';
+import { encodeKeptView } from '../links/view-text.ts';
 import type { SavedView } from '../state/saved-view.ts';
 
 /** More of one scene are not kept: browsers give a site a few megabytes. */
@@ -14,18 +15,36 @@ export function readViewList(text: string | null): readonly SavedView[] {
   if (text === null) return [];
   try {
     const list: unknown = JSON.parse(text);
-    return Array.isArray(list) ? list.filter(isSavedView).slice(0, MAX_SAVED_VIEWS) : [];
+    if (!Array.isArray(list)) return [];
+    // Once they had no names.
+    const named = list.map((each) => (isObject(each) ? { name: '', ...each } : each));
+    return named.filter(isSavedView).slice(0, MAX_SAVED_VIEWS);
   } catch {
     return [];
   }
 }
 
+/** Those of a link, with what is kept of them but their names, then others that are kept. */
+export function joinedViews(linked: readonly SavedView[], kept: readonly SavedView[]): readonly SavedView[] {
+  const left = new Map(kept.map((view) => [encodeKeptView(view), view]));
+  const first = linked.map((view) => {
+    const text = encodeKeptView(view);
+    const same = left.get(text);
+    left.delete(text);
+    return same ? { ...same, name: view.name } : view;
+  });
+  return [...first, ...left.values()].slice(0, MAX_SAVED_VIEWS);
+}
+
+function isObject(value: unknown): value is object {
+  return typeof value === 'object' && value !== null;
+}
+
 function isSavedView(value: unknown): value is SavedView {
-  if (typeof value !== 'object' || value === null) return false;
-  const { pose, fovDegrees, isOrthographic, isFlipped, isZUp, thumbnail } = value as Partial<SavedView>;
+  if (!isObject(value)) return false;
+  const { pose, fovDegrees, isOrthographic, isFlipped, isZUp, name, thumbnail } = value as Partial<SavedView>;
   return (
-    typeof pose === 'object' &&
-    pose !== null &&
+    isObject(pose) &&
     isPoint(pose.target) &&
     isPoint(pose.up) &&
     Math.abs(Math.hypot(...pose.up) - 1) < 1e-6 &&
@@ -36,7 +55,8 @@ function isSavedView(value: unknown): value is SavedView {
     fovDegrees > 0 &&
     fovDegrees < 180 &&
     [isOrthographic, isFlipped, isZUp].every((each) => typeof each === 'boolean') &&
-    typeof thumbnail === 'string'
+    typeof name === 'string' &&
+    (thumbnail === null || typeof thumbnail === 'string')
   );
 }
 

@@ -22,8 +22,10 @@ class Pages extends FileWork {
     const titles = parts.map(({ source }) => titleOf(source));
     const fileName = savedName(titles, { extension: `.${kind}` });
     // Written down now: the camera may move meanwhile. Looks are all told, as files may be left out.
+    // The page has no list of views.
     const view = heldView({
       ...linkedViewOf(this.viewer, state),
+      savedViews: [],
       looks: parts.map(({ look }) => encodeLook(look)),
     });
     const { background } = state.look;

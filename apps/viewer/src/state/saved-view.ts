@@ -1,11 +1,22 @@
 import type { OrbitPose } from '../camera/orbit-pose.ts';
 import type { Uprightness } from '../camera/up-axis.ts';
 
-/** A view of a scene that a person has saved. */
-export interface SavedView extends Uprightness {
+/** A view of a scene, to come back to. */
+export interface KeptView extends Uprightness {
   readonly pose: OrbitPose;
   readonly fovDegrees: number;
   readonly isOrthographic: boolean;
-  /** A small JPEG image, base64. */
-  readonly thumbnail: string;
+}
+
+/** A view of a scene that a person has saved. */
+export interface SavedView extends KeptView {
+  /** Empty without one. */
+  readonly name: string;
+  /** A small JPEG image, base64; null until it is drawn, since links have none. */
+  readonly thumbnail: string | null;
+}
+
+/** A view's name, or its place in the list. */
+export function viewName({ name }: Pick<SavedView, 'name'>, index: number): string {
+  return name.trim() || `View ${index + 1}`;
 }

@@ -162,7 +162,7 @@ export interface ViewerState {
   readonly isZUp: boolean;
   readonly look: Look;
   readonly viewMode: ViewModeName;
-  /** Views that a person has saved of this scene; read when the View panel is opened. */
+  /** Views that a person has saved of this scene. */
   readonly savedViews: readonly SavedView[];
   /** Whether the camera follows the path through them. */
   readonly isPathPlaying: boolean;

@@ -23,7 +23,7 @@ const POSES: readonly OrbitPose[] = [
   { target: [0, 1, 1], distance: 2, azimuth: 4, polar: 0.9, up: [0, 1, 0] },
 ];
 const VIEWS: readonly SavedView[] = POSES.map((each) => ({
-  ...{ pose: each, fovDegrees: 40, isOrthographic: false, thumbnail: '' },
+  ...{ pose: each, fovDegrees: 40, isOrthographic: false, name: '', thumbnail: '' },
   ...uprightnessOf('-y'),
 }));
 const SCENE = { isUpsideDown: true, aspect: 1.5, background: [0, 128 / 255, 1] } as const;

@@ -2,7 +2,6 @@ import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { formatCount } from '../formatting/format.ts';
 import { pathMs, pathThrough } from '../navigation/view-path.ts';
-import { watchViewList } from '../navigation/watch-view-list.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { Running } from '../ui/running.tsx';
@@ -29,7 +28,6 @@ export function VideoSection({ store, viewer }: PanelProps) {
   const hasPicture = useStore(store, (state) => state.imageId > 0);
   const [lines, setLines] = useState<number | null>(null);
   const [framesPerS, setFramesPerS] = useState<FrameRate>(FRAME_RATES[0]);
-  useEffect(() => watchViewList(store, () => localStorage), [store]);
   const [videoWidthPx, videoHeightPx] = videoSize(lines, [widthPx, heightPx]);
   const codec = useCodec(videoWidthPx, videoHeightPx, framesPerS);
   const views = pathThrough(savedViews).length;

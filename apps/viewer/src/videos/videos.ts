@@ -1,5 +1,5 @@
 import { WebSplatterError } from '@websplatter/core';
-import { flippedMatrix } from '../camera/flip.ts';
+import { frameOfView } from '../drawing/frame-of-view.ts';
 import { onBackground } from '../navigation/thumbnail.ts';
 import { pathThrough, poseOnPath } from '../navigation/view-path.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
@@ -51,10 +51,6 @@ class Videos extends FileWork {
     if (!shownFrame) throw new Error('There is no frame any more.');
     const { engine, centred: frame } = shownFrame;
     const { isFlipped, accuracy } = this.store.getState();
-    const [first] = path;
-    const clouds = frame.clouds.map((cloud) =>
-      first.isFlipped === isFlipped ? cloud : { ...cloud, modelMatrix: flippedMatrix(cloud.modelMatrix) },
-    );
     const { width: widthPx, height: heightPx } = codec.config;
     const [red, green, blue] = frame.background ?? [0, 0, 0];
     const poses = path.map(({ pose }) => pose);
@@ -64,9 +60,9 @@ class Videos extends FileWork {
     const view = engine.createView();
     try {
       for (let i = 0; i < frames; i++) {
-        const pose = poseOnPath(poses, placeOfFrame(i, path.length, framesPerS));
-        const seen = camera.cameraOf({ ...first, pose }, widthPx / heightPx);
-        view.render({ ...frame, clouds, accuracy, camera: seen, widthPx, heightPx, detail: 'full' });
+        const seen = { ...path[0], pose: poseOnPath(poses, placeOfFrame(i, path.length, framesPerS)) };
+        const shown = frameOfView(frame, isFlipped, camera, seen, { widthPx, heightPx });
+        view.render({ ...shown, accuracy, detail: 'full' });
         await view.whenComplete();
         const { data } = await view.readPixels();
         signal.throwIfAborted();
