@@ -13,6 +13,7 @@ import {
   CHEAPLY,
   drawnCamera,
   redraw,
+  textOf,
   viewerHarness,
   viewerScreenshot,
   waitForImage,
@@ -84,14 +85,17 @@ describe('a scene that is saved as one web page', () => {
     expect((await drawnCamera(page)).viewMatrix).not.toEqual(camera.viewMatrix);
   });
 
-  it('holds built-in scenes, and says where there is no WebGPU', async () => {
-    const viewer = await harness.openViewer(`?scene=still-life-small&${CHEAPLY}`, WINDOW);
+  it('holds built-in scenes and annotations, and says where there is no WebGPU', async () => {
+    const annotation = 'annotation=0:0.2:0,0,0.2,0,2,0,1.4,words:The+vase%0AOld.';
+    const viewer = await harness.openViewer(`?scene=still-life-small&${CHEAPLY}&${annotation}`, WINDOW);
     const path = await savePage(viewer);
     await viewer.goto(`${await viewer.getByTestId('link').inputValue()}&noui`);
     await waitForImage(viewer);
     const page = await openFile(path);
     await waitForImage(page);
     expect(await viewerScreenshot(page)).toEqual(await viewerScreenshot(viewer));
+    await page.getByTestId('annotation-1').click();
+    expect(await textOf(page, 'annotation')).toContain('Old.');
 
     const without = await openFile(path, () => {
       Object.defineProperty(navigator, 'gpu', { value: undefined });

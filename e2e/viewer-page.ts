@@ -187,7 +187,7 @@ export function drawnCamera(page: Page): Promise<DrawnCamera> {
 
 /** Style that hides the viewer's interface. */
 export const IMAGE_ALONE =
-  '.overlay, .drop-overlay, .axis-handles { visibility: hidden !important; } canvas { outline: none !important; }';
+  '.overlay, .drop-overlay, .axis-handles, .annotation-markers { visibility: hidden !important; } canvas { outline: none !important; }';
 
 /** Captures the image on the screen without the interface over it; `style` (CSS) may hide more. */
 export function viewerScreenshot(page: Page, style = ''): Promise<Screenshot> {

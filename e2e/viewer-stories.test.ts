@@ -1,7 +1,11 @@
 import { describe, expect, it } from 'vitest';
-import { CHEAP, redraw, viewerHarness, waitForImage } from './viewer-page.ts';
+import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
 const harness = viewerHarness();
+/** Each turns by 5 degrees. */
+const HALF_TURN_KEYS = 36;
+/** Messages leave the middle of the picture free. */
+const LARGE = { viewport: { width: 700, height: 500 } };
 const WINDOW = { viewport: { width: 480, height: 320 } };
 
 describe('stories in the viewer', () => {
@@ -33,5 +37,46 @@ describe('stories in the viewer', () => {
         .locator('canvas')
         .evaluate((c: HTMLCanvasElement) => c.width);
     await expect.poll(widthPx).toBe(144);
+  });
+
+  it('have annotations, placed by a click and behind splats or not, which links show', async () => {
+    const page = await harness.openViewer(CHEAP, LARGE);
+    await page.keyboard.press('h');
+    await page.keyboard.press('p');
+    await page.getByTestId('placing').waitFor();
+    await page.mouse.click(267, 290);
+    await page.getByTestId('annotation-title').waitFor();
+    await page.keyboard.type('The vase');
+    await page.keyboard.press('Tab');
+    await page.keyboard.type('Old: 1900.');
+    await page.getByTestId('annotation-done').click();
+    await page.waitForURL(/[?&]annotation=[^&]*,words:The\+vase%0AOld:\+1900\./);
+    await page.getByTestId('remove-annotation').click();
+    await page.getByTestId('annotation-1').waitFor({ state: 'detached' });
+    await page.keyboard.press('Control+z');
+    const marker = page.getByTestId('annotation-1');
+    await marker.waitFor();
+    const box = (await marker.boundingBox())!;
+    // In the middle of the pixel of the layer, which is 4 px wide.
+    expect(Math.hypot(box.x + box.width / 2 - 267, box.y + box.height / 2 - 290)).toBeLessThan(3);
+    expect(await marker.getAttribute('data-behind')).toBeNull();
+    // From the other side, the vase lies before it.
+    await redraw(page, async () => {
+      for (let i = 0; i < HALF_TURN_KEYS; i++) await page.keyboard.press('ArrowLeft');
+    });
+    await page.locator('[data-testid=annotation-1][data-behind]').waitFor();
+    await page.waitForURL(/[?&]camera=/);
+    const address = page.url();
+
+    const alone = await harness.newPage(LARGE);
+    await alone.goto(`${address}&noui`);
+    await waitForImage(alone);
+    await alone.locator('[data-testid=annotation-1][data-behind]').waitFor();
+    // The camera goes where it was placed, by the keyboard too.
+    for (const key of ['Tab', 'Tab']) await alone.keyboard.press(key);
+    await redraw(alone, () => alone.keyboard.press('Enter'));
+    await alone.locator('[data-testid=annotation-1]:not([data-behind])').waitFor();
+    expect(await textOf(alone, 'annotation')).toContain('Old: 1900.');
+    expect(await alone.getByTestId('edit-annotation').count()).toBe(0);
   });
 });

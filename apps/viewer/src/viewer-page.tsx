@@ -31,7 +31,9 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
   followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
   void import('./links/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
-    keepStory({ store, viewer }, dropped ? new URLSearchParams() : address, () => localStorage);
+    // The picture alone shows what its address says.
+    const storage = address.has('noui') ? null : () => localStorage;
+    keepStory({ store, viewer }, dropped ? new URLSearchParams() : address, storage);
     mirrorToAddress(store, viewer);
   });
   if ((address.has('effects') || address.has('crop')) && !dropped)

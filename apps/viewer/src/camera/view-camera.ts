@@ -147,11 +147,16 @@ export class ViewCamera {
     this.#first = { ...this.snapshot(), pose: home };
   }
 
-  snapshot(): CameraSnapshot {
-    const { pose, home } = this.controls;
-    const { isFlipped, isZUp, cameraIndex, look } = this.#store.getState();
+  /** The view on the screen, as an orbit. */
+  get keptView(): KeptView {
+    const { isFlipped, isZUp, look } = this.#store.getState();
     const { fovDegrees, isOrthographic } = look;
-    return { pose, home, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp };
+    return { pose: this.controls.pose, fovDegrees, isOrthographic, isFlipped, isZUp };
+  }
+
+  snapshot(): CameraSnapshot {
+    const { cameraIndex } = this.#store.getState();
+    return { ...this.keptView, home: this.controls.home, cameraIndex };
   }
 
   restore(snapshot: CameraSnapshot): void {
@@ -273,6 +278,27 @@ export class ViewCamera {
     const up = upVector(uprightness);
     const { pose, home } = this.controls;
     this.controls.setPose({ ...pose, up }, { ...home, up });
+  }
+
+  /** Ends a path that is played, and goes to a view. */
+  goTo(view: KeptView): void {
+    this.endPath();
+    this.lookAs(view);
+    this.controls.glideTo(view.pose);
+  }
+
+  /** Looks as in `view`, but from where the camera is. */
+  lookAs(view: KeptView): void {
+    const { fovDegrees, isOrthographic } = view;
+    if (upAxisOf(view) !== upAxisOf(this.#store.getState())) this.setUpAxis(upAxisOf(view));
+    this.setLook({ fovDegrees, isOrthographic });
+  }
+
+  /** The camera stays where it is on a path that is played. */
+  endPath(): void {
+    if (!this.#store.getState().isPathPlaying) return;
+    this.#store.setState({ isPathPlaying: false });
+    this.setMotion(null);
   }
 
   /** Looks in another way from where the camera is. */

@@ -49,6 +49,7 @@ const MIRRORED = [
   'look',
   'viewMode',
   'savedViews',
+  'annotating',
   'cameraIndex',
   'restedFrames',
   'isIdle',

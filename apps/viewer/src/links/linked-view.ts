@@ -19,6 +19,7 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
     crop: inspecting.crop,
     viewMode: state.viewMode,
     savedViews: state.savedViews,
+    annotations: state.annotating.list,
   };
 }
 

@@ -28,7 +28,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     effects: null,
     crop: null,
     viewMode: 'colours',
-    savedViews: [],
+    ...{ savedViews: [], annotations: [] },
     ...changes,
   };
 }
@@ -88,11 +88,15 @@ describe('the address of the page', () => {
     expect(linkTo(page('/'), view({ crop }))).toContain(text);
   });
 
-  it('names saved views, and with them the scene', () => {
+  it('names saved views and annotations, and with them the scene', () => {
     const saved = [moved, { ...first, fovDegrees: 30 }].map((each, i) => ({
       ...{ ...each, name: ['The door', ''][i], thumbnail: null },
     }));
     const text = 'view=0,0,0,4,0.25,1,name:The+door&view=0,0,0,10,0,1.5708,fov:30';
+    const annotations = [{ ...{ title: 'Jug', text: 'Old' }, point: [0, 1, 2], view: first }] as const;
+    expect(linkTo(page('/'), view({ annotations }))).toContain(
+      '&annotation=0:1:2,0,0,0,10,0,1.5708,words:Jug%0AOld',
+    );
     expect(written('/', { savedViews: saved })).toBe(`/?${text}&scene=${scene.name}`);
     expect(written(`/?${text}`, {})).toBe('/');
     expect(written(`/?${text}`, { sources: [file], savedViews: saved })).toBe('/');

@@ -4,9 +4,11 @@ import { encodeAccuracy } from '../formatting/accuracy-address.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/addressed-scene.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
+import type { Annotation } from '../state/annotating.ts';
 import type { Crop } from '../state/inspecting.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
+import { encodeAnnotation } from './annotation-text.ts';
 import { encodeCamera } from './camera-text.ts';
 import { encodeComparison, type LinkedComparison } from './comparison-text.ts';
 import { encodeCrop } from './crop-text.ts';
@@ -30,6 +32,7 @@ export interface LinkedView {
   readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
   readonly savedViews: readonly SavedView[];
+  readonly annotations: readonly Annotation[];
 }
 
 /** First state on this device and in this window, which the page's address need not mention. */
@@ -39,11 +42,12 @@ export interface UnmentionedView {
   readonly accuracy: AccuracySettings;
 }
 
-/** Name in the query of each saved view. */
+/** Names in the query of each saved view and each annotation. */
 export const VIEW_PARAMETER = 'view';
+export const ANNOTATION_PARAMETER = 'annotation';
 
 /** Names in the query that belong to the scene they were chosen for, at that scene's scale. */
-const OF_ONE_SCENE = ['camera', 'effects', 'crop', VIEW_PARAMETER];
+const OF_ONE_SCENE = ['camera', 'effects', 'crop', VIEW_PARAMETER, ANNOTATION_PARAMETER];
 
 /** Address of `page` while it shows `view`: path, query and fragment. Other parameters stay. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
@@ -57,7 +61,7 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
     write(query, 'camera', isShared && !isFirstView ? camera : null);
     write(query, 'effects', isShared ? view.effects : null);
     write(query, 'crop', isShared && view.crop ? encodeCrop(view.crop) : null);
-    writeViews(query, isShared ? view.savedViews : []);
+    writeStory(query, isShared ? view : NO_STORY);
     const isNamed = OF_ONE_SCENE.some((name) => query.has(name));
     writeSources(query, view, page, isNamed);
   }
@@ -97,12 +101,17 @@ function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'l
   write(query, 'detail', encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
-  writeViews(query, view.savedViews);
+  writeStory(query, view);
 }
 
-function writeViews(query: URLSearchParams, views: readonly SavedView[]): void {
+type Story = Pick<LinkedView, 'savedViews' | 'annotations'>;
+const NO_STORY: Story = { savedViews: [], annotations: [] };
+
+function writeStory(query: URLSearchParams, { savedViews, annotations }: Story): void {
   query.delete(VIEW_PARAMETER);
-  for (const view of views) query.append(VIEW_PARAMETER, encodeView(view));
+  for (const view of savedViews) query.append(VIEW_PARAMETER, encodeView(view));
+  query.delete(ANNOTATION_PARAMETER);
+  for (const annotation of annotations) query.append(ANNOTATION_PARAMETER, encodeAnnotation(annotation));
 }
 
 /** Whether a built-in scene is shown because the scene of the address could not be opened. */

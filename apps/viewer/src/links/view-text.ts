@@ -1,4 +1,4 @@
-import { clamp } from '../camera/vec3.ts';
+import { clamp, type Vec3 } from '../camera/vec3.ts';
 import type { KeptView, SavedView } from '../state/saved-view.ts';
 import { decodeCamera, encodeCamera } from './camera-text.ts';
 
@@ -34,12 +34,10 @@ export function decodeView(text: string): SavedView {
 export function encodeKeptView(view: KeptView): string {
   const { target, distance, azimuth, polar, up } = view.pose;
   const far = Number(distance.toPrecision(LENGTH_DIGITS));
-  const decimals = clamp(LENGTH_DIGITS - 1 - Math.floor(Math.log10(far)), 0, 100);
-  const [x, y, z] = target.map((value) => rounded(value, decimals));
   return encodeCamera({
     ...view,
     pose: {
-      target: [x, y, z],
+      target: roundedPoint(target, far),
       distance: far,
       azimuth: rounded(azimuth, ANGLE_DECIMALS),
       polar: rounded(polar, ANGLE_DECIMALS),
@@ -48,6 +46,13 @@ export function encodeKeptView(view: KeptView): string {
     fovDegrees: rounded(view.fovDegrees, ANGLE_DECIMALS),
     cameraIndex: 0,
   });
+}
+
+/** Rounded to what can be seen from `distance`, in world units. */
+export function roundedPoint([x, y, z]: Vec3, distance: number): Vec3 {
+  const far = Number(distance.toPrecision(LENGTH_DIGITS));
+  const decimals = clamp(LENGTH_DIGITS - 1 - Math.floor(Math.log10(far)), 0, 100);
+  return [rounded(x, decimals), rounded(y, decimals), rounded(z, decimals)];
 }
 
 /** @throws InvalidArgumentError as `decodeCamera`. */

@@ -2,6 +2,7 @@ import { builtinScenes } from '@websplatter/scenes';
 import { expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
+import { NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
@@ -17,7 +18,7 @@ const VIEW: SavedView = {
 const LINKED = 'view=0,0,0,10,0,1.5708,name:Linked&view=1,0,0,4,0,1';
 
 /** A page at this address, in a browser that has kept something. */
-function opened(address = '', kept = new Map<string, string>(), change: Partial<Storage> = {}) {
+function opened(address = '', kept: Map<string, string> | null = new Map(), change: Partial<Storage> = {}) {
   const store = createViewerStore();
   let parts: readonly { source: SceneSource }[] = [];
   const viewer = {
@@ -30,18 +31,18 @@ function opened(address = '', kept = new Map<string, string>(), change: Partial<
     },
   } as unknown as Viewer;
   const storage = {
-    getItem: (key: string) => kept.get(key) ?? null,
-    setItem: (key: string, text: string) => void kept.set(key, text),
-    removeItem: (key: string) => void kept.delete(key),
+    getItem: (key: string) => kept?.get(key) ?? null,
+    setItem: (key: string, text: string) => void kept?.set(key, text),
+    removeItem: (key: string) => void kept?.delete(key),
     ...change,
   };
   const show = (title: string, ...sources: readonly SceneSource[]) => {
     parts = sources.map((source) => ({ source }));
     store.setState({ scene: { title } as SceneSummary });
   };
-  keepStory({ store, viewer }, new URLSearchParams(address), (() => storage) as StoryStorage);
+  keepStory({ store, viewer }, new URLSearchParams(address), kept && ((() => storage) as StoryStorage));
   const names = () => store.getState().savedViews.map(({ name }) => name);
-  return { store, show, kept, names };
+  return { store, show, kept: kept ?? new Map(), names };
 }
 
 it('keeps views by the name of the scene, until the last of them is removed', () => {
@@ -100,4 +101,20 @@ it('says where the browser has no room, or may keep nothing', () => {
   store.setState({ savedViews: [VIEW] });
   expect(names()).toEqual(['Front']);
   expect(store.getState().notice).toContain('no room');
+});
+
+it('does the same for annotations, which the picture alone has from its address only', () => {
+  const { show, kept, store } = opened();
+  show('a', BUILTIN);
+  const own = { point: [0, 0, 0], title: 'Own', text: '', view: VIEW } as const;
+  store.setState({ annotating: { ...NO_ANNOTATIONS, list: [own] } });
+  const address = `${LINKED}&annotation=1:0:0,0,0,0,10,0,1,words:Linked`;
+  const linked = opened(address, kept);
+  linked.show('a', BUILTIN);
+  expect(linked.names()).toEqual(['Linked', '']);
+  expect(linked.store.getState().annotating.list.map(({ title }) => title)).toEqual(['Linked', 'Own']);
+  const alone = opened(address, null);
+  alone.show('a', BUILTIN);
+  expect(alone.store.getState().annotating.list.map(({ title }) => title)).toEqual(['Linked']);
+  alone.store.setState({ savedViews: [] });
 });

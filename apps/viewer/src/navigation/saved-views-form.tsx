@@ -42,7 +42,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
                 className="saved-view"
                 aria-label={viewName(view, i)}
                 data-testid={`saved-view-${i + 1}`}
-                onClick={() => views.show(view)}
+                onClick={() => viewer.camera.goTo(view)}
               >
                 <Thumbnail view={view} />
               </button>
@@ -71,7 +71,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
           Save this view
         </TextButton>
         {list.length > 1 && (
-          <TextButton testId="play-path" onClick={() => (isPlaying ? views.pause() : views.play())}>
+          <TextButton testId="play-path" onClick={() => (isPlaying ? viewer.camera.endPath() : views.play())}>
             {isPlaying ? 'Pause' : 'Play as a path'}
           </TextButton>
         )}

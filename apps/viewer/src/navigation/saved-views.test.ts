@@ -47,7 +47,7 @@ describe('saved views', () => {
     camera.setUpAxis('y');
     camera.setLook({ fovDegrees: 70, isOrthographic: false });
     turn();
-    views.show(store.getState().savedViews[0]);
+    camera.goTo(store.getState().savedViews[0]);
     expect(camera.snapshot()).toMatchObject({
       pose: saved.pose,
       fovDegrees: 30,
@@ -67,7 +67,7 @@ describe('saved views', () => {
     expect(camera.update(1250)).toBe(true);
     const half = camera.controls.pose.azimuth;
     expect(half).toBeCloseTo(azimuth - 0.5);
-    views.pause();
+    camera.endPath();
     expect(camera.update(1250)).toBe(false);
     expect(camera.controls.pose.azimuth).toBe(half);
     views.play();

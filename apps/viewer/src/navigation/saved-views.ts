@@ -1,4 +1,3 @@
-import { upAxisOf } from '../camera/up-axis.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import type { KeptView, SavedView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -24,9 +23,10 @@ export class SavedViews {
 
   /** Ends the path with its scene; returns a function to stop this. Paths play on. */
   watch(): () => void {
-    return this.#options.store.subscribe(({ scene }, before) => {
+    const { store, camera } = this.#options;
+    return store.subscribe(({ scene }, before) => {
       if (scene?.title === before.scene?.title) return;
-      this.pause();
+      camera.endPath();
       this.#at = 0;
     });
   }
@@ -35,8 +35,7 @@ export class SavedViews {
   async save(): Promise<void> {
     const { store, camera, draw } = this.#options;
     const { scene } = store.getState();
-    const { pose, fovDegrees, isOrthographic, isFlipped, isZUp } = camera.snapshot();
-    const view = { pose, fovDegrees, isOrthographic, isFlipped, isZUp };
+    const view = camera.keptView;
     // The device may be lost meanwhile; the viewer tells of that.
     const thumbnail = await draw(view).catch(() => null);
     const { savedViews, scene: sceneNow } = store.getState();
@@ -61,17 +60,11 @@ export class SavedViews {
   }
 
   remove(view: SavedView): void {
-    this.pause();
-    this.#options.store.setState(({ savedViews }) => ({
+    const { store, camera } = this.#options;
+    camera.endPath();
+    store.setState(({ savedViews }) => ({
       savedViews: savedViews.filter((each) => each !== view),
     }));
-  }
-
-  /** Goes to a view. */
-  show(view: SavedView): void {
-    this.pause();
-    this.#prepare(view);
-    this.#options.camera.controls.glideTo(view.pose);
   }
 
   /** Follows the path through all views of the first one's way up, on from where it paused. */
@@ -83,13 +76,13 @@ export class SavedViews {
     const poses = path.map(({ pose }) => pose);
     const end = poses.length - 1;
     if (this.#at >= end) this.#at = 0;
-    this.#prepare(first);
+    camera.lookAs(first);
     store.setState({ isPathPlaying: true });
     let shown = camera.controls.pose;
     camera.setMotion((elapsedMs) => {
       // A person who takes hold of the image wants to look around.
       if (camera.controls.pose !== shown || this.#at >= end) {
-        this.pause();
+        camera.endPath();
         return false;
       }
       this.#at = Math.min(end, this.#at + elapsedMs / PATH_STEP_MS);
@@ -97,21 +90,6 @@ export class SavedViews {
       camera.controls.moveTo(shown);
       return true;
     });
-  }
-
-  pause(): void {
-    const { store, camera } = this.#options;
-    if (!store.getState().isPathPlaying) return;
-    store.setState({ isPathPlaying: false });
-    camera.setMotion(null);
-  }
-
-  /** Looks as in `view`, but from where the camera is. */
-  #prepare(view: KeptView): void {
-    const { store, camera } = this.#options;
-    const { fovDegrees, isOrthographic } = view;
-    if (upAxisOf(view) !== upAxisOf(store.getState())) camera.setUpAxis(upAxisOf(view));
-    camera.setLook({ fovDegrees, isOrthographic });
   }
 
   #replace(view: SavedView, change: Partial<SavedView>): void {

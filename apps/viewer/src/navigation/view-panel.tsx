@@ -1,6 +1,8 @@
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
+import { AnnotationsForm } from '../annotations/annotations-form.tsx';
 import { UP_CHOICES, upAxisOf } from '../camera/up-axis.ts';
+import type { RunCommand } from '../shell/commands.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
@@ -26,7 +28,7 @@ const BACKGROUNDS: readonly Choice<Background>[] = [
 const OWN_COLOR = '#808080';
 
 /** Options of looking at the scene that have no gesture in the image. */
-export function ViewPanel({ store, viewer }: PanelProps) {
+export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand }) {
   return (
     <Dock store={store} name="view">
       <div className="dock-body">
@@ -36,6 +38,7 @@ export function ViewPanel({ store, viewer }: PanelProps) {
         <UpForm store={store} viewer={viewer} />
         <BackgroundForm store={store} viewer={viewer} />
         <SavedViewsForm store={store} viewer={viewer} />
+        <AnnotationsForm store={store} viewer={viewer} onPlace={() => run('annotate')} />
       </div>
     </Dock>
   );

@@ -1,6 +1,8 @@
 // The page that the section “Web page” saves: the picture alone, of the scene in it or beside it.
 import { followLinkedEffects } from '../links/linked-effects.ts';
 import { linkedStart } from '../links/linked-start.ts';
+import { keepStory } from '../navigation/keep-story.ts';
+import type { SceneSource } from '../scene/scene-source.ts';
 import { mirrorToDocument } from '../shell/document-mirror.ts';
 import { show } from '../shell/show.tsx';
 import { createViewerStore } from '../state/store.ts';
@@ -22,5 +24,7 @@ const viewer = new Viewer(store, {
 });
 viewer.prepare();
 followViewMode(store, viewer);
-followLinkedEffects({ store, viewer }, query, (shown) => shown.every((source) => sources.includes(source)));
+const isHeld = (shown: readonly SceneSource[]) => shown.every((source) => sources.includes(source));
+followLinkedEffects({ store, viewer }, query, isHeld);
+keepStory({ store, viewer }, query, null, isHeld);
 show(<ScenePage store={store} viewer={viewer} poster={poster} />);

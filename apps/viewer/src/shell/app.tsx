@@ -12,6 +12,7 @@ import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { WarningPanel } from '../messages/warning-panel.tsx';
 import { SceneCaption } from '../scene/scene-caption.tsx';
+import { hasAnnotationCard } from '../state/annotating.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
@@ -40,6 +41,7 @@ const SavePanel = lazyComponent(async () => (await import('../saving/save-panel.
 const Help = lazyComponent(async () => (await smallParts()).Help);
 const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
 const StreamPanel = lazyComponent(async () => (await smallParts()).StreamPanel);
+const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
 const FlightBanner = lazyComponent(async () => (await smallParts()).FlightBanner);
 const ModeLegend = lazyComponent(async () => (await smallParts()).ModeLegend);
 const ErrorMapLegend = lazyComponent(async () => (await smallParts()).ErrorMapLegend);
@@ -67,6 +69,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   if (isHelpVisible && !hasHelp) setHasHelp(true);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const isFlying = useStore(store, (state) => state.flightSpeed !== null);
+  const hasCard = useStore(store, hasAnnotationCard);
   const fileInput = useRef<HTMLInputElement>(null);
   /** Whether the files that are being chosen join the scene. */
   const isAdding = useRef(false);
@@ -112,7 +115,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           <Toolbar store={store} run={run} />
           <Suspense>
             {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
-            {dock === 'view' && <ViewPanel store={store} viewer={viewer} />}
+            {dock === 'view' && <ViewPanel store={store} viewer={viewer} run={run} />}
             {dock === 'accuracy' && measurements && (
               <AccuracyPanel store={store} viewer={viewer} {...measurements} />
             )}
@@ -130,6 +133,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               <Notice store={store} />
               <Suspense>{isFlying && <FlightBanner store={store} viewer={viewer} />}</Suspense>
               <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
+              <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
               <WarningPanel store={store} />
               <FailurePanel store={store} />
               <Suspense>{hasErrorMap && <ErrorMapLegend store={store} viewer={viewer} />}</Suspense>

@@ -11,6 +11,7 @@ export type CommandName =
   | 'clouds'
   | 'view'
   | 'fly'
+  | 'annotate'
   | 'inspect'
   | 'mode'
   | 'reset'
@@ -53,6 +54,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'clouds', label: 'Files of the scene', key: 'n' },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
+  { name: 'annotate', label: 'Place an annotation', key: 'p', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   { name: 'save', label: 'Save and share', key: 'x', word: 'Save' },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
@@ -68,6 +70,7 @@ const NEED_SCENE: readonly CommandName[] = [
   'link',
   'clouds',
   'fly',
+  'annotate',
   'add',
 ];
 
@@ -96,6 +99,12 @@ export function createCommands(
     frame: () => viewer.camera.frameScene(),
     view: toggle('view'),
     fly: () => void viewer.toggleFlight(),
+    annotate: () =>
+      store.setState(({ annotating, dock }) => ({
+        annotating: { ...annotating, isPlacing: !annotating.isPlacing },
+        // Its clicks mean something else.
+        dock: dock === 'inspect' ? null : dock,
+      })),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
     inspect: toggle('inspect'),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
@@ -150,6 +159,9 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.failure) return { failure: null };
   if (state.warning) return { warning: null };
+  const { annotating } = state;
+  if (annotating.isPlacing || annotating.openIndex !== null)
+    return { annotating: { ...annotating, isPlacing: false, openIndex: null } };
   return { dock: null };
 }
 

@@ -1,5 +1,6 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
+import { hasAnnotating } from '../state/annotating.ts';
 import { isMapMode } from '../state/view-mode.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
@@ -9,6 +10,7 @@ import { Viewport } from './viewport.tsx';
 
 /** Fetched once for all of them. */
 export const smallParts = () => import('./small-parts.ts');
+const AnnotationMarkers = lazyComponent(async () => (await smallParts()).AnnotationMarkers);
 const SplitImage = lazyComponent(async () => (await smallParts()).SplitImage);
 const ModeMap = lazyComponent(async () => (await smallParts()).ModeMap);
 const ErrorMapImage = lazyComponent(async () => (await smallParts()).ErrorMapImage);
@@ -22,6 +24,7 @@ const LookedPicture = lazyComponent(async () => (await smallParts()).LookedPictu
 export function Picture({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const comparison = useStore(store, (state) => state.comparison);
   const isLooked = useStore(store, (state) => state.looked !== null && state.judged !== null);
+  const isAnnotated = useStore(store, hasAnnotating);
   const hasMap = useStore(store, (state) => isMapMode(state.viewMode));
   return (
     <>
@@ -35,6 +38,7 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
         {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
         {isLooked && <LookedPicture store={store} />}
       </Suspense>
+      <Suspense>{isAnnotated && <AnnotationMarkers store={store} viewer={viewer} />}</Suspense>
     </>
   );
 }

@@ -1,10 +1,16 @@
+import { Suspense } from 'react';
+import { useStore } from 'zustand';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import type { FileDropDecision } from '../file-drop/file-drop.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
 import { ThinProgress } from '../messages/load-panel.tsx';
+import { hasAnnotationCard } from '../state/annotating.ts';
+import { lazyComponent } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { LostGpu } from './lost-gpu.tsx';
-import { Picture } from './picture.tsx';
+import { Picture, smallParts } from './picture.tsx';
+
+const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
 
 /** The picture alone (`?noui`). Failures are told: silence would look like a long load. */
 export function PlainPicture({
@@ -13,6 +19,7 @@ export function PlainPicture({
   poster,
   onDrop,
 }: PanelProps & { poster: string | null; onDrop: (decision: FileDropDecision) => void }) {
+  const hasCard = useStore(store, hasAnnotationCard);
   return (
     <>
       <main>
@@ -20,6 +27,7 @@ export function PlainPicture({
         <div className="overlay">
           <div className="overlay-side">
             <div className="messages">
+              <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
               <FailurePanel store={store} />
             </div>
           </div>

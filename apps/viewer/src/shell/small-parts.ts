@@ -1,4 +1,6 @@
 /** Parts over the picture, in one file: each is so small that asking for it takes longer than it. */
+export { AnnotationCard } from '../annotations/annotation-card.tsx';
+export { AnnotationMarkers } from '../annotations/annotation-markers.tsx';
 export { ErrorMapImage } from '../comparison/error-map-image.tsx';
 export { ErrorMapLegend } from '../comparison/error-map-legend.tsx';
 export { SplitImage } from '../comparison/split-image.tsx';

@@ -1,5 +1,6 @@
 import { resolveAccuracy } from '@websplatter/core';
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { NO_ANNOTATIONS } from './annotating.ts';
 import { NOTHING_INSPECTED } from './inspecting.ts';
 import { FIRST_LOOK } from './look.ts';
 import { NO_EFFECTS } from './requested-effects.ts';
@@ -35,6 +36,7 @@ export function createViewerStore(): ViewerStore {
     look: FIRST_LOOK,
     viewMode: 'colours',
     savedViews: [],
+    annotating: NO_ANNOTATIONS,
     isPathPlaying: false,
     flightSpeed: null,
     isHudVisible: true,

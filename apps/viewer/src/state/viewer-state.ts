@@ -10,6 +10,7 @@ import type {
   RasterizerReport,
   StreamReport,
 } from '@websplatter/core';
+import type { Annotating } from './annotating.ts';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
 import type { Inspecting } from './inspecting.ts';
@@ -164,7 +165,8 @@ export interface ViewerState {
   readonly viewMode: ViewModeName;
   /** Views that a person has saved of this scene. */
   readonly savedViews: readonly SavedView[];
-  /** Whether the camera follows the path through them. */
+  readonly annotating: Annotating;
+  /** Whether the camera follows the path through the saved views, or that of settings. */
   readonly isPathPlaying: boolean;
   /** How fast the camera flies, 1 at first; null while it does not. */
   readonly flightSpeed: number | null;

@@ -1,0 +1,50 @@
+import type { Vec3 } from '../camera/vec3.ts';
+import type { KeptView } from './saved-view.ts';
+
+/** Words about a place of the scene. */
+export interface Annotation {
+  /** In the scene's own space. */
+  readonly point: Vec3;
+  /** One line; empty without one. */
+  readonly title: string;
+  readonly text: string;
+  /** What is shown when it is opened. */
+  readonly view: KeptView;
+}
+
+export interface Annotating {
+  readonly list: readonly Annotation[];
+  /** Index of the one that is read or edited; null for none. */
+  readonly openIndex: number | null;
+  /** Whether the next click in the picture places one. */
+  readonly isPlacing: boolean;
+  /** Earlier lists, the newest last. */
+  readonly past: readonly (readonly Annotation[])[];
+  /** Lists that were undone, the next one last. */
+  readonly undone: readonly (readonly Annotation[])[];
+}
+
+/** State that a scene without annotations begins with. */
+export const NO_ANNOTATIONS: Annotating = {
+  list: [],
+  openIndex: null,
+  isPlacing: false,
+  past: [],
+  undone: [],
+};
+
+/** An annotation's title, or its place in the list. */
+export function annotationTitle({ title }: Pick<Annotation, 'title'>, index: number): string {
+  return title.trim() || `Annotation ${index + 1}`;
+}
+
+/** Whether there is one, one to be placed, or one to be brought back. */
+export function hasAnnotating({ annotating }: { readonly annotating: Annotating }): boolean {
+  const { list, isPlacing, past } = annotating;
+  return list.length > 0 || isPlacing || past.length > 0;
+}
+
+/** Whether there is one to read, or one to be placed. */
+export function hasAnnotationCard({ annotating }: { readonly annotating: Annotating }): boolean {
+  return annotating.isPlacing || annotating.openIndex !== null;
+}
