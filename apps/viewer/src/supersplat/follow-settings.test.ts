@@ -3,6 +3,9 @@ import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { followDroppedSettings } from './follow-settings.ts';
+import { readSceneSettings } from './scene-settings.ts';
+import { settingsOfView } from './settings-of-view.ts';
+import { writeSceneSettings } from './write-settings.ts';
 
 const SETTINGS = {
   version: 2,
@@ -68,4 +71,21 @@ it('a file that is no settings.json is told', async () => {
     advice: expect.stringContaining('Drop'),
   });
   expect(setLook).not.toHaveBeenCalled();
+});
+
+it('annotations are where they are in the file, and come back as they were', async () => {
+  const { initial } = SETTINGS.cameras[0];
+  const words = { title: 'Jug', text: 'Old.' };
+  const annotations = [{ position: [1, 2, 3], ...words, extras: {}, camera: { initial } }];
+  store.setState({ scene: sceneOf('a.ply'), widthPx: 300, heightPx: 200 });
+  await follow(null, { ...SETTINGS, annotations });
+  const { list } = store.getState().annotating;
+  // SuperSplat turns the file around z.
+  expect(list).toMatchObject([{ ...words, point: [-1, -2, 3], view: { isFlipped: true } }]);
+  const scene = { isUpsideDown: true, aspect: 1.5, background: [1, 0, 0] } as const;
+  const settings = settingsOfView(list[0].view, [], list, scene);
+  const [back] = readSceneSettings(writeSceneSettings(settings)).annotations;
+  expect(back).toMatchObject({ ...words, position: [1, 2, 3] });
+  expect(back.camera.fovDegrees).toBeCloseTo(60, 9);
+  for (const axis of [0, 1, 2]) expect(back.camera.position[axis]).toBeCloseTo(initial.position[axis], 9);
 });

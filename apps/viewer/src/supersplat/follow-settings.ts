@@ -1,3 +1,6 @@
+import { joinedAnnotations } from '../annotations/annotation-list.ts';
+import { flippedPoint } from '../camera/flip.ts';
+import type { Annotation } from '../state/annotating.ts';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -6,20 +9,21 @@ import {
   type CameraTrack,
   readSceneSettings,
   type SceneSettings,
+  type SettingsAnnotation,
   type SettingsPose,
 } from './scene-settings.ts';
-import { backgroundOf, poseOf, shorterFov } from './settings-pose.ts';
+import { backgroundOf, poseOf, shorterFov, uprightPoint } from './settings-pose.ts';
 
 /** A `settings.json` with more bytes than this is something else. */
 const MOST_BYTES = 16 * 2 ** 20;
 
 /**
- * Shows the first scene as the `settings.json` at `address` says: its background, its camera and
- * the movement that begins by itself, until a person moves the view. If that fails, the scene is
+ * Shows the first scene as the `settings.json` at `address` says: its background, its annotations,
+ * its camera and the movement that begins by itself, until a person moves the view. If that fails, the scene is
  * shown as it is, and the store has a failure.
  *
  * @param isCameraLinked whether the page's address has a camera of its own: then only the
- * background is taken.
+ * background and the annotations are taken.
  */
 export async function followSettings(
   address: string,
@@ -65,16 +69,19 @@ async function readOr(
 }
 
 function show(
-  { background, camera, track }: SceneSettings,
+  { background, camera, track, annotations }: SceneSettings,
   isCameraLinked: boolean,
   replaced: SceneSummary | null,
   store: ViewerStore,
   viewer: Viewer,
 ): void {
   if (background) viewer.camera.setLook({ background: backgroundOf(background) });
-  if (isCameraLinked || !(camera ?? track)) return;
+  const first = isCameraLinked ? null : (camera ?? track?.keys[0].pose);
+  if (!first && annotations.length === 0) return;
   whenSceneIsThere(store, replaced, (isWhole) => {
-    showPose(camera ?? (track as CameraTrack).keys[0].pose, store, viewer);
+    if (isWhole) annotate(annotations, store);
+    if (!first) return;
+    showPose(first, store, viewer);
     if (isWhole && track && !matchMedia('(prefers-reduced-motion: reduce)').matches)
       play(track, store, viewer);
   });
@@ -134,6 +141,22 @@ function showPose(shown: SettingsPose, store: ViewerStore, viewer: Viewer): void
     isFlipped: scene?.isUpsideDown ?? false,
     isZUp: false,
   });
+}
+
+/** Adds them before those that are there. */
+function annotate(annotations: readonly SettingsAnnotation[], store: ViewerStore): void {
+  if (annotations.length === 0) return;
+  const { scene, annotating } = store.getState();
+  const isFlipped = scene?.isUpsideDown ?? false;
+  const read = annotations.map(({ position, title, text, camera }): Annotation => {
+    const point = uprightPoint(position);
+    const view = { pose: poseOf(camera), fovDegrees: fovOf(camera, store) };
+    return {
+      ...{ point: isFlipped ? flippedPoint(point) : point, title, text },
+      view: { ...view, isOrthographic: false, isFlipped, isZUp: false },
+    };
+  });
+  store.setState({ annotating: { ...annotating, list: joinedAnnotations(read, annotating.list) } });
 }
 
 function fovOf({ fovDegrees }: SettingsPose, store: ViewerStore): number {

@@ -33,17 +33,24 @@ describe('settings of SuperSplat', () => {
       camera: { position: [1, 2, 3], target: [0, 0, 0], fovDegrees: 75 },
       background: [0, 0.5, 1],
       track: null,
+      annotations: [],
     });
     expect(read(FIRST)).toEqual({
       camera: { position: [1, 2, 3], target: [0, 0, 0], fovDegrees: 50 },
       background: [0, 0, 0],
       track: null,
+      annotations: [],
     });
   });
 
   it('need not have a camera', () => {
     const camera = { position: null, target: null };
-    expect(read({ camera, background: {} })).toEqual({ camera: null, background: null, track: null });
+    expect(read({ camera, background: {} })).toEqual({
+      camera: null,
+      background: null,
+      track: null,
+      annotations: [],
+    });
     expect(read({ ...SECOND, cameras: [] }).camera).toBeNull();
   });
 
@@ -94,6 +101,11 @@ describe('settings of SuperSplat', () => {
       'cameras[0].initial.fov is 180, but must be degrees above 0 and below 180',
     ],
     [{ ...FIRST, camera: 1 }, 'camera is 1, but must be an object'],
+    [{ ...SECOND, annotations: [{ position: [0, 0, 0], title: 1 }] }, 'title is 1, but must be a text'],
+    [
+      { ...SECOND, annotations: [{ position: [0, 0, 0], title: '', text: '' }] },
+      'annotations[0].camera is missing, but must be an object',
+    ],
     [withTrack({ loopMode: 'twice' }), 'loopMode is "twice", but must be one of none, repeat, pingpong'],
     [withTrack({ duration: 0 }), 'duration is 0, but must be above 0'],
     [withTrack({ keyframes: { ...TRACK.keyframes, times: [1, 1] } }), 'each is larger than the one before'],

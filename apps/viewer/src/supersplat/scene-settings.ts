@@ -21,6 +21,15 @@ export interface CameraTrack {
   readonly keys: readonly { readonly timeS: number; readonly pose: SettingsPose }[];
 }
 
+/** Words about a place. */
+export interface SettingsAnnotation {
+  readonly position: Vec3;
+  readonly title: string;
+  readonly text: string;
+  /** What is shown when it is opened. */
+  readonly camera: SettingsPose;
+}
+
 /** The parts of a `settings.json` that the viewer follows. */
 export interface SceneSettings {
   readonly camera: SettingsPose | null;
@@ -28,6 +37,8 @@ export interface SceneSettings {
   readonly background: Vec3 | null;
   /** The movement that begins by itself. */
   readonly track: CameraTrack | null;
+  /** The first version has none. */
+  readonly annotations: readonly SettingsAnnotation[];
 }
 
 /** A `settings.json` that cannot be used. */
@@ -86,21 +97,38 @@ function firstVersion({ camera, background, animTracks }: Json): SceneSettings {
       startAnim === 'animTrack'
         ? trackAt(tracks, Math.max(0, named), fovOr(FIRST_VERSION_FOV_DEGREES.track))
         : null,
+    annotations: [],
   };
 }
 
-function secondVersion({ cameras, background, animTracks, startMode }: Json): SceneSettings {
+function secondVersion({ cameras, background, animTracks, annotations, startMode }: Json): SceneSettings {
   const [first] = arrayAt('cameras', cameras);
-  const path = 'cameras[0].initial';
-  const initial = first === undefined ? null : objectAt(path, objectAt('cameras[0]', first).initial);
   return {
-    camera: initial && {
-      position: vectorAt(`${path}.position`, initial.position),
-      target: vectorAt(`${path}.target`, initial.target),
-      fovDegrees: fovAt(`${path}.fov`, initial.fov),
-    },
+    camera: first === undefined ? null : cameraAt('cameras[0]', first),
     background: vectorAt('background.color', objectAt('background', background).color),
     track: startMode === 'animTrack' ? trackAt(arrayAt('animTracks', animTracks), 0, null) : null,
+    annotations: isAbsent(annotations) ? [] : arrayAt('annotations', annotations).map(annotationAt),
+  };
+}
+
+function annotationAt(value: unknown, index: number): SettingsAnnotation {
+  const path = `annotations[${index}]`;
+  const { position, title, text, camera } = objectAt(path, value);
+  return {
+    position: vectorAt(`${path}.position`, position),
+    title: textAt(`${path}.title`, title),
+    text: textAt(`${path}.text`, text),
+    camera: cameraAt(`${path}.camera`, camera),
+  };
+}
+
+function cameraAt(cameraPath: string, camera: unknown): SettingsPose {
+  const path = `${cameraPath}.initial`;
+  const { position, target, fov } = objectAt(path, objectAt(cameraPath, camera).initial);
+  return {
+    position: vectorAt(`${path}.position`, position),
+    target: vectorAt(`${path}.target`, target),
+    fovDegrees: fovAt(`${path}.fov`, fov),
   };
 }
 
@@ -163,6 +191,11 @@ function objectAt(path: string, value: unknown): Json {
 
 function arrayAt(path: string, value: unknown): readonly unknown[] {
   if (!Array.isArray(value)) throw new SettingsError(path, value, 'a list');
+  return value;
+}
+
+function textAt(path: string, value: unknown): string {
+  if (typeof value !== 'string') throw new SettingsError(path, value, 'a text');
   return value;
 }
 

@@ -2,9 +2,10 @@ import { flippedPoint } from '../camera/flip.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ViewedCamera } from '../camera/view-camera.ts';
 import { PATH_STEP_MS, pathMs, pathThrough, poseOnPath } from '../navigation/view-path.ts';
+import type { Annotation } from '../state/annotating.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
-import { longerFov, settingsPoseOf } from './settings-pose.ts';
+import { longerFov, settingsPoseOf, uprightPoint } from './settings-pose.ts';
 
 /**
  * From one saved view to the next: between keys SuperSplat's viewer moves the camera in straight
@@ -23,10 +24,14 @@ export interface SettingsScene {
   readonly background: Vec3;
 }
 
-/** The settings that show a view of the scene, and then the path through saved views if there is one. */
+/**
+ * The settings that show a view of the scene, and then the path through saved views if there is one;
+ * and the annotations.
+ */
 export function settingsOfView(
   view: ViewedCamera,
   savedViews: readonly SavedView[],
+  annotations: readonly Annotation[],
   scene: SettingsScene,
 ): SceneSettings {
   const path = pathThrough(savedViews);
@@ -34,6 +39,12 @@ export function settingsOfView(
     camera: poseIn(scene, view),
     background: scene.background,
     track: path.length > 1 ? trackOf(path, scene) : null,
+    annotations: annotations.map(({ point, title, text, view: shown }) => ({
+      position: uprightPoint(scene.isUpsideDown ? flippedPoint(point) : point),
+      title,
+      text,
+      camera: poseIn(scene, shown),
+    })),
   };
 }
 

@@ -16,8 +16,9 @@ export function settingsPoseOf(pose: OrbitPose, fovDegrees: number): SettingsPos
   return { position: uprightPoint(position), target: uprightPoint(target), fovDegrees };
 }
 
-function uprightPoint([x, y, z]: Vec3): Vec3 {
-  // Back to the file's own coordinates, and from there.
+/** SuperSplat's place of a point in an upright file's scene, and back. */
+export function uprightPoint([x, y, z]: Vec3): Vec3 {
+  // To the file's own coordinates, and from there.
   return flippedPoint([-x, -y, z]);
 }
 

@@ -48,6 +48,10 @@ describe('settings for SuperSplat', () => {
       camera: fc.option(pose),
       background: fc.tuple(channel, channel, channel),
       track: fc.option(track),
+      annotations: fc.array(
+        fc.record({ position: vector, title: fc.string(), text: fc.string(), camera: pose }),
+        { maxLength: 3 },
+      ),
     });
     fc.assert(
       fc.property(settings, (each) => {
@@ -57,7 +61,7 @@ describe('settings for SuperSplat', () => {
   });
 
   it('have what SuperSplat’s viewer asks for', () => {
-    const written = JSON.parse(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, SCENE)));
+    const written = JSON.parse(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, [], SCENE)));
     expect(Object.keys(written)).toEqual([
       ...['version', 'tonemapping', 'highPrecisionRendering', 'background', 'postEffectSettings'],
       ...['animTracks', 'cameras', 'annotations', 'startMode'],
@@ -73,7 +77,7 @@ describe('settings for SuperSplat', () => {
 
   it('bring a view back: its place, its field of view and its background', () => {
     const { camera, background, track } = readSceneSettings(
-      writeSceneSettings(settingsOfView(VIEWS[0], VIEWS.slice(0, 1), SCENE)),
+      writeSceneSettings(settingsOfView(VIEWS[0], VIEWS.slice(0, 1), [], SCENE)),
     );
     expect(track).toBeNull();
     expect(backgroundOf(background!)).toBe('#0080ff');
@@ -82,7 +86,7 @@ describe('settings for SuperSplat', () => {
   });
 
   it('move the camera along the path through the saved views', () => {
-    const { track } = readSceneSettings(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, SCENE)));
+    const { track } = readSceneSettings(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, [], SCENE)));
     expect(track?.durationS).toBe(5);
     for (let timeS = 0; timeS <= 5; timeS += 0.06)
       expectNear(poseOf(poseOnTrack(track!, timeS)), poseOnPath(POSES, timeS / 2.5), 4e-3);
@@ -91,7 +95,7 @@ describe('settings for SuperSplat', () => {
   it('are about the file: turned the other way up, the camera stays where it is in it', () => {
     const { pose: shown } = VIEWS[0];
     const turned = { ...VIEWS[0], ...uprightnessOf('y') };
-    const { camera } = settingsOfView(turned, [], SCENE);
+    const { camera } = settingsOfView(turned, [], [], SCENE);
     const { position } = lookAt(shown);
     // From the drawn scene to the file, which SuperSplat turns around z.
     for (const [i, value] of [-position[0], -position[1], position[2]].entries())

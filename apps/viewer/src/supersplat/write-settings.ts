@@ -16,7 +16,7 @@ const NO_EFFECTS = {
  * Writes SuperSplat's `settings.json`, version 2: what `readSceneSettings` reads again, with the
  * times of keys at whole frames, 30 a second. A movement begins by itself.
  */
-export function writeSceneSettings({ camera, background, track }: SceneSettings): string {
+export function writeSceneSettings({ camera, background, track, annotations }: SceneSettings): string {
   return JSON.stringify({
     version: 2,
     // Colours are shown as they are.
@@ -25,14 +25,14 @@ export function writeSceneSettings({ camera, background, track }: SceneSettings)
     background: { color: background ?? [0, 0, 0] },
     postEffectSettings: NO_EFFECTS,
     animTracks: track ? [trackJson(track)] : [],
-    cameras: camera ? [{ initial: poseJson(camera) }] : [],
-    annotations: [],
+    cameras: camera ? [cameraJson(camera)] : [],
+    annotations: annotations.map((each) => ({ ...each, extras: {}, camera: cameraJson(each.camera) })),
     startMode: track ? 'animTrack' : 'default',
   });
 }
 
-function poseJson({ position, target, fovDegrees }: SettingsPose) {
-  return { position, target, fov: fovDegrees };
+function cameraJson({ position, target, fovDegrees }: SettingsPose) {
+  return { initial: { position, target, fov: fovDegrees } };
 }
 
 function trackJson({ durationS, loop, isStepped, smoothness, keys }: CameraTrack) {
