@@ -194,7 +194,7 @@ export class ViewCamera {
   #makeRoom(elapsedMs: number): boolean {
     // The images of the scene's own cameras are about each pixel.
     const isOwn = this.ownCamera !== undefined;
-    this.#glide.goTo(isOwn ? NOTHING_COVERED : this.#covered, isOwn || this.#isMotionReduced());
+    this.#glide.goTo(isOwn ? NOTHING_COVERED : this.#covered, isOwn || this.isMotionReduced);
     const isGliding = this.#glide.update(elapsedMs);
     this.controls.covered = this.#glide.now;
     this.controls.fovYDegrees = this.#fovYDegreesAt(freeAspect(this.#aspect, this.#glide.now));
@@ -205,6 +205,11 @@ export class ViewCamera {
   get middle(): readonly [xPart: number, yPart: number] {
     const { right, bottom } = this.#glide.now;
     return [(1 - right) / 2, (1 - bottom) / 2];
+  }
+
+  /** Whether the person wants no movement that is not theirs. */
+  get isMotionReduced(): boolean {
+    return this.#isMotionReduced();
   }
 
   /** Something moves the camera from now on, or with null nothing but the controls. */

@@ -4,10 +4,10 @@ import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
 import { SavedViews } from './saved-views.ts';
 
-function opened() {
+function opened(isMotionReduced = true) {
   const store = createViewerStore();
   store.setState({ widthPx: 300, heightPx: 200, scene: { title: 'a.ply', canFlip: true } as SceneSummary });
-  const camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => true });
+  const camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => isMotionReduced });
   const sphere = { center: [0, 0, 0], radius: 10 } as const;
   const plain = { firstView: null, ownCameras: null, isUpsideDown: false, isZUp: false };
   camera.follow({ sphere, extent: sphere, ...plain });
@@ -58,13 +58,16 @@ describe('saved views', () => {
   });
 
   it('make a path that is played, paused, and ends at the last', async () => {
-    const { store, camera, views, turn } = opened();
+    const { store, camera, views, turn } = opened(false);
     await views.save();
     turn();
     await views.save();
     const { azimuth } = camera.controls.pose;
     views.play();
-    expect(camera.update(1250)).toBe(true);
+    camera.update(250);
+    // It sets out slowly.
+    expect(camera.controls.pose.azimuth).toBeLessThan(azimuth - 0.95);
+    expect(camera.update(1000)).toBe(true);
     const half = camera.controls.pose.azimuth;
     expect(half).toBeCloseTo(azimuth - 0.5);
     camera.endPath();
@@ -75,6 +78,19 @@ describe('saved views', () => {
     expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth);
     expect(camera.update(16)).toBe(false);
     expect(store.getState().isPathPlaying).toBe(false);
+  });
+
+  it('are shown one after the other where motion is reduced', async () => {
+    const { camera, views, turn } = opened();
+    await views.save();
+    turn();
+    await views.save();
+    const { azimuth } = camera.controls.pose;
+    views.play();
+    camera.update(2400);
+    expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth - 1);
+    camera.update(100);
+    expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth);
   });
 
   it('let go of the camera when somebody takes hold of the image', async () => {

@@ -2,7 +2,7 @@ import type { ViewCamera } from '../camera/view-camera.ts';
 import type { KeptView, SavedView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { MAX_SAVED_VIEWS } from './view-list.ts';
-import { PATH_STEP_MS, pathThrough, poseOnPath } from './view-path.ts';
+import { pathMs, pathThrough, placeOnPath, poseOnPath } from './view-path.ts';
 
 export interface SavedViewsOptions {
   readonly store: ViewerStore;
@@ -14,8 +14,8 @@ export interface SavedViewsOptions {
 /** The views that a person has saved of the scene on the screen, shown one by one or as a path. */
 export class SavedViews {
   readonly #options: SavedViewsOptions;
-  /** How far the path has been followed, in views. */
-  #at = 0;
+  /** How long the path has been followed. */
+  #elapsedMs = 0;
 
   constructor(options: SavedViewsOptions) {
     this.#options = options;
@@ -27,7 +27,7 @@ export class SavedViews {
     return store.subscribe(({ scene }, before) => {
       if (scene?.title === before.scene?.title) return;
       camera.endPath();
-      this.#at = 0;
+      this.#elapsedMs = 0;
     });
   }
 
@@ -74,19 +74,21 @@ export class SavedViews {
     const [first] = path;
     if (!first) return;
     const poses = path.map(({ pose }) => pose);
-    const end = poses.length - 1;
-    if (this.#at >= end) this.#at = 0;
+    const endMs = pathMs(poses.length);
+    if (this.#elapsedMs >= endMs) this.#elapsedMs = 0;
     camera.lookAs(first);
     store.setState({ isPathPlaying: true });
     let shown = camera.controls.pose;
     camera.setMotion((elapsedMs) => {
       // A person who takes hold of the image wants to look around.
-      if (camera.controls.pose !== shown || this.#at >= end) {
+      if (camera.controls.pose !== shown || this.#elapsedMs >= endMs) {
         camera.endPath();
         return false;
       }
-      this.#at = Math.min(end, this.#at + elapsedMs / PATH_STEP_MS);
-      shown = poseOnPath(poses, this.#at);
+      this.#elapsedMs = Math.min(endMs, this.#elapsedMs + elapsedMs);
+      const place = placeOnPath(this.#elapsedMs, poses.length);
+      // Without motion, one view after the other.
+      shown = camera.isMotionReduced ? poses[Math.floor(place)] : poseOnPath(poses, place);
       camera.controls.moveTo(shown);
       return true;
     });

@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { expectClose, FRONT } from '../camera/orbit-pose.fixture.ts';
 import { lookAt, type OrbitPose } from '../camera/orbit-pose.ts';
-import { poseOnPath } from './view-path.ts';
+import { pathMs, placeOnPath, poseOnPath } from './view-path.ts';
 
 const coordinate = fc.double({ min: -100, max: 100, noNaN: true });
 const pose: fc.Arbitrary<OrbitPose> = fc.record({
@@ -48,5 +48,28 @@ describe('a path through views', () => {
 
   it('refuses to lead through nothing', () => {
     expect(() => poseOnPath([], 0)).toThrow(RangeError);
+  });
+
+  it('sets out slowly, passes each view at its time, and comes to rest slowly', () => {
+    fc.assert(
+      fc.property(
+        fc.integer({ min: 2, max: 50 }),
+        fc.double({ min: 0, max: 1, noNaN: true }),
+        (views, part) => {
+          const [place, next] = [0, 1].map((ms) => placeOnPath(part * pathMs(views) + ms, views));
+          expect(next).toBeGreaterThanOrEqual(place);
+          expect(next - place).toBeLessThanOrEqual(1.6 / 2500);
+        },
+      ),
+    );
+    for (const views of [1, 2, 3, 4]) {
+      const places = Array.from({ length: views }, (_, i) => placeOnPath(2500 * i, views));
+      expect(places).toEqual(Array.from({ length: views }, (_, i) => i));
+      expect(placeOnPath(10, views)).toBeLessThan(1e-4);
+      expect(views - 1 - placeOnPath(pathMs(views) - 10, views)).toBeLessThan(1e-4);
+    }
+    expect([placeOnPath(-1, 3), placeOnPath(1e6, 3)]).toEqual([0, 2]);
+    // In between it does not slow down.
+    expect(placeOnPath(2500 + 625, 4)).toBe(1.25);
   });
 });

@@ -1,3 +1,4 @@
+import { hermite } from '../camera/hermite.ts';
 import { type OrbitPose, unwound } from '../camera/orbit-pose.ts';
 import { upAxisOf } from '../camera/up-axis.ts';
 import { clamp } from '../camera/vec3.ts';
@@ -9,6 +10,19 @@ export const PATH_STEP_MS = 2500;
 /** How long the path through so many views takes, one or more. */
 export function pathMs(views: number): number {
   return (views - 1) * PATH_STEP_MS;
+}
+
+/**
+ * How far the path through so many views has come after a time: 0 at the first view, 1 at the
+ * second. It sets out from the first view and comes to rest at the last one slowly; views are passed
+ * every `PATH_STEP_MS`.
+ */
+export function placeOnPath(elapsedMs: number, views: number): number {
+  const steps = views - 1;
+  if (steps === 0) return 0;
+  const at = clamp(elapsedMs / PATH_STEP_MS, 0, steps);
+  const step = Math.min(Math.floor(at), steps - 1);
+  return step + hermite(0, step === 0 ? 0 : 1, 1, step === steps - 1 ? 0 : 1, at - step);
 }
 
 /**
@@ -62,13 +76,5 @@ function withShortTurns(poses: readonly OrbitPose[]): readonly OrbitPose[] {
 }
 
 function catmullRom(a: number, b: number, c: number, d: number, part: number): number {
-  const [slopeB, slopeC] = [(c - a) / 2, (d - b) / 2];
-  const square = part * part;
-  const cube = square * part;
-  return (
-    (2 * cube - 3 * square + 1) * b +
-    (cube - 2 * square + part) * slopeB +
-    (3 * square - 2 * cube) * c +
-    (cube - square) * slopeC
-  );
+  return hermite(b, (c - a) / 2, c, (d - b) / 2, part);
 }

@@ -1,3 +1,4 @@
+import { hermite } from '../camera/hermite.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import { clamp } from '../camera/vec3.ts';
 import type { CameraTrack, SettingsPose } from './scene-settings.ts';
@@ -55,16 +56,4 @@ function timeOnTrack({ loop, durationS }: CameraTrack, elapsedS: number): number
   if (loop === 'repeat') return elapsedS % durationS;
   const there = elapsedS % (2 * durationS);
   return there <= durationS ? there : 2 * durationS - there;
-}
-
-/** The cubic from `a` to `b` with these slopes, per part. */
-function hermite(a: number, slopeA: number, b: number, slopeB: number, part: number): number {
-  const square = part * part;
-  const cube = square * part;
-  return (
-    (2 * cube - 3 * square + 1) * a +
-    (cube - 2 * square + part) * slopeA +
-    (3 * square - 2 * cube) * b +
-    (cube - square) * slopeB
-  );
 }

@@ -1,7 +1,7 @@
 import { flippedPoint } from '../camera/flip.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ViewedCamera } from '../camera/view-camera.ts';
-import { PATH_STEP_MS, pathMs, pathThrough, poseOnPath } from '../navigation/view-path.ts';
+import { PATH_STEP_MS, pathMs, pathThrough, placeOnPath, poseOnPath } from '../navigation/view-path.ts';
 import type { Annotation } from '../state/annotating.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
@@ -50,10 +50,11 @@ export function settingsOfView(
 
 function trackOf(path: readonly SavedView[], scene: SettingsScene): CameraTrack {
   const poses = path.map(({ pose }) => pose);
-  const keys = Array.from({ length: KEYS_PER_STEP * (path.length - 1) + 1 }, (_, i) => ({
-    timeS: (i * PATH_STEP_MS) / (1000 * KEYS_PER_STEP),
-    pose: poseIn(scene, { ...path[0], pose: poseOnPath(poses, i / KEYS_PER_STEP) }),
-  }));
+  const keys = Array.from({ length: KEYS_PER_STEP * (path.length - 1) + 1 }, (_, i) => {
+    const elapsedMs = (i * PATH_STEP_MS) / KEYS_PER_STEP;
+    const pose = poseOnPath(poses, placeOnPath(elapsedMs, path.length));
+    return { timeS: elapsedMs / 1000, pose: poseIn(scene, { ...path[0], pose }) };
+  });
   return { durationS: pathMs(path.length) / 1000, loop: 'none', isStepped: false, smoothness: 1, keys };
 }
 

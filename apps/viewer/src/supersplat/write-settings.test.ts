@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { cameraAxes, lookAt, type OrbitPose } from '../camera/orbit-pose.ts';
 import { uprightnessOf } from '../camera/up-axis.ts';
-import { poseOnPath } from '../navigation/view-path.ts';
+import { placeOnPath, poseOnPath } from '../navigation/view-path.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import { poseOnTrack } from './camera-track.ts';
 import { readSceneSettings } from './scene-settings.ts';
@@ -89,7 +89,7 @@ describe('settings for SuperSplat', () => {
     const { track } = readSceneSettings(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, [], SCENE)));
     expect(track?.durationS).toBe(5);
     for (let timeS = 0; timeS <= 5; timeS += 0.06)
-      expectNear(poseOf(poseOnTrack(track!, timeS)), poseOnPath(POSES, timeS / 2.5), 4e-3);
+      expectNear(poseOf(poseOnTrack(track!, timeS)), poseOnPath(POSES, placeOnPath(1000 * timeS, 3)), 4e-3);
   });
 
   it('are about the file: turned the other way up, the camera stays where it is in it', () => {

@@ -1,16 +1,18 @@
 import { expect, test } from 'vitest';
-import { FRAME_RATES, frameCount, placeOfFrame, videoSize } from './video-frames.ts';
+import { placeOnPath } from '../navigation/view-path.ts';
+import { FRAME_RATES, frameCount, videoSize } from './video-frames.ts';
 
-test.each(FRAME_RATES)('at %d frames a second they lie evenly on the path, with both ends', (rate) => {
-  const views = 4;
-  const count = frameCount(views, rate);
-  expect(count).toBe(7.5 * rate + 1);
-  const places = Array.from({ length: count }, (_, frame) => placeOfFrame(frame, views, rate));
-  expect([places[0], places[count - 1]]).toEqual([0, 3]);
-  for (let i = 1; i < count; i++) expect(places[i] - places[i - 1]).toBeCloseTo(1 / (2.5 * rate), 9);
-  // Each view has a frame of its own.
-  for (const view of [1, 2]) expect(places[view * 2.5 * rate]).toBe(view);
-});
+test.each(FRAME_RATES)(
+  'at %d frames a second they are on the path from its first view to its last',
+  (rate) => {
+    const views = 4;
+    const count = frameCount(views, rate);
+    expect(count).toBe(7.5 * rate + 1);
+    const places = Array.from({ length: count }, (_, frame) => placeOnPath((frame * 1000) / rate, views));
+    // Each view has a frame of its own.
+    for (const view of [0, 1, 2, 3]) expect(places[view * 2.5 * rate]).toBeCloseTo(view, 9);
+  },
+);
 
 test.each([
   [null, [900, 600], [900, 600]],

@@ -1,4 +1,4 @@
-import { PATH_STEP_MS, pathMs } from '../navigation/view-path.ts';
+import { pathMs } from '../navigation/view-path.ts';
 
 /** Frames a second that are offered. */
 export const FRAME_RATES = [30, 60] as const;
@@ -14,11 +14,6 @@ const MOST_PIXELS = 2 ** 23;
 /** How many frames a video of the path has: the first shows the first view, the last the last. */
 export function frameCount(views: number, framesPerS: FrameRate): number {
   return Math.round((pathMs(views) * framesPerS) / 1000) + 1;
-}
-
-/** Where a frame is on the path through so many views, in views. */
-export function placeOfFrame(frame: number, views: number, framesPerS: FrameRate): number {
-  return Math.min(views - 1, (frame * 1000) / framesPerS / PATH_STEP_MS);
 }
 
 /**

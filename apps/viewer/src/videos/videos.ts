@@ -1,12 +1,12 @@
 import { WebSplatterError } from '@websplatter/core';
 import { frameOfView } from '../drawing/frame-of-view.ts';
 import { onBackground } from '../navigation/thumbnail.ts';
-import { pathThrough, poseOnPath } from '../navigation/view-path.ts';
+import { pathThrough, placeOnPath, poseOnPath } from '../navigation/view-path.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
 import { savedName } from '../saving/saved-name.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import { type VideoCodec, VideoError } from './video-codec.ts';
-import { type FrameRate, frameCount, placeOfFrame } from './video-frames.ts';
+import { type FrameRate, frameCount } from './video-frames.ts';
 
 export interface VideoOptions {
   readonly codec: VideoCodec;
@@ -60,7 +60,8 @@ class Videos extends FileWork {
     const view = engine.createView();
     try {
       for (let i = 0; i < frames; i++) {
-        const seen = { ...path[0], pose: poseOnPath(poses, placeOfFrame(i, path.length, framesPerS)) };
+        const place = placeOnPath((i * 1000) / framesPerS, path.length);
+        const seen = { ...path[0], pose: poseOnPath(poses, place) };
         const shown = frameOfView(frame, isFlipped, camera, seen, { widthPx, heightPx });
         view.render({ ...shown, accuracy, detail: 'full' });
         await view.whenComplete();
