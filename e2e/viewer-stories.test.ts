@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { AXE, expectAccessible } from './accessible.ts';
 import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
 const harness = viewerHarness();
@@ -49,6 +50,8 @@ describe('stories in the viewer', () => {
     await page.keyboard.type('The vase');
     await page.keyboard.press('Tab');
     await page.keyboard.type('Old: 1900.');
+    await page.evaluate(AXE);
+    await expectAccessible(page, 'an annotation is edited');
     await page.getByTestId('annotation-done').click();
     await page.waitForURL(/[?&]annotation=[^&]*,words:The\+vase%0AOld:\+1900\./);
     await page.getByTestId('remove-annotation').click();
@@ -65,6 +68,9 @@ describe('stories in the viewer', () => {
       for (let i = 0; i < HALF_TURN_KEYS; i++) await page.keyboard.press('ArrowLeft');
     });
     await page.locator('[data-testid=annotation-1][data-behind]').waitFor();
+    await redraw(page, () => page.keyboard.press('v'));
+    await expectAccessible(page, 'lists of views and annotations');
+    await redraw(page, () => page.keyboard.press('v'));
     await page.waitForURL(/[?&]camera=/);
     const address = page.url();
 

@@ -105,8 +105,9 @@ export class Inspection {
   }
 
   #tapped({ target, offsetX, offsetY }: PointerEvent): void {
-    const { dock, flightSpeed } = this.#store.getState();
-    if (dock !== 'inspect' || flightSpeed !== null || !(target instanceof HTMLElement)) return;
+    const { dock, flightSpeed, annotating } = this.#store.getState();
+    const isInspecting = dock === 'inspect' && flightSpeed === null && !annotating.isPlacing;
+    if (!isInspecting || !(target instanceof HTMLElement)) return;
     this.#pick(offsetX / target.clientWidth, offsetY / target.clientHeight);
   }
 
