@@ -10,6 +10,7 @@ export function LinkSection({ store, viewer }: PanelProps) {
   // The link changes with these; a moving camera is told when it is at rest.
   useStore(store, ({ restedFrames }) => restedFrames);
   useStore(store, ({ splitPart }) => splitPart);
+  useStore(store, ({ annotating }) => annotating.list);
   const scene = useStore(store, (state) => state.scene);
   const link = linkOf(viewer, store);
   if (link === null)
