@@ -2,7 +2,8 @@
 // for the first pass of the sort. Reads the numbers of pairs from tile-count, and the records;
 // writes each pair's key (its bin) and its record, and the digit counts of each block of SORT_BLOCK
 // pairs. One workgroup per block of pairs, not of splats, so that huge splats, which meet in few
-// places of the order, keep no workgroup longer than others.
+// places of the order, keep no workgroup longer than others. Where one bin is the layer, each rank is
+// a pair of its own.
 import constants::DIGIT_BITS;
 import constants::SORT_BLOCK;
 import constants::TILE_COUNT_BLOCK;
@@ -15,7 +16,7 @@ import layout::View;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::splat_ellipse::splatEllipse;
 import package::lib::splat_record::{axesOf, opacityOf};
-import package::lib::tile_grid::{binColumns, binRows};
+import package::lib::tile_grid::{binColumns, binRows, columnCount, wholeShift};
 
 const RADIX = 1u << DIGIT_BITS;
 /// Pairs that all threads list in one round.
@@ -76,18 +77,22 @@ fn emitRun(start: u32, end: u32) {
 
 /// Writes the pairs of one splat, which begin at `splatStart`, that lie in `start` ≤ pair < `end`.
 fn emitSplat(index: u32, splatStart: u32, start: u32, end: u32) {
+  if (isRanked()) {
+    if (splatStart >= start && splatStart < end) { writePair(splatStart, 0u, index); }
+    return;
+  }
   let splat = records[index];
   let ellipse = splatEllipse(splat.centerPx, axesOf(splat), opacityOf(splat), view.alphaCutoff);
-  let rows = binRows(ellipse, grid);
+  let rows = binRows(ellipse, grid, tilePlan.binShift);
   var rowStart = splatStart;
   for (var row = rows.x; row <= rows.y; row++) {
     if (rowStart >= end) { break; }
-    let columns = binColumns(ellipse, row, grid);
+    let columns = binColumns(ellipse, row, grid, tilePlan.binShift);
     let rowEnd = rowStart + u32(max(0, columns.y - columns.x + 1));
     let first = max(start, rowStart);
     let beyond = min(end, rowEnd);
     for (var pair = first; pair < beyond; pair++) {
-      writePair(pair, u32(row) * grid.binColumns + u32(columns.x) + (pair - rowStart), index);
+      writePair(pair, u32(row) * columnCount(grid, tilePlan.binShift) + u32(columns.x) + (pair - rowStart), index);
     }
     rowStart = rowEnd;
   }
@@ -102,8 +107,14 @@ fn writePair(pair: u32, bin: u32, index: u32) {
   atomicAdd(&counts[extractBits(bin, 0u, DIGIT_BITS)], 1u);
 }
 
+/// Whether each rank is a pair.
+fn isRanked() -> bool {
+  return tilePlan.binShift > 0u && tilePlan.binShift >= wholeShift(grid);
+}
+
 /// Number of pairs of all splats nearer than `rank`.
 fn pairsBefore(rank: u32) -> u32 {
+  if (isRanked()) { return rank; }
   return blockPairs[rank / TILE_COUNT_BLOCK] + pairOffsets[rank];
 }
 

@@ -15,14 +15,17 @@ import constants::TILE_THREADS;
 @if(DEPTH_TEST) import layout::HostDepth;
 import layout::SplatRecord;
 import layout::TileGrid;
+import layout::TilePlan;
 import layout::View;
 import package::lib::dispatch::linearWorkgroup;
 @if(DEPTH_TEST) import package::lib::host_depth::{DEPTH_ROUNDING, centralDepth};
 import package::lib::layer_rounding::rounded;
 import package::lib::splat_record::{colorOf, fragmentAlpha, localCoordinate, localGradients, opacityOf};
+import package::lib::tile_grid::columnCount;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> grid: TileGrid;
+@group(0) @binding(2) var<storage, read> tilePlan: TilePlan;
 @group(0) @binding(3) var<storage, read> binStarts: array<u32>;
 @group(0) @binding(4) var<storage, read> binOrder: array<u32>;
 @group(0) @binding(5) var<storage, read> tileMasks: array<u32>;
@@ -54,7 +57,7 @@ struct TileSplat {
 
 /// The pairs of a tile's bin.
 struct TileList {
-  /// Index of the tile within its bin.
+  /// Index of the tile within its bin; of its block of tiles, where bins are larger.
   tile: u32,
   first: u32,
   beyondLast: u32,
@@ -93,7 +96,10 @@ fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
     pixels[p] = emptyPixel(cell + vec2u(0u, p * STEP_PX));
   }
 
-  let list = TileList(tile, binStarts[bin], binStarts[bin + 1u]);
+  let block = (origin / TILE_PX) >> vec2u(tilePlan.binShift);
+  let place = block % BIN_TILES;
+  let listed = (block.y / BIN_TILES) * columnCount(grid, tilePlan.binShift) + block.x / BIN_TILES;
+  let list = TileList(place.y * BIN_TILES + place.x, binStarts[listed], binStarts[listed + 1u]);
   @if(!NARROW) blendTogether(&pixels, center, list, lane);
   @if(NARROW) blendAlone(&pixels, center, list);
   @unroll for (var p = 0u; p < TILE_PIXELS; p++) {

@@ -74,7 +74,8 @@ export interface EngineOptions extends DeviceOptions {
   readonly maxWorkgroupsPerDimension?: number;
   /**
    * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames
-   * that need more are drawn by quads.
+   * that need more have shorter lists, of larger tiles, which take longer; those with no room for an
+   * entry of 16 bytes per visible splat are drawn by quads.
    */
   readonly tileBudgetBytes?: number;
   /**

@@ -62,7 +62,7 @@ export interface FrameShape {
   /** How the host's depth hides splats; null if nothing can hide them. */
   readonly depth: RasterizeDepth | null;
   readonly output: FrameOutput;
-  /** Rasteriser of the splats. Even with tiles, quads draw the frames whose pairs do not fit. */
+  /** Rasteriser of the splats. Even with tiles, quads draw frames without room for their splats. */
   readonly rasterizer: FrameRasterizer;
   /** Bins of the layer; 0 for quads. */
   readonly binCount: number;

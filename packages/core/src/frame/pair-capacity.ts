@@ -49,7 +49,7 @@ export function pairCapacity(
   return Math.min(roomy, Math.max(mostPairs, 1));
 }
 
-/** Generous where that is cheap. If it is too low, quads draw the frame, and the next has room. */
+/** Generous where that is cheap. If it is too low, bins are larger, and the next frame has room. */
 function firstGuess(visibleCapacity: number): number {
   return Math.max(
     visibleCapacity,

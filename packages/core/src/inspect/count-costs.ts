@@ -134,8 +134,8 @@ async function walkTiles(engine: CountedEngine, request: CostRequest, pass: 'cou
       const counts = tileCosts(drawn.recordPrecision, 'counts', isStacked);
       const stages = pass === 'map' ? [counts, tileCosts(drawn.recordPrecision, 'map', isStacked)] : [counts];
       await context.pipelines.prepare(stages);
-      const { neededPairs, fits, ...walk } = await readWalk(context, parts, stages);
-      if (fits) return walk;
+      const { neededPairs, hasAllPairs, ...walk } = await readWalk(context, parts, stages);
+      if (hasAllPairs) return walk;
       makeRoom(parts, neededPairs);
     }
   } finally {
@@ -150,7 +150,7 @@ function makeRoom({ tileLists }: FrameParts, neededPairs: number): void {
     const message = `Nothing can be counted, because ${reason}. Count at a smaller size, or create the engine with a larger tileBudgetBytes.`;
     throw new GpuLimitError('tileBudgetBytes', neededPairs * PAIR_BYTES, 0, message);
   }
-  tileLists.expect(neededPairs, performance.now());
+  tileLists.expect(neededPairs, 0, performance.now());
 }
 
 /** Runs the stages, each with what the one before has written, and reads back what they found. */
@@ -158,7 +158,7 @@ async function readWalk(
   { device, pipelines, memory }: CountContext,
   { shape, shared }: FrameParts,
   stages: readonly StageDefinition[],
-): Promise<Walk & { readonly neededPairs: number; readonly fits: boolean }> {
+): Promise<Walk & { readonly neededPairs: number; readonly hasAllPairs: boolean }> {
   const { width: widthPx, height: heightPx } = shared.blended!.color;
   const { visibleCapacity, dispatchRow } = shape!;
   const { TILE_PX } = SHADER_CONSTANTS;
@@ -195,6 +195,6 @@ async function readWalk(
     pixels: new Uint32Array(bytes, TilePlan.bytes, pixelBytes / 4),
     rest: new Uint32Array(bytes, TilePlan.bytes + pixelBytes, restWords),
     neededPairs: planned('neededPairs'),
-    fits: planned('fits') === 1,
+    hasAllPairs: planned('fits') === 1 && planned('binShift') === 0,
   };
 }

@@ -17,14 +17,20 @@ export interface PairCounts {
  * Reference of tile-count.
  *
  * @param ranked records, nearest first.
+ * @param shift bins are 2^shift times as wide and high as those of the grid; default 0.
  */
-export function tileCount(ranked: readonly EllipseRecord[], grid: BinGrid, alphaCutoff: number): PairCounts {
+export function tileCount(
+  ranked: readonly EllipseRecord[],
+  grid: BinGrid,
+  alphaCutoff: number,
+  shift = 0,
+): PairCounts {
   const pairOffsets = new Uint32Array(ranked.length);
   const blockPairs = new Uint32Array(Math.ceil(ranked.length / TILE_COUNT_BLOCK));
   for (const [rank, record] of ranked.entries()) {
     const block = Math.floor(rank / TILE_COUNT_BLOCK);
     pairOffsets[rank] = blockPairs[block];
-    blockPairs[block] += touchedBins(splatEllipse(record, alphaCutoff), grid).length;
+    blockPairs[block] += touchedBins(splatEllipse(record, alphaCutoff), grid, 0, shift).length;
   }
   return { pairOffsets, blockPairs };
 }

@@ -8,10 +8,19 @@ export interface Pairs {
   readonly ranks: Uint32Array;
 }
 
-/** Reference of tile-emit: pairs of `ranked` records, nearest first, each splat's bin by bin. */
-export function tileEmit(ranked: readonly EllipseRecord[], grid: BinGrid, alphaCutoff: number): Pairs {
+/**
+ * Reference of tile-emit: pairs of `ranked` records, nearest first, each splat's bin by bin.
+ *
+ * @param shift bins are 2^shift times as wide and high as those of the grid; default 0.
+ */
+export function tileEmit(
+  ranked: readonly EllipseRecord[],
+  grid: BinGrid,
+  alphaCutoff: number,
+  shift = 0,
+): Pairs {
   const pairs = ranked.flatMap((record, rank) =>
-    touchedBins(splatEllipse(record, alphaCutoff), grid).map((bin) => [bin, rank] as const),
+    touchedBins(splatEllipse(record, alphaCutoff), grid, 0, shift).map((bin) => [bin, rank] as const),
   );
   return {
     bins: Uint32Array.from(pairs, ([bin]) => bin),

@@ -123,6 +123,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       ...EXTENTS.flatMap((extent) => [
         ...BOTH.flatMap((isStacked) => [
           tileCount({ recordPrecision, extent, isStacked }),
+          tileCount({ recordPrecision, extent, isStacked }, true),
           tileMasks({ recordPrecision, extent, isStacked }),
         ]),
         ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent }, shape)),
@@ -141,7 +142,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
         ),
       ),
     ]),
-    ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), ...radixSortStages(shape)]),
+    ...PAIR_SORTS.flatMap((shape) => [tilePlan(shape), tilePlan(shape, true), ...radixSortStages(shape)]),
     ...COLOR_TARGETS.flatMap((target) => BOTH.map((hasDepthLayer) => upscale(target, hasDepthLayer))),
     ...RECORD.flatMap((precision) => [null, ...COMPARES].map((compare) => coverPoints(precision, compare))),
     ...RECORD.flatMap((recordPrecision) =>

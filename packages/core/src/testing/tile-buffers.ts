@@ -37,16 +37,20 @@ export function mostSlackPx({ centerPx, extentPx }: SplatEllipse): number {
   return 0.05 + 1e-5 * magnitude;
 }
 
-/** Bins that the GPU must find, and those that it may find. */
-export function binsOf(record: EllipseRecord, grid: BinGrid, alphaCutoff: number) {
+/**
+ * Bins that the GPU must find, and those that it may find.
+ *
+ * @param shift bins are 2^shift times as wide and high as those of the grid; default 0.
+ */
+export function binsOf(record: EllipseRecord, grid: BinGrid, alphaCutoff: number, shift = 0) {
   const ellipse = splatEllipse(record, alphaCutoff);
-  const least = touchedBins(ellipse, grid);
-  return { least, most: ellipse ? touchedBins(ellipse, grid, mostSlackPx(ellipse)) : least };
+  const least = touchedBins(ellipse, grid, 0, shift);
+  return { least, most: ellipse ? touchedBins(ellipse, grid, mostSlackPx(ellipse), shift) : least };
 }
 
 /** Whether rounding and widening leave the record's bins as they are. */
-export function hasClearBins(record: EllipseRecord, grid: BinGrid, alphaCutoff: number): boolean {
-  const { least, most } = binsOf(record, grid, alphaCutoff);
+export function hasClearBins(record: EllipseRecord, grid: BinGrid, alphaCutoff: number, shift = 0): boolean {
+  const { least, most } = binsOf(record, grid, alphaCutoff, shift);
   return least.length === most.length;
 }
 

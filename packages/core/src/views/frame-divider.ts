@@ -1,3 +1,4 @@
+import { binGrid } from '../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { TileGrid, TilePlan } from '../data/layout/structs.ts';
 import type { FrameParts } from '../frame/frame.ts';
@@ -170,11 +171,14 @@ export class FrameDivider {
     const { tilePlan, binStarts, binOrder } = parts.shared.buffers;
     const words = await Promise.all([tilePlan, binStarts, binOrder].map((each) => readWords(device, each)));
     const [counts, starts, order] = words;
-    const fits = counts[TilePlan.offsets.fits / 4];
+    const shift = counts[TilePlan.offsets.binShift / 4];
+    const { binColumns } = binGrid(plan.layer.widthPx, plan.layer.heightPx);
+    const columns = Math.ceil(binColumns / 2 ** shift);
     const before = new Float64Array(plan.shape.binCount * TILES_PER_BIN + 1);
     for (let tile = 0; tile + 1 < before.length; tile++) {
       const bin = order[Math.floor(tile / TILES_PER_BIN)];
-      const pairs = fits * (starts[bin + 1] - starts[bin]);
+      const listed = (Math.floor(bin / binColumns) >> shift) * columns + ((bin % binColumns) >> shift);
+      const pairs = starts[listed + 1] - starts[listed];
       before[tile + 1] = before[tile] + SLOWEST_CELL_MS * (1 + pairs);
     }
     return before;

@@ -153,14 +153,14 @@ export class RasterizerChoice {
   /**
    * Learns from the statistics of a frame.
    *
-   * @param tooMany why its pairs are too many for tiles; null if they are not.
+   * @param tooMany why its splats are too many for tiles; null if they are not.
    */
   learn(plan: FramePlan, statistics: FrameStatistics, tooMany: string | null): void {
     if (plan.shape.accuracy.rasterizer !== 'auto') return;
     const { tilePairs, rasterizer, quadsSampleMs, visibleSplats, timing } = statistics;
     const pixels = plan.layer.widthPx * plan.layer.heightPx;
     if (tooMany !== null) this.rejectTiles(tooMany, { visibleSplats, pixels });
-    // A frame without room for its pairs has run the stages of both.
+    // A frame without room for its splats has run the stages of both.
     if (tilePairs !== null && rasterizer === 'quads') return;
     const elapsedMs = timing.source === 'gpu-timestamps' ? timing.rasterizeMs : timing.wallClockMs;
     this.take({ rasterizer, elapsedMs, visibleSplats, pixels, sampleMs: quadsSampleMs });

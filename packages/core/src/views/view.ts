@@ -559,13 +559,13 @@ export abstract class View {
     // Buffers to read may turn out not to exist.
     const statistics = await memory.guard('A frame', '', read, this.recovery.isChecking).result;
     if (!statistics || this.#isDestroyed || !this.prepared) return null;
-    const { tilePairs } = statistics;
+    const { tilePairs, visibleSplats } = statistics;
     const { tileLists } = this.parts;
-    if (tilePairs !== null) tileLists.expect(tilePairs, performance.now());
+    if (tilePairs !== null) tileLists.expect(tilePairs, visibleSplats, performance.now());
     this.#choice.learn(
       this.prepared,
       statistics,
-      tilePairs === null ? null : tileLists.whyTooMany(tilePairs),
+      tilePairs === null ? null : tileLists.whyTooMany(visibleSplats),
     );
     if (drawn) this.#detail?.learn(drawn, statistics.timing);
     this.#statistics = statistics;

@@ -102,11 +102,13 @@ export const TileGrid = gpuStruct('TileGrid', {
 export const TilePlan = gpuStruct('TilePlan', {
   /** All pairs of the visible splats, whether they fit or not. */
   neededPairs: 'u32',
-  /** Pairs to draw: all, or none if they do not fit. */
+  /** Pairs to draw, with bins of that size; none if they do not fit. */
   pairCount: 'u32',
   /** 1 if the tiles draw this frame; 0 if the quads do. */
   fits: 'u32',
   visibleCount: 'u32',
+  /** Bins are 2^binShift times as wide and high as they are where all pairs fit. */
+  binShift: 'u32',
 });
 
 /** A visible splat as it is drawn; lengths in pixels, y down. Axes at √2 deviations. 32 bytes. */

@@ -74,6 +74,8 @@ async function measured(view: SplatView, draw: () => Promise<Float32Array>): Pro
 }
 
 const isEmpty = (data: Float32Array) => data.every((value) => value === 0);
+const isSame = (a: Float32Array, b: Float32Array) =>
+  Buffer.compare(Buffer.from(a.buffer), Buffer.from(b.buffer)) === 0;
 const isComplete = (data: Float32Array) => compareImages(data, reference, SIZE).psnrDb > 45;
 
 function tileBytes(engine: SplatEngine): number {
@@ -84,40 +86,47 @@ function tileBytes(engine: SplatEngine): number {
 }
 
 describe('pairs of a frame', () => {
-  gpuTest('that find no room leave this very frame to quads, and the next one has room', async () => {
-    const [withoutQuads, withoutTiles] = [
-      await stageWith({ mutation: BLIND.quads }),
-      await stageWith({ mutation: BLIND.tiles }),
-    ];
-    for (const { engine, view, draw } of [withoutQuads, withoutTiles]) {
+  gpuTest(
+    'that find no room make the image one bin in this very frame, and the next one has room',
+    async () => {
+      const { engine, view, draw } = await stageWith({ mutation: BLIND.quads });
       const first = await measured(view, draw);
-      expect(view.statistics?.tilePairs).toBe(PAIRS);
-      const second = await draw({ force: true });
-      expect([isComplete(first), isEmpty(second)]).toEqual(
-        engine === withoutTiles.engine ? [true, true] : [false, false],
-      );
-      expect([isEmpty(first), isComplete(second)]).toEqual(
-        engine === withoutTiles.engine ? [false, false] : [true, true],
-      );
+      expect(view.statistics).toMatchObject({ tilePairs: PAIRS, rasterizer: 'tiles' });
+      const before = tileBytes(engine);
+      const second = await measured(view, () => draw({ force: true }));
+      expect(tileBytes(engine)).toBeGreaterThan(before);
+      expect(isComplete(first)).toBe(true);
+      expect(isSame(first, second)).toBe(true);
+      engine.destroy();
+    },
+  );
+
+  gpuTest('that exceed the budget make the image one bin in every frame', async () => {
+    const roomy = await stageWith();
+    await measured(roomy.view, roomy.draw);
+    const expected = await roomy.draw({ force: true });
+    roomy.engine.destroy();
+    // Room for all pairs but one group, and for one group.
+    for (const pairs of [PAIRS - 256, 512]) {
+      const tileBudgetBytes = pairs * PAIR_BYTES;
+      const { engine, view, draw } = await stageWith({ tileBudgetBytes, mutation: BLIND.quads });
+      for (let i = 0; i < 3; i++)
+        expect(isSame(await measured(view, () => draw({ force: true })), expected)).toBe(true);
+      expect(tileBytes(engine)).toBeLessThan(1.2 * tileBudgetBytes + 20_000);
       engine.destroy();
     }
   });
 
-  gpuTest('that exceed the budget leave every frame to quads', async () => {
-    const tileBudgetBytes = (PAIRS - 256) * PAIR_BYTES;
-    const { engine, view, draw } = await stageWith({ tileBudgetBytes, mutation: BLIND.tiles });
-    for (let i = 0; i < 4; i++)
-      expect(isComplete(await measured(view, () => draw({ force: true })))).toBe(true);
-    expect(tileBytes(engine)).toBeLessThan(1.2 * tileBudgetBytes);
-    const drawn = await draw({ force: true });
-    const quads = await draw({ accuracy: { preset: 'reference', rasterizer: 'quads' } });
-    expect(Buffer.compare(Buffer.from(drawn.buffer), Buffer.from(quads.buffer))).toBe(0);
-    engine.destroy();
-    // Not even room for one group of pairs.
-    const none = await stageWith({ tileBudgetBytes: 0, mutation: BLIND.tiles });
-    for (let i = 0; i < 2; i++)
-      expect(isComplete(await measured(none.view, () => none.draw({ force: true })))).toBe(true);
-    none.engine.destroy();
+  gpuTest('are drawn by quads where there is no room for the visible splats', async () => {
+    for (const tileBudgetBytes of [256 * PAIR_BYTES, 0]) {
+      const { engine, view, draw } = await stageWith({ tileBudgetBytes, mutation: BLIND.tiles });
+      for (let i = 0; i < 2; i++)
+        expect(isComplete(await measured(view, () => draw({ force: true })))).toBe(true);
+      const drawn = await draw({ force: true });
+      const quads = await draw({ accuracy: { preset: 'reference', rasterizer: 'quads' } });
+      expect(isSame(drawn, quads)).toBe(true);
+      engine.destroy();
+    }
   });
 
   gpuTest('have as much room after a frame of nothing as before it', async () => {

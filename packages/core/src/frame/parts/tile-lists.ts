@@ -34,6 +34,8 @@ const stages = perShape((shape) => {
   return {
     tileCount: tileCount(variant),
     tilePlan: tilePlan(sortShape),
+    tileRecount: tileCount(variant, true),
+    tileReplan: tilePlan(sortShape, true),
     tileEmit: tileEmit(variant, sortShape),
     tileRanges,
     tileMasks: tileMasks(variant),
@@ -74,7 +76,8 @@ type StageName = keyof ReturnType<typeof stages>;
 
 /**
  * Lists, for each bin of the layer, the visible splats that it may show, front to back, with the
- * tiles that each may touch. `drawArguments` leaves a frame to the quads if its pairs do not fit.
+ * tiles that each may touch. Bins are larger where there is no room for all pairs.
+ * `drawArguments` leaves a frame to the quads if there is no room for its visible splats either.
  */
 export class TileLists implements FramePart<OrderRecording> {
   readonly #context: PartContext;
@@ -101,7 +104,7 @@ export class TileLists implements FramePart<OrderRecording> {
     return this.#memory.report().totalBytes;
   }
 
-  /** Why this many pairs never fit; null if they do, if only in the next frame. */
+  /** Why this many pairs never fit, as those of one bin, a pair per visible splat; null if they do. */
   whyTooMany(pairs: number): string | null {
     if (pairs <= this.#mostPairs()) return null;
     const megabytes = (bytes: number) => `${Math.ceil(bytes / 1e6)} MB`;
@@ -109,9 +112,12 @@ export class TileLists implements FramePart<OrderRecording> {
     return `tiles would need ${needed} for their lists, and ${allowed} are allowed`;
   }
 
-  /** Takes the pairs of a frame whose statistics arrived at `atMs`: the next one has room. */
-  expect(neededPairs: number, atMs: number): void {
-    this.#room.take(neededPairs, atMs);
+  /**
+   * Takes the pairs of a frame whose statistics arrived at `atMs`: the next one has room, if that
+   * may be, or else for a pair of each visible splat.
+   */
+  expect(neededPairs: number, visibleSplats: number, atMs: number): void {
+    this.#room.take(neededPairs <= this.#mostPairs() ? neededPairs : visibleSplats, atMs);
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -188,6 +194,8 @@ export class TileLists implements FramePart<OrderRecording> {
     };
     run('tileCount', visibleCapacity / TILE_COUNT_BLOCK);
     run('tilePlan', 1);
+    run('tileRecount', visibleCapacity / TILE_COUNT_BLOCK);
+    run('tileReplan', 1);
     run('tileEmit', pairCapacity / blockKeysOf(sort.shape));
     sort.record(pass);
     run('tileRanges', 1);

@@ -3,6 +3,7 @@ import { describe, expect } from 'vitest';
 import type { Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { TilePlan } from '../../data/layout/structs.ts';
 import type { EllipseRecord } from '../../reference/splat-ellipse.ts';
 import { tileCount as countReference } from '../../reference/tile-count.ts';
 import {
@@ -45,6 +46,8 @@ interface CountOptions {
   readonly recordPrecision: RecordPrecision;
   readonly extent?: Extent;
   readonly isStacked?: boolean;
+  /** Of the plan, for counting again; undefined for counting. */
+  readonly binShift?: number;
   /** Which of the records to count; default all. */
   readonly isCounted?: (record: RankedRecord) => boolean;
 }
@@ -52,6 +55,7 @@ interface CountOptions {
 /** Counts the pairs of splats on the GPU. */
 async function count(options: CountOptions) {
   const { ranked, recordPrecision, extent = 'opacity', isStacked, isCounted = () => true } = options;
+  const { binShift } = options;
   const { records } = rankedRecords(ranked, recordPrecision);
   const counted = rankedRecords(
     ranked.filter((_, rank) => isCounted(records[rank])),
@@ -66,10 +70,16 @@ async function count(options: CountOptions) {
     ...rankedBuffers(gpu, counted),
     pairOffsets,
     blockPairs,
+    ...(binShift !== undefined && {
+      tilePlan: gpu.storage(
+        new Uint32Array(TilePlan.pack({ neededPairs: 0, pairCount: 0, fits: 0, visibleCount: 0, binShift })),
+      ),
+    }),
   };
   // Workgroups behind the last block must do nothing.
   const workgroups = dispatchSize(blockCount + 2, dispatchRow);
-  await gpu.run(tileCount({ recordPrecision, extent, isStacked }), bindings, workgroups);
+  const stage = tileCount({ recordPrecision, extent, isStacked }, binShift !== undefined);
+  await gpu.run(stage, bindings, workgroups);
   return {
     records: counted.records,
     actual: {
@@ -132,6 +142,19 @@ describe('tile-count', () => {
       }
     },
   );
+
+  gpuTest('the pairs of larger bins, where the plan has them, and they are more than one', async () => {
+    for (const binShift of [1, 2, 3]) {
+      const isCounted = (record: RankedRecord) => hasClearBins(record, GRID, ALPHA_CUTOFF, binShift);
+      const ranked = splats(2000);
+      const { records, actual } = await count({ ranked, recordPrecision: 'f32', binShift, isCounted });
+      expect(actual).toEqual(countReference(records, GRID, ALPHA_CUTOFF, binShift));
+    }
+    for (const binShift of [0, 4]) {
+      const { actual } = await count({ ranked: splats(50), recordPrecision: 'f32', binShift });
+      expect(actual.blockPairs).toEqual(Uint32Array.of(0));
+    }
+  });
 
   gpuTest('any number of splats up to a block and a little more', async () => {
     const isCounted = (record: RankedRecord) => hasClearBins(record, GRID, ALPHA_CUTOFF);

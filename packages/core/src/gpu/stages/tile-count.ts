@@ -16,12 +16,16 @@ export function tileListConditions({ recordPrecision, extent, isStacked = false 
   return { ...recordConditions(recordPrecision), FIXED_EXTENT: extent === 'fixed', STACKED: isStacked };
 }
 
-/** Counts the pairs of each visible splat. */
-export function tileCount(variant: TileListVariant): StageDefinition {
+/**
+ * Counts the pairs of each visible splat.
+ *
+ * @param isAgain whether to count those of larger bins, if the plan has them.
+ */
+export function tileCount(variant: TileListVariant, isAgain = false): StageDefinition {
   return {
     stage: 'tile-count',
     source: tileSource('tile-count'),
     entryPoint: 'tileCount',
-    conditions: tileListConditions(variant),
+    conditions: { ...tileListConditions(variant), RECOUNT: isAgain },
   };
 }

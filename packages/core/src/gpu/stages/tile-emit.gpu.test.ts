@@ -6,6 +6,7 @@ import { TilePlan } from '../../data/layout/structs.ts';
 import { sortHistogram } from '../../reference/sort-histogram.ts';
 import { type PairCounts, tileCount } from '../../reference/tile-count.ts';
 import { tileEmit as emitReference, type Pairs } from '../../reference/tile-emit.ts';
+import { wholeShift } from '../../reference/tile-grid.ts';
 import { tilePlan } from '../../reference/tile-plan.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -30,7 +31,13 @@ const faint = (splat: DrawnSplat): DrawnSplat => ({ ...splat, opacity: 0.003 });
  * Splats without rounding at the borders of bins: some at the ends and in long runs too faint, some
  * over the whole layer.
  */
-function splats(count: number, size: SizePx, precision: RecordPrecision, isStacked = false): DrawnSplat[] {
+function splats(
+  count: number,
+  size: SizePx,
+  precision: RecordPrecision,
+  isStacked = false,
+  binShift = 0,
+): DrawnSplat[] {
   const random = seededRandom(count);
   const grid = binGrid(size.widthPx, size.heightPx);
   const lengthPx = 200 * size.widthPx;
@@ -47,7 +54,7 @@ function splats(count: number, size: SizePx, precision: RecordPrecision, isStack
     return isFaint(i) ? faint(splat) : splat;
   });
   const { records } = rankedRecords(all, precision);
-  return all.filter((_, i) => hasClearBins(records[i], grid, ALPHA_CUTOFF));
+  return all.filter((_, i) => hasClearBins(records[i], grid, ALPHA_CUTOFF, binShift));
 }
 
 interface EmitOptions {
@@ -55,20 +62,29 @@ interface EmitOptions {
   readonly size: SizePx;
   readonly precision: RecordPrecision;
   readonly isStacked?: boolean;
+  /** Bins are 2^binShift times as wide and high; default 0. */
+  readonly binShift?: number;
   /** Changes the reference's counts, as if tile-count had rounded otherwise. */
   readonly miscount?: (counts: PairCounts) => void;
 }
 
-async function emit({ ranked, size, precision, isStacked, miscount = () => {} }: EmitOptions) {
+async function emit(options: EmitOptions) {
+  const { ranked, size, precision, isStacked, binShift = 0, miscount = () => {} } = options;
   const grid = binGrid(size.widthPx, size.heightPx);
   const binCount = grid.binColumns * grid.binRows;
   const shape = pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)));
   const packed = rankedRecords(ranked, precision);
-  const counts = tileCount(packed.records, grid, ALPHA_CUTOFF);
+  const counts = tileCount(packed.records, grid, ALPHA_CUTOFF, binShift);
   miscount(counts);
   const visibleCount = ranked.length;
-  const { blockStarts, pairCount } = tilePlan(counts.blockPairs, visibleCount, 2 ** 30);
-  const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount });
+  const { blockStarts, neededPairs } = tilePlan(counts.blockPairs, {
+    visibleCount,
+    pairCapacity: 2 ** 30,
+    grid,
+  });
+  const isRanked = binShift > 0 && binShift === wholeShift(grid);
+  const pairCount = isRanked ? visibleCount : neededPairs;
+  const plan = TilePlan.pack({ neededPairs, pairCount, fits: 1, visibleCount, binShift });
   const blockKeys = blockKeysOf(shape);
   const blockCount = Math.ceil(pairCount / blockKeys);
   const { digitBits } = shape;
@@ -91,7 +107,7 @@ async function emit({ ranked, size, precision, isStacked, miscount = () => {} }:
   // Workgroups behind the last block must do nothing.
   await gpu.run(stage, bindings, dispatchSize(blockCount + 3, dispatchRow));
   return {
-    reference: emitReference(packed.records, grid, ALPHA_CUTOFF),
+    reference: emitReference(packed.records, grid, ALPHA_CUTOFF, binShift),
     places: packed.places,
     pass: { digitShift: 0, digitBits, blockKeys },
     binCount,
@@ -135,6 +151,23 @@ describe('tile-emit', () => {
     const ranked = splats(3000, SIZE, 'f32', true);
     const result = await emit({ ranked, size: SIZE, precision: 'f32', isStacked: true });
     expectPairs(result, result.reference);
+  });
+
+  gpuTest('pairs of larger bins', async () => {
+    for (const binShift of [1, 2, 3]) {
+      const ranked = splats(6000, SIZE, 'f32', false, binShift);
+      const result = await emit({ ranked, size: SIZE, precision: 'f32', binShift });
+      expect(result.blockCount).toBeGreaterThan(1);
+      expectPairs(result, result.reference);
+    }
+  });
+
+  gpuTest('a pair of each splat, in order, where one bin is the layer', async () => {
+    const ranked = splats(6000, SIZE, 'f32');
+    const result = await emit({ ranked, size: SIZE, precision: 'f32', binShift: 4 });
+    expect(result.blockCount).toBeGreaterThan(1);
+    const ranks = Uint32Array.from(ranked.keys());
+    expectPairs(result, { bins: new Uint32Array(ranks.length), ranks });
   });
 
   gpuTest('pairs of a single splat over many bins, in more than one block', async () => {

@@ -5,6 +5,7 @@ import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
+import { largerBins } from '../../reference/tile-grid.ts';
 import { alphaAt } from '../../reference/tile-rasterize.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
@@ -51,7 +52,7 @@ async function listedTiles(
   const groups = Math.ceil(mostPairs / MASK_GROUP);
   const masks = gpu.storage([], 4 * groups * MASK_GROUP * MASK_WORDS);
   const all = {
-    ...tileUniforms(gpu, { size: SIZE, alphaCutoff, pairCapacity: mostPairs }),
+    ...tileUniforms(gpu, { size: SIZE, alphaCutoff, pairCapacity: options.room * count }),
     ...rankedBuffers(gpu, packed),
     pairOffsets: gpu.storage([], 4 * count),
     blockPairs,
@@ -69,21 +70,27 @@ async function listedTiles(
   const variant = { recordPrecision, extent: 'opacity', isStacked: options.isStacked } as const;
   await gpu.run(tileCount(variant), all, [1, 1, 1]);
   await gpu.run(tilePlan(shape), all, [1, 1, 1]);
+  await gpu.run(tileCount(variant, true), all, [1, 1, 1]);
+  await gpu.run(tilePlan(shape, true), all, [1, 1, 1]);
   await gpu.run(tileEmit(variant, shape), all, dispatchSize(blocks, 65_535));
   await gpu.run(tileMasks(variant), all, dispatchSize(groups, 65_535));
   const [words, bins, places] = await Promise.all(
     [masks, pairBins, pairRecords].map((buffer) => gpu.read(buffer)),
   );
-  const [, pairCount] = await gpu.read(plan);
+  const [, pairCount, , , binShift] = await gpu.read(plan);
+  const { binColumns } = largerBins(GRID, binShift);
+  const blockTiles = 2 ** binShift;
   for (const buffer of Object.values(all)) buffer.destroy();
   const tiles = packed.records.map(() => new Set<number>());
   const rankOf = new Map(Array.from(packed.places, (place, rank) => [place, rank]));
   for (let pair = 0; pair < pairCount; pair++) {
-    const [column, row] = [bins[pair] % GRID.binColumns, Math.floor(bins[pair] / GRID.binColumns)];
+    const [column, row] = [bins[pair] % binColumns, Math.floor(bins[pair] / binColumns)];
     for (const tile of tilesOfPair(words, pair)) {
-      const x = column * BIN_TILES + (tile % BIN_TILES);
-      const y = row * BIN_TILES + Math.floor(tile / BIN_TILES);
-      if (x < TILE_COLUMNS && y < TILE_ROWS) tiles[rankOf.get(places[pair])!].add(y * TILE_COLUMNS + x);
+      const left = (column * BIN_TILES + (tile % BIN_TILES)) * blockTiles;
+      const top = (row * BIN_TILES + Math.floor(tile / BIN_TILES)) * blockTiles;
+      for (let y = top; y < Math.min(top + blockTiles, TILE_ROWS); y++)
+        for (let x = left; x < Math.min(left + blockTiles, TILE_COLUMNS); x++)
+          tiles[rankOf.get(places[pair])!].add(y * TILE_COLUMNS + x);
     }
   }
   return tiles;
@@ -93,6 +100,8 @@ interface ListOptions {
   readonly recordPrecision: RecordPrecision;
   readonly alphaCutoff: number;
   readonly isStacked?: boolean;
+  /** Pairs that there is room for, per splat. */
+  readonly room: number;
 }
 
 /** A pixel where the record is clearly drawn, in a tile that `isLeftOut`; null if there is none. */
@@ -155,6 +164,8 @@ describe('tile-count, tile-plan, tile-emit and tile-masks', () => {
       recordPrecision: fc.constantFrom<RecordPrecision[]>('f32', 'f16', 'paper'),
       alphaCutoff: fc.constantFrom(1 / 255, 0.02, 1e-4),
       isStacked: fc.boolean(),
+      // At last, all of them; before, larger bins are needed.
+      room: fc.constantFrom(1, 2, BINS),
     });
     let [drawn, listed, leftOut] = [0, 0, 0];
     await fc.assert(

@@ -5,6 +5,7 @@ import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import { splatEllipse } from '../../reference/splat-ellipse.ts';
+import { largerBins, wholeShift } from '../../reference/tile-grid.ts';
 import { touchedTiles } from '../../reference/tile-masks.ts';
 import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -34,7 +35,11 @@ const gpu = testGpu();
  * Pairs of splats of every size with the bins that they touch, and with one that they do not; the
  * first `pairCount`.
  */
-async function mask(pairCount: number, recordPrecision: RecordPrecision, isStacked = false) {
+async function mask(
+  pairCount: number,
+  recordPrecision: RecordPrecision,
+  { isStacked = false, binShift = 0 } = {},
+) {
   const random = seededRandom(pairCount);
   const packed = rankedRecords(
     Array.from({ length: Math.max(16, pairCount) }, (_, i) =>
@@ -44,9 +49,12 @@ async function mask(pairCount: number, recordPrecision: RecordPrecision, isStack
   );
   const pairs = packed.records
     .flatMap((record, rank) => {
-      const { most } = binsOf(record, GRID, ALPHA_CUTOFF);
+      // Where one bin is the layer, those too faint to be drawn are listed as well.
+      if (binShift === wholeShift(GRID)) return [{ bin: 0, rank }];
+      const { binColumns, binRows } = largerBins(GRID, binShift);
+      const { most } = binsOf(record, GRID, ALPHA_CUTOFF, binShift);
       const drawn = record.color[3] >= ALPHA_CUTOFF;
-      return (drawn ? [...most, rank % (GRID.binColumns * GRID.binRows)] : []).map((bin) => ({ bin, rank }));
+      return (drawn ? [...most, rank % (binColumns * binRows)] : []).map((bin) => ({ bin, rank }));
     })
     .slice(0, pairCount);
   expect(pairs).toHaveLength(pairCount);
@@ -56,7 +64,8 @@ async function mask(pairCount: number, recordPrecision: RecordPrecision, isStack
     ...Array<(typeof pairs)[number]>(MASK_GROUP).fill(pairs[0] ?? { bin: 0, rank: 0 }),
   ];
   const groups = Math.ceil(pairCount / MASK_GROUP);
-  const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount: pairCount });
+  const counts = { neededPairs: pairCount, pairCount, fits: 1, visibleCount: pairCount };
+  const plan = TilePlan.pack({ ...counts, binShift });
   const words = gpu.storage(new Uint32Array(groups * GROUP_WORDS + 1).fill(UNWRITTEN));
   const dispatchRow = 2;
   const { records } = rankedBuffers(gpu, packed);
@@ -86,7 +95,7 @@ describe('tile-masks', () => {
   ] as const) {
     const name = `${recordPrecision}${isStacked ? ', merged' : ''}`;
     gpuTest(`${name}: a bit for each tile that a pair touches, and hardly any other`, async () => {
-      const { masks, pairs } = await mask(5 * MASK_GROUP + 77, recordPrecision, isStacked);
+      const { masks, pairs } = await mask(5 * MASK_GROUP + 77, recordPrecision, { isStacked });
       let [clear, bits] = [0, 0];
       for (const [i, { bin, record }] of pairs.entries()) {
         const ellipse = splatEllipse(record, ALPHA_CUTOFF)!;
@@ -104,6 +113,28 @@ describe('tile-masks', () => {
       expect(bits).toBeGreaterThan(5000);
     });
   }
+
+  gpuTest('larger bins: a bit for each block that a pair touches, and hardly any other', async () => {
+    for (const binShift of [1, 2, 3]) {
+      const { masks, pairs } = await mask(5 * MASK_GROUP + 77, 'f32', { binShift });
+      const { binColumns } = largerBins(GRID, binShift);
+      let [bits, faint] = [0, 0];
+      for (const [i, { bin, record }] of pairs.entries()) {
+        const ellipse = splatEllipse(record, ALPHA_CUTOFF);
+        const place = { column: bin % binColumns, row: Math.floor(bin / binColumns) };
+        const within = (slackPx: number) => touchedTiles(ellipse, place, slackPx, binShift);
+        const found = tilesOfPair(masks, i);
+        expect(found, `pair ${i}`).toEqual(expect.arrayContaining(within(0)));
+        expect(within(ellipse ? mostSlackPx(ellipse) : 0), `pair ${i}`).toEqual(
+          expect.arrayContaining(found),
+        );
+        bits += found.length;
+        if (!ellipse) faint++;
+      }
+      expect(faint > 50).toBe(binShift === wholeShift(GRID));
+      expect(bits).toBeGreaterThan(3000);
+    }
+  });
 
   gpuTest('no bits behind the last pair, whose word may be shared', async () => {
     for (const pairCount of [1, 31, 33, MASK_GROUP, MASK_GROUP + 1]) {

@@ -27,7 +27,7 @@ async function check(lengths: readonly number[], binColumns: number, leftover = 
   expect(binGrid(size.widthPx, size.heightPx)).toEqual({ binColumns, binRows: binCount / binColumns });
   const bins = [...lengths, leftover].flatMap((length, bin) => Array<number>(length).fill(bin));
   const pairCount = bins.length;
-  const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount: 1 });
+  const plan = TilePlan.pack({ neededPairs: pairCount, pairCount, fits: 1, visibleCount: 1, binShift: 0 });
   const binStarts = gpu.storage(Array<number>(binCount + 2).fill(77));
   const binOrder = gpu.storage(Array<number>(binCount + 1).fill(77));
   const bindings = {

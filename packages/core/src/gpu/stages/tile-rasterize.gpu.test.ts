@@ -10,7 +10,7 @@ import {
 import { type DepthConvention, depthMapping, storedDepth } from '../../data/camera/depth-convention.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
-import { HostDepth } from '../../data/layout/structs.ts';
+import { HostDepth, TilePlan } from '../../data/layout/structs.ts';
 import { FLOAT32_ROUNDING } from '../../inspect/error-bounds.ts';
 import { reachSquared } from '../../reference/stacked-opacity.ts';
 import { alphaAt, OPAQUE, tilePixel } from '../../reference/tile-rasterize.ts';
@@ -54,6 +54,8 @@ interface Scene {
   readonly isStacked?: boolean;
   /** Whether a bin lists a splat; default most bins list most splats. */
   readonly isListed?: (bin: number, rank: number) => boolean;
+  /** Bins are 2^binShift times as wide and high: there are lists of the first ones alone. Default 0. */
+  readonly binShift?: number;
   /** Whether a pair may touch a tile of its bin; default half of the tiles. */
   readonly isMasked?: (pair: number, tile: number) => boolean;
 }
@@ -89,9 +91,11 @@ function makeTarget(format: GPUTextureFormat, { widthPx, heightPx }: SizePx): GP
 /** Draws a scene by the GPU. */
 async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
   const { ranked, size = SIZE, recordPrecision = 'f32', colorTarget = 'rgba32float', host } = scene;
+  const { binShift = 0 } = scene;
   const packed = rankedRecords(ranked, recordPrecision);
   const pairs = pairsOf(scene);
   const binCount = pairs.binStarts.length - 1;
+  const counts = { neededPairs: 0, pairCount: pairs.ranks.length, fits: 1, visibleCount: ranked.length };
   const dispatchRow = 50;
   const layer = makeTarget(colorTarget, size);
   const depthLayer = makeTarget('r32float', size);
@@ -108,6 +112,7 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
   });
   const bindings = {
     ...tileUniforms(gpu, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
+    tilePlan: gpu.storage(new Uint32Array(TilePlan.pack({ ...counts, binShift }))),
     binStarts: gpu.storage(pairs.binStarts),
     binOrder: gpu.storage(shuffled(binCount)),
     tileMasks: gpu.storage(pairs.masks),
@@ -217,7 +222,7 @@ function formatError(colorTarget: ColorTarget, value: number): number {
 
 /** Compares every pixel of both kinds of threads with the reference; returns statistics. */
 async function check(scene: Scene, drawing = gpu.pipelines) {
-  const { size = SIZE, colorTarget = 'rgba32float', host } = scene;
+  const { size = SIZE, colorTarget = 'rgba32float', host, binShift = 0 } = scene;
   const { widthPx, heightPx } = size;
   const together = await drawOnGpu(scene, drawing, false);
   const alone = await drawOnGpu(scene, drawing, true);
@@ -239,8 +244,10 @@ async function check(scene: Scene, drawing = gpu.pipelines) {
   for (let y = 0; y < heightPx; y++) {
     for (let x = 0; x < widthPx; x++) {
       const pixel = y * widthPx + x;
-      const bin = Math.floor(y / BIN_PX) * pairs.binColumns + Math.floor(x / BIN_PX);
-      const tile = Math.floor((y % BIN_PX) / TILE_PX) * BIN_TILES + Math.floor((x % BIN_PX) / TILE_PX);
+      const [binPx, blockPx] = [BIN_PX * 2 ** binShift, TILE_PX * 2 ** binShift];
+      const columns = Math.ceil(pairs.binColumns / 2 ** binShift);
+      const bin = Math.floor(y / binPx) * columns + Math.floor(x / binPx);
+      const tile = Math.floor((y % binPx) / blockPx) * BIN_TILES + Math.floor((x % binPx) / blockPx);
       tiles[bin * TILES + tile] ??= listedRecords(bin, tile);
       const listed = tiles[bin * TILES + tile];
       const shown = host
@@ -368,6 +375,20 @@ describe('tile-rasterize', () => {
     for (let pixel = 0; pixel < BIN_PX; pixel++) expect(onlyThird.data[4 * pixel + 3]).toBe(0);
     const nothing = await check({ ranked, isMasked: () => false });
     expect(nothing.data.every((value) => value === 0)).toBe(true);
+  });
+
+  gpuTest('larger bins over layers of any size', async () => {
+    for (const [widthPx, heightPx, binShift] of [
+      [75, 69, 1],
+      [75, 69, 3],
+      [1, 1, 1],
+      [330, 140, 1],
+      [140, 330, 2],
+      [512, 64, 3],
+    ]) {
+      const size = { widthPx, heightPx };
+      expect((await check({ ranked: splats(90, size), size, binShift })).covered).toBeGreaterThan(0);
+    }
   });
 
   gpuTest('bins that begin at every place of a word', async () => {
