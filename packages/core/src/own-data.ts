@@ -5,7 +5,7 @@
 export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 export { packSet } from './data/packing/pack-set.ts';
-export { colorDcOf } from './data/splats/color-values.ts';
+export { colorDcOf, colorOf } from './data/splats/color-values.ts';
 export {
   EDITED,
   type EditedRows,

@@ -6,7 +6,7 @@ export function colorDcOf(color: number): number {
   return (color - 0.5) / SH_C0;
 }
 
-/** The base colour of a coefficient of degree 0. */
+/** The base colour of a coefficient of degree 0, where 0 is black and 1 is white; it may lie beyond. */
 export function colorOf(colorDc: number): number {
   return colorDc * SH_C0 + 0.5;
 }
