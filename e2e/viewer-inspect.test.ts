@@ -1,8 +1,17 @@
 import { readFile } from 'node:fs/promises';
-import { readSplats } from '@websplatter/core';
+import { readSplats, type SplatSet } from '@websplatter/core';
+import { builtinScenes } from '@websplatter/scenes';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { CHEAP, drawnCamera, redraw, textOf, viewerHarness, viewerScreenshot } from './viewer-page.ts';
+import {
+  CHEAP,
+  type DrawnCamera,
+  drawnCamera,
+  redraw,
+  textOf,
+  viewerHarness,
+  viewerScreenshot,
+} from './viewer-page.ts';
 
 const { shareViewer } = viewerHarness();
 
@@ -27,9 +36,15 @@ function differing(a: { data: Uint8Array }, b: { data: Uint8Array }): number {
   return count;
 }
 
+const WINDOW = { width: 660, height: 490 };
+
 /** Opens the panel on one of its tabs, without the figures, which hide a part of the picture. */
-async function openInspect(tab: 'splat' | 'distance' | 'histogram' | 'select' | 'crop', address = CHEAP) {
-  const page = await shareViewer(address, { viewport: { width: 660, height: 490 } });
+async function openInspect(
+  tab: 'splat' | 'distance' | 'histogram' | 'select' | 'crop',
+  address = CHEAP,
+  hasTouch = false,
+) {
+  const page = await shareViewer(address, { viewport: WINDOW, hasTouch });
   await page.keyboard.press('h');
   await redraw(page, () => page.keyboard.press('i'));
   await page.getByTestId('inspect').waitFor();
@@ -58,6 +73,53 @@ async function savedCount(page: Page): Promise<number> {
     page.getByTestId('save-file').click(),
   ]);
   return (await readSplats(await readFile(await download.path()))).count;
+}
+
+type Point = readonly [number, number];
+type Place = readonly [number, number, number];
+
+/** The scene's rows, as its file has them. */
+const rowsOfFile = async () =>
+  readSplats(await readFile(builtinScenes.find(({ name }) => name === 'still-life-small')!.url));
+
+const times = (m: readonly number[], [x, y, z]: Place): Place =>
+  [0, 1, 2].map((row) => m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row]) as unknown as Place;
+
+/** Centres as the camera sees them: right, up, back. */
+function viewPlaces(
+  { count, positions, origin }: Pick<SplatSet, 'count' | 'positions' | 'origin'>,
+  { viewMatrix, modelMatrices }: DrawnCamera,
+): Place[] {
+  return Array.from({ length: count }, (_, i) => {
+    const center = origin.map((value, axis) => value + positions[3 * i + axis]) as unknown as Place;
+    return times(viewMatrix, modelMatrices[0] ? times(modelMatrices[0], center) : center);
+  });
+}
+
+/** How many centres are in a polygon of the window, by the angles under which its sides are seen. */
+async function countInPolygon(page: Page, corners: readonly Point[]): Promise<number> {
+  const camera = await drawnCamera(page);
+  const { projectionMatrix: p } = camera;
+  const seen = viewPlaces(await rowsOfFile(), camera).filter(([, , back]) => back < 0);
+  const places = seen.map(([x, y, z]): Point => {
+    const [right, up] = [(p[0] * x + p[8] * z) / -z, (p[5] * y + p[9] * z) / -z];
+    return [((1 + right) / 2) * WINDOW.width, ((1 - up) / 2) * WINDOW.height];
+  });
+  return places.filter(([x, y]) => {
+    const angles = corners.map(([cornerX, cornerY]) => Math.atan2(cornerY - y, cornerX - x));
+    const turns = angles.map((angle, i) => {
+      const turn = angles[(i + 1) % angles.length] - angle;
+      return Math.atan2(Math.sin(turn), Math.cos(turn));
+    });
+    return Math.abs(turns.reduce((a, b) => a + b)) > 1;
+  }).length;
+}
+
+/** Goes on by the Tab key to the element. */
+async function tabTo(page: Page, testId: string): Promise<void> {
+  const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset.testid);
+  for (let i = 0; i < 40 && (await focused()) !== testId; i++) await page.keyboard.press('Tab');
+  expect(await focused()).toBe(testId);
 }
 
 describe('inspecting a scene in the viewer', () => {
@@ -150,6 +212,152 @@ describe('inspecting a scene in the viewer', () => {
     await expect.poll(() => countIn(page, 'select-count')).toBeLessThan(selected);
     await page.getByTestId('undo').click();
     await expect.poll(() => countIn(page, 'select-count')).toBe(selected);
+  });
+
+  it('selects what is in a polygon of clicks, whose corners are taken back and given up by keys', async () => {
+    const page = await openInspect('select');
+    await page.getByTestId('select-polygon').click();
+    const corners: readonly Point[] = [
+      [110, 240],
+      [250, 260],
+      [190, 300],
+      [230, 370],
+    ];
+    const camera = await drawnCamera(page);
+    for (const corner of corners) await page.mouse.click(...corner);
+    await page.mouse.click(60, 200);
+    expect(await marks(page, '.mark-dot')).toHaveLength(5);
+    await page.keyboard.press('Backspace');
+    expect(await marks(page, '.mark-dot')).toHaveLength(4);
+    expect(await marks(page, '[data-mark=region]')).toHaveLength(3);
+    // Near the first one.
+    await redraw(page, () => page.mouse.click(113, 236));
+    const expected = await countInPolygon(page, corners);
+    expect(expected).toBeGreaterThan(100);
+    expect(await countIn(page, 'select-count')).toBe(expected);
+    expect(await marks(page, '.mark-dot')).toEqual([]);
+    // Nothing has turned the scene; Escape leaves the panel and the selection.
+    expect(await drawnCamera(page)).toEqual(camera);
+    await page.mouse.click(60, 200);
+    await page.keyboard.press('Escape');
+    expect(await marks(page, '.mark-dot')).toEqual([]);
+    expect(await countIn(page, 'select-count')).toBe(expected);
+    await redraw(page, () => page.getByTestId('undo').click());
+    expect(await countIn(page, 'select-count')).toBe(0);
+    await redraw(page, () => page.getByTestId('redo').click());
+    expect(await countIn(page, 'select-count')).toBe(expected);
+  });
+
+  it('selects what is in a polygon by keys alone', async () => {
+    const page = await shareViewer(CHEAP, { viewport: WINDOW });
+    await page.keyboard.press('h');
+    await redraw(page, () => page.keyboard.press('3'));
+    await page.getByTestId('select-polygon').waitFor();
+    await tabTo(page, 'polygon-cross');
+    const place = await page.getByTestId('polygon-cross').boundingBox();
+    const [x, y] = [place!.x + place!.width / 2, place!.y + place!.height / 2];
+    const camera = await drawnCamera(page);
+    await page.keyboard.press('Space');
+    await page.keyboard.press('Shift+ArrowRight');
+    await page.keyboard.press('Space');
+    for (const key of ['Shift+ArrowDown', 'ArrowDown', 'ArrowLeft']) await page.keyboard.press(key);
+    await page.keyboard.press('Space');
+    expect(await marks(page, '.mark-dot')).toHaveLength(3);
+    await redraw(page, () => page.keyboard.press('Enter'));
+    const expected = await countInPolygon(page, [
+      [x, y],
+      [x + 80, y],
+      [x + 72, y + 88],
+    ]);
+    expect(expected).toBeGreaterThan(50);
+    expect(await countIn(page, 'select-count')).toBe(expected);
+    expect(await drawnCamera(page)).toEqual(camera);
+  });
+
+  it('selects what is in a polygon of taps', async () => {
+    const page = await openInspect('select', CHEAP, true);
+    await page.getByTestId('select-polygon').tap();
+    const corners: readonly Point[] = [
+      [110, 240],
+      [250, 260],
+      [230, 370],
+    ];
+    for (const corner of corners) await page.touchscreen.tap(...corner);
+    // A finger is less exact.
+    await redraw(page, () => page.touchscreen.tap(125, 228));
+    expect(await countIn(page, 'select-count')).toBe(await countInPolygon(page, corners));
+  });
+
+  it('selects what is in a sphere around a splat, as far as a drag or a number reaches', async () => {
+    // A pixel of the image is one of the window.
+    const page = await openInspect('splat', CHEAP.replace('0.25', '1'));
+    const [x, y]: Point = [180, 300];
+    await redraw(page, () => page.mouse.click(x, y));
+    await page.getByTestId('inspect-position').waitFor();
+    const row = Number((await textOf(page, 'inspect-row')).replace(/\D/g, ''));
+    await redraw(page, () => page.getByTestId('inspect-tab-select').click());
+    await page.getByTestId('select-sphere').click();
+    const before = await drawnCamera(page);
+    const [p0, p5, p8, p9] = [0, 5, 8, 9].map((i) => before.projectionMatrix[i]);
+    const places = viewPlaces(await rowsOfFile(), before);
+    const depth = -places[row][2];
+    const center: Place = [
+      (depth * ((2 * (x + 0.5)) / WINDOW.width - 1 + p8)) / p0,
+      (depth * (1 - (2 * (y + 0.5)) / WINDOW.height + p9)) / p5,
+      -depth,
+    ];
+    const countWithin = (radius: number) =>
+      places.filter((place) => Math.hypot(...place.map((value, axis) => value - center[axis])) <= radius)
+        .length;
+    const radius = async () => Number(await page.getByTestId('select-radius').inputValue());
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 30, y + 10);
+    await page.mouse.move(x + 30, y + 40);
+    await expect.poll(() => marks(page, '[data-mark=sphere]')).toHaveLength(2);
+    await redraw(page, () => page.mouse.up());
+    expect(await drawnCamera(page)).toEqual(before);
+    const dragged = await radius();
+    expect(dragged).toBeCloseTo((50 * 2 * depth) / (WINDOW.height * p5), 3);
+    expect(await marks(page, '.mark-label')).toEqual([expect.stringContaining(`${dragged} units`)]);
+    expect(await countIn(page, 'select-count')).toBe(countWithin(dragged));
+    // None of them is so near the surface that float32 matters.
+    expect(countWithin(dragged * (1 + 1e-5))).toBe(countWithin(dragged * (1 - 1e-5)));
+    const wider = 1.5 * dragged;
+    await redraw(page, () => page.getByTestId('select-radius').fill(String(wider)));
+    expect(countWithin(wider)).toBeGreaterThan(countWithin(dragged));
+    expect(await countIn(page, 'select-count')).toBe(countWithin(wider));
+    // Both are one step.
+    await redraw(page, () => page.getByTestId('undo').click());
+    expect(await countIn(page, 'select-count')).toBe(0);
+    expect(await marks(page, '[data-mark=sphere]')).toEqual([]);
+  });
+
+  it('selects all splats of about one colour, within a tolerance', async () => {
+    const page = await openInspect('select');
+    await page.getByTestId('select-color').click();
+    await redraw(page, () => page.mouse.click(180, 300));
+    const color = (await textOf(page, 'select-base-color')).split(',').map(Number);
+    const { colorDc, count } = await rowsOfFile();
+    const bytes = Array.from(colorDc, (value) =>
+      Math.round(255 * Math.min(1, Math.max(0, 0.5 + value * Math.sqrt(1 / (4 * Math.PI))))),
+    );
+    const countOfTolerance = (tolerance: number) =>
+      Array.from({ length: count }, (_, i) => bytes.slice(3 * i, 3 * i + 3)).filter((each) =>
+        each.every((channel, k) => Math.abs(channel - color[k]) <= tolerance),
+      ).length;
+    expect(countOfTolerance(0)).toBeGreaterThan(0);
+    expect(await countIn(page, 'select-count')).toBe(countOfTolerance(16));
+    for (const tolerance of [17, 18]) {
+      await redraw(page, () => page.getByTestId('select-tolerance').press('ArrowRight'));
+      expect(await countIn(page, 'select-count')).toBe(countOfTolerance(tolerance));
+    }
+    // Those of another colour are added with Shift.
+    const selected = await countIn(page, 'select-count');
+    await page.keyboard.down('Shift');
+    await redraw(page, () => page.mouse.click(92, 325));
+    await page.keyboard.up('Shift');
+    expect(await countIn(page, 'select-count')).toBeGreaterThan(selected);
   });
 
   it('removes what is selected, saves what is left, and brings the removed back, all by keys', async () => {

@@ -1,5 +1,5 @@
 /** A pointer that goes further drags. */
-const MAX_WAY_PX = 6;
+export const MAX_WAY_PX = 6;
 
 /** A pointer's place and time, as its events have them. */
 export type TapEvent = Pick<PointerEvent, 'pointerId' | 'clientX' | 'clientY' | 'timeStamp'>;

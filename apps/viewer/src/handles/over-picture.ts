@@ -18,7 +18,10 @@ export function useOverPicture(store: ViewerStore, write: () => void): void {
 }
 
 /** The picture on the screen; null before there is one. */
-export function pictureSpace({ shownFrame }: Viewer, over: Element | null): PictureSpace | null {
+export function pictureSpace(
+  { shownFrame }: Pick<Viewer, 'shownFrame'>,
+  over: Element | null,
+): PictureSpace | null {
   if (!shownFrame || !over) return null;
   return { camera: shownFrame.frame.camera, width: over.clientWidth, height: over.clientHeight };
 }
@@ -60,6 +63,6 @@ export function useHandle<Grip>({ grip, drag, step }: HandleMoves<Grip>) {
 }
 
 /** The picture fills the window. */
-function placeOf({ clientX, clientY }: PointerEvent): PicturePoint {
+export function placeOf({ clientX, clientY }: Pick<MouseEvent, 'clientX' | 'clientY'>): PicturePoint {
   return [clientX, clientY];
 }

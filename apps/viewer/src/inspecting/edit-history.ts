@@ -55,7 +55,7 @@ export class EditHistory {
     update({
       crop,
       cropCount: crop === before.crop ? cropCount : null,
-      selecting: { ...selecting, ...splats },
+      selecting: { ...selecting, ...splats, picked: null },
       past,
       undone,
       problem: null,

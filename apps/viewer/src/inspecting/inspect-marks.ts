@@ -3,21 +3,27 @@ import { flippedPoint } from '../camera/flip.ts';
 import {
   boxOutline,
   lineInPicture,
+  type PicturePoint,
   type PictureSpace,
   pathInPicture,
   pictureOf,
+  rowOf,
 } from '../camera/picture-space.ts';
-import type { Vec3 } from '../camera/vec3.ts';
-import type { DragRegion } from '../state/selecting.ts';
+import { add, scale, type Vec3 } from '../camera/vec3.ts';
+import { cornersOf } from '../selecting/polygon.ts';
+import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
 
+/** A circle of so many lines looks round. */
+const CIRCLE_LINES = 96;
+
 /**
  * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
- * crop, the area of a drag. It follows the camera with each frame. Returns a function that stops
+ * crop, the region that is selected. It follows the camera with each frame. Returns a function that stops
  * this.
  */
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
@@ -58,7 +64,7 @@ function marksOf(state: ViewerState, frame: ShownCamera, space: PictureSpace): S
       if (!inspecting.crop) return [];
       return linesOf('box', space, boxOutline(inspecting.crop.min, inspecting.crop.max), world);
     case 'select':
-      return inspecting.selecting.dragged ? regionMarks(inspecting.selecting.dragged) : [];
+      return selectMarks(inspecting.selecting, space, world);
     case 'histogram':
       return [];
   }
@@ -85,15 +91,15 @@ function rulerMarks(
   space: PictureSpace,
   world: (point: Vec3) => Vec3,
 ): SVGElement[] {
-  const { rulers, rulerStart, scale } = inspecting;
+  const { rulers, rulerStart, scale: lengthScale } = inspecting;
   const points = [...rulers.flatMap(({ ends }) => ends), ...(rulerStart ? [rulerStart] : [])];
   const dots = points
     .map((point) => pictureOf(space, world(point)))
     .filter((place) => place !== null)
-    .map(([x, y]) => element('circle', { class: 'mark-dot', cx: x.toFixed(1), cy: y.toFixed(1), r: '4' }));
+    .map((place) => dotAt(place, 4));
   const labels = rulers.flatMap((ruler) => {
     const line = lineInPicture(space, world(ruler.ends[0]), world(ruler.ends[1]));
-    return line ? [labelOf(line, formatLength(rulerLength(ruler), scale))] : [];
+    return line ? [labelOf(line, formatLength(rulerLength(ruler), lengthScale))] : [];
   });
   const lines = rulers.map(({ ends }) => ends);
   return [...linesOf('ruler', space, lines, world), ...dots, ...labels];
@@ -112,6 +118,38 @@ function labelOf(
   return label;
 }
 
+function dotAt([x, y]: PicturePoint, radiusPx: number): SVGElement {
+  return element('circle', { class: 'mark-dot', cx: x.toFixed(1), cy: y.toFixed(1), r: String(radiusPx) });
+}
+
+function selectMarks(
+  { dragged, picked, tool }: Selecting,
+  space: PictureSpace,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  if (dragged) return regionMarks(dragged);
+  return picked?.kind === 'sphere' && tool === 'sphere' ? sphereMarks(picked, space, world) : [];
+}
+
+/** The circle of a sphere that faces the camera, and its radius. */
+function sphereMarks(
+  { center, radius }: Extract<PickedRegion, { kind: 'sphere' }>,
+  space: PictureSpace,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const [right, up] = [0, 1].map((row) => rowOf(space.camera.viewMatrix, row));
+  const middle = world(center);
+  const circle = Array.from({ length: CIRCLE_LINES + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * i) / CIRCLE_LINES;
+    return add(middle, add(scale(right, radius * Math.cos(angle)), scale(up, radius * Math.sin(angle))));
+  });
+  const place = pictureOf(space, middle);
+  return [
+    ...linesOf('sphere', space, [circle], (point) => point),
+    ...(place ? [dotAt(place, 4), labelOf([place, place], formatLength(radius, null))] : []),
+  ];
+}
+
 function regionMarks(dragged: DragRegion): SVGElement[] {
   if (dragged.kind === 'brush') {
     const { points, radius } = dragged;
@@ -121,8 +159,16 @@ function regionMarks(dragged: DragRegion): SVGElement[] {
       element('path', { class: 'mark-brush', 'data-mark': 'region', d, 'stroke-width': String(2 * radius) }),
     ];
   }
+  if (dragged.kind === 'polygon') {
+    const corners = cornersOf(dragged);
+    const dots = corners.flatMap((x, i) => (i % 2 ? [] : [dotAt([x, corners[i + 1]], i ? 4 : 6)]));
+    return [...areaMarks(`M${dragged.points.join(' ')}Z`), ...dots];
+  }
   const { from, to } = dragged;
-  const d = `M${from[0]} ${from[1]}H${to[0]}V${to[1]}H${from[0]}Z`;
+  return areaMarks(`M${from[0]} ${from[1]}H${to[0]}V${to[1]}H${from[0]}Z`);
+}
+
+function areaMarks(d: string): SVGElement[] {
   return ['halo', 'line', 'region'].map((layer) =>
     element('path', { class: `mark-${layer}`, 'data-mark': 'region', d }),
   );

@@ -1,7 +1,7 @@
 import type { Bounds, SplatSet } from '@websplatter/core';
 import type { StoredSource } from '../reload/stored-source.ts';
 import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
-import type { DragRegion } from '../state/selecting.ts';
+import type { DragRegion, PickedRegion } from '../state/selecting.ts';
 
 /** A cloud of the scene, to be read again. */
 export interface CloudToRead {
@@ -31,7 +31,8 @@ export type Region =
       readonly width: number;
       readonly height: number;
       readonly look: Look;
-    };
+    }
+  | PickedRegion;
 
 /** Questions that a scene answers, with the type of each answer. */
 export interface Answers {

@@ -4,6 +4,7 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 import { CropHandles } from './crop-handles.tsx';
 import { drawInspectMarks } from './inspect-marks.ts';
 import './inspect-marks.css';
+import { PolygonCross } from '../selecting/polygon-cross.tsx';
 import { InspectPanel } from './inspect-panel.tsx';
 import { Inspection } from './inspection.ts';
 
@@ -18,6 +19,7 @@ export function Inspect({ store, viewer }: PanelProps) {
     <>
       <svg ref={svg} className="over-picture inspect-marks" aria-hidden="true" data-testid="inspect-marks" />
       <CropHandles store={store} viewer={viewer} inspection={inspection} />
+      <PolygonCross store={store} viewer={viewer} inspection={inspection} />
       {isOpen && <InspectPanel store={store} inspection={inspection} />}
     </>
   );

@@ -3,11 +3,11 @@ import { Tap } from '../camera/tap.ts';
 import { cloudSources } from '../reload/stored-source.ts';
 import { cloudKeys } from '../scene/shown-scene.ts';
 import { selectionOf } from '../selecting/row-masks.ts';
-import { listenToSelectDrags } from '../selecting/select-drag.ts';
+import { listenToSelectDrags, modeOf } from '../selecting/select-drag.ts';
 import { SplatSelecting } from '../selecting/splat-selecting.ts';
 import { keyScope } from '../shell/commands.ts';
 import { type InspectedSplat, type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
-import { NOTHING_SELECTED, type RowMasks } from '../state/selecting.ts';
+import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -62,7 +62,7 @@ export class Inspection {
     const tap = new Tap();
     addEventListener('pointerdown', (event) => tap.pointerDown(event, isPicking(event)), { signal });
     addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
-    listenToSelectDrags(this.#store, (...dragged) => void this.selecting.selectDragged(...dragged), signal);
+    listenToSelectDrags({ store: this.#store, viewer: this.#viewer }, this.selecting, signal);
     addEventListener('keydown', (event) => this.#keyPressed(event), { signal });
     // A crop of the address, in a scene that was flipped before this came.
     if (this.#store.getState().inspecting.crop) this.cropping.draw();
@@ -77,7 +77,7 @@ export class Inspection {
 
   /** Does in the middle of the image what a click does elsewhere. */
   pickMiddle(): void {
-    this.#pick(...this.#viewer.camera.middle);
+    this.#pick(...this.#viewer.camera.middle, this.selecting.now.mode);
   }
 
   /** Takes back the last change of the crop, the selection, or what is removed. */
@@ -104,17 +104,20 @@ export class Inspection {
     event.preventDefault();
   }
 
-  #tapped({ target, offsetX, offsetY }: PointerEvent): void {
+  #tapped(event: PointerEvent): void {
+    const { target, offsetX, offsetY } = event;
     const { dock, flightSpeed, annotating } = this.#store.getState();
     const isInspecting = dock === 'inspect' && flightSpeed === null && !annotating.isPlacing;
     if (!isInspecting || !(target instanceof HTMLElement)) return;
-    this.#pick(offsetX / target.clientWidth, offsetY / target.clientHeight);
+    const mode = modeOf(event, this.selecting);
+    this.#pick(offsetX / target.clientWidth, offsetY / target.clientHeight, mode);
   }
 
-  #pick(xPart: number, yPart: number): void {
+  #pick(xPart: number, yPart: number, mode: SelectMode): void {
     const { tab } = this.#store.getState().inspecting;
     if (tab === 'distance') void this.rulers.markAt(xPart, yPart);
     else if (tab === 'splat') void this.splats.pickAt(xPart, yPart);
+    else if (tab === 'select') void this.selecting.pickAt(xPart, yPart, mode);
   }
 
   #follow(state: ViewerState, before: ViewerState): void {
@@ -197,8 +200,6 @@ export class Inspection {
   }
 }
 
-function isPicking({ target, isPrimary, button, shiftKey }: PointerEvent): boolean {
-  return (
-    isPrimary && button === 0 && !shiftKey && target instanceof HTMLElement && target.matches('.viewport')
-  );
+function isPicking({ target, isPrimary, button }: PointerEvent): boolean {
+  return isPrimary && button === 0 && target instanceof HTMLElement && target.matches('.viewport');
 }

@@ -1,5 +1,8 @@
 import { perspectiveCamera, type SplatSet } from '@websplatter/core';
+import { colorDcOf } from '@websplatter/core/own-data';
+import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
+import type { Vec3 } from '../camera/vec3.ts';
 import type { Region } from '../inspecting/inspect-messages.ts';
 import { histogramsOf } from '../inspecting/scene-answers.ts';
 import type { DragRegion } from '../state/selecting.ts';
@@ -50,6 +53,28 @@ const look = {
 };
 const size = { width: 300, height: 200 };
 
+const UNIT = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+/** Of 16 by 16 pixels, a unit each. */
+const PARALLEL = [1 / 8, 0, 0, 0, 0, 1 / 8, 0, 0, 0, 0, -1 / 8, 0, 0, 0, 0, 1];
+
+/** Brute force: on one of the lines, or surrounded an odd number of times, by the angles seen. */
+function isInPolygon(corners: readonly (readonly [number, number])[], x: number, y: number): boolean {
+  let turned = 0;
+  for (const [i, [ax, ay]] of corners.entries()) {
+    const [bx, by] = corners[(i + 1) % corners.length];
+    const [fromA, fromB, side] = [
+      Math.hypot(ax - x, ay - y),
+      Math.hypot(bx - x, by - y),
+      Math.hypot(bx - ax, by - ay),
+    ];
+    // Of lines between whole numbers, others are further than that.
+    if (fromA + fromB - side < 1e-9) return true;
+    const angle = Math.atan2(by - y, bx - x) - Math.atan2(ay - y, ax - x);
+    turned += Math.atan2(Math.sin(angle), Math.cos(angle));
+  }
+  return Math.abs(Math.round(turned / (2 * Math.PI))) % 2 === 1;
+}
+
 const rowsIn = (words: Uint32Array) =>
   Array.from({ length: 32 * words.length }, (_, row) => row).filter(
     (row) => (words[row >>> 5] >>> (row & 31)) & 1,
@@ -83,6 +108,52 @@ describe('the rows of a region', () => {
       [30, 31, 32, 33],
       [30],
     ]);
+  });
+
+  it('are those in a polygon and on its line, without what the line goes around twice', () => {
+    const places = fc.tuple(fc.integer({ min: 0, max: 9 }), fc.integer({ min: 0, max: 9 }));
+    fc.assert(
+      fc.property(fc.array(places, { minLength: 3, maxLength: 7 }), (corners) => {
+        // A unit of the plane is a pixel of the image, whose middle is at 8, 8.
+        const grid = Array.from({ length: 100 }, (_, i) => [i % 10, Math.floor(i / 10)] as const);
+        const set = setOf(grid.map(([x, y]) => [x - 8, 8 - y, 0] as const));
+        const look = { viewMatrix: UNIT, projectionMatrix: PARALLEL, isFlipped: false };
+        const dragged = { kind: 'polygon', points: corners.flat() } as const;
+        const region = { kind: 'dragged', dragged, width: 16, height: 16, look } as const;
+        const [found] = rowsWithin([{ set, modelMatrix: null }], region, null, () => histogramsOf([]));
+        const expected = grid.flatMap(([x, y], i) => (isInPolygon(corners, x, y) ? [i + 30] : []));
+        expect(rowsIn(found)).toEqual(expected);
+      }),
+    );
+  });
+
+  it('are those in a sphere and on it, where their clouds stand', () => {
+    const sphere = (center: Vec3, radius: number) => within({ kind: 'sphere', center, radius });
+    expect(sphere([0, 0, 0], 3)).toEqual([[30, 32], [30]]);
+    expect(sphere([0, 0, 0], 2.999999999)).toEqual([[30], []]);
+    expect(sphere([0, -6, 0], 3)).toEqual([[], [30]]);
+    expect(sphere([4, 3, 0], 5)).toEqual([[30, 31, 32], []]);
+    expect(sphere([0, 0, 20], 0)).toEqual([[34], []]);
+  });
+
+  it('are those whose base colour differs by no more than the tolerance in any channel', () => {
+    const channels = fc.integer({ min: -40, max: 300 });
+    const colors = fc.array(fc.tuple(channels, channels, channels), { minLength: 1 });
+    fc.assert(
+      fc.property(colors, fc.nat({ max: 255 }), (found, tolerance) => {
+        const set = setOf(found.map(() => [0, 0, 0]));
+        set.colorDc.set(found.flat().map((channel) => colorDcOf(channel / 255)));
+        // Screens show no other colours.
+        const shown = found.map((color) => color.map((channel) => Math.min(255, Math.max(0, channel))));
+        const color = shown[0] as unknown as Vec3;
+        const region = { kind: 'color', color, tolerance } as const;
+        const [words] = rowsWithin([{ set, modelMatrix: null }], region, null, () => histogramsOf([]));
+        const expected = shown.flatMap((each, i) =>
+          Math.max(...each.map((channel, k) => Math.abs(channel - color[k]))) <= tolerance ? [i + 30] : [],
+        );
+        expect(rowsIn(words)).toEqual(expected);
+      }),
+    );
   });
 
   it('are all, or those of a bin, but for what a crop leaves out', () => {

@@ -1,15 +1,16 @@
-import type { Vec3 } from '../camera/vec3.ts';
+import { subtract, type Vec3 } from '../camera/vec3.ts';
 import { binOf } from '../inspecting/histogram.ts';
 import type { Look, Region } from '../inspecting/inspect-messages.ts';
 import { eachCenter, imagePlace, isKept, type ReadCloud, VALUES } from '../inspecting/scene-answers.ts';
 import type { Crop, Histograms } from '../state/inspecting.ts';
 import type { DragRegion } from '../state/selecting.ts';
+import { baseColorOf } from './base-color.ts';
 
 type IsWithin = (cloud: ReadCloud, index: number, center: Vec3) => boolean;
 
 /**
  * Of each cloud a bit per row, `row % 32` of word `row / 32`: whether its splat is in the region,
- * by its centre, and left by the crop.
+ * by its centre or its value, and left by the crop.
  */
 export function rowsWithin(
   clouds: readonly ReadCloud[],
@@ -44,6 +45,18 @@ function testOf(region: Region, histogramsOf: () => Histograms): IsWithin {
       const isIn = dragTest(region.dragged, width, height);
       return (_cloud, _i, center) => isInImage(look, center, (x, y) => isIn(x * width, y * height));
     }
+    case 'sphere': {
+      const { center, radius } = region;
+      return (_cloud, _i, place) => {
+        const [x, y, z] = subtract(place, center);
+        return x * x + y * y + z * z <= radius * radius;
+      };
+    }
+    case 'color': {
+      const { color, tolerance } = region;
+      return ({ set }, i) =>
+        baseColorOf(set, i).every((channel, axis) => Math.abs(channel - color[axis]) <= tolerance);
+    }
   }
 }
 
@@ -59,8 +72,26 @@ function dragTest(dragged: DragRegion, width: number, height: number): (x: numbe
     const [top, bottom] = [Math.min(from[1], to[1]), Math.max(from[1], to[1])];
     return (x, y) => x >= left && x <= right && y >= top && y <= bottom;
   }
+  if (dragged.kind === 'polygon') return polygonTest(dragged.points);
   const painted = paintedPixels(dragged, width, height);
   return (x, y) => painted[Math.floor(y) * width + Math.floor(x)] === 1;
+}
+
+/** Whether a line to the right leaves the polygon an odd number of times, or the place is on its line. */
+function polygonTest(points: readonly number[]): (x: number, y: number) => boolean {
+  return (x, y) => {
+    let isIn = false;
+    let [ax, ay] = points.slice(-2);
+    for (let p = 0; p < points.length; p += 2) {
+      const [bx, by] = [points[p], points[p + 1]];
+      const side = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+      const isBeside = x >= Math.min(ax, bx) && x <= Math.max(ax, bx);
+      if (side === 0 && isBeside && y >= Math.min(ay, by) && y <= Math.max(ay, by)) return true;
+      if (ay > y !== by > y && side > 0 === by > ay) isIn = !isIn;
+      [ax, ay] = [bx, by];
+    }
+    return isIn;
+  };
 }
 
 /** 1 for each pixel that the brush has touched: lookups take no longer for a long line. */

@@ -1,101 +1,115 @@
-import type { DragRegion, SelectMode } from '../state/selecting.ts';
+import { pictureSpace, placeOf } from '../handles/over-picture.ts';
+import type { InspectTools } from '../inspecting/inspect-tools.ts';
+import { keyScope } from '../shell/commands.ts';
+import type { SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
+import { withoutCorner, withPointerAt } from './polygon.ts';
+import { beginGesture, closePolygon, drawnPolygon, type SelectGesture } from './select-gestures.ts';
+import type { SplatSelecting } from './splat-selecting.ts';
 
-/** Receives the region of a drag in an image of this size, CSS px. */
-export type OnSelected = (dragged: DragRegion, width: number, height: number, mode: SelectMode) => void;
-
-/** A shorter way is a click, which has no rectangle. */
-const LEAST_SIDE_PX = 3;
+/** How near a click is to the first corner of a polygon that closes it, by a mouse and by a finger. */
+const REACH_PX = { fine: 10, touch: 22 } as const;
 
 interface Drag {
   readonly down: PointerEvent;
   readonly canvas: HTMLElement;
+  readonly gesture: SelectGesture;
 }
 
 /**
  * While a tool is chosen, drags over the picture select instead of turning the camera; with a
- * second finger both go on to move it. Shift adds, Alt subtracts.
+ * second finger both go on to move it. Shift adds, Alt subtracts. Keys close a polygon, take its
+ * corners back and cancel it.
  */
-export function listenToSelectDrags(store: ViewerStore, onSelected: OnSelected, signal: AbortSignal): void {
+export function listenToSelectDrags(
+  { store, viewer }: Pick<InspectTools, 'store' | 'viewer'>,
+  selecting: SplatSelecting,
+  signal: AbortSignal,
+): void {
   let drag: Drag | null = null;
   let isHandedOver = false;
-  const listen = (type: string, handler: (event: PointerEvent) => void) =>
-    // Before the canvas hears of it.
+  const listen = <E extends Event>(type: string, handler: (event: E) => void) =>
+    // Before the canvas and the keys of the window hear of it.
     addEventListener(type, handler as (event: Event) => void, { signal, capture: true });
-  const show = (dragged: DragRegion | null) =>
-    store.setState(({ inspecting }) => ({
-      inspecting: { ...inspecting, selecting: { ...inspecting.selecting, dragged } },
-    }));
-  const end = () => {
+  const cancel = () => {
+    drag?.gesture.cancel();
     drag = null;
-    show(null);
   };
-  const selecting = () => store.getState().inspecting.selecting;
 
-  listen('pointerdown', (event) => {
+  listen<PointerEvent>('pointerdown', (event) => {
     if (isHandedOver) return;
     if (drag) {
       const { down, canvas } = drag;
-      end();
+      cancel();
       isHandedOver = true;
       canvas.dispatchEvent(new PointerEvent('pointerdown', down));
       isHandedOver = false;
       return;
     }
-    const { target } = event;
-    if (!begins(event, store) || !(target instanceof HTMLElement)) return;
+    const { target, isPrimary, button, pointerType } = event;
+    const { tool } = selecting.now;
+    const space = pictureSpace(viewer, document.documentElement);
+    if (!tool || !space || !isSelecting(store) || !isPrimary || button !== 0 || !isPicture(target)) return;
+    const reachPx = pointerType === 'touch' ? REACH_PX.touch : REACH_PX.fine;
+    const gesture = beginGesture(tool, selecting, placeOf(event), { space, reachPx });
+    if (!gesture) return;
     event.stopPropagation();
     event.preventDefault();
     focusByPointer(target);
     target.setPointerCapture(event.pointerId);
-    drag = { down: event, canvas: target };
-    const { tool, brushRadius: radius } = selecting();
-    const [x, y] = placeOf(event, target);
-    show(
-      tool === 'brush'
-        ? { kind: 'brush', points: [x, y], radius }
-        : { kind: 'rectangle', from: [x, y], to: [x, y] },
-    );
+    drag = { down: event, canvas: target, gesture };
   });
-  listen('pointermove', (event) => {
-    const { dragged } = selecting();
-    if (drag?.down.pointerId !== event.pointerId || !dragged) return;
-    const [x, y] = placeOf(event, drag.canvas);
-    show(
-      dragged.kind === 'brush'
-        ? { ...dragged, points: [...dragged.points, x, y] }
-        : { ...dragged, to: [x, y] },
-    );
+  listen<PointerEvent>('pointermove', (event) => {
+    const { target } = event;
+    const polygon = drawnPolygon(selecting);
+    if (drag?.down.pointerId === event.pointerId) drag.gesture.move(placeOf(event));
+    else if (!drag && polygon && event.buttons === 0 && isSelecting(store) && isPicture(target))
+      selecting.choose({ dragged: withPointerAt(polygon, placeOf(event)) });
   });
-  listen('pointerup', (event) => {
-    const { dragged, mode } = selecting();
+  listen<PointerEvent>('pointerup', (event) => {
     if (drag?.down.pointerId !== event.pointerId) return;
-    const { clientWidth, clientHeight } = drag.canvas;
-    end();
-    if (!dragged || isEmpty(dragged) || store.getState().dock !== 'inspect') return;
-    onSelected(dragged, clientWidth, clientHeight, event.shiftKey ? 'add' : event.altKey ? 'subtract' : mode);
+    const { gesture } = drag;
+    drag = null;
+    if (store.getState().dock === 'inspect') gesture.end(modeOf(event, selecting));
+    else gesture.cancel();
   });
   for (const type of ['pointercancel', 'lostpointercapture'])
-    listen(type, (event) => {
-      if (drag?.down.pointerId === event.pointerId) end();
+    listen<PointerEvent>(type, (event) => {
+      if (drag?.down.pointerId === event.pointerId) cancel();
     });
+  listen<KeyboardEvent>('keydown', (event) => {
+    const { key, target } = event;
+    const polygon = drawnPolygon(selecting);
+    const space = pictureSpace(viewer, document.documentElement);
+    const isCommand = event.ctrlKey || event.metaKey;
+    if (!polygon || !space || !isSelecting(store) || isCommand || keyScope(target) === 'text') return;
+    if (key === 'Escape') {
+      cancel();
+      selecting.choose({ dragged: null });
+    } else if (key === 'Backspace') selecting.choose({ dragged: withoutCorner(polygon) });
+    else if (key === 'Enter' && !(target instanceof HTMLButtonElement))
+      closePolygon(selecting, space, modeOf(event, selecting));
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
 }
 
-function begins({ isPrimary, button, target }: PointerEvent, store: ViewerStore): boolean {
-  const { dock, flightSpeed, inspecting } = store.getState();
-  const isChosen = dock === 'inspect' && inspecting.tab === 'select' && inspecting.selecting.tool !== null;
-  const isOverPicture = target instanceof HTMLElement && target.matches('.viewport');
-  return isChosen && flightSpeed === null && isPrimary && button === 0 && isOverPicture;
+/** How a selection joins the one before, by the keys that are held. */
+export function modeOf(
+  { shiftKey, altKey }: Pick<MouseEvent, 'shiftKey' | 'altKey'>,
+  { now }: SplatSelecting,
+): SelectMode {
+  return shiftKey ? 'add' : altKey ? 'subtract' : now.mode;
 }
 
-function placeOf({ clientX, clientY }: PointerEvent, canvas: HTMLElement): [number, number] {
-  const { left, top } = canvas.getBoundingClientRect();
-  return [clientX - left, clientY - top];
+/** Whether what happens in the picture may select. */
+function isSelecting(store: ViewerStore): boolean {
+  const { dock, flightSpeed, inspecting, isHelpVisible } = store.getState();
+  return dock === 'inspect' && inspecting.tab === 'select' && flightSpeed === null && !isHelpVisible;
 }
 
-function isEmpty(dragged: DragRegion): boolean {
-  if (dragged.kind === 'brush') return false;
-  const { from, to } = dragged;
-  return Math.min(Math.abs(from[0] - to[0]), Math.abs(from[1] - to[1])) < LEAST_SIDE_PX;
+function isPicture(target: EventTarget | null): target is HTMLElement {
+  return target instanceof HTMLElement && target.matches('.viewport');
 }

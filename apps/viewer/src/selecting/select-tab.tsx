@@ -2,15 +2,16 @@ import { useStore } from 'zustand';
 import { formatCount, formatSplats } from '../formatting/format.ts';
 import { Action, StepActions } from '../inspecting/actions.tsx';
 import type { InspectProps } from '../inspecting/inspect-props.ts';
-import type { SelectMode, SelectTool } from '../state/selecting.ts';
+import { SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
+import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { countOf } from './row-masks.ts';
 import './select-tab.css';
 
-const TOOLS: readonly Choice<SelectTool>[] = [
-  ['rectangle', 'Rectangle'],
-  ['brush', 'Brush'],
+const TOOLS: readonly Choice<SelectTool | null>[] = [
+  ...SELECT_TOOLS.map(({ name, label }) => [name, label] as const),
   [null, 'Orbit', 'turn'],
 ];
 const MODES: readonly Choice<SelectMode>[] = [
@@ -18,6 +19,7 @@ const MODES: readonly Choice<SelectMode>[] = [
   ['add', 'Add'],
   ['subtract', 'Subtract'],
 ];
+const COMMON_HINT = 'Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.';
 const BRUSH_PX = { least: 4, most: 120 } as const;
 
 /** Selects splats in the picture, removes them, and saves them or the others. */
@@ -35,18 +37,22 @@ export function SelectTab({ store, inspection }: InspectProps) {
   return (
     <div className="inspect-sections">
       <Choices
-        label="Dragging over the picture"
+        label="Pointing at the picture"
         choices={TOOLS}
         chosen={tool}
         testId="select-"
-        onChoose={(each) => selecting.choose({ tool: each })}
+        isChips
+        titleOf={(each) => SELECT_TOOLS.find(({ name }) => name === each)?.key}
+        onChoose={(each) => selecting.choose({ tool: each, dragged: null })}
       />
       <p>
         {tool
-          ? 'A drag over the picture selects splats by their centres, however deep: Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.'
+          ? `${SELECT_TOOLS.find(({ name }) => name === tool)?.hint} ${COMMON_HINT}`
           : 'A drag orbits the scene.'}
       </p>
       {tool === 'brush' && <BrushSize store={store} inspection={inspection} />}
+      {tool === 'sphere' && <SphereRadius store={store} inspection={inspection} />}
+      {tool === 'color' && <Tolerance store={store} inspection={inspection} />}
       <Choices
         label="How a new selection joins the old one"
         choices={MODES}
@@ -124,5 +130,69 @@ function BrushSize({ store, inspection }: InspectProps) {
       testId="select-brush-size"
       onValue={(widthPx) => inspection.selecting.choose({ brushRadius: widthPx / 2 })}
     />
+  );
+}
+
+function SphereRadius({ store, inspection }: InspectProps) {
+  // The first radius follows from the scene.
+  useStore(store, (state) => state.inspecting.selecting.sphereRadius);
+  const { selecting } = inspection;
+  return (
+    <div className="inspect-actions">
+      <div className="select-radius">
+        <span aria-hidden="true">Radius</span>
+        <NumberField
+          label="Radius, scene units"
+          value={selecting.sphereRadius}
+          step="any"
+          min={0}
+          testId="select-radius"
+          onChange={(radius) => {
+            selecting.sphereRadius = radius;
+          }}
+        />
+        <span aria-hidden="true">units</span>
+      </div>
+      <PickMiddle inspection={inspection} />
+    </div>
+  );
+}
+
+function Tolerance({ store, inspection }: InspectProps) {
+  const { tolerance, picked } = useStore(store, (state) => state.inspecting.selecting);
+  return (
+    <>
+      <Slider
+        label="Tolerance"
+        min={0}
+        max={255}
+        value={tolerance}
+        shown={String(tolerance)}
+        aria-valuetext={`${tolerance} of 255 in each channel`}
+        title="In 255ths, in each channel"
+        testId="select-tolerance"
+        onValue={(value) => {
+          inspection.selecting.tolerance = value;
+        }}
+      />
+      <div className="inspect-actions">
+        {picked?.kind === 'color' && (
+          <span className="select-color" data-testid="select-base-color">
+            <i style={{ background: `rgb(${picked.color.join(' ')})` }} />
+            {picked.color.join(', ')}
+          </span>
+        )}
+        <PickMiddle inspection={inspection} />
+      </div>
+    </>
+  );
+}
+
+/** The click of those who have no pointer. */
+function PickMiddle({ inspection }: Pick<InspectProps, 'inspection'>) {
+  return (
+    <TextButton testId="select-middle" onClick={() => inspection.pickMiddle()}>
+      Pick the middle of the picture
+    </TextButton>
   );
 }

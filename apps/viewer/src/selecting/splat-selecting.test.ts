@@ -1,10 +1,12 @@
-import { perspectiveCamera } from '@websplatter/core';
+import { perspectiveCamera, type SplatPick } from '@websplatter/core';
 import type { SplatSelection } from '@websplatter/core/effects';
-import { expect, it } from 'vitest';
+import { colorDcOf } from '@websplatter/core/own-data';
+import { expect, it, vi } from 'vitest';
 import { EditHistory } from '../inspecting/edit-history.ts';
 import { fakeTools } from '../inspecting/inspect-tools.fixture.ts';
 import type { CloudEffects } from '../state/requested-effects.ts';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
+import type { PickedRegion } from '../state/selecting.ts';
 import { countOf } from './row-masks.ts';
 import { SplatSelecting } from './splat-selecting.ts';
 
@@ -77,10 +79,74 @@ it('removes what is selected from the picture, inverts what is left, and undoes 
   expect(counts()).toEqual([5, 0]);
 });
 
+/** What the scene was asked for, in order. */
+const regionsOf = ({ ask }: ReturnType<typeof selectingOf>) =>
+  ask.mock.calls.flatMap(([about, question]) =>
+    about === 'within' ? [(question as { region: PickedRegion }).region] : [],
+  );
+
+it('selects a sphere around a pick, whose radius changes in the same step, and is that of the next', async () => {
+  const fake = selectingOf(0b11, 0);
+  const { selecting, history, ask, now, counts, viewer } = fake;
+  fake.store.setState({ isFlipped: true });
+  viewer.pickAt.mockResolvedValue({ point: [1, 2, 3] } as unknown as SplatPick);
+  selecting.choose({ tool: 'sphere', mode: 'add' });
+  await selecting.pickAt(0.5, 0.5, 'add');
+  // The first is a tenth as large as what the camera looks at.
+  expect(now().picked).toEqual({ kind: 'sphere', center: [1, -2, -3], radius: 0.1 });
+  expect(counts()).toEqual([2, 0]);
+  // Of changes during an answer, the newest counts; what was selected before the pick stays.
+  ask.mockResolvedValue([Uint32Array.of(0b100), Uint32Array.of(0)]);
+  for (const radius of [1, 2, 3]) selecting.sphereRadius = radius;
+  await vi.waitFor(() =>
+    expect(regionsOf(fake).map((region) => 'radius' in region && region.radius)).toEqual([0.1, 1, 3]),
+  );
+  await vi.waitFor(() => expect(counts()).toEqual([1, 0]));
+  expect(now().picked).toMatchObject({ radius: 3 });
+  await selecting.pickAt(0.1, 0.1, 'subtract');
+  expect(now().picked).toMatchObject({ radius: 3 });
+  expect(counts()).toEqual([0, 0]);
+  // Each pick is undone at once, and can be changed no more.
+  history.undo();
+  expect(counts()).toEqual([1, 0]);
+  expect(now().picked).toBeNull();
+  selecting.sphereRadius = 4;
+  expect(regionsOf(fake)).toHaveLength(4);
+  history.undo();
+  expect(counts()).toEqual([0, 0]);
+});
+
+it('selects by the base colour of a pick, within a tolerance that changes in the same step', async () => {
+  const fake = selectingOf(0b11, 0);
+  const { selecting, ask, history, counts, viewer } = fake;
+  viewer.pickAt.mockResolvedValue({ cloudIndex: 1, splatIndex: 7 } as unknown as SplatPick);
+  const found = [Uint32Array.of(0b11), Uint32Array.of(0)];
+  ask.mockImplementation(async (about) =>
+    about === 'splat' ? { colorDc: Float32Array.from([0.2, 2, -1], colorDcOf) } : found,
+  );
+  selecting.choose({ tool: 'color' });
+  await selecting.pickAt(0.5, 0.5, 'replace');
+  expect(ask.mock.calls[0]).toEqual(['splat', { cloudIndex: 1, row: 7 }]);
+  selecting.tolerance = 40;
+  const color = [51, 255, 0];
+  await vi.waitFor(() =>
+    expect(regionsOf(fake)).toEqual([
+      { kind: 'color', color, tolerance: 16 },
+      { kind: 'color', color, tolerance: 40 },
+    ]),
+  );
+  await vi.waitFor(() => expect(counts()).toEqual([2, 0]));
+  history.undo();
+  expect(counts()).toEqual([0, 0]);
+});
+
 it('says where no splat is, and changes nothing where the scene cannot be read', async () => {
   const { selecting, ask, inspecting, now } = selectingOf(0, 0);
   await selecting.selectSeen();
   expect(inspecting().problem).toContain('No splat');
+  selecting.choose({ tool: 'sphere' });
+  await selecting.pickAt(0.5, 0.5, 'add');
+  expect(inspecting().problem).toContain('No splat is drawn there');
   const before = now();
   ask.mockResolvedValue(undefined);
   await selecting.select({ kind: 'all' });

@@ -1,10 +1,14 @@
+import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import { type DockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import { toggleTheme } from '../ui/theme.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
+type SelectCommand = `select-${SelectTool}`;
+
 export type CommandName =
+  | SelectCommand
   | 'open'
   | 'add'
   | 'flip'
@@ -56,6 +60,10 @@ export const COMMANDS: readonly Command[] = [
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'annotate', label: 'Place an annotation', key: 'p', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
+  ...SELECT_TOOLS.map(
+    ({ name, label, key }) =>
+      ({ name: `select-${name}`, label: `Select by ${label.toLowerCase()}`, key, isInPanel: true }) as const,
+  ),
   { name: 'save', label: 'Save and share', key: 'x', word: 'Save' },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
   { name: 'theme', label: 'Light or dark', key: 't', isInPanel: true },
@@ -72,6 +80,7 @@ const NEED_SCENE: readonly CommandName[] = [
   'fly',
   'annotate',
   'add',
+  ...SELECT_TOOLS.map(({ name }) => `select-${name}` as const),
 ];
 
 /** Whether a command can do anything now. */
@@ -90,7 +99,20 @@ export function createCommands(
 ): RunCommand {
   const toggle = (name: DockName) => () =>
     store.setState(({ dock }) => ({ dock: dock === name ? null : name }));
+  const selectBy = (tool: SelectTool) =>
+    store.setState(({ inspecting }) => ({
+      dock: 'inspect',
+      inspecting: {
+        ...inspecting,
+        tab: 'select',
+        problem: null,
+        selecting: { ...inspecting.selecting, tool, dragged: null },
+      },
+    }));
   const run: Record<CommandName, () => void> = {
+    ...(Object.fromEntries(
+      SELECT_TOOLS.map(({ name }) => [`select-${name}`, () => selectBy(name)]),
+    ) as Record<SelectCommand, () => void>),
     open: () => chooseFiles(false),
     add: () => chooseFiles(true),
     clouds: toggle('clouds'),

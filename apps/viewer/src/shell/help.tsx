@@ -14,7 +14,7 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ['Zoom', 'Wheel, to the cursor · pinch'],
   ['Orbit around a place', 'Double-click · double tap'],
   ['Inspect, measure (I)', 'Click · tap'],
-  ['Select (I)', 'Drag · one finger'],
+  ['Select (1 to 5)', 'Drag or click · one finger'],
 ];
 
 const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [

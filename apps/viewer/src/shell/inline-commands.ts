@@ -15,7 +15,10 @@ const WORD_PX = 50;
  * The commands whose buttons fit into the toolbar, in their order; the others are in its menu.
  * Those with a word of their own go first.
  */
-export function inlineCommands(commands: readonly Command[], windowWidthPx: number): readonly Command[] {
+export function inlineCommands<Each extends Command>(
+  commands: readonly Each[],
+  windowWidthPx: number,
+): readonly Each[] {
   const worded = commands.filter(({ word }) => word !== undefined);
   if (windowWidthPx <= WORDS_WIDTH_PX) return worded;
   const leftPx = windowWidthPx - (windowWidthPx <= WHOLE_WIDTH_PX ? MARGINS_PX : FIGURES_PX) - WORD_PX;

@@ -1,12 +1,14 @@
 import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { Icon } from '../ui/icon.tsx';
+import { Icon, type IconName } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
-import { COMMANDS, type CommandName, isAvailable, type RunCommand } from './commands.ts';
+import { COMMANDS, type Command, type CommandName, isAvailable, type RunCommand } from './commands.ts';
 import { inlineCommands } from './inline-commands.ts';
 
-const BUTTONS = COMMANDS.filter(({ isInPanel }) => !isInPanel);
+type ButtonCommand = Command & { readonly name: IconName };
+
+const BUTTONS = COMMANDS.filter((command): command is ButtonCommand => !command.isInPanel);
 
 /** The button of the menu, among those where the Tab key may stop. */
 const MENU = 'menu';

@@ -1,16 +1,51 @@
+import type { Vec3 } from '../camera/vec3.ts';
+
 /**
  * Rows of clouds by `cloudKeys`: bit `row % 32` of word `row / 32`, never changed in place. Clouds
  * without a row are absent.
  */
 export type RowMasks = ReadonlyMap<string, Uint32Array<ArrayBuffer>>;
 
-/** Tool of a drag over the picture; null turns the camera. */
-export type SelectTool = 'rectangle' | 'brush' | null;
+/** Tools that select by a pointer over the picture, with the keys of their commands. */
+export const SELECT_TOOLS = [
+  {
+    name: 'rectangle',
+    label: 'Rectangle',
+    key: '1',
+    hint: 'Drag over the picture: splats count by their centres, however deep.',
+  },
+  {
+    name: 'brush',
+    label: 'Brush',
+    key: '2',
+    hint: 'Paint over the picture: splats count by their centres, however deep.',
+  },
+  {
+    name: 'polygon',
+    label: 'Polygon',
+    key: '3',
+    hint: 'Click corners around centres of splats, however deep. Enter, or a click on the first corner, closes the polygon; Backspace takes the last corner back; Escape cancels.',
+  },
+  {
+    name: 'sphere',
+    label: 'Sphere',
+    key: '4',
+    hint: 'Drag from a splat as far as the sphere is to reach, or click one to keep the radius: splats count by their centres.',
+  },
+  {
+    name: 'color',
+    label: 'Colour',
+    key: '5',
+    hint: 'Click a splat: all of the scene with about its base colour are selected. A drag orbits.',
+  },
+] as const;
+
+export type SelectTool = (typeof SELECT_TOOLS)[number]['name'];
 
 /** How a new selection joins the one before. */
 export type SelectMode = 'replace' | 'add' | 'subtract';
 
-/** A part of the image, CSS px from its top left. */
+/** A part of the image with its border, CSS px from its top left. */
 export type DragRegion =
   | {
       readonly kind: 'rectangle';
@@ -18,7 +53,16 @@ export type DragRegion =
       readonly to: readonly [number, number];
     }
   /** All that is no further than `radius` from the line through the points: x, y, x, y … */
-  | { readonly kind: 'brush'; readonly points: readonly number[]; readonly radius: number };
+  | { readonly kind: 'brush'; readonly points: readonly number[]; readonly radius: number }
+  /** Corners: x, y, x, y … Places that its line goes around an even number of times are outside. */
+  | { readonly kind: 'polygon'; readonly points: readonly number[] };
+
+/** A part of the scene around a splat that was picked. */
+export type PickedRegion =
+  /** A ball with its surface, in the scene's own space. */
+  | { readonly kind: 'sphere'; readonly center: Vec3; readonly radius: number }
+  /** Splats none of whose channels is further than `tolerance` from a base colour; in 255ths. */
+  | { readonly kind: 'color'; readonly color: Vec3; readonly tolerance: number };
 
 /** Splats that are selected, and those that are neither drawn nor saved. None is both. */
 export interface SplatEdit {
@@ -27,12 +71,19 @@ export interface SplatEdit {
 }
 
 export interface Selecting extends SplatEdit {
-  readonly tool: SelectTool;
+  /** Null turns the camera. */
+  readonly tool: SelectTool | null;
   readonly mode: SelectMode;
   /** CSS px. */
   readonly brushRadius: number;
-  /** The region being dragged over the picture. */
+  /** Of the next sphere, scene units; null before the first one. */
+  readonly sphereRadius: number | null;
+  /** Of the next colour, 0…255. */
+  readonly tolerance: number;
+  /** The region being drawn over the picture; a polygon's last point goes with the pointer. */
   readonly dragged: DragRegion | null;
+  /** The region that is selected, to be changed until the next edit. */
+  readonly picked: PickedRegion | null;
   /** Whether the selection is saved, and not all that is left. */
   readonly savesSelection: boolean;
 }
@@ -43,6 +94,9 @@ export const NOTHING_SELECTED: Selecting = {
   tool: 'rectangle',
   mode: 'replace',
   brushRadius: 20,
+  sphereRadius: null,
+  tolerance: 16,
   dragged: null,
+  picked: null,
   savesSelection: false,
 };

@@ -19,7 +19,7 @@ export function Choices<Value>({
   /** Beginning of each button's. */
   testId: string;
   isChips?: boolean;
-  titleOf?: (value: Value) => string;
+  titleOf?: (value: Value) => string | undefined;
   onChoose: (value: Value) => void;
 }) {
   return (

@@ -1,0 +1,41 @@
+import type { PicturePoint } from '../camera/picture-space.ts';
+import type { DragRegion } from '../state/selecting.ts';
+
+/** While it is drawn: corners, and behind them the place of the pointer. */
+type Polygon = Extract<DragRegion, { kind: 'polygon' }>;
+
+const FEWEST_CORNERS = 3;
+
+/** A polygon whose pointer is there; without one, a new one that has no corner. */
+export function withPointerAt(polygon: Polygon | null, at: PicturePoint): Polygon {
+  return { kind: 'polygon', points: [...cornersOf(polygon), ...at] };
+}
+
+/** Sets a corner where the pointer is. */
+export function withCorner(polygon: Polygon): Polygon {
+  return { ...polygon, points: [...polygon.points, ...polygon.points.slice(-2)] };
+}
+
+/** Takes the last corner back; null where there is no other. */
+export function withoutCorner({ points }: Polygon): Polygon | null {
+  return points.length > 4
+    ? { kind: 'polygon', points: [...points.slice(0, -4), ...points.slice(-2)] }
+    : null;
+}
+
+/** Of the corners alone; null where they are too few. */
+export function closed(polygon: Polygon): Polygon | null {
+  const points = cornersOf(polygon);
+  return points.length < 2 * FEWEST_CORNERS ? null : { kind: 'polygon', points };
+}
+
+/** Whether the pointer is on the first corner of enough, or as near to it as `reachPx`. */
+export function isAtStart(polygon: Polygon, reachPx: number): boolean {
+  const [x, y] = polygon.points;
+  const [pointerX, pointerY] = polygon.points.slice(-2);
+  return closed(polygon) !== null && Math.hypot(pointerX - x, pointerY - y) <= reachPx;
+}
+
+export function cornersOf(polygon: Polygon | null): readonly number[] {
+  return polygon?.points.slice(0, -2) ?? [];
+}
