@@ -91,13 +91,20 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'effects');
   });
 
-  it('has nothing that axe-core finds wrong while splats are inspected and selected', async () => {
+  it('has nothing that axe-core finds wrong while splats are inspected, selected and cropped', async () => {
     const page = await openAudited(PHONE);
     await openPanel(page, 'i', 'inspect');
     await expectAccessible(page, 'inspecting');
     await page.getByTestId('inspect-tab-select').click();
-    await page.getByTestId('select-brush').click();
-    await expectAccessible(page, 'selecting');
+    for (const tool of ['brush', 'polygon', 'sphere', 'color']) {
+      await page.getByTestId(`select-${tool}`).click();
+      await expectAccessible(page, `selecting by ${tool}`);
+    }
+    await page.getByTestId('inspect-tab-crop').click();
+    await expectAccessible(page, 'before a crop');
+    await page.getByTestId('crop-begin').click();
+    await page.getByTestId('crop-handle-max-x').waitFor();
+    await expectAccessible(page, 'cropping');
   });
 
   it('has nothing that axe-core finds wrong in the panels of the view, to save, of files and of keys', async () => {
