@@ -251,7 +251,10 @@ describe('inspecting a scene in the viewer', () => {
   it('selects what is in a polygon by keys alone', async () => {
     const page = await shareViewer(CHEAP, { viewport: WINDOW });
     await page.keyboard.press('h');
-    await redraw(page, () => page.keyboard.press('3'));
+    await page.keyboard.press('Control+k');
+    await page.getByTestId('find-command').waitFor();
+    await page.keyboard.type('polygon');
+    await redraw(page, () => page.keyboard.press('Enter'));
     await page.getByTestId('select-polygon').waitFor();
     await tabTo(page, 'polygon-cross');
     const place = await page.getByTestId('polygon-cross').boundingBox();
@@ -296,7 +299,7 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('inspect-position').waitFor();
     const row = Number((await textOf(page, 'inspect-row')).replace(/\D/g, ''));
     await redraw(page, () => page.getByTestId('inspect-tab-select').click());
-    await page.getByTestId('select-sphere').click();
+    await page.keyboard.press('4');
     const before = await drawnCamera(page);
     const [p0, p5, p8, p9] = [0, 5, 8, 9].map((i) => before.projectionMatrix[i]);
     const places = viewPlaces(await rowsOfFile(), before);
