@@ -33,6 +33,8 @@ const firefoxTest = testWith({
 const scene = testScene();
 /** Enough rows for the GPU to take them. */
 const other = testScene(70_000);
+/** More than a sample has. */
+const large = testScene(240_000);
 const servers: AppServer[] = [];
 const PATIENTLY = { timeout: LONG_PATIENCE_MS };
 let browser: Browser | undefined;
@@ -57,9 +59,13 @@ afterAll(async () => {
   await rm(folder, { recursive: true, force: true });
 });
 
-/** Serves an app, with a file `scene.ply`, and opens its page. */
-async function open(appFolder: string, address = ''): Promise<Page> {
-  const server = await startAppServer(appFolder, { 'scene.ply': encodePly(scene) });
+/** Serves an app, with a file `scene.ply` and others, and opens its page. */
+async function open(
+  appFolder: string,
+  address = '',
+  files: Readonly<Record<string, Uint8Array>> = {},
+): Promise<Page> {
+  const server = await startAppServer(appFolder, { 'scene.ply': encodePly(scene), ...files });
   servers.push(server);
   const opened = await openPage(browser!, `${server.url}${address}`, [loseDeviceOnDemand, noteNotices]);
   watched.push(opened);
@@ -71,7 +77,10 @@ const frameCount = (page: Page) =>
 
 /** Waits until the picture at rest shows the scene with this title, and nothing is being loaded. */
 async function waitForScene(page: Page, title: string): Promise<void> {
-  await page.waitForSelector(
+  // `waitForSelector` observes mutations, and has missed this one where much memory had been freed.
+  await page.waitForFunction(
+    (selector) => document.querySelector(selector) !== null,
+    {},
     `html[data-state=ready] canvas[data-resting][data-scene=${JSON.stringify(title)}]`,
   );
 }
@@ -94,8 +103,8 @@ async function expectViewerAsReference(page: Page, set: typeof scene): Promise<D
 }
 
 /** The viewer with the scene in it, without panels or figures before the picture. */
-async function openViewer(): Promise<Page> {
-  const page = await open('apps/viewer', '?file=/scene.ply');
+async function openViewer(options = '', files?: Readonly<Record<string, Uint8Array>>): Promise<Page> {
+  const page = await open('apps/viewer', `?file=/scene.ply${options}`, files);
   await waitForScene(page, 'scene.ply');
   await adoptStyle(page, IMAGE_ALONE);
   return page;
@@ -214,6 +223,53 @@ async function dropFiles(page: Page, names: readonly string[], bytes: Uint8Array
   };
   await page.evaluate(drop, names, Buffer.from(bytes).toString('base64'));
 }
+
+firefoxTest(
+  'the viewer keeps a large file in its storage, streams it from there, and has it at once then',
+  async () => {
+    const page = await openViewer('&keep=1000000&accuracy=fast', { 'large.ply': encodePly(large) });
+    const kept = () =>
+      page.evaluate(async () => {
+        const root = await navigator.storage.getDirectory();
+        const names: string[] = [];
+        for await (const scene of (await root.getDirectoryHandle('websplatter-bricks')).values())
+          for await (const name of (scene as FileSystemDirectoryHandle).keys()) names.push(name);
+        return names.sort();
+      });
+    const drop = () =>
+      page.evaluate(async () => {
+        const bytes = await (await fetch('large.ply')).arrayBuffer();
+        Object.assign(window, { phases: new Set<string>() });
+        const { phases } = window as unknown as { phases: Set<string> };
+        new MutationObserver(() => {
+          phases.add(document.querySelector('[data-testid=load-phase]')?.textContent ?? '');
+        }).observe(document, { childList: true, characterData: true, subtree: true });
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([bytes], 'large.ply', { lastModified: 1e12 }));
+        const target = document.querySelector('[data-testid=viewport]');
+        for (const type of ['dragenter', 'dragover', 'drop'])
+          target?.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+      });
+    const wasArranged = () =>
+      page.evaluate(() =>
+        (window as unknown as { phases: Set<string> }).phases.has('Arranging for streaming'),
+      );
+    const address = page.url();
+    await drop();
+    await waitForScene(page, 'large.ply');
+    expect(await wasArranged()).toBe(true);
+    expect(await kept()).toEqual(['about.json', 'scene.bricks', 'used']);
+    await expectViewerAsReference(page, large);
+
+    await page.goto(address);
+    await waitForScene(page, 'scene.ply');
+    await adoptStyle(page, IMAGE_ALONE);
+    await drop();
+    await waitForScene(page, 'large.ply');
+    expect(await wasArranged()).toBe(false);
+    await expectViewerAsReference(page, large);
+  },
+);
 
 firefoxTest('React draws, changes and leaves nothing behind', async () => {
   const page = await open('e2e/react');
