@@ -52,7 +52,7 @@ describe.runIf(isInstalled || process.env.WEBSPLATTER_FULL === '1')(
 
     it.each([
       [-0.05, 0.3],
-      [0.3, 0.25],
+      [-0.2, 0.42],
       [0.1, 0.4],
     ])('a ball that falls on the table at %s, %s rests on it, within a cell of what is seen', (x, z) => {
       const rest = dropped(x, 0.3, z);

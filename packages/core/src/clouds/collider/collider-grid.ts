@@ -18,8 +18,13 @@ export interface GridPlan {
  * is left.
  */
 const BLUR_CELLS = 0.35;
-/** Optical depth below which a splat's share of a node is left out. */
+/** Optical depth below which a splat, and its share of a node, is left out. */
 const LEAST_DEPTH = 0.02;
+/**
+ * Squared deviations within which a blurred splat counts however small its shares are: a surface of
+ * splats far smaller than a cell has thousands.
+ */
+const LEAST_REACH = 4;
 /** Opacity of a splat is limited to this when it is drawn. */
 const MOST_ALPHA = 0.99;
 /** Splats with larger deviations, in parts of the grid's longest side, are sky or haze. */
@@ -51,15 +56,15 @@ export class ColliderGrid {
   #addShape(): void {
     const shape = this.#shape;
     const { start, size, cellSize } = this.plan;
+    const opacity = Math.min(MOST_ALPHA, shape[OPACITY]);
+    if (depthOf(opacity) < LEAST_DEPTH) return;
     const area = areaOf(shape, COVARIANCE);
     const blur = (BLUR_CELLS * cellSize) ** 2;
     for (let axis = 0; axis < 3; axis++) shape[COVARIANCE + axis] += blur;
     // Blurred, a splat is larger than it was: it keeps its share of what is seen.
-    const alpha = (Math.min(MOST_ALPHA, shape[OPACITY]) * area) / areaOf(shape, COVARIANCE);
-    const depth = -Math.log(1 - alpha);
-    if (depth < LEAST_DEPTH) return;
+    const depth = depthOf((opacity * area) / areaOf(shape, COVARIANCE));
     // Within this squared distance, in standard deviations, it counts.
-    const reach = 2 * Math.log(depth / LEAST_DEPTH);
+    const reach = Math.max(LEAST_REACH, 2 * Math.log(depth / LEAST_DEPTH));
 
     const xx = shape[COVARIANCE];
     const yy = shape[COVARIANCE + 1];
@@ -104,4 +109,9 @@ export class ColliderGrid {
       }
     }
   }
+}
+
+/** Optical depth of what has this opacity. */
+function depthOf(opacity: number): number {
+  return -Math.log(1 - opacity);
 }

@@ -120,6 +120,24 @@ describe('a collider', () => {
     }
   });
 
+  test('has no holes either where splats are far smaller than a cell', async () => {
+    const side = 150;
+    const [spacing, size] = [0.02, Math.log(0.015)];
+    const sheet = Array.from(
+      { length: side ** 2 },
+      (_, k): SplatValues => ({
+        position: [spacing * (k % side), 0.1, spacing * Math.floor(k / side)],
+        logScales: [size, Math.log(0.001), size],
+        opacityLogit: 2,
+      }),
+    );
+    const bounds = { min: [0.5, -1, 0.5], max: [2.5, 1, 2.5] } as const;
+    const mesh = await makeColliderMesh(packed(sheet), { cellSize: 0.5, bounds, fewestTriangles: 0 });
+    expect(openEdgesOf(mesh)).toBe(0);
+    expect(mesh.positions.length / 3 - mesh.indices.length / 6).toBe(2);
+    expect(volumeOf(mesh)).toBeGreaterThan(1);
+  });
+
   test('leaves out faint splats, ones as large as the sky, and ones that float about alone', async () => {
     const faint = ball(1, [5, 0, 0]).map((values) => ({ ...values, opacityLogit: -4.5 }));
     const sky = [{ position: [0, 0, 0] as const, logScales: [3, 3, 3] as const, opacityLogit: 4 }];
