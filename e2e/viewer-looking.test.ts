@@ -95,8 +95,8 @@ describe('looking around in the viewer', () => {
     expect(alone.projectionMatrix).toEqual(first.projectionMatrix);
 
     await page.keyboard.press('g');
-    await page.getByTestId('flight').waitFor();
-    expect(await textOf(page, 'flight')).toContain('1.0×');
+    await page.getByTestId('travel').waitFor();
+    expect(await textOf(page, 'travel')).toContain('1.0×');
     const flown = await after(page, async () => {
       await page.keyboard.down('w');
       await page.keyboard.up('w');
@@ -106,7 +106,7 @@ describe('looking around in the viewer', () => {
     // It goes on as it looked.
     expectClose(rotationOf(flown), rotationOf(again));
     await page.keyboard.press('Escape');
-    await page.getByTestId('flight').waitFor({ state: 'detached' });
+    await page.getByTestId('travel').waitFor({ state: 'detached' });
     expect(await page.evaluate(() => document.pointerLockElement)).toBeNull();
   });
 });

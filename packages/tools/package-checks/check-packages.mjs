@@ -22,13 +22,15 @@ const VIEWER_LIMITS = { start: 125_000, initial: 187_400, all: 414_000 };
 /**
  * Not counted among all of them: the hard cases, pages in place of the viewer, which it never
  * loads, and the readers that these use, and that stand in for workers where none can be started;
- * and what writes web pages and videos, which is fetched when somebody saves one.
+ * what writes web pages and videos, which is fetched when somebody saves one; and what walks, which
+ * is fetched when somebody does.
  */
 const VIEWER_APART = [
   'apps/viewer/src/hard-cases/all-cases.ts',
   'apps/viewer/src/gallery-page.tsx',
   'apps/viewer/src/saving/pages.ts',
   'apps/viewer/src/videos/video-writer.ts',
+  'apps/viewer/src/walking/walks.ts',
   'packages/core/src/io/formats/readers.ts',
   'packages/core/src/io/loading/serve-load.ts',
   'packages/core/src/io/loading/read-source.ts',

@@ -20,6 +20,7 @@ const DIRECTIONS: Readonly<Record<string, Vec3>> = {
   KeyD: [1, 0, 0],
   KeyA: [-1, 0, 0],
   KeyE: [0, 1, 0],
+  Space: [0, 1, 0],
   KeyQ: [0, -1, 0],
   KeyW: [0, 0, 1],
   KeyS: [0, 0, -1],

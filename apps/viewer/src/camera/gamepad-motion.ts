@@ -1,5 +1,6 @@
-import { flown, turnedInPlace } from './fly-pose.ts';
+import { turnedInPlace } from './fly-pose.ts';
 import { type DistanceRange, dollied, type OrbitPose, orbited, panned } from './orbit-pose.ts';
+import type { Vec3 } from './vec3.ts';
 
 /** Positions of a gamepad's sticks and triggers after dead zones: −1…1, and 0…1 for triggers. */
 export interface GamepadSticks {
@@ -61,20 +62,17 @@ export function orbitedBy(
   return dollied(moved, Math.exp((leftTrigger - rightTrigger) * DOLLY_PER_S * elapsedS), range);
 }
 
-/**
- * In flight: the right stick looks around, the left one moves ahead and sideways, triggers go up
- * and down.
- *
- * @param unitsPerS of a stick that is pushed all the way.
- */
-export function flownBy(
-  pose: OrbitPose,
-  { left, right, leftTrigger, rightTrigger }: GamepadSticks,
-  elapsedS: number,
-  unitsPerS: number,
-): OrbitPose {
+/** Within the scene: the right stick looks around. */
+export function lookedBy(pose: OrbitPose, { right }: GamepadSticks, elapsedS: number): OrbitPose {
   const turn = TURN_RADIANS_PER_S * elapsedS;
-  const way = unitsPerS * elapsedS;
-  const looking = turnedInPlace(pose, -right[0] * turn, right[1] * -turn);
-  return flown(looking, [left[0] * way, (rightTrigger - leftTrigger) * way, -left[1] * way]);
+  return turnedInPlace(pose, -right[0] * turn, -right[1] * turn);
+}
+
+/**
+ * Within the scene: the left stick moves ahead and sideways, triggers go up and down. Returns right,
+ * up and ahead; null for none.
+ */
+export function directionOf({ left, leftTrigger, rightTrigger }: GamepadSticks): Vec3 | null {
+  const direction: Vec3 = [left[0], rightTrigger - leftTrigger, -left[1]];
+  return direction.some((value) => value !== 0) ? direction : null;
 }

@@ -28,7 +28,7 @@ export function boundsOf(clouds: readonly CloudInstance[], part: 'bounds' | 'rob
     : { min: [0, 0, 0], max: [0, 0, 0] };
 }
 
-function cornersOf({ min, max }: Bounds): Vec3[] {
+export function cornersOf({ min, max }: Bounds): Vec3[] {
   return Array.from({ length: 8 }, (_, i) => [
     i & 1 ? max[0] : min[0],
     i & 2 ? max[1] : min[1],

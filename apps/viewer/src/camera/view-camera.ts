@@ -5,6 +5,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
 import { depthRange, firstPose, framedPose, parallelView, verticalFov } from './framing.ts';
+import type { GamepadSticks } from './gamepad-motion.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import type { orbitNear } from './orbit-near.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
@@ -57,6 +58,8 @@ export type CameraMotion = (elapsedMs: number) => boolean;
 /** The camera of the shown scene: an orbit, or a camera of the scene until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
+  /** What gamepads do instead of orbiting. */
+  steering: ((sticks: GamepadSticks, elapsedS: number) => void) | null = null;
   readonly #store: ViewerStore;
   readonly #onChange: () => void;
   readonly #isMotionReduced: () => boolean;

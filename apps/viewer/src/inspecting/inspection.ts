@@ -106,8 +106,8 @@ export class Inspection {
 
   #tapped(event: PointerEvent): void {
     const { target, offsetX, offsetY } = event;
-    const { dock, flightSpeed, annotating } = this.#store.getState();
-    const isInspecting = dock === 'inspect' && flightSpeed === null && !annotating.isPlacing;
+    const { dock, travelling, annotating } = this.#store.getState();
+    const isInspecting = dock === 'inspect' && travelling === null && !annotating.isPlacing;
     if (!isInspecting || !(target instanceof HTMLElement)) return;
     const mode = modeOf(event, this.selecting);
     this.#pick(offsetX / target.clientWidth, offsetY / target.clientHeight, mode);

@@ -2,7 +2,14 @@ import { type Bounds, type Harmonics, readCoefficients, type SplatSet } from '@w
 import { flippedPoint } from '../camera/flip.ts';
 import { transformedPoint } from '../camera/scene-bounds.ts';
 import type { Vec3 } from '../camera/vec3.ts';
-import type { Crop, CropCount, Histogram, Histograms, Quantity } from '../state/inspecting.ts';
+import {
+  type Crop,
+  type CropCount,
+  type Histogram,
+  type Histograms,
+  isKept,
+  type Quantity,
+} from '../state/inspecting.ts';
 import { binOf, opacityEdges, scaleEdges } from './histogram.ts';
 import type { Look } from './inspect-messages.ts';
 
@@ -90,12 +97,6 @@ export function cropCount(clouds: readonly ReadCloud[], crop: Crop): CropCount {
     if (isKept(crop, center)) kept++;
   });
   return { kept, total };
-}
-
-/** Whether a splat with this centre, in the scene's own space, stays. */
-export function isKept({ min, max, keep }: Crop, [x, y, z]: Vec3): boolean {
-  const isInside = x >= min[0] && x <= max[0] && y >= min[1] && y <= max[1] && z >= min[2] && z <= max[2];
-  return isInside === (keep === 'inside');
 }
 
 /** The box around all centres within the image, in the scene's own space; null for none. */

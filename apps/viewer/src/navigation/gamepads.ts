@@ -1,8 +1,7 @@
-import { flownBy, orbitedBy, sticksOf } from '../camera/gamepad-motion.ts';
+import { orbitedBy, sticksOf } from '../camera/gamepad-motion.ts';
 import type { CommandName, RunCommand } from '../shell/commands.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-import { RADII_PER_S } from './flight.ts';
 
 /** Commands of buttons by place in the standard mapping: lower, right and upper one of the four. */
 const BUTTON_COMMANDS: Readonly<Record<number, CommandName>> = { 0: 'frame', 1: 'reset', 3: 'fly' };
@@ -10,7 +9,7 @@ const BUTTON_COMMANDS: Readonly<Record<number, CommandName>> = { 0: 'frame', 1: 
 const LONGEST_STEP_S = 0.1;
 
 /**
- * Moves the camera by gamepads from now on, around the scene or in flight. Gamepads have no events:
+ * Moves the camera by gamepads from now on, around the scene or through it. Gamepads have no events:
  * connected ones are asked at each refresh of the screen. Returns a function that stops this.
  */
 export function followGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
@@ -34,14 +33,10 @@ export function followGamepads(viewer: Viewer, store: ViewerStore, run: RunComma
   const move = (pad: Gamepad, elapsedS: number) => {
     const sticks = sticksOf(pad);
     if (!sticks) return;
-    const { controls, subjectRadius } = viewer.camera;
-    const { flightSpeed } = store.getState();
+    const { controls, steering } = viewer.camera;
     const { pose, fovYDegrees, distanceRange } = controls;
-    controls.moveTo(
-      flightSpeed === null
-        ? orbitedBy(pose, sticks, elapsedS, fovYDegrees, distanceRange)
-        : flownBy(pose, sticks, elapsedS, flightSpeed * RADII_PER_S * subjectRadius),
-    );
+    if (steering) steering(sticks, elapsedS);
+    else controls.moveTo(orbitedBy(pose, sticks, elapsedS, fovYDegrees, distanceRange));
   };
 
   const press = ({ index, buttons }: Gamepad) => {

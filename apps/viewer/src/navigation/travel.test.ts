@@ -2,7 +2,8 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
-import { Flight } from './flight.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { toggleFlight } from './flight.ts';
 
 /** Stand-ins for the browser's; pointers can be locked where `isLockable`. */
 function started(isLockable: boolean) {
@@ -14,6 +15,7 @@ function started(isLockable: boolean) {
   Object.assign(fakeDocument, { pointerLockElement: null, exitPointerLock: () => lock(null) });
   vi.stubGlobal('window', fakeWindow);
   vi.stubGlobal('document', fakeDocument);
+  vi.stubGlobal('HTMLElement', class {});
   const element = Object.assign(new EventTarget(), {
     dataset: {},
     focus: vi.fn(),
@@ -29,15 +31,15 @@ function started(isLockable: boolean) {
   const plain = { firstView: null, ownCameras: null, isUpsideDown: false, isZUp: false };
   camera.follow({ sphere, extent: sphere, ...plain });
   camera.showFirstView();
-  const flight = new Flight(store, camera);
-  flight.toggle(element);
+  const toggle = () => toggleFlight({ camera, canvas: element, scenes: { newest: {} } } as Viewer, store);
+  toggle();
   const send = (target: EventTarget, type: string, properties: object) => {
     const event = Object.assign(new Event(type, { cancelable: true }), properties);
     target.dispatchEvent(event);
     return event;
   };
   const key = (type: string, code: string, shown = code) => send(fakeWindow, type, { code, key: shown });
-  return { store, camera, flight, element, lock, send, key };
+  return { store, camera, toggle, element, lock, send, key };
 }
 
 describe('flight', () => {
@@ -64,30 +66,41 @@ describe('flight', () => {
   it('looks around by dragging, or without where the pointer is locked', async () => {
     const dragged = started(false);
     const { azimuth } = dragged.camera.controls.pose;
-    dragged.send(dragged.element, 'pointermove', { movementX: 10, movementY: 0, buttons: 0 });
+    dragged.send(dragged.element, 'pointermove', {
+      movementX: 10,
+      movementY: 0,
+      buttons: 0,
+      isPrimary: true,
+    });
     expect(dragged.camera.controls.pose.azimuth).toBe(azimuth);
-    dragged.send(dragged.element, 'pointermove', { movementX: 10, movementY: 0, buttons: 1 });
+    dragged.send(dragged.element, 'pointermove', {
+      movementX: 10,
+      movementY: 0,
+      buttons: 1,
+      isPrimary: true,
+    });
     expect(dragged.camera.controls.pose.azimuth).toBeCloseTo(azimuth - 0.025);
-    dragged.flight.end();
+    dragged.toggle();
     const locked = started(true);
     await Promise.resolve();
-    locked.send(locked.element, 'pointermove', { movementX: 10, movementY: 0, buttons: 0 });
+    locked.send(locked.element, 'pointermove', { movementX: 10, movementY: 0, buttons: 0, isPrimary: true });
     expect(locked.camera.controls.pose.azimuth).toBeCloseTo(azimuth - 0.025);
   });
 
   it('changes its speed by the wheel, within limits', () => {
     const { store, element, send } = started(false);
     send(element, 'wheel', { deltaY: -100 });
-    expect(store.getState().flightSpeed).toBeCloseTo(Math.exp(0.15));
+    const speed = () => (store.getState().travelling as { speed: number }).speed;
+    expect(speed()).toBeCloseTo(Math.exp(0.15));
     send(element, 'wheel', { deltaY: 1e6 });
-    expect(store.getState().flightSpeed).toBe(0.02);
+    expect(speed()).toBe(0.02);
   });
 
   it.each([
     ['Escape', ({ key }: ReturnType<typeof started>) => key('keydown', 'Escape')],
     ['the browser taking the pointer back', ({ lock }: ReturnType<typeof started>) => lock(null)],
     ['another scene', ({ store }: ReturnType<typeof started>) => store.setState({ scene: null })],
-    ['its own button', ({ flight, element }: ReturnType<typeof started>) => flight.toggle(element)],
+    ['its own button', ({ toggle }: ReturnType<typeof started>) => toggle()],
   ])('ends by %s, and gives everything back', async (_name, end) => {
     const all = started(true);
     const { store, camera, key } = all;
@@ -95,7 +108,7 @@ describe('flight', () => {
     expect(camera.controls.isPaused).toBe(true);
     key('keydown', 'KeyW');
     end(all);
-    expect(store.getState().flightSpeed).toBeNull();
+    expect(store.getState().travelling).toBeNull();
     expect(camera.controls.isPaused).toBe(false);
     expect(camera.update(16)).toBe(false);
     expect(document.pointerLockElement).toBeNull();

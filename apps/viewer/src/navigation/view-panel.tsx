@@ -2,9 +2,10 @@ import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { AnnotationsForm } from '../annotations/annotations-form.tsx';
 import { UP_CHOICES, upAxisOf } from '../camera/up-axis.ts';
-import type { RunCommand } from '../shell/commands.ts';
+import { type RunCommand, TRAVEL_COMMANDS } from '../shell/commands.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
+import type { TravelName } from '../state/travelling.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
@@ -24,6 +25,10 @@ const BACKGROUNDS: readonly Choice<Background>[] = [
   ['#000000', 'Black', 'black'],
   ['#ffffff', 'White', 'white'],
 ];
+const TITLES: Readonly<Record<TravelName, string>> = {
+  fly: 'By W, A, S, D, Q, E and the mouse',
+  walk: 'On the ground, by W, A, S, D and the mouse',
+};
 /** First value of a chosen colour. */
 const OWN_COLOR = '#808080';
 
@@ -33,7 +38,7 @@ export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand
     <Dock store={store} name="view">
       <div className="dock-body">
         <ModeForm store={store} />
-        <Actions store={store} viewer={viewer} />
+        <Actions store={store} viewer={viewer} run={run} />
         <CameraForm store={store} viewer={viewer} />
         <UpForm store={store} viewer={viewer} />
         <BackgroundForm store={store} viewer={viewer} />
@@ -44,19 +49,24 @@ export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand
   );
 }
 
-function Actions({ viewer }: PanelProps) {
+function Actions({ store, viewer, run }: PanelProps & { run: RunCommand }) {
+  const travelling = useStore(store, (state) => state.travelling?.by);
   const isFullscreen = useFullscreen();
   return (
     <div className="view-actions">
-      <TextButton
-        aria-keyshortcuts="G"
-        title="By W, A, S, D, Q, E and the mouse (G)"
-        testId="fly"
-        onClick={() => void viewer.toggleFlight()}
-      >
-        <Icon name="fly" />
-        Fly
-      </TextButton>
+      {TRAVEL_COMMANDS.map(({ name, label, key }) => (
+        <TextButton
+          key={name}
+          aria-keyshortcuts={key.toUpperCase()}
+          aria-pressed={travelling === name}
+          title={`${TITLES[name]} (${key.toUpperCase()})`}
+          testId={name}
+          onClick={() => run(name)}
+        >
+          <Icon name={name} />
+          {label}
+        </TextButton>
+      ))}
       <TextButton
         title="Orbit around what is in the middle of the picture"
         testId="focus-middle"

@@ -10,8 +10,11 @@ import type { PanelProps } from '../viewer/panel-props.ts';
 /** The picture alone, and the reason where there can be none. */
 export function ScenePage({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
-  // Without the interface no key chooses files.
-  const run = useMemo(() => createCommands(viewer, store, () => {}), [viewer, store]);
+  // Without the interface no key does these.
+  const run = useMemo(
+    () => createCommands(viewer, store, { chooseFiles: () => {}, walk: () => {} }),
+    [viewer, store],
+  );
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
   useEffect(() => listenForGamepads(viewer, store, run), [viewer, store, run]);
   if (isUnavailable) return <UnavailablePage store={store} onRetry={() => viewer.recover()} />;

@@ -1,8 +1,8 @@
 import { subtract, type Vec3 } from '../camera/vec3.ts';
 import { binOf } from '../inspecting/histogram.ts';
 import type { Look, Region } from '../inspecting/inspect-messages.ts';
-import { eachCenter, imagePlace, isKept, type ReadCloud, VALUES } from '../inspecting/scene-answers.ts';
-import type { Crop, Histograms } from '../state/inspecting.ts';
+import { eachCenter, imagePlace, type ReadCloud, VALUES } from '../inspecting/scene-answers.ts';
+import { type Crop, type Histograms, isKept } from '../state/inspecting.ts';
 import type { DragRegion } from '../state/selecting.ts';
 import { baseColorOf } from './base-color.ts';
 

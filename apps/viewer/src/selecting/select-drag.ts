@@ -106,8 +106,8 @@ export function modeOf(
 
 /** Whether what happens in the picture may select. */
 function isSelecting(store: ViewerStore): boolean {
-  const { dock, flightSpeed, inspecting, isHelpVisible } = store.getState();
-  return dock === 'inspect' && inspecting.tab === 'select' && flightSpeed === null && !isHelpVisible;
+  const { dock, travelling, inspecting, isHelpVisible } = store.getState();
+  return dock === 'inspect' && inspecting.tab === 'select' && travelling === null && !isHelpVisible;
 }
 
 function isPicture(target: EventTarget | null): target is HTMLElement {

@@ -17,6 +17,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
+import type { Walks } from '../walking/walks.ts';
 import { createCommands, listenToKeys } from './commands.ts';
 import { listenForGamepads } from './gamepad-listener.ts';
 import { LostGpu } from './lost-gpu.tsx';
@@ -42,7 +43,7 @@ const Help = lazyComponent(async () => (await smallParts()).Help);
 const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
 const StreamPanel = lazyComponent(async () => (await smallParts()).StreamPanel);
 const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
-const FlightBanner = lazyComponent(async () => (await smallParts()).FlightBanner);
+const TravelBanner = lazyComponent(async () => (await smallParts()).TravelBanner);
 const ModeLegend = lazyComponent(async () => (await smallParts()).ModeLegend);
 const ErrorMapLegend = lazyComponent(async () => (await smallParts()).ErrorMapLegend);
 const UnavailablePage = lazyComponent(
@@ -68,19 +69,27 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const [hasHelp, setHasHelp] = useState(isHelpVisible);
   if (isHelpVisible && !hasHelp) setHasHelp(true);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
-  const isFlying = useStore(store, (state) => state.flightSpeed !== null);
+  const isTravelling = useStore(
+    store,
+    ({ travelling, groundPart }) => travelling !== null || groundPart !== null,
+  );
   const hasCard = useStore(store, hasAnnotationCard);
   const fileInput = useRef<HTMLInputElement>(null);
   /** Whether the files that are being chosen join the scene. */
   const isAdding = useRef(false);
-  const run = useMemo(
-    () =>
-      createCommands(viewer, store, (isAdded) => {
+  const run = useMemo(() => {
+    let walks: Promise<Walks> | undefined;
+    return createCommands(viewer, store, {
+      chooseFiles: (isAdded) => {
         isAdding.current = isAdded;
         void chooseFiles(viewer, store, fileInput.current, isAdded);
-      }),
-    [viewer, store],
-  );
+      },
+      walk: () => {
+        walks ??= import('../walking/walks.ts').then((code) => new code.Walks(viewer, store));
+        void walks.then((each) => each.toggle());
+      },
+    });
+  }, [viewer, store]);
   const recorder = useMemo(() => new FrameRecorder(store), [store]);
   const measurements = useMeasurements(store, viewer);
   useEffect(() => recorder.watch(), [recorder]);
@@ -131,7 +140,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
             <div className="messages">
               <Notice store={store} />
-              <Suspense>{isFlying && <FlightBanner store={store} viewer={viewer} />}</Suspense>
+              <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>
               <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
               <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
               <WarningPanel store={store} />

@@ -1,5 +1,6 @@
 import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { TRAVEL_NAMES, type TravelName } from '../state/travelling.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import { type DockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import { toggleTheme } from '../ui/theme.ts';
@@ -14,7 +15,7 @@ export type CommandName =
   | 'flip'
   | 'clouds'
   | 'view'
-  | 'fly'
+  | TravelName
   | 'annotate'
   | 'inspect'
   | 'mode'
@@ -58,6 +59,7 @@ export const COMMANDS: readonly Command[] = [
   { name: 'clouds', label: 'Files of the scene', key: 'n' },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
+  { name: 'walk', label: 'Walk', key: 'b', isInPanel: true },
   { name: 'annotate', label: 'Place an annotation', key: 'p', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   ...SELECT_TOOLS.map(
@@ -70,6 +72,10 @@ export const COMMANDS: readonly Command[] = [
   { name: 'help', label: 'Help: commands, keys, gestures', key: '?', word: 'Help' },
 ];
 
+export const TRAVEL_COMMANDS = TRAVEL_NAMES.flatMap((each) =>
+  COMMANDS.flatMap((command) => (command.name === each ? { ...command, name: each } : [])),
+);
+
 const NEED_SCENE: readonly CommandName[] = [
   'reset',
   'frame',
@@ -77,7 +83,7 @@ const NEED_SCENE: readonly CommandName[] = [
   'save',
   'link',
   'clouds',
-  'fly',
+  ...TRAVEL_NAMES,
   'annotate',
   'add',
   ...SELECT_TOOLS.map(({ name }) => `select-${name}` as const),
@@ -91,11 +97,18 @@ export function isAvailable(name: CommandName, { scene }: Pick<ViewerState, 'sce
 
 export type RunCommand = (name: CommandName) => void;
 
-/** @param chooseFiles lets a person choose files to open, or to add to the scene. */
+/** What a saved page with the picture alone does not do. */
+export interface InterfaceCommands {
+  /** Lets a person choose files to open, or to add to the scene. */
+  readonly chooseFiles: (isAdded: boolean) => void;
+  /** Begins to walk through the scene, or ends it. */
+  readonly walk: () => void;
+}
+
 export function createCommands(
   viewer: Viewer,
   store: ViewerStore,
-  chooseFiles: (isAdded: boolean) => void,
+  { chooseFiles, walk }: InterfaceCommands,
 ): RunCommand {
   const toggle = (name: DockName) => () =>
     store.setState(({ dock }) => ({ dock: dock === name ? null : name }));
@@ -120,7 +133,8 @@ export function createCommands(
     reset: () => viewer.camera.controls.reset(),
     frame: () => viewer.camera.frameScene(),
     view: toggle('view'),
-    fly: () => void viewer.toggleFlight(),
+    fly: () => void import('../navigation/flight.ts').then(({ toggleFlight }) => toggleFlight(viewer, store)),
+    walk,
     annotate: () =>
       store.setState(({ annotating, dock }) => ({
         annotating: { ...annotating, isPlacing: !annotating.isPlacing },
@@ -181,16 +195,18 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.failure) return { failure: null };
   if (state.warning) return { warning: null };
+  if (state.groundPart !== null) return { groundPart: null };
   const { annotating } = state;
   if (annotating.isPlacing || annotating.openIndex !== null)
     return { annotating: { ...annotating, isPlacing: false, openIndex: null } };
   return { dock: null };
 }
 
-/** Elsewhere these move the focus, a slider or a scrolled area. */
-const NAVIGATION_KEYS = /^(Arrow.*|Page(Up|Down)|Home|End)$/;
+/** Elsewhere these move the focus, a slider or a scrolled area, or press a button. */
+const NAVIGATION_KEYS = /^(Arrow.*|Page(Up|Down)|Home|End| )$/;
 
-function mayMoveCamera(scope: KeyScope, key: string): boolean {
+/** Whether a key that moves the camera does so where the keyboard is. */
+export function mayMoveCamera(scope: KeyScope, key: string): boolean {
   return scope === 'scene' || !NAVIGATION_KEYS.test(key);
 }
 

@@ -21,7 +21,7 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Orbit', ['←', '→', '↑', '↓']],
   ['Pan', ['Shift', 'arrows']],
   ['Zoom', ['+', '−']],
-  ['Walk', ['W', 'A', 'S', 'D']],
+  ['Move', ['W', 'A', 'S', 'D']],
   ['Down, up', ['Page Down', 'Page Up']],
   ['Reset the view', ['Home']],
   ['A hard case’s cameras', ['[', ']']],
@@ -131,7 +131,8 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
         </dl>
         <p>
           In flight (G) the mouse looks around, W, A, S, D, Q and E move, Shift is faster, the wheel changes
-          the speed, and Escape stops.
+          the speed, and Escape stops. On foot (B) it is the same on the ground: Space jumps, and the wheel
+          changes your height. On a touch screen a finger looks around, and a second one moves ahead.
         </p>
         <p>
           On a gamepad the right stick turns, the left one moves, the triggers come nearer and go away; A

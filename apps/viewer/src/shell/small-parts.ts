@@ -9,7 +9,7 @@ export { PlaceGizmo } from '../layout/place-gizmo.tsx';
 export { LookedPicture } from '../measurement/looked-picture.tsx';
 export { ReopenPanel } from '../messages/reopen-panel.tsx';
 export { StreamPanel } from '../messages/stream-panel.tsx';
-export { FlightBanner } from '../navigation/flight-banner.tsx';
+export { TravelBanner } from '../navigation/travel-banner.tsx';
 export { ModeLegend } from '../view-modes/mode-legend.tsx';
 export { ModeMap } from '../view-modes/mode-map.tsx';
 export { Help } from './help.tsx';

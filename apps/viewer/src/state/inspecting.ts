@@ -86,6 +86,12 @@ export interface Crop {
   readonly keep: 'inside' | 'outside';
 }
 
+/** Whether a splat with this centre, in the scene's own space, stays. */
+export function isKept({ min, max, keep }: Crop, [x, y, z]: Vec3): boolean {
+  const isInside = x >= min[0] && x <= max[0] && y >= min[1] && y <= max[1] && z >= min[2] && z <= max[2];
+  return isInside === (keep === 'inside');
+}
+
 export interface CropCount {
   readonly kept: number;
   readonly total: number;

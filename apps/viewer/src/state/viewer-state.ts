@@ -27,6 +27,7 @@ import type { SavedView } from './saved-view.ts';
 import type { FilmingState, PicturingState, SavingState } from './saving.ts';
 import type { WaitingPart } from './scene-part.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
+import type { Travelling } from './travelling.ts';
 import { isMapMode, type MapModeName, type ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */
@@ -168,8 +169,10 @@ export interface ViewerState {
   readonly annotating: Annotating;
   /** Whether the camera follows the path through the saved views, or that of settings. */
   readonly isPathPlaying: boolean;
-  /** How fast the camera flies, 1 at first; null while it does not. */
-  readonly flightSpeed: number | null;
+  /** Null while the camera moves around the scene. */
+  readonly travelling: Travelling | null;
+  /** How much of the ground to walk on has been made, 0…1; null while none is being made. */
+  readonly groundPart: number | null;
   readonly isHudVisible: boolean;
   readonly hudSize: HudSize;
   /** Whether the figures stay as they are, to be read and copied. */

@@ -22,7 +22,6 @@ import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import { decodeAccuracy } from '../formatting/accuracy-address.ts';
 import type { LinkedStart } from '../links/linked-start.ts';
-import type { Flight } from '../navigation/flight.ts';
 import type { AddressedScene } from '../scene/addressed-scene.ts';
 import { Scenes } from '../scene/scenes.ts';
 import { allClouds } from '../scene/shown-scene.ts';
@@ -56,7 +55,6 @@ export class Viewer {
   readonly #sessions: SessionOwner;
   readonly #precisions: Precisions;
   readonly #drawing: Drawing;
-  #flight: Flight | null = null;
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
@@ -192,6 +190,11 @@ export class Viewer {
     return this.#sessions.current?.views.targeting(this.#store.getState().comparison);
   }
 
+  /** Where the picture is; null while there is no GPU. */
+  get canvas(): HTMLCanvasElement | null {
+    return this.#sessions.current?.canvas ?? null;
+  }
+
   /** The engine; null while there is no GPU. */
   get engine(): SplatEngine | null {
     return this.#sessions.current?.engine ?? null;
@@ -220,15 +223,6 @@ export class Viewer {
     // The session may end, or another scene be shown, before the GPU answers.
     const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
     return this.#drawing.shown?.scene === shown.scene ? pick : null;
-  }
-
-  /** Begins to fly through the scene, or ends it. */
-  async toggleFlight(): Promise<void> {
-    const { Flight } = await import('../navigation/flight.ts');
-    const canvas = this.#sessions.current?.canvas;
-    if (!canvas || !this.scenes.newest) return;
-    this.#flight ??= new Flight(this.#store, this.camera);
-    this.#flight.toggle(canvas);
   }
 
   /** The frame on the screen; null if there is none. */

@@ -1,0 +1,167 @@
+import { cameraAxes, lookAt } from '../camera/orbit-pose.ts';
+import { boundsOf } from '../camera/scene-bounds.ts';
+import { scale, subtract, type Vec3 } from '../camera/vec3.ts';
+import { toggleFlight } from '../navigation/flight.ts';
+import { Travel } from '../navigation/travel.ts';
+import type { ShownScene } from '../scene/shown-scene.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import { guessedEyeHeight } from './eye-height.ts';
+import type { Ground } from './ground.ts';
+import { makeGround, REACH, toWalk, type WalkAxes } from './make-ground.ts';
+import { isOtherGround, Walk } from './walk.ts';
+import { standingPlace, Walker } from './walker.ts';
+
+const NO_GROUND = 'There is no ground to walk on near the camera: it flies instead.';
+const LOADING = 'Walking needs the whole scene, which is still loading.';
+const STREAMED = 'Walking needs all splats of the scene. It streams: only those in view are here.';
+/** Where ground is looked for ahead of the camera, in heights of the eyes. */
+const AHEAD_EYE_HEIGHTS = Array.from({ length: 100 }, (_, i) => (i + 1) / 2);
+
+interface KeptGround {
+  /** Null if nothing is solid. */
+  readonly ground: Ground | null;
+  readonly around: Vec3;
+  readonly eyeHeight: number;
+}
+
+/** Begins walks, on ground that it makes and keeps. */
+export class Walks {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  #kept: KeptGround | null = null;
+  #making: AbortController | null = null;
+  /** As it was guessed or set for this scene. */
+  #eyeHeight: number | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+    store.subscribe((state, before) => {
+      if (state.travelling?.by === 'walk') this.#eyeHeight = state.travelling.eyeHeight;
+      if (state.scene !== before.scene) this.#eyeHeight = null;
+      const isOther = isOtherGround(state, before);
+      if (isOther) this.#kept = null;
+      if (isOther || state.groundPart === null) this.#making?.abort();
+    });
+  }
+
+  /** Begins to walk; ends that, or the preparations for it. */
+  async toggle(): Promise<void> {
+    const store = this.#store;
+    const { travelling, groundPart } = store.getState();
+    if (groundPart !== null || travelling?.by === 'walk') {
+      store.setState(groundPart === null ? { travelling: null } : { groundPart: null });
+      return;
+    }
+    const { newest, isPartial } = this.#viewer.scenes;
+    if (!newest || isPartial) store.setState({ notice: LOADING });
+    else if (newest.clouds.some(({ cloud }) => cloud.stream)) store.setState({ notice: STREAMED });
+    else await this.#prepare(newest);
+  }
+
+  async #prepare(scene: ShownScene): Promise<void> {
+    const store = this.#store;
+    const { controls, subjectSphere } = this.#viewer.camera;
+    const { pose } = controls;
+    const axes = cameraAxes({ ...pose, azimuth: 0, polar: Math.PI / 2 });
+    const { position } = lookAt(pose);
+    const isWithin =
+      subjectSphere && Math.hypot(...subtract(position, subjectSphere.center)) < subjectSphere.radius;
+    const around = toWalk(axes, isWithin ? position : pose.target);
+    this.#eyeHeight ??= eyeHeightIn(scene, axes, store.getState().inspecting.scale);
+    const eyeHeight = this.#eyeHeight;
+    if (!this.#kept || !suits(this.#kept, around, eyeHeight)) {
+      const making = new AbortController();
+      const { signal } = making;
+      this.#making = making;
+      store.setState({ groundPart: 0 });
+      try {
+        const { inspecting, isFlipped } = store.getState();
+        const ground = await makeGround({
+          clouds: scene.clouds,
+          isFlipped,
+          crop: inspecting.crop,
+          axes,
+          around,
+          eyeHeight,
+          signal,
+          onProgress: (part) => signal.aborted || store.setState({ groundPart: part }),
+        });
+        signal.throwIfAborted();
+        this.#kept = { ground, around, eyeHeight };
+      } catch (error) {
+        if (!signal.aborted) {
+          const reason = error instanceof Error ? error.message : String(error);
+          store.setState({ notice: `Walking is not possible. ${reason}` });
+        }
+        return;
+      } finally {
+        if (this.#making === making) {
+          this.#making = null;
+          store.setState({ groundPart: null });
+        }
+      }
+    }
+    this.#begin(this.#kept.ground, axes, eyeHeight);
+  }
+
+  #begin(ground: Ground | null, axes: WalkAxes, eyeHeight: number): void {
+    const store = this.#store;
+    const { camera, canvas } = this.#viewer;
+    const place = ground && this.#place(ground, axes, eyeHeight);
+    if (!place || !canvas) {
+      store.setState({ notice: NO_GROUND });
+      if (store.getState().travelling === null) toggleFlight(this.#viewer, store);
+      return;
+    }
+    store.setState({ travelling: null });
+    const { controls } = camera;
+    const { feet, eyes } = place;
+    const isMoved = eyes === null;
+    if (isMoved) controls.moveTo({ ...controls.pose, polar: Math.PI / 2 });
+    const lag = isMoved || camera.isMotionReduced ? 0 : eyes[1] - eyeHeight - feet[1];
+    new Travel(
+      store,
+      camera,
+      canvas,
+      new Walk(store, camera, new Walker(ground, feet, eyeHeight, lag), axes),
+    );
+  }
+
+  /**
+   * Where to stand: below the camera if it is within the scene, else below what it orbits, else at
+   * the first place ahead. `eyes` are those of the camera, if it stays there.
+   */
+  #place(ground: Ground, axes: WalkAxes, eyeHeight: number): { feet: Vec3; eyes: Vec3 | null } | null {
+    const { pose } = this.#viewer.camera.controls;
+    const eyes = toWalk(axes, lookAt(pose).position);
+    const { min, max } = ground.bounds;
+    const isWithin = eyes.every((value, axis) => value >= min[axis] && value <= max[axis] + eyeHeight);
+    const below = isWithin ? standingPlace(ground, eyes, eyeHeight) : null;
+    if (below) return { feet: below, eyes };
+    const back = toWalk(axes, cameraAxes(pose).back);
+    for (const way of [pose.distance, ...AHEAD_EYE_HEIGHTS.map((part) => part * eyeHeight)]) {
+      const feet = standingPlace(ground, subtract(eyes, scale(back, way)), eyeHeight);
+      if (feet) return { feet, eyes: null };
+    }
+    return null;
+  }
+}
+
+/** Whether kept ground is still around the camera, and neither too coarse nor too small for a person. */
+function suits(kept: KeptGround, around: Vec3, eyeHeight: number): boolean {
+  const [x, y, z] = subtract(around, kept.around).map((way) => Math.abs(way) / kept.eyeHeight);
+  const isNear = 2 * Math.max(x, z) < REACH.sideways && 2 * y < REACH.upright;
+  return isNear && Math.abs(Math.log2(eyeHeight / kept.eyeHeight)) < 1;
+}
+
+function eyeHeightIn(
+  { clouds }: ShownScene,
+  axes: WalkAxes,
+  known: Parameters<typeof guessedEyeHeight>[1],
+): number {
+  const { min, max } = boundsOf(clouds, 'robustBounds');
+  const [width, height, depth] = toWalk(axes, subtract(max, min));
+  return guessedEyeHeight([Math.abs(width), Math.abs(height), Math.abs(depth)], known);
+}
