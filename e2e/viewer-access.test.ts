@@ -107,12 +107,13 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await expectAccessible(page, 'cropping');
   });
 
-  it('has nothing that axe-core finds wrong in the panels of the view, to save, of files and of keys', async () => {
+  it('has nothing that axe-core finds wrong in the panels of the view, to save, of files and of keys, nor on foot', async () => {
     const page = await openAudited(PHONE);
     for (const [key, name] of [
       ['v', 'view'],
       ['x', 'save'],
       ['n', 'clouds'],
+      ['b', 'travel'],
       ['?', 'help'],
     ]) {
       await openPanel(page, key, name);

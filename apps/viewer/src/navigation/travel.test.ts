@@ -1,4 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { cameraAxes } from '../camera/orbit-pose.ts';
+import { dot, subtract } from '../camera/vec3.ts';
 import { ViewCamera } from '../camera/view-camera.ts';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
@@ -85,6 +87,31 @@ describe('flight', () => {
     await Promise.resolve();
     locked.send(locked.element, 'pointermove', { movementX: 10, movementY: 0, buttons: 0, isPrimary: true });
     expect(locked.camera.controls.pose.azimuth).toBeCloseTo(azimuth - 0.025);
+  });
+
+  it('looks around by a finger, and moves ahead while there is a second one', () => {
+    const { camera, element, send } = started(false);
+    const { azimuth, target } = camera.controls.pose;
+    const second = { pointerType: 'touch', isPrimary: false, movementX: 10, movementY: 0, buttons: 1 };
+    send(element, 'pointerdown', second);
+    send(element, 'pointermove', second);
+    expect(camera.update(1000)).toBe(true);
+    expect(camera.controls.pose.azimuth).toBe(azimuth);
+    expect(camera.controls.pose.target).not.toEqual(target);
+    send(window, 'pointerup', second);
+    expect(camera.update(1000)).toBe(false);
+  });
+
+  it('goes where the sticks of a gamepad point, as long as they do', () => {
+    const { camera } = started(false);
+    const { azimuth } = camera.controls.pose;
+    camera.steering?.({ left: [0, -1], right: [1, 0], leftTrigger: 0, rightTrigger: 0 }, 0.5);
+    const { pose } = camera.controls;
+    expect(pose.azimuth).toBeCloseTo(azimuth - 1);
+    expect(camera.update(1000)).toBe(true);
+    const way = subtract(camera.controls.pose.target, pose.target);
+    expect(dot(way, cameraAxes(pose).back)).toBeCloseTo(-4);
+    expect(camera.update(1000)).toBe(false);
   });
 
   it('changes its speed by the wheel, within limits', () => {

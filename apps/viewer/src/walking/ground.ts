@@ -5,7 +5,7 @@
 //   capsule down to the feet would stop at every bump of a mesh that was made of splats.
 // - Walls push it sideways alone. Whole contact normals would lift it over the edge of a step that
 //   is too high, by the round of its lower end.
-// - Contacts that are steeper than `FLOOR_SLOPE` are of a floor or a ceiling, and push nobody: over
+// - Contacts that are steeper than `FLOOR_SLOPE` are of a floor or a ceiling, and do not push: over
 //   a floor their sideways part is noise. The lower end is so high that the two meet at a step.
 // - Both sides of a triangle push, by the place of the capsule's axis, not by the triangle's normal:
 //   where two meshes cross, normals point into each other. The axis never passes a triangle, since
@@ -155,12 +155,13 @@ export class Ground {
   }
 
   #footprint(first: number): [minX: number, minZ: number, maxX: number, maxZ: number] {
-    const [a, b, c] = this.#corners(first);
+    const { positions: at, indices } = this.#surface;
+    const [a, b, c] = [3 * indices[first], 3 * indices[first + 1], 3 * indices[first + 2]];
     return [
-      Math.min(a[0], b[0], c[0]),
-      Math.min(a[2], b[2], c[2]),
-      Math.max(a[0], b[0], c[0]),
-      Math.max(a[2], b[2], c[2]),
+      Math.min(at[a], at[b], at[c]),
+      Math.min(at[a + 2], at[b + 2], at[c + 2]),
+      Math.max(at[a], at[b], at[c]),
+      Math.max(at[a + 2], at[b + 2], at[c + 2]),
     ];
   }
 

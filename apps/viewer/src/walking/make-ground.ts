@@ -12,10 +12,10 @@ const CELLS_PER_EYE_HEIGHT = 16;
 const MOST_CELLS = 2 ** 23;
 const COLUMN_CELLS = 2;
 /**
- * How far the ground reaches from where a walk begins, sideways and up or down, in heights of the
- * eyes: the sky and the far background of a capture would make the cells coarse.
+ * How far the ground reaches from where a walk begins, in heights of the eyes: the sky and the far
+ * background of a capture would make the cells coarse. A walk may begin far above the ground.
  */
-export const REACH = { sideways: 24, upright: 5 } as const;
+export const REACH = { sideways: 24, up: 5, down: 100 } as const;
 
 /** Axes of a space in which y is up, in the world. */
 export interface WalkAxes {
@@ -96,10 +96,10 @@ function gridFor(
 
 /** A box in a cloud's own space around what is within reach. */
 function reachOf(matrix: ArrayLike<number>, { around, axes, eyeHeight, isFlipped }: GroundOptions): Bounds {
-  const half: Vec3 = [REACH.sideways, REACH.upright, REACH.sideways];
+  const { sideways, up, down } = REACH;
   const corners = cornersOf({
-    min: subtract(around, scale(half, eyeHeight)),
-    max: add(around, scale(half, eyeHeight)),
+    min: subtract(around, scale([sideways, down, sideways], eyeHeight)),
+    max: add(around, scale([sideways, up, sideways], eyeHeight)),
   }).map((corner): Vec3 => {
     const point = fromWalk(axes, corner);
     const way = subtract(isFlipped ? flippedPoint(point) : point, [matrix[12], matrix[13], matrix[14]]);

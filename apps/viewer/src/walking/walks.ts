@@ -39,7 +39,8 @@ export class Walks {
     this.#store = store;
     store.subscribe((state, before) => {
       if (state.travelling?.by === 'walk') this.#eyeHeight = state.travelling.eyeHeight;
-      if (state.scene !== before.scene) this.#eyeHeight = null;
+      const isOtherScale = state.inspecting.scale !== before.inspecting.scale;
+      if (state.scene !== before.scene || isOtherScale) this.#eyeHeight = null;
       const isOther = isOtherGround(state, before);
       if (isOther) this.#kept = null;
       if (isOther || state.groundPart === null) this.#making?.abort();
@@ -152,7 +153,7 @@ export class Walks {
 /** Whether kept ground is still around the camera, and neither too coarse nor too small for a person. */
 function suits(kept: KeptGround, around: Vec3, eyeHeight: number): boolean {
   const [x, y, z] = subtract(around, kept.around).map((way) => Math.abs(way) / kept.eyeHeight);
-  const isNear = 2 * Math.max(x, z) < REACH.sideways && 2 * y < REACH.upright;
+  const isNear = 2 * Math.max(x, z) < REACH.sideways && 2 * y < REACH.up;
   return isNear && Math.abs(Math.log2(eyeHeight / kept.eyeHeight)) < 1;
 }
 
