@@ -19,6 +19,15 @@ const MODES: readonly Choice<SelectMode>[] = [
   ['add', 'Add'],
   ['subtract', 'Subtract'],
 ];
+const HINTS: Readonly<Record<SelectTool, string>> = {
+  rectangle: 'Drag over the picture: splats count by their centres, however deep.',
+  brush: 'Paint over the picture: splats count by their centres, however deep.',
+  polygon:
+    'Click corners around centres of splats, however deep. Enter, or a click on the first corner, closes the polygon; Backspace takes the last corner back; Escape cancels.',
+  sphere:
+    'Drag from a splat as far as the sphere is to reach, or click one to keep the radius: splats count by their centres.',
+  color: 'Click a splat: all of the scene with about its base colour are selected. A drag orbits.',
+};
 const COMMON_HINT = 'Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.';
 const BRUSH_PX = { least: 4, most: 120 } as const;
 
@@ -45,11 +54,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
         titleOf={(each) => SELECT_TOOLS.find(({ name }) => name === each)?.key}
         onChoose={(each) => selecting.choose({ tool: each, dragged: null })}
       />
-      <p>
-        {tool
-          ? `${SELECT_TOOLS.find(({ name }) => name === tool)?.hint} ${COMMON_HINT}`
-          : 'A drag orbits the scene.'}
-      </p>
+      <p>{tool ? `${HINTS[tool]} ${COMMON_HINT}` : 'A drag orbits the scene.'}</p>
       {tool === 'brush' && <BrushSize store={store} inspection={inspection} />}
       {tool === 'sphere' && <SphereRadius store={store} inspection={inspection} />}
       {tool === 'color' && <Tolerance store={store} inspection={inspection} />}

@@ -8,36 +8,11 @@ export type RowMasks = ReadonlyMap<string, Uint32Array<ArrayBuffer>>;
 
 /** Tools that select by a pointer over the picture, with the keys of their commands. */
 export const SELECT_TOOLS = [
-  {
-    name: 'rectangle',
-    label: 'Rectangle',
-    key: '1',
-    hint: 'Drag over the picture: splats count by their centres, however deep.',
-  },
-  {
-    name: 'brush',
-    label: 'Brush',
-    key: '2',
-    hint: 'Paint over the picture: splats count by their centres, however deep.',
-  },
-  {
-    name: 'polygon',
-    label: 'Polygon',
-    key: '3',
-    hint: 'Click corners around centres of splats, however deep. Enter, or a click on the first corner, closes the polygon; Backspace takes the last corner back; Escape cancels.',
-  },
-  {
-    name: 'sphere',
-    label: 'Sphere',
-    key: '4',
-    hint: 'Drag from a splat as far as the sphere is to reach, or click one to keep the radius: splats count by their centres.',
-  },
-  {
-    name: 'color',
-    label: 'Colour',
-    key: '5',
-    hint: 'Click a splat: all of the scene with about its base colour are selected. A drag orbits.',
-  },
+  { name: 'rectangle', label: 'Rectangle', key: '1' },
+  { name: 'brush', label: 'Brush', key: '2' },
+  { name: 'polygon', label: 'Polygon', key: '3' },
+  { name: 'sphere', label: 'Sphere', key: '4' },
+  { name: 'color', label: 'Colour', key: '5' },
 ] as const;
 
 export type SelectTool = (typeof SELECT_TOOLS)[number]['name'];
