@@ -1,8 +1,10 @@
 // Decides which splats of the visible chunks are drawn. Reads the page's plan, its visible chunks,
 // and its geometry with the ranges of packed log scales; writes a bit per splat, a count per chunk
 // and the range of depths. One workgroup per visible chunk, one thread per splat, dispatched per
-// page. Skips the covariance if opacity or depth alone decides.
+// page. Skips the covariance if opacity or depth alone decides. With NARROW one thread per visible
+// chunk, which waits for no other, and at most one workgroup.
 import constants::CHUNK_SPLATS;
+import constants::CULL_WORKGROUP;
 import constants::MASK_WORDS;
 @if(OPACITY_EFFECTS && !FRUSTUM_CULLING) import effects::changeOpacity;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
@@ -35,11 +37,15 @@ import package::lib::visible_ellipse::isInDepthRange;
 @group(0) @binding(7) var<storage, read_write> depthRange: array<atomic<u32>, 2>;
 @if(!GEOMETRY_F32) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
-var<workgroup> mask: array<atomic<u32>, MASK_WORDS>;
-var<workgroup> farthest: atomic<u32>;
-var<workgroup> nearestInverted: atomic<u32>;
+/// No number has these ordered bits.
+const NOT_DRAWN = 0u;
 
-@compute @workgroup_size(CHUNK_SPLATS)
+@if(!NARROW) var<workgroup> mask: array<atomic<u32>, MASK_WORDS>;
+@if(!NARROW) var<workgroup> farthest: atomic<u32>;
+@if(!NARROW) var<workgroup> nearestInverted: atomic<u32>;
+
+@if(!NARROW)
+@compute @workgroup_size(CULL_WORKGROUP)
 fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let plan = pagePlans[page.index];
   let slotInPage = linearWorkgroup(workgroup, view.dispatchRow);
@@ -52,18 +58,8 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   // Most splats of a cut are not in it: their geometry need not be read.
   @if(LEVELS) isCandidate &= extractBits(visibilityMasks[slot * MASK_WORDS + lane / 32u], lane % 32u, 1u) == 1u;
   if (isCandidate) {
-    @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];
-    @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
-    @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
-    @if(GEOMETRY_F32 && !DILATED) let stored = unpackSplat(geometry[splatIndex]);
-    @if(DILATED) let words = geometry[splatIndex];
-    @if(DILATED) let stored = dilatedBlob(view, page.linear, page.translation, words, unpackSplat(words));
-    @if(!SPLAT_EFFECTS) let splat = stored;
-    @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
-    let centerView = page.linear * splat.position + page.translation;
-    let depthView = -centerView.z;
-    if (splat.opacity >= view.alphaCutoff && isInDepthRange(view, depthView) && isDrawn(splat, centerView)) {
-      let bits = orderedBits(sortDepth(centerView, view.near));
+    let bits = depthBits(splatIndex);
+    if (bits != NOT_DRAWN) {
       atomicOr(&mask[lane / 32u], 1u << (lane % 32u));
       atomicMax(&farthest, bits);
       atomicMax(&nearestInverted, ~bits);
@@ -82,6 +78,59 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
       atomicMax(&depthRange[1], atomicLoad(&nearestInverted));
     }
   }
+}
+
+@if(NARROW)
+@compute @workgroup_size(CULL_WORKGROUP)
+fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let plan = pagePlans[page.index];
+  let slotInPage = linearWorkgroup(workgroup, view.dispatchRow) * CULL_WORKGROUP + lane;
+  if (slotInPage >= plan.slotCount) { return; }
+  let slot = plan.slotStart + slotInPage;
+  let firstSplat = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS;
+  var count = 0u;
+  var farthest = 0u;
+  var nearestInverted = 0u;
+  for (var word = 0u; word < MASK_WORDS; word++) {
+    let first = firstSplat + 32u * word;
+    @if(!LEVELS) var candidates = 0xffffffffu;
+    @if(LEVELS) var candidates = visibilityMasks[slot * MASK_WORDS + word];
+    var drawn = 0u;
+    let candidateCount = countOneBits(candidates);
+    for (var candidate = 0u; candidate < candidateCount; candidate++) {
+      let bit = firstTrailingBit(candidates);
+      candidates &= candidates - 1u;
+      if (first + bit >= page.splatCount) { break; }
+      let bits = depthBits(first + bit);
+      if (bits == NOT_DRAWN) { continue; }
+      drawn |= 1u << bit;
+      farthest = max(farthest, bits);
+      nearestInverted = max(nearestInverted, ~bits);
+    }
+    visibilityMasks[slot * MASK_WORDS + word] = drawn;
+    count += countOneBits(drawn);
+  }
+  splatOffsets[slot] = count;
+  if (count > 0u) {
+    atomicMax(&depthRange[0], farthest);
+    atomicMax(&depthRange[1], nearestInverted);
+  }
+}
+
+/// Ordered bits of the depth of a splat, if it is drawn.
+fn depthBits(index: u32) -> u32 {
+  @if(!GEOMETRY_F32) let chunk = &chunks[index / CHUNK_SPLATS];
+  @if(!GEOMETRY_F32) let logScales = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
+  @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[index], logScales);
+  @if(GEOMETRY_F32 && !DILATED) let stored = unpackSplat(geometry[index]);
+  @if(DILATED) let words = geometry[index];
+  @if(DILATED) let stored = dilatedBlob(view, page.linear, page.translation, words, unpackSplat(words));
+  @if(!SPLAT_EFFECTS) let splat = stored;
+  @if(SPLAT_EFFECTS) let splat = changeSplat(stored, index);
+  let centerView = page.linear * splat.position + page.translation;
+  if (splat.opacity < view.alphaCutoff || !isInDepthRange(view, -centerView.z)) { return NOT_DRAWN; }
+  if (!isDrawn(splat, centerView)) { return NOT_DRAWN; }
+  return orderedBits(sortDepth(centerView, view.near));
 }
 
 /// Whether any part of the splat's box is in the image.

@@ -5,11 +5,12 @@
 // take successive keys of the block, in rounds of one key per thread, and a key's rank is the
 // number of its digit's keys in the group's earlier rounds, plus those in this round at earlier
 // threads. Groups are subgroups, whose threads learn of each other's digits by ballots, or else 16
-// threads that set bits of a mask in workgroup memory.
+// threads that set bits of a mask in workgroup memory. With NARROW one thread moves the keys of a block
+// one after another.
 import constants::DIGIT_BITS;
-import constants::SORT_ITEMS;
+@if(!NARROW) import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
-import constants::SORT_GROUP;
+@if(!NARROW) import constants::SORT_GROUP;
 import constants::SORT_WORKGROUP;
 import layout::SortParameters;
 import layout::SortPlan;
@@ -17,12 +18,12 @@ import package::lib::dispatch::linearWorkgroup;
 
 const RADIX = 1u << DIGIT_BITS;
 /// Most groups: SORT_GROUP is the size of the smallest.
-const GROUPS = SORT_WORKGROUP / SORT_GROUP;
+@if(!NARROW) const GROUPS = SORT_WORKGROUP / SORT_GROUP;
 /// Successive threads whose digits are summed by one of them.
-const RUN = 16u;
-const RUNS = SORT_WORKGROUP / RUN;
+@if(!NARROW) const RUN = 16u;
+@if(!NARROW) const RUNS = SORT_WORKGROUP / RUN;
 /// Successive digits that one thread prepares.
-const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
+@if(!NARROW) const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
@@ -37,14 +38,15 @@ const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
 /// One after another: a word per group and digit, the block's keys, the block's payloads. With
 /// masks, such a word has that of the round in its lower half and the number of keys of earlier
 /// rounds in its upper half; otherwise it has this number.
-var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
+@if(!NARROW) var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
 /// Place of each digit's first key of this block, less its place within the block; modulo 2³².
-var<workgroup> shifts: array<u32, RADIX>;
-var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
-var<workgroup> runSums: array<vec2u, RUNS>;
-@if(SUBGROUPS) var<workgroup> groupCount: atomic<u32>;
+@if(!NARROW) var<workgroup> shifts: array<u32, RADIX>;
+@if(!NARROW) var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
+@if(!NARROW) var<workgroup> runSums: array<vec2u, RUNS>;
+@if(SUBGROUPS && !NARROW) var<workgroup> groupCount: atomic<u32>;
 
 /// Threads that rank keys together.
+@if(!NARROW)
 struct Group {
   index: u32,
   /// This thread's place in it.
@@ -52,7 +54,7 @@ struct Group {
   size: u32,
 }
 
-@if(SUBGROUPS)
+@if(SUBGROUPS && !NARROW)
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(
   @builtin(workgroup_id) workgroup: vec3u,
@@ -66,13 +68,14 @@ fn sortScatter(
   scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, Group(subgroupBroadcastFirst(index), groupLane, groupSize));
 }
 
-@if(!SUBGROUPS)
+@if(!SUBGROUPS && !NARROW)
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let group = Group(lane / SORT_GROUP, lane % SORT_GROUP, SORT_GROUP);
   scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, group);
 }
 
+@if(!NARROW)
 fn scatterBlock(block: u32, lane: u32, group: Group) {
   if (block >= plan.blockCount) { return; }
   let blockStart = block * SORT_BLOCK;
@@ -88,8 +91,7 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
 
   // Ranks within the group and digit; later places within the block.
   var places: array<u32, SORT_ITEMS>;
-  // On a CPU, where few threads run in lockstep, unrolling only doubles the time to compile.
-  @unroll(!NARROW) for (var item = 0u; item < SORT_ITEMS; item++) {
+  @unroll for (var item = 0u; item < SORT_ITEMS; item++) {
     let isKey = firstItem + item * group.size < blockKeys;
     places[item] = rank(digitOf(keys[item]), isKey, group);
   }
@@ -148,7 +150,7 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
 }
 
 /// Keys of a digit that the group had in earlier rounds, or has in this one at earlier threads.
-@if(SUBGROUPS)
+@if(SUBGROUPS && !NARROW)
 fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   // Threads of the group whose keys have the same digit, as bits.
   var peers = subgroupBallot(isKey);
@@ -165,12 +167,12 @@ fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
 }
 
 /// The lowest set bit; `lane` if none is set.
-@if(SUBGROUPS && !WIDE_SUBGROUPS)
+@if(SUBGROUPS && !NARROW && !WIDE_SUBGROUPS)
 fn firstOf(bits: vec4u, lane: u32) -> u32 {
   return select(firstTrailingBit(bits.x), lane, bits.x == 0u);
 }
 
-@if(SUBGROUPS && WIDE_SUBGROUPS)
+@if(SUBGROUPS && !NARROW && WIDE_SUBGROUPS)
 fn firstOf(bits: vec4u, lane: u32) -> u32 {
   var first = lane;
   if (bits.w != 0u) { first = 96u + firstTrailingBit(bits.w); }
@@ -180,31 +182,31 @@ fn firstOf(bits: vec4u, lane: u32) -> u32 {
   return first;
 }
 
-@if(SUBGROUPS && !WIDE_SUBGROUPS)
+@if(SUBGROUPS && !NARROW && !WIDE_SUBGROUPS)
 fn countOf4(bits: vec4u) -> u32 {
   return countOneBits(bits.x);
 }
 
-@if(SUBGROUPS && WIDE_SUBGROUPS)
+@if(SUBGROUPS && !NARROW && WIDE_SUBGROUPS)
 fn countOf4(bits: vec4u) -> u32 {
   let counts = countOneBits(bits);
   return counts.x + counts.y + counts.z + counts.w;
 }
 
 /// The bits below that of `lane`.
-@if(SUBGROUPS)
+@if(SUBGROUPS && !NARROW)
 fn before(lane: u32) -> vec4u {
   let lanes = vec4u(0u, 32u, 64u, 96u);
   let inWord = clamp(vec4i(i32(lane)) - vec4i(lanes), vec4i(0), vec4i(32));
   return select((vec4u(1u) << vec4u(inWord)) - 1u, vec4u(0xffffffffu), inWord == vec4i(32));
 }
 
-@if(SUBGROUPS)
+@if(SUBGROUPS && !NARROW)
 fn countOf(word: u32) -> u32 {
   return word;
 }
 
-@if(!SUBGROUPS)
+@if(!SUBGROUPS && !NARROW)
 fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   let bit = 1u << group.lane;
   let slot = group.index * RADIX + digit;
@@ -226,7 +228,7 @@ fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
   return (word >> 16u) + countOneBits(before);
 }
 
-@if(!SUBGROUPS)
+@if(!SUBGROUPS && !NARROW)
 fn countOf(word: u32) -> u32 {
   return word >> 16u;
 }
@@ -237,6 +239,7 @@ fn digitOf(key: u32) -> u32 {
 
 /// Number of the digit's keys in all blocks, and in this one. Two rows of scanned counts differ by
 /// a block's counts, so the block need not be counted again.
+@if(!NARROW)
 fn digitCounts(digit: u32, block: u32) -> vec2u {
   let total = digitTotals[digit];
   let offset = digit * plan.blockCount + block;
@@ -248,6 +251,7 @@ fn digitCounts(digit: u32, block: u32) -> vec2u {
 /// Scans the digits' counts over the digits: writes `shifts` and returns the place within the block
 /// of the first key with one of this thread's digits. The caller's next barrier makes `shifts`
 /// visible.
+@if(!NARROW)
 fn prepareDigits(lane: u32, block: u32) -> u32 {
   var sum = vec2u(0u);
   for (var i = 0u; i < THREAD_DIGITS; i++) {
@@ -275,4 +279,29 @@ fn prepareDigits(lane: u32, block: u32) -> u32 {
     }
   }
   return localStart;
+}
+
+@if(NARROW)
+@compute @workgroup_size(SORT_WORKGROUP)
+fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let block = linearWorkgroup(workgroup, parameters.dispatchRow) * SORT_WORKGROUP + lane;
+  if (block >= plan.blockCount) { return; }
+  // Where the next key with each digit goes.
+  var places: array<u32, RADIX>;
+  var digitStart = 0u;
+  for (var digit = 0u; digit < RADIX; digit++) {
+    places[digit] = digitStart + digitOffsets[digit * plan.blockCount + block];
+    digitStart += digitTotals[digit];
+  }
+  let start = block * SORT_BLOCK;
+  let end = min(start + SORT_BLOCK, plan.keyCount);
+  for (var index = start; index < end; index++) {
+    let key = keysIn[index];
+    let place = places[digitOf(key)];
+    places[digitOf(key)] = place + 1u;
+    if (parameters.writesKeys != 0u) { keysOut[place] = key; }
+    var payload = index;
+    if (parameters.makesPayloads == 0u) { payload = payloadsIn[index]; }
+    payloadsOut[place] = payload;
+  }
 }

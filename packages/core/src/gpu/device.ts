@@ -103,12 +103,15 @@ export function isSoftwareAdapter(info: GPUAdapterInfo): boolean {
   );
 }
 
-/** Subgroups of at most this many threads are narrow, as those of drivers that run on a CPU are. */
-const NARROW_SUBGROUP = 8;
+/**
+ * Most threads of a narrow subgroup. Workgroups whose threads wait for no other have as many where
+ * subgroups are narrow.
+ */
+export const NARROW_SUBGROUP = 8;
 
 /**
- * Whether few threads of the device run in lockstep, so that barriers within a workgroup take long.
- * False where the browser does not tell.
+ * Whether few threads of the device run in lockstep, as on drivers that run on a CPU, so that
+ * barriers within a workgroup take long. False where the browser does not tell.
  */
 export function hasNarrowSubgroups({ adapterInfo }: Pick<GPUDevice, 'adapterInfo'>): boolean {
   const { subgroupMaxSize } = adapterInfo;

@@ -55,6 +55,8 @@ export interface InspectOptions {
   readonly dispatchRow?: number;
   /** Default: the accuracy's, 32. At 8 the sort is one pass, which leaves the keys of `project`. */
   readonly keyBits?: number;
+  /** Whether shaders are those for few threads in lockstep; default: as the device has it. */
+  readonly isNarrow?: boolean;
   /** Default: one per device, with unchanged shaders. */
   readonly pipelines?: Pipelines;
 }
@@ -115,9 +117,10 @@ export class InspectedFrame {
       }),
       ...placed,
     }));
+    const sortDevice = sortDeviceOf(device);
     const facts = {
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,
-      sortDevice: sortDeviceOf(device),
+      sortDevice: { ...sortDevice, isNarrow: options.isNarrow ?? sortDevice.isNarrow },
     };
     const sizes = {
       visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),

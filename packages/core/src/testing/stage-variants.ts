@@ -213,8 +213,10 @@ export function allStageVariants(): Promise<StageDefinition[]> {
           stages.push(
             cullSplats(variant),
             cullSplats({ ...variant, isIsotropic: true }),
+            cullSplats({ ...variant, sortDevice: { isNarrow: true } }),
             cullSplats({ ...variant, isStacked: true }),
             cullSplats({ ...variant, isStacked: true, hasLevels: true }),
+            cullSplats({ ...variant, isStacked: true, hasLevels: true, sortDevice: { isNarrow: true } }),
             ...(isOrthographic ? [] : [cullSplats({ ...variant, sortsByDistance: true })]),
           );
         }

@@ -22,14 +22,22 @@ const gpu = testGpu();
 const SIZE = { widthPx: 48, heightPx: 32 };
 const SPLATS = 1500;
 
-/** Draws a frame, checks which splats it drew; counts the drawn ones and those left to rounding. */
+/**
+ * Draws a frame by the shaders for few and for many threads in lockstep, checks which splats each
+ * drew; counts the drawn ones and those left to rounding.
+ */
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx' | 'keyBits'>) {
-  const frame = await InspectedFrame.draw(gpu.device, { ...options, ...SIZE, keyBits: 8 });
-  const { visibleCount, unsureCount, mismatches, flaws } = await compareCulling(frame);
-  expect(flaws).toEqual([]);
-  expect(mismatches.length, `first: ${JSON.stringify(mismatches[0])}`).toBe(0);
-  frame.destroy();
-  return { visibleCount, unsure: unsureCount };
+  const counts = [];
+  for (const isNarrow of [true, false]) {
+    const frame = await InspectedFrame.draw(gpu.device, { ...options, ...SIZE, keyBits: 8, isNarrow });
+    const { visibleCount, unsureCount, mismatches, flaws } = await compareCulling(frame);
+    expect(flaws).toEqual([]);
+    expect(mismatches.length, `first: ${JSON.stringify(mismatches[0])}`).toBe(0);
+    frame.destroy();
+    counts.push({ visibleCount, unsure: unsureCount });
+  }
+  expect(counts[0]).toEqual(counts[1]);
+  return counts[0];
 }
 
 describe('cull-splats', () => {

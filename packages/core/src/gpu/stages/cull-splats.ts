@@ -1,9 +1,12 @@
 import type { Culling, Extent } from '../../data/accuracy/accuracy.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import { NARROW_SUBGROUP } from '../device.ts';
 import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
+import type { SortDevice } from './sort-shape.ts';
 
 /** Variant of the cull-splats stage to link. */
 export interface CullSplatsVariant {
@@ -23,6 +26,8 @@ export interface CullSplatsVariant {
   readonly hasLevels?: boolean;
   /** Whether splats are blobs whose opacity follows dilation; default false. */
   readonly isDilated?: boolean;
+  /** Default: any. */
+  readonly sortDevice?: Pick<SortDevice, 'isNarrow'>;
 }
 
 /** Tests each splat of a page's visible chunks. */
@@ -30,12 +35,14 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
   const { extent, culling, effects = NO_EFFECTS } = variant;
   // Colours are not known yet.
   const acting = geometryEffects(effects);
+  const isNarrow = variant.sortDevice?.isNarrow === true;
   const isPacked = variant.geometryPrecision === 'packed';
   return {
     stage: 'cull-splats',
     ...(variant.isDilated && { source: levelSource('cull-splats') }),
     entryPoint: 'cullSplats',
     conditions: {
+      NARROW: isNarrow,
       ORTHOGRAPHIC: variant.isOrthographic,
       GEOMETRY_F32: !isPacked,
       FRUSTUM_CULLING: culling === 'frustum',
@@ -49,6 +56,9 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },
     effects: acting,
-    ...(variant.isDilated && { constants: { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY } }),
+    constants: {
+      CULL_WORKGROUP: isNarrow ? NARROW_SUBGROUP : CHUNK_SPLATS,
+      ...(variant.isDilated && { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY }),
+    },
   };
 }

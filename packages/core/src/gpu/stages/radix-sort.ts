@@ -1,5 +1,4 @@
 import { SortParameters, SortPlan } from '../../data/layout/structs.ts';
-import { hasNarrowSubgroups } from '../device.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../pipelines.ts';
 import { dispatchAtMost, dispatchSize, type IndirectArguments } from './dispatch.ts';
@@ -168,9 +167,8 @@ export class RadixSort {
       const bindings = { parameters: parameters[0], keyCount: options.keyCount, plan, blockDispatch: buffer };
       add(planSort(blockKeysOf(shape)), bindings, (pass) => pass.dispatchWorkgroups(1));
     }
-    const isNarrow = hasNarrowSubgroups(device);
     const dispatchBlocks = (pass: GPUComputePassEncoder) => {
-      if (blockDispatch) dispatchAtMost(pass, maxBlocks, dispatchRow, blockDispatch, isNarrow);
+      if (blockDispatch) dispatchAtMost(pass, maxBlocks, dispatchRow, blockDispatch, shape.isNarrow);
       else pass.dispatchWorkgroups(...dispatchSize(Math.max(1, maxBlocks), dispatchRow));
     };
     const scanSize = dispatchSize(scanWorkgroups(shape, scanLanes), dispatchRow);

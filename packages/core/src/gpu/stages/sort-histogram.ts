@@ -6,6 +6,7 @@ export function sortHistogram(shape: SortShape): StageDefinition {
   return {
     stage: 'sort-histogram',
     entryPoint: 'sortHistogram',
+    conditions: { NARROW: shape.isNarrow },
     constants: sortConstants(shape),
   };
 }

@@ -9,22 +9,21 @@ import { createSortDevice, sortLimitsOf } from '../../testing/sort-device.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from './dispatch.ts';
 import { sortScatter } from './sort-scatter.ts';
-import { blockKeysOf, sortShapeFor } from './sort-shape.ts';
+import { blockKeysOf, type SortDevice, sortShapeFor } from './sort-shape.ts';
 
 const gpu = testGpu(createSortDevice);
 
 /** Keys of `bits` bits, and their payloads, in one pass by the GPU and by the reference. */
 async function scatter(options: {
   readonly bits: number;
-  readonly workgroupBytes: number;
-  readonly isNarrow?: boolean;
+  readonly device: Partial<SortDevice>;
   readonly makesPayloads: boolean;
   readonly writesKeys: boolean;
   readonly countOf: (blockKeys: number) => number;
 }) {
-  const { bits, makesPayloads, writesKeys, isNarrow = false } = options;
+  const { bits, device, makesPayloads, writesKeys } = options;
   const random = seededRandom(4);
-  const shape = sortShapeFor(bits, { workgroupBytes: options.workgroupBytes, isNarrow });
+  const shape = sortShapeFor(bits, device);
   const { digitBits } = shape;
   const blockKeys = blockKeysOf(shape);
   const dispatchRow = 2;
@@ -69,6 +68,11 @@ async function scatter(options: {
   };
 }
 
+/** One for each shape of blocks. */
+function sortDevices(): Partial<SortDevice>[] {
+  return [...sortLimitsOf(gpu.device).map((workgroupBytes) => ({ workgroupBytes })), { isNarrow: true }];
+}
+
 describe('sort-scatter', () => {
   for (const [bits, makesPayloads, writesKeys] of [
     [24, true, true],
@@ -80,23 +84,19 @@ describe('sort-scatter', () => {
     const payloads = makesPayloads ? 'makes payloads' : 'reads payloads';
     const name = `${bits} bits, ${payloads}, ${writesKeys ? 'writes' : 'drops'} keys`;
     gpuTest(`${name}: moves keys and payloads to the reference's places`, async () => {
-      for (const workgroupBytes of sortLimitsOf(gpu.device)) {
-        for (const isNarrow of [false, true]) {
-          const countOf = (blockKeys: number) => 3 * blockKeys + 1234;
-          const options = { bits, workgroupBytes, isNarrow, makesPayloads, writesKeys, countOf };
-          const { actual, expected } = await scatter(options);
-          const label = `${workgroupBytes} bytes${isNarrow ? ', narrow' : ''}`;
-          expect(actual.payloads, label).toEqual(expected.payloads);
-          expect(actual.keys, label).toEqual(expected.keys);
-        }
+      for (const device of sortDevices()) {
+        const countOf = (blockKeys: number) => 3 * blockKeys + 1234;
+        const { actual, expected } = await scatter({ bits, device, makesPayloads, writesKeys, countOf });
+        expect(actual.payloads, JSON.stringify(device)).toEqual(expected.payloads);
+        expect(actual.keys, JSON.stringify(device)).toEqual(expected.keys);
       }
     });
   }
 
   gpuTest('blocks with any number of keys', async () => {
     for (const countOf of [() => 1, () => 17, (full: number) => full - 1, (full: number) => full, () => 0]) {
-      for (const workgroupBytes of sortLimitsOf(gpu.device)) {
-        const options = { bits: 24, workgroupBytes, makesPayloads: false, writesKeys: true, countOf };
+      for (const device of sortDevices()) {
+        const options = { bits: 24, device, makesPayloads: false, writesKeys: true, countOf };
         const { actual, expected } = await scatter(options);
         expect(actual.payloads.subarray(0, expected.payloads.length)).toEqual(expected.payloads);
         expect(actual.keys.subarray(0, expected.keys.length)).toEqual(expected.keys);

@@ -1,4 +1,4 @@
-import { type BallotDevice, hasNarrowSubgroups, type SubgroupSizes } from '../device.ts';
+import { type BallotDevice, hasNarrowSubgroups, NARROW_SUBGROUP, type SubgroupSizes } from '../device.ts';
 
 /** Division of keys into digits and blocks. */
 export interface SortShape {
@@ -7,11 +7,11 @@ export interface SortShape {
   readonly passes: number;
   /** Threads per workgroup, a multiple of 32. */
   readonly workgroup: number;
-  /** Keys per thread; a block has workgroup · itemsPerThread keys. */
+  /** Keys per thread; a block has those of a workgroup, or of a thread where `isNarrow`. */
   readonly itemsPerThread: number;
   /**
-   * Whether few threads of the device run in lockstep: the shaders are then written to compile
-   * fast.
+   * Whether few threads of the device run in lockstep: one of them then sorts a block by itself,
+   * because barriers take long.
    */
   readonly isNarrow: boolean;
   /** Possible sizes of the device's subgroups, to rank keys by ballots; null: by masks. */
@@ -33,6 +33,9 @@ const BLOCKS = [
   [96, 32],
 ] as const;
 
+/** Where a thread sorts a block by itself: some blocks in small sorts, few counts in large ones. */
+const NARROW_BLOCK = [NARROW_SUBGROUP, 1024] as const;
+
 /** The same for ballots. On an H200, 6 million random 32-bit keys took 0.44 ms, 0.51 by masks. */
 const BALLOT_BLOCKS = [
   [512, 8],
@@ -40,26 +43,28 @@ const BALLOT_BLOCKS = [
 ] as const;
 
 /** Returns the shape as constants for the sort's shaders. */
-export function sortConstants({ digitBits, workgroup, itemsPerThread, subgroups }: SortShape) {
+export function sortConstants(shape: SortShape) {
+  const { digitBits, workgroup, itemsPerThread, subgroups } = shape;
   return {
     SORT_GROUP: subgroups?.min ?? MASK_GROUP,
     DIGIT_BITS: digitBits,
     SORT_WORKGROUP: workgroup,
     SORT_ITEMS: itemsPerThread,
-    SORT_BLOCK: blockKeysOf({ workgroup, itemsPerThread }),
+    SORT_BLOCK: blockKeysOf(shape),
   };
 }
 
-/** Number of keys per block: one workgroup of a pass takes one block. */
+/** Number of keys per block: one workgroup of a pass takes one block, or one thread. */
 export function blockKeysOf({
   workgroup,
   itemsPerThread,
-}: Pick<SortShape, 'workgroup' | 'itemsPerThread'>): number {
-  return workgroup * itemsPerThread;
+  isNarrow,
+}: Pick<SortShape, 'workgroup' | 'itemsPerThread' | 'isNarrow'>): number {
+  return isNarrow ? itemsPerThread : workgroup * itemsPerThread;
 }
 
 /** Bytes of workgroup memory that sort-scatter, the stage that needs most, declares. */
-export function workgroupBytesOf(shape: Omit<SortShape, 'passes' | 'isNarrow'>): number {
+export function workgroupBytesOf(shape: Omit<SortShape, 'passes'>): number {
   const radix = 2 ** shape.digitBits;
   const groups = shape.workgroup / (shape.subgroups?.min ?? MASK_GROUP);
   const words = Math.max(blockKeysOf(shape), groups * radix);
@@ -122,6 +127,7 @@ function shapeOf(digitBits: number, passes: number, device: Partial<SortDevice>)
       isNarrow,
       subgroups,
     }));
+  if (isNarrow) return shapesOf([NARROW_BLOCK], null)[0];
   const byBallots = ballots
     ? shapesOf(BALLOT_BLOCKS, { min: ballots.min, max: ballots.max }).filter(
         ({ workgroup }) => workgroup <= ballots.workgroupThreads,
