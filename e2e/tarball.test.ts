@@ -87,6 +87,24 @@ export function App() {
 `,
 };
 
+/** What users may set on `<Splats>`, and nothing of its object's own: a type error if it is not so. */
+const PROPS = `import type { EventHandlers } from '@react-three/fiber';
+import type { SplatsProps } from '@websplatter/react';
+
+type Own =
+  | 'src' | 'sourceOptions' | 'budgetBytes' | 'fallback' | 'accuracy' | 'detail'
+  | 'onLoad' | 'onProgress' | 'onFirstFrame' | 'onComplete' | 'onAccuracyChosen' | 'onError' | 'onDeviceLost'
+  | 'opacity' | 'shDegree' | 'depthWrite' | 'fog' | 'effects'
+  | 'antialias' | 'brightness' | 'clip' | 'highlight' | 'reveal' | 'tint';
+type OfAnyObject =
+  | keyof EventHandlers | 'onUpdate' | 'children' | 'dispose' | 'key' | 'name' | 'ref' | 'userData'
+  | 'matrix' | 'matrixAutoUpdate' | 'position' | 'quaternion' | 'rotation' | 'scale' | 'up'
+  | 'castShadow' | 'layers' | 'receiveShadow' | 'renderOrder' | 'visible';
+
+export const offered: Record<Own | OfAnyObject, true> = {} as Record<keyof SplatsProps, true>;
+export const known: Record<keyof SplatsProps, true> = {} as Record<Own | OfAnyObject, true>;
+`;
+
 /** esbuild understands no workers, so the app hosts the one that reads all formats. */
 const ESBUILD_SOURCES: Readonly<Record<string, string>> = {
   'esbuild/main.js': main("if (!location.search) setWorkerUrl('load-worker.js');"),
@@ -101,7 +119,7 @@ beforeAll(async () => {
   [app, browser] = await Promise.all([
     makeFreshApp({
       lockedPackages: PACKAGES,
-      sources: { ...SOURCES, ...ESBUILD_SOURCES },
+      sources: { ...SOURCES, 'src/props.ts': PROPS, ...ESBUILD_SOURCES },
       files: { 'scene.ply': encodePly(testScene()) },
     }),
     launchBrowser(),

@@ -809,10 +809,11 @@ describe('three 0.187', () => {
       expectPixel(right[1], [0, 0, 0, 255]);
     });
 
-    test('that are invalid hide their own cloud alone, and are told on it', async () => {
-      const { errors, othersErrors, images } = await run('invalidOptions');
+    test('that are invalid leave their own cloud as it was, and are told on it alone', async () => {
+      const { errors, othersErrors, images, lasting, overshot } = await run('invalidOptions');
       expect(errors).toEqual({
         opacity: [expect.stringMatching(/^InvalidArgumentError: .*opacity/)],
+        radius: [expect.stringMatching(/^InvalidArgumentError: .*radius is NaN/)],
         accuracy: [expect.stringMatching(/^InvalidArgumentError: .*slow/)],
         target: [expect.stringMatching(/^InvalidArgumentError: .*maxFrameMs/)],
         detail: [expect.stringMatching(/^InvalidArgumentError: .*detail/)],
@@ -824,6 +825,8 @@ describe('three 0.187', () => {
         expect(pixelAt(pixels, 0.27, 0.5)[0]).toBeGreaterThan(200);
         expectPixel(pixelAt(pixels, 0.73, 0.5), [0, 0, 0, 255]);
       }
+      for (const [name, pixels] of Object.entries({ ...lasting, overshot }))
+        for (const x of [0.27, 0.73]) expect(pixelAt(pixels, x, 0.5)[0], name).toBeGreaterThan(200);
     });
 
     test('cut splats off at the planes of clipping groups, as three does meshes', async () => {

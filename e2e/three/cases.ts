@@ -541,17 +541,33 @@ export const cases = {
     return { plain, tintedAndClipped };
   },
 
-  /** A valid cloud left, one with an invalid option right: errors and images by option. */
+  /**
+   * A valid cloud left, one with an invalid option right: errors and images by option, without and
+   * with a frame before that shows it as it should be; and where it has overshot.
+   */
   invalidOptions: async () => {
     const stage = await newStage();
     const small = (x: number) => splatCloud({ scale: [0.3, 0.3, 0.3], opacity: 0.99, position: [x, 0, 0] });
     const other = small(-0.8);
     const othersErrors = errorsOf(other);
     stage.scene.add(other);
+    const firstShot = async (cloud: SplatCloudObject) => {
+      let isDrawn = false;
+      cloud.addEventListener('firstframe', () => {
+        isDrawn = true;
+      });
+      stage.scene.add(cloud);
+      for (;;) {
+        const pixels = await shot(stage);
+        if (isDrawn) return pixels;
+      }
+    };
     const errors: Record<string, string[]> = {};
     const images: Record<string, Pixels> = {};
+    const lasting: Record<string, Pixels> = {};
     const invalid = {
-      opacity: { opacity: 2 },
+      opacity: { opacity: Number.NaN },
+      radius: { reveal: { from: 'camera', radius: Number.NaN } },
       accuracy: { accuracy: 'slow' },
       target: { accuracy: { maxFrameMs: -1 } },
       detail: { detail: { maxErrorPx: -1 } },
@@ -565,8 +581,15 @@ export const cases = {
       images[name] = await shot(stage);
       await until(() => errors[name].length > 0);
       cloud.removeFromParent();
+      const valid = small(0.8);
+      errorsOf(valid);
+      await firstShot(valid);
+      Object.assign(valid, options);
+      lasting[name] = await shot(stage);
+      valid.removeFromParent();
     }
-    return { errors, othersErrors, images };
+    const overshot = Object.assign(small(0.8), { opacity: 1.0015 }) as SplatCloudObject;
+    return { errors, othersErrors, images, lasting, overshot: await firstShot(overshot) };
   },
 
   /** Two splats, and two boxes, in a group that keeps the left side. */

@@ -1,4 +1,4 @@
-import { InvalidArgumentError } from '@websplatter/core';
+import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
 import {
   type ClipOptions,
   type ClipVolume,
@@ -9,26 +9,40 @@ import {
 import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
 import type { Box3, ColorRepresentation, Plane, Sphere } from 'three';
 
-/** Effects with props of their names. Clouds have their own `opacity`, and the scene's `fog`. */
-const { opacity, fog, ...PROP_EFFECTS } = EFFECTS;
+/** Clouds have their own `opacity` and `reveal`, and the scene's `fog`. */
+const { opacity, fog, reveal, ...NAMED_EFFECTS } = EFFECTS;
 
-type PropEffects = typeof PROP_EFFECTS;
+type NamedEffects = typeof NAMED_EFFECTS;
 
-/** Any of three's colours for an option named `color`. */
+/** Effects that a cloud has by properties of their names. */
+export const NAMES_OF_EFFECTS = /* @__PURE__ */ Object.keys(NAMED_EFFECTS) as (keyof NamedEffects)[];
+
+/** Any of three's colours; or red, green and blue, sRGB-encoded, 0…1. */
+export type SplatColor = ColorRepresentation | Vec3;
+
+/** One of three's shapes, in world space. Without `shape`, by which volumes are told apart. */
+type ThreeShape = (Box3 | Sphere | Plane) & { readonly shape?: never };
+
+/** Any colour for an option named `color`. */
 type InThree<Options> = Options extends { readonly color: unknown }
-  ? Omit<Options, 'color'> & { readonly color: ColorRepresentation }
+  ? Omit<Options, 'color'> & { readonly color: SplatColor }
   : Options;
 
 type OptionProps = {
-  [Name in Exclude<keyof PropEffects, 'tint' | 'clip' | 'reveal'>]?: InThree<
-    Parameters<PropEffects[Name]>[0]
-  >;
+  [Name in Exclude<keyof NamedEffects, 'tint' | 'clip'>]?: InThree<Parameters<NamedEffects[Name]>[0]>;
 };
 
-/** One prop per effect. Shaders contain only the effects in use; the others cost nothing. */
+/**
+ * One prop per effect, which `ref.current` has as well. Shaders contain only the effects in use; the
+ * others cost nothing. Numbers beyond their range count as the nearest in it, which the console says
+ * once of each prop.
+ */
 export interface EffectProps extends OptionProps {
-  /** Multiplies every colour, as a filter in front of the splats does. White changes nothing. */
-  tint?: ColorRepresentation;
+  /**
+   * Multiplies every colour, as a filter in front of the splats does: `'orange'`, or factors of red,
+   * green and blue, of which 1 changes nothing: `[1, 0.5, 0]`.
+   */
+  tint?: SplatColor;
   /** Multiplies all light, as an exposure does: 2 is one stop brighter. */
   brightness?: number;
   /**
@@ -36,8 +50,13 @@ export interface EffectProps extends OptionProps {
    * than a pixel become fainter.
    */
   antialias?: boolean;
-  /** Clips splats by volumes in world space; a Plane keeps the side that its normal points to. */
-  clip?: Omit<ClipOptions, 'volumes'> & { readonly volumes: readonly (ClipVolume | Box3 | Sphere | Plane)[] };
+  /**
+   * Clips splats by one to eight volumes in world space: `{ shape: 'box', center: [0, 1, 0], size:
+   * [2, 2, 2], rotation: [0, 0, 0, 1] }`, `{ shape: 'sphere', center, radius }`, `{ shape: 'plane',
+   * point, normal }`, or three's Box3, Sphere and Plane, which keeps the side that its normal points
+   * to.
+   */
+  clip?: Omit<ClipOptions, 'volumes'> & { readonly volumes: readonly (ClipVolume | ThreeShape)[] };
   /**
    * Shows only splats within a radius. With `durationMs` in place of `radius`, makes the splats
    * appear over time: when they are first drawn, and again whenever these options or `src` change.
@@ -51,48 +70,80 @@ export interface EffectProps extends OptionProps {
   effects?: readonly EffectUse[];
 }
 
-/** Moves the props of effects from `props` to an object of their own. */
+/** What a cloud holds for the effects of its properties. */
+export type NamedOptions = { [Name in keyof NamedEffects]: EffectProps[Name] | null };
+
+/** Returns the number in 0…`max` that is nearest to a finite `value`, and may warn of it. */
+export type Clamp = (property: string, value: number, max: number) => number;
+
+/** The largest numbers that options of these names take; the smallest is 0. */
+const LARGEST: Readonly<Record<string, number>> = {
+  brightness: 2 ** 20,
+  color: 1,
+  radius: Number.POSITIVE_INFINITY,
+  size: Number.POSITIVE_INFINITY,
+  softEdge: Number.POSITIVE_INFINITY,
+  strength: 1,
+  tint: Number.POSITIVE_INFINITY,
+};
+
+/**
+ * Moves the props of effects from `props` to an object of their own, in the engine's terms: values
+ * that are written out again can be compared.
+ *
+ * @throws InvalidArgumentError for a value that is no colour.
+ */
 export function takeEffectProps(props: Record<string, unknown>): EffectProps {
   const taken: Record<string, unknown> = {};
-  for (const name of [...Object.keys(PROP_EFFECTS), 'effects']) {
-    taken[name] = props[name];
+  for (const name of [...NAMES_OF_EFFECTS, 'reveal', 'effects']) {
+    const value = props[name];
+    taken[name] = isOff(name, value) ? undefined : inEngine(name, value);
     delete props[name];
   }
   return taken;
 }
 
 /**
- * Returns the effects that these props request.
+ * Returns the effects that these options request.
  *
  * @throws InvalidArgumentError for invalid options.
  */
-export function usesOfProps(props: EffectProps): EffectUse[] {
-  const uses = Object.entries(PROP_EFFECTS).flatMap(([name, use]) => {
-    const options = props[name as keyof PropEffects];
-    // `false` is one of the options of `antialias` alone.
-    const isOff = options == null || (options === false && name !== 'antialias');
-    return isOff || isAnimation(options) ? [] : use(inEngine(name, options) as never);
+export function usesOfOptions(given: Partial<NamedOptions>, clamp: Clamp): EffectUse[] {
+  return Object.entries(NAMED_EFFECTS).flatMap(([name, use]) => {
+    const options = given[name as keyof NamedEffects];
+    if (isOff(name, options)) return [];
+    return use(clampedOptions(name, name, inEngine(name, options), clamp) as never);
   });
+}
+
+function isOff(name: string, options: unknown): boolean {
+  // `false` is one of the options of `antialias` alone.
+  return options == null || (options === false && name !== 'antialias');
+}
+
+/**
+ * Checks props before they are set on an object, where a frame would report them.
+ *
+ * @throws InvalidArgumentError for invalid options.
+ */
+export function checkEffectProps(props: EffectProps & { readonly opacity?: number }): void {
+  const silently: Clamp = (_property, value, max) =>
+    Number.isFinite(value) ? Math.min(Math.max(value, 0), max) : value;
+  if (props.opacity !== undefined) opacity(silently('opacity', props.opacity, 1));
+  usesOfOptions(props, silently);
+  const options = props.reveal;
+  if (options && options.durationMs !== undefined) checkedReveal(options as RevealAnimation);
+  else if (options) reveal(clampedOptions('reveal', 'reveal', options, silently) as RevealOptions);
   const effects = props.effects ?? [];
   if (!Array.isArray(effects) || [...effects].some((use) => !use?.effect))
     throw new InvalidArgumentError(
       'effects',
       'effects must be a list of what effects return: [tint([1, 0, 0])].',
     );
-  return [...uses, ...effects];
-}
-
-/**
- * Returns the animation that these props request, or null.
- *
- * @throws InvalidArgumentError for invalid options.
- */
-export function revealAnimationOf({ reveal: options }: EffectProps): RevealAnimation | null {
-  return options && isAnimation(options) ? checkedReveal(options) : null;
 }
 
 /** Whether both lists have the same effects in the same order, with equal options. */
-export function isSameUses(a: readonly EffectUse[], b: readonly EffectUse[]): boolean {
+export function isSameUses(a: readonly EffectUse[] = [], b: readonly EffectUse[] = []): boolean {
   return (
     a.length === b.length &&
     a.every((use, i) => use.effect === b[i].effect && isSameValue(use.options, b[i].options))
@@ -114,20 +165,33 @@ function isPlain(value: unknown): value is Record<string, unknown> {
   return Array.isArray(value) || Object.getPrototypeOf(value) === Object.prototype;
 }
 
-function isAnimation(options: unknown): options is RevealAnimation {
-  return (options as RevealAnimation).durationMs !== undefined;
+/**
+ * Returns the options of the effect `effect` with their numbers within range.
+ *
+ * @param name of the option that `value` is.
+ */
+function clampedOptions(effect: string, name: string, value: unknown, clamp: Clamp): unknown {
+  if (typeof value === 'number') return name in LARGEST ? clamp(effect, value, LARGEST[name]) : value;
+  if (!isPlain(value)) return value;
+  const clamped = (key: string, part: unknown) => clampedOptions(effect, key, part, clamp);
+  if (Array.isArray(value)) return value.map((part) => clamped(name, part));
+  return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, clamped(key, part)]));
 }
 
 /** Options of the effect `name` with the engine's colours and shapes in place of three's. */
 function inEngine(name: string, options: unknown): unknown {
-  if (name === 'tint') return encodedColor(options as ColorRepresentation);
-  const { volumes, color } = options as { volumes?: readonly ClipVolume[]; color?: ColorRepresentation };
+  if (name === 'tint') return colorInEngine(options as SplatColor);
+  const { volumes, color } = options as { volumes?: readonly ClipVolume[]; color?: SplatColor };
   if (name === 'clip')
     return { ...(options as object), volumes: Array.isArray(volumes) ? volumes.map(toVolume) : [] };
-  return color === undefined ? options : { ...(options as object), color: encodedColor(color) };
+  return color === undefined ? options : { ...(options as object), color: colorInEngine(color) };
 }
 
-function toVolume(volume: ClipVolume | Box3 | Sphere | Plane): ClipVolume {
+export function colorInEngine(color: SplatColor): Vec3 {
+  return Array.isArray(color) ? (color as Vec3) : encodedColor(color as ColorRepresentation);
+}
+
+function toVolume(volume: ClipVolume | ThreeShape): ClipVolume {
   // three's shapes can be cloned, options cannot. `clip` refuses values that are neither.
   const isShape = (volume as Box3 | null)?.clone;
   return isShape ? clipVolumeOf(volume as Box3) : (volume as ClipVolume);

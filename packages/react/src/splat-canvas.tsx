@@ -13,7 +13,6 @@ import { onDeviceLost, setSplatDetail, splatEngineOf } from '@websplatter/three'
 import { type ReactNode, useEffect, useRef, useState } from 'react';
 import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
-import { isSameValue } from './effect-props.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
 
@@ -141,7 +140,7 @@ function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode 
 function CanvasDetail({ detail }: { detail: Detail }): ReactNode {
   const renderer = useCanvasRenderer()!;
   const invalidate = useThree((state) => state.invalidate);
-  const same = useSame(detail, isSameValue);
+  const same = useSame(detail);
   useEffect(() => {
     setSplatDetail(renderer, same);
     invalidate();

@@ -1,10 +1,60 @@
 import { getRootState, type ThreeElement } from '@react-three/fiber';
-import { SplatCloudObject as ObjectOfThree, type SplatHit } from '@websplatter/three';
+import type { EffectUse } from '@websplatter/core/effects';
+import { SplatCloudObject as ObjectOfThree, type SplatData, type SplatHit } from '@websplatter/three';
+import type { Color } from 'three';
 import type { Camera, WebGPURenderer } from 'three/webgpu';
+import {
+  colorInEngine,
+  NAMES_OF_EFFECTS,
+  type NamedOptions,
+  type SplatColor,
+  usesOfOptions,
+} from './effect-props.ts';
 import { rendererOf } from './use-renderer.ts';
 
-/** The object of a `<Splats>`: a SplatCloudObject of @websplatter/three that knows its Canvas. */
-export class SplatCloudObject extends ObjectOfThree {
+/** With a property for each effect but `tint`, null at first. */
+const ObjectWithEffects = ObjectOfThree as unknown as new (
+  data?: SplatData | null,
+) => ObjectOfThree & Omit<NamedOptions, 'tint'>;
+
+/**
+ * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three that knows its Canvas, and has
+ * the effects of `<Splats>` as properties, which may change in every frame: `ref.current.tint =
+ * 'orange'`. Null turns an effect off.
+ */
+export class SplatCloudObject extends ObjectWithEffects {
+  #tint: SplatColor | null = null;
+
+  constructor(data: SplatData | null = null) {
+    super(data);
+    // react-three-fiber takes these as values of props that are gone.
+    for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: null });
+  }
+
+  /**
+   * Multiplies every colour: see `EffectProps`. A Color is read at once, and returned as red, green
+   * and blue, sRGB-encoded.
+   */
+  get tint(): SplatColor | null {
+    return this.#tint;
+  }
+
+  set tint(color: SplatColor | null) {
+    // react-three-fiber would write the next colour into one that it finds here.
+    this.#tint = (color as Color | null)?.isColor ? colorInEngine(color!) : color;
+  }
+
+  protected override ownEffects(): readonly EffectUse[] {
+    const uses = usesOfOptions(this, (...number) => this.clamped(...number));
+    return [...uses, ...super.ownEffects()];
+  }
+
+  override copy(source: this, recursive?: boolean): this {
+    super.copy(source, recursive);
+    for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: source[name] });
+    return this;
+  }
+
   /**
    * Returns the splat that contributes most to a pixel of the last frame from the Canvas's camera;
    * null if there is none, or if it belongs to another cloud.

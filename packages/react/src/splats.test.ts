@@ -1,5 +1,5 @@
 import { createRoot, extend } from '@react-three/fiber';
-import { InvalidArgumentError, type RecoveryPace, type SplatEngine } from '@websplatter/core';
+import { GpuLimitError, InvalidArgumentError, type RecoveryPace, type SplatEngine } from '@websplatter/core';
 import { SplatData, SplatsPrecisionError, SplatsStreamError, splatEngineOf } from '@websplatter/three';
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
@@ -46,6 +46,12 @@ vi.mock('@websplatter/three', async () => {
     reveal: unknown = null;
     onError: ((error: unknown) => void) | null = null;
     override dispose() {}
+    ownEffects() {
+      return this.effects;
+    }
+    clamped(_property: string, value: number) {
+      return value;
+    }
   }
   class SplatLoader {
     #accuracy: unknown;
@@ -81,9 +87,12 @@ vi.mock('@websplatter/three', async () => {
     };
   };
   const splatEngineOf = vi.fn();
-  const { checkedReveal } = await vi.importActual<typeof import('@websplatter/three')>('@websplatter/three');
+  const { checkedReveal, encodedColor, clipVolumeOf } =
+    await vi.importActual<typeof import('@websplatter/three')>('@websplatter/three');
   return {
     checkedReveal,
+    clipVolumeOf,
+    encodedColor,
     onDeviceLost,
     SplatCloudObject,
     SplatData,
@@ -285,8 +294,9 @@ const BOTH_REVEALS = { from: 'camera', radius: 1, durationMs: 9 } as never;
 const BOTH_TARGETS = { minPsnrDb: 45, maxFrameMs: 8 } as never;
 
 it.each<[string, Partial<SplatsProps>]>([
-  ['brightness', { brightness: -1 }],
-  ['radius', { reveal: { from: 'camera', radius: -1 } }],
+  ['brightness', { brightness: Number.NaN }],
+  ['opacity', { opacity: Number.NaN }],
+  ['radius', { reveal: { from: 'camera', radius: Number.NaN } }],
   ['durationMs', { reveal: { from: 'camera', durationMs: 0 } }],
   ['reveal', { reveal: BOTH_REVEALS }],
   ['accuracy', { accuracy: BOTH_TARGETS }],
@@ -368,7 +378,7 @@ it('passes a failure to onError if there is one, and keeps the splats on screen'
   expect(caught).toBeUndefined();
 });
 
-it('passes errors of drawing to onError or the error boundary', async () => {
+it('passes errors of drawing to onError, or logs them unless nothing can be drawn', async () => {
   const onError = vi.fn();
   const a = splatData('a');
   await show(splats({ src: a, onError }));
@@ -379,7 +389,11 @@ it('passes errors of drawing to onError or the error boundary', async () => {
   await show(splats({ src: a }));
   expect(caught).toBeUndefined();
   await act(async () => report());
-  expect(caught).toBe(error);
+  expect(caught).toBeUndefined();
+  expect(console.error).toHaveBeenCalledWith(error);
+  const lack = new GpuLimitError('memory', 2, 1, 'No memory.');
+  await act(async () => (object().onError as (error: unknown) => void)(lack));
+  expect(caught).toBe(lack);
 });
 
 it('keeps splats that cannot be drawn as exactly as requested, and logs a warning', async () => {

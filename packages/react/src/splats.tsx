@@ -1,10 +1,13 @@
-import { extend, type ThreeElement, useThree } from '@react-three/fiber';
+import { type EventHandlers, extend, type ThreeElement, useThree } from '@react-three/fiber';
 import {
   type AccuracyChoice,
   type AccuracyRequest,
   checkAccuracy,
   type Detail,
+  GpuLimitError,
   type SourceOptions,
+  SplatFileError,
+  SplatSourceError,
 } from '@websplatter/core';
 import {
   onDeviceLost as listenForDeviceLoss,
@@ -25,42 +28,46 @@ import {
 } from 'react';
 import type { Object3D } from 'three';
 import { canvasStates } from './canvas-states.ts';
-import {
-  type EffectProps,
-  isSameUses,
-  isSameValue,
-  revealAnimationOf,
-  takeEffectProps,
-  usesOfProps,
-} from './effect-props.ts';
+import { checkEffectProps, type EffectProps, isSameUses, takeEffectProps } from './effect-props.ts';
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
-import { useSame } from './use-same.ts';
+import { useSame, useSameOfEach } from './use-same.ts';
 import { useSource } from './use-source.ts';
 
 /** A source that `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
 
+/** Props that `<Splats>` has as any object of react-three-fiber. */
+type ObjectProps = Pick<
+  ThreeElement<typeof SplatCloudObject>,
+  | keyof EventHandlers
+  | 'children'
+  | 'depthWrite'
+  | 'dispose'
+  | 'fog'
+  | 'key'
+  | 'layers'
+  | 'matrix'
+  | 'matrixAutoUpdate'
+  | 'name'
+  | 'onUpdate'
+  | 'opacity'
+  | 'position'
+  | 'quaternion'
+  | 'renderOrder'
+  | 'rotation'
+  | 'scale'
+  | 'shDegree'
+  | 'up'
+  | 'userData'
+  | 'visible'
+>;
+
 /** Props of `<Splats>`. */
-export interface SplatsProps
-  extends EffectProps,
-    Omit<
-      ThreeElement<typeof SplatCloudObject>,
-      | 'accuracy'
-      | 'args'
-      | 'attach'
-      | 'castShadow'
-      | 'data'
-      | 'detail'
-      | 'effects'
-      | 'onError'
-      | 'receiveShadow'
-      | 'ref'
-      | 'reveal'
-    > {
+export interface SplatsProps extends EffectProps, ObjectProps {
   /**
    * The splats to show. A new source replaces the splats on screen as soon as it has been read; if
    * there are none, its arrived part is shown before. Without a source, or with `''`, nothing is
@@ -105,8 +112,9 @@ export interface SplatsProps
   /** Called when settings were chosen for a target; `choice.why` says which and why. */
   onAccuracyChosen?: (choice: AccuracyChoice) => void;
   /**
-   * Receives errors from reading and drawing; the splats on screen stay. Without it, errors reach
-   * the nearest error boundary, except two that are logged, because drawing goes on: a
+   * Receives errors from reading and drawing; the splats on screen stay. Without it, errors of
+   * reading and of lacking GPU memory reach the nearest error boundary. Others are logged once,
+   * because drawing goes on: what is wrong with a frame, which shows the cloud as it was, a
    * SplatsPrecisionError (splats are drawn less exactly than requested) and a SplatsStreamError
    * (parts of a scene that streams are missing; call its `retry`).
    */
@@ -127,8 +135,8 @@ export interface SplatsProps
  * props are set on the object as they change.
  *
  * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}`
- *   and there is no `fallback`; InvalidArgumentError for an invalid `accuracy` and for effects with
- *   invalid options; SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
+ *   and there is no `fallback`; InvalidArgumentError for an invalid `accuracy`, and for an `opacity`
+ *   and effects that are none; SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
@@ -144,6 +152,9 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   }
   return <Cloud renderer={renderer} {...props} />;
 }
+
+/** Errors that leave nothing to be drawn. After others, drawing goes on. */
+const LACKS = [SplatFileError, SplatSourceError, GpuLimitError];
 
 // Passed to `extend` as a class, not by name, so that it overrides no app's `<splatCloudObject>`.
 const CloudElement = /* @__PURE__ */ extend(SplatCloudObject);
@@ -181,9 +192,9 @@ function Cloud({
   const latest = useLatest({ onLoad, onFirstFrame, onComplete, onAccuracyChosen, onError, onDeviceLost });
 
   const effectProps = takeEffectProps(objectProps);
-  const uses = useSame(usesOfProps(effectProps), isSameUses);
-  const sameDetail = useSame(detail, isSameValue);
-  const animation = useSame(revealAnimationOf(effectProps), isSameValue);
+  checkEffectProps({ ...effectProps, opacity: objectProps.opacity });
+  const effects = useSame(effectProps.effects, isSameUses);
+  const settings = useSameOfEach({ ...effectProps, effects, detail });
 
   const { splats, load } = useSource(
     src || null,
@@ -225,10 +236,10 @@ function Cloud({
     cloud.addEventListener('removed', freeIfUnmounted);
     cloud.onError = (error) => {
       if (latest.current.onError) latest.current.onError(error);
-      // Drawing goes on.
+      else if (LACKS.some((Lack) => error instanceof Lack)) setDrawError({ error });
       else if (error instanceof SplatsPrecisionError || error instanceof SplatsStreamError)
         console.warn(error);
-      else setDrawError({ error });
+      else console.error(error);
     };
     return () => {
       for (const [type, listener] of all) cloud.removeEventListener(type, listener);
@@ -252,17 +263,8 @@ function Cloud({
   if (load?.status === 'pending' && !splats) throw load.settled;
 
   // react-three-fiber ignores props that are undefined, and resets props that are missing.
-  for (const [name, value] of Object.entries(objectProps))
-    if (value === undefined) delete objectProps[name as keyof typeof objectProps];
-  return (
-    <CloudElement
-      {...objectProps}
-      accuracy={accuracy}
-      detail={sameDetail}
-      effects={uses}
-      reveal={animation}
-      ref={object}
-      data={splats}
-    />
+  const set = Object.fromEntries(
+    Object.entries({ ...objectProps, ...settings }).filter(([, value]) => value !== undefined),
   );
+  return <CloudElement {...set} accuracy={accuracy} ref={object} data={splats} />;
 }

@@ -1,11 +1,13 @@
 import { type CanvasProps, type ThreeElements, useLoader } from '@react-three/fiber';
-import type { SceneFiles } from '@websplatter/core';
+import type { SceneFiles, Vec3 } from '@websplatter/core';
 import type { Ref } from 'react';
+import type { Box3, Plane, Sphere } from 'three';
 import { expectTypeOf, it } from 'vitest';
 import {
   type AccuracyRequest,
   createSplatRenderer,
   type Detail,
+  type EffectProps,
   type EffectUse,
   type RevealAnimation,
   type SplatCloudObject,
@@ -33,8 +35,27 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf<SplatsProps['effects']>().toEqualTypeOf<readonly EffectUse[] | undefined>();
   expectTypeOf<RevealAnimation>().toExtend<SplatsProps['reveal']>();
   expectTypeOf<SplatsProps['onClick']>().not.toBeAny();
-  expectTypeOf<SplatsProps>().not.toHaveProperty('data');
+  for (const own of [
+    'announceDrawn',
+    'data',
+    'effectsAt',
+    'geometry',
+    'hold',
+    'leave',
+    'raycast',
+    'tell',
+  ] as const)
+    expectTypeOf<SplatsProps>().not.toHaveProperty(own);
   expectTypeOf<null>().toExtend<SplatsProps['dispose']>();
+});
+
+it('types every effect’s prop as a property of the object', () => {
+  type Given = { [Name in keyof EffectProps]-?: NonNullable<EffectProps[Name]> };
+  expectTypeOf<Given>().toExtend<Pick<SplatCloudObject, keyof EffectProps>>();
+  expectTypeOf<[number, number, number]>().toExtend<SplatsProps['tint']>();
+  const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1], rotation: [0, 0, 0, 1] } as const;
+  expectTypeOf<{ volumes: [typeof box, Plane, Box3, Sphere] }>().toExtend<SplatsProps['clip']>();
+  expectTypeOf<{ volumes: [{ shape: 'box'; min: Vec3; max: Vec3 }] }>().not.toExtend<SplatsProps['clip']>();
 });
 
 it('refuses props that contradict each other or do nothing', () => {

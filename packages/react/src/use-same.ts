@@ -1,9 +1,20 @@
 import { useState } from 'react';
+import { isSameValue } from './effect-props.ts';
 
 /** Returns the first of equal values: one written out again in every render changes nothing. */
-export function useSame<T>(value: T, isSame: (a: T, b: T) => boolean): T {
+export function useSame<T>(value: T, isSame: (a: T, b: T) => boolean = isSameValue): T {
   const [kept, setKept] = useState(value);
   if (isSame(kept, value)) return kept;
   setKept(value);
   return value;
+}
+
+/** The same for each property by itself. */
+export function useSameOfEach<T extends object>(values: T): T {
+  const [kept, setKept] = useState(values);
+  const names = Object.keys(values) as (keyof T)[];
+  const same = { ...values };
+  for (const name of names) if (isSameValue(kept[name], values[name])) same[name] = kept[name];
+  if (names.some((name) => same[name] !== kept[name])) setKept(same);
+  return same;
 }

@@ -2,7 +2,6 @@ import { InvalidArgumentError } from '@websplatter/core';
 import type { ColliderMesh, ColliderMeshOptions } from '@websplatter/core/collider';
 import { type SplatData, splatEngineOf } from '@websplatter/three';
 import { useEffect, useState } from 'react';
-import { isSameValue } from './effect-props.ts';
 import { isServer } from './is-server.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
@@ -42,7 +41,7 @@ export function useSplatCollider(
   options: SplatColliderOptions = {},
 ): SplatCollider {
   const renderer = useCanvasRenderer();
-  const wanted = useSame(options, isSameValue);
+  const wanted = useSame(options);
   const [made, setMade] = useState<{ readonly of: readonly unknown[]; readonly collider: SplatCollider }>();
   if (!renderer && !isServer())
     throw new InvalidArgumentError('renderer', 'useSplatCollider needs a Canvas around it.');

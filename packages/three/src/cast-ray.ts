@@ -1,4 +1,10 @@
-import { DestroyedError, makeRayTree, type PackedCloud, type RayTree } from '@websplatter/core';
+import {
+  DestroyedError,
+  InvalidArgumentError,
+  makeRayTree,
+  type PackedCloud,
+  type RayTree,
+} from '@websplatter/core';
 import { type ClipVolume, clip, type EffectUse, type RevealOptions, reveal } from '@websplatter/core/effects';
 import {
   Camera,
@@ -19,7 +25,7 @@ import { engineCamera, layersAround } from './splat-layer.ts';
 
 /** An object that shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
-  readonly opacity: number;
+  readonly drawnOpacity: number;
   /** Null where they are not known yet, and the splats not drawn. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
@@ -44,7 +50,12 @@ export async function rayCaster(data: PlacedData, packed: PackedCloud | null): P
   let tree = await treeOf(data, packed);
   let isRenewing = false;
   return (object, raycaster, intersects) => {
-    castRay(tree, object, raycaster, intersects);
+    try {
+      castRay(tree, object, raycaster, intersects);
+    } catch (error) {
+      // The next frame tells what is wrong with the cloud.
+      if (!(error instanceof InvalidArgumentError)) throw error;
+    }
     const newest = versionOf(data);
     if (version === newest || isRenewing) return;
     // Splats under constant edits are renewed again and again; rays meet the last ones meanwhile.
@@ -80,7 +91,7 @@ function castRay(
   { ray, near, far, camera }: Raycaster,
   intersects: Intersection[],
 ): void {
-  const { matrixWorld, opacity } = object;
+  const { matrixWorld, drawnOpacity: opacity } = object;
   if (matrixWorld.determinant() === 0) return;
   const toLocal = new Matrix4().copy(matrixWorld).invert();
   const origin = ray.origin.clone().applyMatrix4(toLocal);

@@ -2,6 +2,7 @@ import type {
   AccuracyChoice,
   AccuracyRequest,
   AccuracySettings,
+  CloudInstance,
   CloudStream,
   Detail,
   ShDegree,
@@ -14,7 +15,7 @@ import type { Box3, BufferGeometry, Camera, Object3D, Scene } from 'three/webgpu
 /** The part of `SplatCloudObject` that a layer knows and uses to draw it. */
 export interface LayerCloud extends Object3D {
   readonly data: object | null;
-  readonly opacity: number;
+  readonly drawnOpacity: number;
   readonly shDegree: ShDegree;
   readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;
@@ -31,6 +32,9 @@ export interface LayerCloud extends Object3D {
   announceAccuracy(choice: AccuracyChoice): void;
   tell(error: unknown): boolean;
 }
+
+/** A cloud as a frame has it, with what it asks of the whole frame. */
+export type DrawnCloud = CloudInstance & Pick<LayerCloud, 'accuracy' | 'detail'>;
 
 /** The part of a layer that a cloud uses to leave it. */
 export interface CloudLayer {

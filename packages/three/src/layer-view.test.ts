@@ -1,6 +1,7 @@
-import type { CloudInstance, EmbeddedView } from '@websplatter/core';
+import type { EmbeddedView } from '@websplatter/core';
 import { PerspectiveCamera } from 'three/webgpu';
 import { expect, test, vi } from 'vitest';
+import type { DrawnCloud } from './layer-cloud.ts';
 import { LayerViews } from './layer-view.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 
@@ -36,7 +37,7 @@ test('finds the latest view with a cloud', () => {
   const views = new LayerViews();
   const [shown, hidden] = [new SplatCloudObject(), new SplatCloudObject()];
   for (const target of [canvas, mirror])
-    views.use(renderer, camera, target, fakeView).clouds = new Map([[shown, {} as CloudInstance]]);
+    views.use(renderer, camera, target, fakeView).clouds = new Map([[shown, {} as DrawnCloud]]);
   views.use(renderer, camera, {}, fakeView);
   expect(views.latestWith(shown)).toBe(views.use(renderer, camera, mirror, fakeView));
   expect(views.latestWith(hidden)).toBeNull();

@@ -1,6 +1,6 @@
-import type { CloudInstance, EmbeddedImage, EmbeddedView } from '@websplatter/core';
+import type { EmbeddedImage, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
-import type { LayerCloud } from './layer-cloud.ts';
+import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
 
 /** Draws of a layer until a view without any is freed: seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
@@ -23,7 +23,7 @@ export class LayerView {
   /** State kept for the view's outputs; null before it is needed. */
   outputs: { destroy(): void } | null = null;
   /** Clouds of the embedded view's last frame, in its order. */
-  clouds: ReadonlyMap<LayerCloud, CloudInstance> = new Map();
+  clouds: ReadonlyMap<LayerCloud, DrawnCloud> = new Map();
   /** Top left of the viewport that the image belongs to. */
   xPx = 0;
   yPx = 0;

@@ -9,6 +9,11 @@ export interface RevealAnimation extends Omit<RevealOptions, 'radius' | 'softEdg
   readonly softEdge?: number;
 }
 
+/** Whether `options` have a time, and so no radius. */
+export function isAnimation(options: RevealAnimation | RevealOptions): options is RevealAnimation {
+  return (options as RevealAnimation).durationMs !== undefined;
+}
+
 /**
  * Checks an animation that is set later, and returns it.
  *

@@ -1,14 +1,13 @@
-import { type EffectUse, fog } from '@websplatter/core/effects';
+import { type EffectUse, fog, type RevealOptions } from '@websplatter/core/effects';
 import type { Box3, Camera, Object3D, Scene } from 'three/webgpu';
 import { clippingOf } from './clipping-groups.ts';
-import type { RevealAnimation } from './reveal-animation.ts';
+import { isAnimation, type RevealAnimation } from './reveal-animation.ts';
 import { revealUse } from './reveal-use.ts';
 import { sceneFog } from './scene-fog.ts';
 
 /** The part of a cloud that decides its effects. */
 interface CloudInScene extends Object3D {
-  readonly effects: readonly EffectUse[];
-  readonly reveal: RevealAnimation | null;
+  readonly reveal: RevealAnimation | RevealOptions | null;
   readonly fog: boolean;
   readonly worldBounds: Box3;
 }
@@ -17,18 +16,21 @@ interface CloudInScene extends Object3D {
  * Returns the effects of a cloud: its own, that of appearing, and those from its place in a scene,
  * which are clipping groups, and fog unless it has its own.
  *
+ * @param own those that it has in any scene.
  * @param progress part of the time of appearing that has passed; all is shown from 1 on.
  * @throws InvalidArgumentError for fog or planes that effects cannot take.
  */
 export function sceneEffects(
   cloud: CloudInScene,
+  own: readonly EffectUse[],
   progress: number,
   scene: Scene,
   camera: Camera,
 ): EffectUse[] {
-  const { effects, reveal } = cloud;
-  const uses = [...effects, ...clippingOf(cloud)];
-  if (reveal && progress < 1) uses.push(revealUse(reveal, progress, cloud.worldBounds, camera));
-  const takesFog = cloud.fog && !effects.some(({ effect }) => effect === fog.effect);
+  const { reveal } = cloud;
+  const uses = [...own, ...clippingOf(cloud)];
+  if (reveal && isAnimation(reveal) && progress < 1)
+    uses.push(revealUse(reveal, progress, cloud.worldBounds, camera));
+  const takesFog = cloud.fog && !own.some(({ effect }) => effect === fog.effect);
   return takesFog ? [...uses, ...sceneFog(scene)] : uses;
 }

@@ -209,6 +209,42 @@ describe('rays', () => {
   });
 });
 
+describe('numbers', () => {
+  test('beyond their range count as the nearest in it, which is said once of each', () => {
+    const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
+    const cloud = new SplatCloudObject();
+    const opacities = [0.5, 1.0015, -0.002, 1e9].map((opacity) => {
+      cloud.opacity = opacity;
+      return cloud.drawnOpacity;
+    });
+    expect(opacities).toEqual([0.5, 1, 0, 1]);
+    expect(warn.mock.calls).toEqual([[expect.stringMatching(/^opacity .* 1\.0015, beyond 0…1\./)]]);
+    cloud.reveal = { from: [0, 0, 0], radius: -0.1, softEdge: -0.2 };
+    expect(cloud.effectsAt(0, new Scene(), new PerspectiveCamera())).toMatchObject([
+      { options: { radius: 0, softEdge: 0 } },
+    ]);
+    expect(warn).toHaveBeenCalledTimes(2);
+    expect(Object.assign(new SplatCloudObject(), { opacity: 2 }).drawnOpacity).toBe(1);
+    expect(warn, 'of another cloud').toHaveBeenCalledTimes(3);
+    warn.mockRestore();
+  });
+
+  test('that are none are refused by the frame, and rays miss', async () => {
+    const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
+    cloud.updateMatrixWorld();
+    await cloud.data!.prepareRays();
+    const ray = new Raycaster(new Vector3(0, 0, 5), new Vector3(0, 0, -1));
+    expect(ray.intersectObject(cloud)).toHaveLength(1);
+    cloud.opacity = Number.NaN;
+    expect(cloud.drawnOpacity).toBeNaN();
+    expect(ray.intersectObject(cloud)).toEqual([]);
+    cloud.opacity = 1;
+    cloud.reveal = { from: 'camera', radius: Number.NaN };
+    expect(() => cloud.effectsAt(0, new Scene(), new PerspectiveCamera())).toThrow(InvalidArgumentError);
+    expect(ray.intersectObject(cloud)).toEqual([]);
+  });
+});
+
 describe('data', () => {
   test('requests a frame when it changes', () => {
     const cloud = new SplatCloudObject();

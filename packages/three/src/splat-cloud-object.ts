@@ -12,7 +12,7 @@ import {
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
-import { type EffectUse, reveal, type SplatEffect } from '@websplatter/core/effects';
+import { type EffectUse, type RevealOptions, reveal, type SplatEffect } from '@websplatter/core/effects';
 import {
   Box3,
   BufferGeometry,
@@ -27,7 +27,7 @@ import {
 } from 'three/webgpu';
 import { SplatsPrecisionError, type SplatsStreamError } from './errors.ts';
 import type { CloudLayer } from './layer-cloud.ts';
-import { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
+import { checkedReveal, isAnimation, type RevealAnimation } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
 import { layerOf, rootOf, type SplatLayer, withBounds } from './splat-layer.ts';
 import { StreamFollower } from './stream-follower.ts';
@@ -73,7 +73,10 @@ export interface SplatCloudEventMap extends Object3DEventMap {
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';
   readonly isSplatCloudObject = true;
-  /** Multiplies every splat's opacity, 0…1. */
+  /**
+   * Multiplies every splat's opacity. Numbers beyond 0…1, as springs give them, count as the nearest
+   * of these, which the console says once.
+   */
   opacity = 1;
   /** Colours depend on the view up to this degree of spherical harmonics. */
   shDegree: ShDegree = 3;
@@ -114,8 +117,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    */
   detail: Detail | null = null;
   /**
-   * Called once for each error that keeps the cloud from being drawn, or from being drawn as
-   * exactly as requested (a SplatsPrecisionError), and each time that parts of a scene that streams
+   * Called once for each error that keeps the cloud from being drawn, or from being drawn as it is
+   * now (with invalid options it stays as it was) or as exactly as requested (a
+   * SplatsPrecisionError), and each time that parts of a scene that streams
    * cannot be fetched (a SplatsStreamError). Without a listener, errors go to the console.
    */
   onError: ((error: Error) => void) | null = null;
@@ -127,10 +131,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   /** Promises of clouds and claims that have their handlers, so that each is handled once. */
   readonly #handled = new WeakSet<Promise<unknown>>();
   readonly #reported = new Set<string>();
+  readonly #clamped = new Set<string>();
   #data: SplatData | null = null;
   /** The splats on the screen, which stay there until others take their place. */
   #drawn: SplatData | null = null;
-  #reveal: RevealAnimation | null = null;
+  #reveal: RevealAnimation | RevealOptions | null = null;
   /** Time of the first frame that shows how the cloud appears. */
   #revealBeganMs: number | null = null;
   #layer: SplatLayer | null = null;
@@ -170,19 +175,55 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * How the cloud appears over time: once from the first frame after this was set, and again from
-   * the first frame with other data, unless that takes the place of a preview. `needsframe` events
-   * request the frames that this needs. Null: the cloud appears at once.
+   * How the cloud appears. Over `durationMs`: once from the first frame after this was set, and again
+   * from the first frame with other data, unless that takes the place of a preview. `needsframe`
+   * events request the frames that this needs. With a `radius`: as far as that reaches. Null: the
+   * cloud appears at once.
    *
-   * @throws InvalidArgumentError for an invalid place, width or time.
+   * @throws InvalidArgumentError for an invalid place, width or time of what has a time; the frame
+   *   reports others.
    */
-  get reveal(): RevealAnimation | null {
+  get reveal(): RevealAnimation | RevealOptions | null {
     return this.#reveal;
   }
 
-  set reveal(animation: RevealAnimation | null) {
-    this.#reveal = animation && checkedReveal(animation);
+  set reveal(given: RevealAnimation | RevealOptions | null) {
+    this.#reveal = given && isAnimation(given) ? checkedReveal(given) : given;
     this.#revealBeganMs = null;
+  }
+
+  /** @internal `opacity` within its range. */
+  get drawnOpacity(): number {
+    return this.clamped('opacity', this.opacity, 1);
+  }
+
+  /**
+   * Returns the effects that the cloud has at any time and in any scene.
+   *
+   * @throws InvalidArgumentError for invalid options.
+   */
+  protected ownEffects(): readonly EffectUse[] {
+    const given = this.#reveal;
+    if (!given || isAnimation(given)) return this.effects;
+    const { radius, softEdge = 0 } = given;
+    const within = (value: number) => this.clamped('reveal', value, Number.POSITIVE_INFINITY);
+    return [...this.effects, reveal({ ...given, radius: within(radius), softEdge: within(softEdge) })];
+  }
+
+  /**
+   * Returns the number in 0…`max` that is nearest to a finite `value`. Warns once of each property
+   * that is out of this range; leaves what is no finite number to be refused.
+   */
+  protected clamped(property: string, value: number, max: number): number {
+    if (!Number.isFinite(value) || (value >= 0 && value <= max)) return value;
+    const nearest = value < 0 ? 0 : max;
+    if (!this.#clamped.has(property)) {
+      this.#clamped.add(property);
+      console.warn(
+        `${property} of a cloud of splats holds ${value}, beyond 0…${max}. It counts as ${nearest}, and so will others.`,
+      );
+    }
+    return nearest;
   }
 
   override updateMatrixWorld(force?: boolean): void {
@@ -346,8 +387,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null {
     const progress = this.#revealedAt(nowMs);
     const isInFog = this.fog && (scene.fog || (scene as { fogNode?: object | null }).fogNode);
-    if (progress >= 1 && !isInFog && !isInClippingGroup(this)) return this.effects;
-    if (later) return later.sceneEffects(this, progress, scene, camera);
+    const own = this.ownEffects();
+    if (progress >= 1 && !isInFog && !isInClippingGroup(this)) return own;
+    if (later) return later.sceneEffects(this, own, progress, scene, camera);
     import('./scene-effects.ts').then(
       (loaded) => {
         later = loaded;
@@ -405,8 +447,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * shown.
    */
   #revealedAt(nowMs: number): number {
-    if (!this.#reveal) return 1;
-    return (nowMs - (this.#revealBeganMs ?? nowMs)) / this.#reveal.durationMs;
+    const given = this.#reveal;
+    if (!given || !isAnimation(given)) return 1;
+    return (nowMs - (this.#revealBeganMs ?? nowMs)) / given.durationMs;
   }
 
   /** @internal Called with the settings chosen for a frame with this cloud. */

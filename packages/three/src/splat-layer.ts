@@ -25,7 +25,7 @@ import {
   type WebGPURenderer,
 } from 'three/webgpu';
 import { splatDetailOf, splatEngineOf } from './create-splat-renderer.ts';
-import type { LayerCloud } from './layer-cloud.ts';
+import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
 import { layerDetail } from './layer-detail.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
 import type { LayerOutputs } from './layer-outputs.ts';
@@ -199,29 +199,36 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
       const wantedOf = (object: LayerCloud) =>
         instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
-      const isReady = (clouds: Clouds, width = widthPx) =>
-        embedded.prepare({
+      const isReady = (wanted: Clouds, width = widthPx) => {
+        const clouds = [...wanted.values()];
+        return embedded.prepare({
           camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
-          clouds: [...clouds.values()],
+          clouds,
           widthPx: width,
           heightPx,
           depth: pass.depth,
           hasOccluders: pass.hasOccluders,
-          writesDepth: [...clouds.keys()].some(({ depthWrite }) => depthWrite),
-          accuracy: accuracyOf(clouds.keys()),
-          detail: layerDetail(clouds.keys()) ?? splatDetailOf(renderer),
+          writesDepth: [...wanted.keys()].some(({ depthWrite }) => depthWrite),
+          accuracy: accuracyOf(clouds),
+          detail: layerDetail(clouds) ?? splatDetailOf(renderer),
         });
-      const prepare = (objects: readonly LayerCloud[]) => {
-        const settings = planesFor(objects, engine);
+      };
+      /** Clouds that were `refused` stay as they were in the last frame. */
+      const prepare = (refused: readonly LayerCloud[] = []) => {
+        const isRefused = (object: LayerCloud) => refused.includes(object);
+        const settings = planesFor(
+          shown.filter((object) => !isRefused(object)),
+          engine,
+        );
         const clouds: Clouds = new Map();
         /**
          * The clouds of the last frame, which stay while others are uploaded and shaders for them
          * compile.
          */
         const lasting: Clouds = new Map();
-        for (const object of objects) {
+        for (const object of shown) {
           if (!object.layers.test(camera.layers)) continue;
-          const wanted = wantedOf(object);
+          const wanted = isRefused(object) ? null : wantedOf(object);
           if (wanted) object.hold(engine, settings);
           const last = view.clouds.get(object);
           const before = last?.cloud === wanted?.cloud ? wanted : last;
@@ -244,11 +251,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       };
       let drawn: Clouds | null;
       try {
-        drawn = prepare(shown);
+        drawn = prepare();
       } catch (error) {
-        const valid = shown.filter(isValid);
-        if (valid.length === shown.length) throw error;
-        drawn = prepare(valid);
+        const refused = shown.filter((object) => !isValid(object));
+        if (refused.length === 0) throw error;
+        drawn = prepare(refused);
       }
       if (drawn) view.clouds = drawn;
       return drawn && view;
@@ -293,7 +300,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   /** Returns the visible clouds, whatever their `layers`. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
-    return [...this.#clouds].filter((object) => object.opacity !== 0 && isShown(object));
+    return [...this.#clouds].filter((object) => object.drawnOpacity !== 0 && isShown(object));
   }
 
   /** Tells why nothing is drawn, unless that is a lost device, which the renderer reports. */
@@ -317,8 +324,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   }
 }
 
-/** Clouds in the scene, and their instances in a frame request. */
-type Clouds = Map<LayerCloud, CloudInstance>;
+/** Clouds in the scene, and how a frame has them. */
+type Clouds = Map<LayerCloud, DrawnCloud>;
 
 /** Whether `object` and all of its ancestors are visible. */
 function isShown(object: Object3D): boolean {
@@ -327,18 +334,19 @@ function isShown(object: Object3D): boolean {
 }
 
 /**
- * Returns the instance of `object` that a frame draws; null while that is uploaded, or code for its
- * effects is loaded.
+ * Returns `object` as a frame is to draw it; null while it is uploaded, or code for its effects is
+ * loaded.
  */
 function instanceOf(
   object: LayerCloud,
   engine: SplatEngine,
   effects: CloudInstance['effects'] | null,
-): CloudInstance | null {
+): DrawnCloud | null {
   const cloud = object.uploadedTo(engine);
   if (!cloud || !effects) return null;
-  const { opacity, shDegree, matrixWorld } = object;
-  return { cloud, modelMatrix: matrixWorld.elements, opacity, shDegree, effects };
+  const { drawnOpacity: opacity, shDegree, matrixWorld, accuracy, detail } = object;
+  // A copy: where the next frame's is refused, the cloud stays where it was.
+  return { cloud, modelMatrix: [...matrixWorld.elements], opacity, shDegree, effects, accuracy, detail };
 }
 
 /**
@@ -353,7 +361,7 @@ function planesFor(shown: Iterable<LayerCloud>, engine: SplatEngine): AccuracySe
   return isTarget ? null : engine.resolveAccuracy(accuracy).settings;
 }
 
-function accuracyOf(clouds: Iterable<LayerCloud>): AccuracyRequest | undefined {
+function accuracyOf(clouds: Iterable<Pick<LayerCloud, 'accuracy'>>): AccuracyRequest | undefined {
   return combineAccuracies([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
 }
 
