@@ -1,5 +1,15 @@
-// The worker's address is a matter of core; apps that install only this package set it too.
-export { setWorkerUrl } from '@websplatter/core';
+// Apps that install only this package need these of core, too: all errors, and the worker's address.
+export {
+  CodeUnavailableError,
+  DestroyedError,
+  GpuLimitError,
+  InvalidArgumentError,
+  SplatFileError,
+  SplatSourceError,
+  setWorkerUrl,
+  WebGpuUnavailableError,
+  WebSplatterError,
+} from '@websplatter/core';
 export {
   createSplatRenderer,
   isSupported,
