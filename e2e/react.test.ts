@@ -678,6 +678,7 @@ it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
 });
 
 it('comes back from the loss of its device by itself, and tells where it cannot', async () => {
+  harness.expectProblem(/<SplatCanvas> was lost/);
   const bare = canvas({ id: 'bare', kind: 'bare', splats: [{ id: 'b', src: 'b.ply' }] });
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }), bare);
   for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
@@ -710,6 +711,7 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
 });
 
 it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
+  harness.expectProblem(/<SplatCanvas> was lost/);
   harness.expectProblem(/lost again and again/);
   const page = await harness.newPage();
   await page.addInitScript(skipRecoveryWaits);
@@ -722,6 +724,9 @@ it('gives up where the device is lost again and again, or there is no adapter an
   }
   const message = /^canvas fallback WebGpuUnavailableError: The GPU device was lost again and again/;
   await expect.poll(() => logOf(page)).toContainEqual(expect.stringMatching(message));
+  const devices = await page.evaluate(() => window.page.devices);
+  expect(devices).toEqual(expect.arrayContaining(['ready', 'lost', 'retrying']));
+  expect(devices.at(-1)).toBe('gone');
 
   // Another one begins anew.
   harness.expectProblem(/found no GPU/);
@@ -779,7 +784,8 @@ it('comes back from the end of the GPU process', async () => {
   const page = await open(canvas({ background: 'black', accuracy: BY_TILES }));
   await waitForLog(page, 'a firstframe');
   const before = await imageAtRest(page);
-  for (const problem of [/WebGPU Device Lost/, /external Instance reference/]) harness.expectProblem(problem);
+  for (const problem of [/WebGPU Device Lost/, /external Instance reference/, /<SplatCanvas> was lost/])
+    harness.expectProblem(problem);
   const session = await harness.browser.newBrowserCDPSession();
   await session.send('Browser.crashGpuProcess' as never).catch(() => {});
   await waitForLog(page, 'a devicelost');

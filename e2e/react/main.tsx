@@ -24,8 +24,10 @@ import {
   SplatStats,
 } from '@websplatter/react/components';
 import {
+  type SplatDevice,
   type SplatStream,
   type StageTimingsSource,
+  useSplatDevice,
   useSplatStreams,
   useStageTimings,
 } from '@websplatter/react/hooks';
@@ -107,6 +109,8 @@ const page = {
   timings: null as StageTimingsSource | null,
   /** Last result of useSplatStreams. */
   streams: null as readonly SplatStream[] | null,
+  /** Results of useSplatDevice, outside of the Canvases. */
+  devices: [] as SplatDevice['status'][],
   /** The newest error of a scene that streams. */
   streamError: null as SplatsStreamError | null,
   /** Times that a component has rendered whose only interest is in measurements. */
@@ -135,6 +139,7 @@ function fileName(url: string): string {
 function Page({ canvases }: { canvases: readonly CanvasDescription[] }): ReactNode {
   return (
     <StrictMode>
+      <Device />
       {canvases.map((canvas) => (
         <div key={canvas.id} className="canvas" data-testid={canvas.id}>
           <SplatsFallback fallback={(error) => noted(canvas.id, `fallback ${error.name}: ${error.message}`)}>
@@ -314,6 +319,12 @@ function OneSplats({
       {...(hasEvents ? events : {})}
     />
   );
+}
+
+function Device(): ReactNode {
+  const { status } = useSplatDevice();
+  useEffect(() => void page.devices.push(status), [status]);
+  return null;
 }
 
 function Streams(): ReactNode {

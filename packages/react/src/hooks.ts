@@ -1,5 +1,6 @@
 'use client';
 
+export type { SplatDevice } from './splat-device.ts';
 export {
   type SplatStream,
   useSplatAccuracy,
@@ -8,5 +9,6 @@ export {
   useSplatStreams,
 } from './use-engine.ts';
 export { type SplatCollider, type SplatColliderOptions, useSplatCollider } from './use-splat-collider.ts';
+export { useSplatDevice } from './use-splat-device.ts';
 export { type SplatsLoad, useSplatsLoad } from './use-splats-load.ts';
 export { type StageTimingsSource, useStageTimings } from './use-stage-timings.ts';

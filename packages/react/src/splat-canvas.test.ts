@@ -17,6 +17,13 @@ import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { canvasStates } from './canvas-states.ts';
 import { createSplatRenderer } from './create-splat-renderer.ts';
 import { SplatCanvas } from './splat-canvas.tsx';
+import {
+  mountSplatDevice,
+  NO_DEVICE,
+  splatDevice,
+  tellSplatDevice,
+  watchSplatDevice,
+} from './splat-device.ts';
 
 /** A Canvas that has asked for its renderer. */
 interface FakeCanvas {
@@ -27,12 +34,12 @@ interface FakeCanvas {
 
 const test = vi.hoisted(() => ({
   canvases: [] as FakeCanvas[],
-  loseDevice: [] as (() => void)[],
+  loseDevice: [] as ((info: object) => void)[],
 }));
 
 vi.mock('./create-splat-renderer.ts', () => ({ createSplatRenderer: vi.fn() }));
 vi.mock('@websplatter/three', () => ({
-  onDeviceLost: (_renderer: object, listener: () => void) => test.loseDevice.push(listener),
+  onDeviceLost: (_renderer: object, listener: (info: object) => void) => test.loseDevice.push(listener),
 }));
 // The part of Canvas in question: it requests its renderer in a layout effect; throws without one.
 vi.mock('@react-three/fiber', async (importOriginal) => {
@@ -115,8 +122,56 @@ async function show(mode: 'visible' | 'hidden' = 'visible'): Promise<void> {
   await passMs(0);
 }
 
-const loseDevice = () => act(async () => test.loseDevice.at(-1)!());
+const loseDevice = () => act(async () => test.loseDevice.at(-1)!({ reason: 'unknown', message: 'reset' }));
 const outcomes = () => test.canvases.map(({ outcome }) => outcome);
+
+it('tells, also outside of it, how it is doing for a device, and the console once of each loss', async () => {
+  const told: string[] = [];
+  const stop = watchSplatDevice(() => {
+    const { status, retryInSeconds } = splatDevice();
+    told.push(retryInSeconds === null ? status : `${status} in ${retryInSeconds} s`);
+  });
+  await show();
+  expect(splatDevice().status).toBe('ready');
+  told.length = 0;
+  await loseDevice();
+  const said = vi
+    .mocked(console.warn)
+    .mock.calls.map(String)
+    .filter((text) => text.includes('was lost'));
+  expect(said).toEqual([expect.stringContaining('was lost (unknown: reset)')]);
+  await passMs(0);
+  await loseDevice();
+  create.mockRejectedValueOnce(NO_GPU);
+  for (const waitMs of [0, 1000, 4000]) await passMs(waitMs);
+  const seconds = [4, 3, 2, 1].map((left) => `retrying in ${left} s`);
+  const second = ['lost', 'retrying in 1 s', 'lost', ...seconds, 'lost', 'ready'];
+  expect(told).toEqual(['lost', 'ready', ...second]);
+  create.mockRejectedValue(NO_GPU);
+  await loseDevice();
+  for (const waitMs of [0, 16_000]) await passMs(waitMs);
+  expect(caught).toBe(NO_GPU);
+  expect(splatDevice().status, 'after its error').toBe('gone');
+  create.mockImplementation(async () => ({}) as never);
+  await act(async () => root.unmount());
+  expect(splatDevice().status).toBe('gone');
+  const end = mountSplatDevice({});
+  expect(splatDevice().status, 'with another one').toBe('none');
+  end();
+  stop();
+});
+
+it('is told of by that which fares worst, if there are several', () => {
+  const [first, second] = [{}, {}];
+  const ends = [first, second].map(mountSplatDevice);
+  tellSplatDevice(first, 'ready');
+  tellSplatDevice(second, 'retrying', 4);
+  expect(splatDevice()).toEqual({ status: 'retrying', retryInSeconds: 4 });
+  ends[1]();
+  expect(splatDevice()).toEqual({ status: 'ready', retryInSeconds: null });
+  ends[0]();
+  expect(splatDevice()).toEqual(NO_DEVICE);
+});
 
 it('follows the pace of a recovery, with the camera that was there, and then tells the error boundary', async () => {
   await show();

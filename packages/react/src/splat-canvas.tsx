@@ -13,6 +13,7 @@ import { onDeviceLost, setSplatDetail, splatEngineOf } from '@websplatter/three'
 import { type ReactNode, useEffect, useRef, useState } from 'react';
 import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
+import { mountSplatDevice, tellSplatDevice } from './splat-device.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
 
@@ -68,8 +69,10 @@ export function SplatCanvas({
   });
   const [{ generation, waitMs, camera }, setLife] = useState<Life>({ generation: 0, waitMs: 0 });
   const created = useRef<RootState>(null);
+  useEffect(() => mountSplatDevice(pace), [pace]);
   const replace = (error: unknown) => {
     const nextMs = pace.next();
+    tellSplatDevice(pace, nextMs === null ? 'gone' : 'lost');
     setLife(() => {
       if (nextMs === null) throw error;
       return { generation: generation + 1, waitMs: nextMs, camera: created.current?.get().camera ?? camera };
@@ -79,19 +82,31 @@ export function SplatCanvas({
     try {
       if (generation > 0) {
         // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
-        await new Promise((resolve) => setTimeout(resolve, waitMs));
+        await timePassed(0);
+        for (let seconds = waitMs / 1000; seconds > 0; seconds--) {
+          tellSplatDevice(pace, 'retrying', seconds);
+          await timePassed(1000);
+        }
         // No page is left to read a message.
         if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error();
       }
+      tellSplatDevice(pace, generation > 0 ? 'lost' : 'pending');
       if (workerUrl) setWorkerUrl(workerUrl);
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy, detail });
       canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
-      onDeviceLost(renderer, () => replace(new WebGpuUnavailableError(LOST_REPEATEDLY)));
+      tellSplatDevice(pace, 'ready');
+      onDeviceLost(renderer, ({ reason, message }) => {
+        console.warn(
+          `The GPU device of a <SplatCanvas> was lost (${reason}${message && `: ${message}`}). It asks for another; useSplatDevice() tells how far that is.`,
+        );
+        replace(new WebGpuUnavailableError(LOST_REPEATEDLY));
+      });
       return renderer;
     } catch (error) {
       // A browser may have no adapter while its GPU process restarts. The next Canvas is there
       // before this one could throw.
       if (generation > 0) replace(error);
+      else tellSplatDevice(pace, 'gone');
       throw error;
     }
   };
@@ -113,6 +128,8 @@ export function SplatCanvas({
     </Canvas>
   );
 }
+
+const timePassed = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** Passes `accuracy` on to the engine of the Canvas when it changes. */
 function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode {

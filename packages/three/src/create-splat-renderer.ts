@@ -55,6 +55,7 @@ export async function createSplatRenderer({
     requiredLimits,
     streamBudgetBytes,
   });
+  answerWhenLost(engine.device);
   try {
     const renderer = new WebGPURenderer({ ...parameters, device: engine.device });
     await renderer.init();
@@ -115,6 +116,15 @@ export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.g
   }
 }
 
+/**
+ * Makes a device that is lost find no error in what is not drawn any more. It may reject instead,
+ * which three does not expect: each pipeline of a lost device would be an uncaught error.
+ */
+export function answerWhenLost(device: Pick<GPUDevice, 'popErrorScope'>): void {
+  const pop = device.popErrorScope.bind(device);
+  device.popErrorScope = () => pop().catch(() => null);
+}
+
 function attach(renderer: WebGPURenderer, engine: SplatEngine, detail: Detail): void {
   const state: RendererState = { engine, detail, lostListeners: new Set(), isDisposed: false };
   states.set(renderer, state);
@@ -137,10 +147,14 @@ function attach(renderer: WebGPURenderer, engine: SplatEngine, detail: Detail): 
 function stateOf(renderer: object): RendererState {
   const state = states.get(renderer);
   if (state) return state;
-  const found = (renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer
-    ? 'three’s WebGLRenderer'
-    : 'another';
   throw new SplatsUnsupportedRendererError(
-    `Splats need a renderer of createSplatRenderer, in react-three-fiber a <SplatCanvas>; this one is ${found}.`,
+    `Splats need a renderer of createSplatRenderer, in react-three-fiber a <SplatCanvas>; this is ${nameOf(renderer)}.`,
   );
+}
+
+function nameOf(renderer: object): string {
+  const { isWebGLRenderer, isWebGPURenderer } = renderer as Record<string, unknown>;
+  if (isWebGLRenderer) return 'three’s WebGLRenderer';
+  if (isWebGPURenderer) return 'a WebGPURenderer that was made without it';
+  return `an object of the class ${renderer.constructor?.name ?? 'none'}, which it did not make`;
 }

@@ -1,0 +1,67 @@
+/** How a `<SplatCanvas>` is doing for a GPU. */
+export interface SplatDevice {
+  /**
+   * `none`: there is no `<SplatCanvas>`; `pending`: it asks for its first device; `ready`: it draws;
+   * `lost`: its device was lost, and it asks for another; `retrying`: it waits before that; `gone`:
+   * it has given up, and its error has reached an error boundary.
+   */
+  readonly status: 'none' | 'pending' | 'ready' | 'lost' | 'retrying' | 'gone';
+  /** Seconds left to wait, a whole number; null unless `retrying`. */
+  readonly retryInSeconds: number | null;
+}
+
+/** From best to worst. */
+const RANKS: readonly SplatDevice['status'][] = ['none', 'ready', 'pending', 'lost', 'retrying', 'gone'];
+
+export const NO_DEVICE: SplatDevice = { status: 'none', retryInSeconds: null };
+
+/** The newest state of each owner of a device: a `<SplatCanvas>`. */
+const states = new WeakMap<object, SplatDevice>();
+/** Those that are mounted, and those that have given up since another one was mounted. */
+const owners = new Set<object>();
+const listeners = new Set<() => void>();
+let worst = NO_DEVICE;
+
+/** Returns the state of the page's owner; of several, that of the one that fares worst. */
+export function splatDevice(): SplatDevice {
+  return worst;
+}
+
+/** Calls `listener` when the state changes, until the returned function is called. */
+export function watchSplatDevice(listener: () => void): () => void {
+  listeners.add(listener);
+  return () => listeners.delete(listener);
+}
+
+export function tellSplatDevice(
+  owner: object,
+  status: SplatDevice['status'],
+  retryInSeconds: number | null = null,
+): void {
+  states.set(owner, { status, retryInSeconds });
+  update();
+}
+
+/** `owner` is there, until the returned function is called. */
+export function mountSplatDevice(owner: object): () => void {
+  for (const other of owners) if (states.get(other)?.status === 'gone') owners.delete(other);
+  owners.add(owner);
+  update();
+  return () => {
+    // What has given up leaves by its error.
+    if (states.get(owner)?.status !== 'gone') owners.delete(owner);
+    update();
+  };
+}
+
+function update(): void {
+  const rankOf = ({ status }: SplatDevice) => RANKS.indexOf(status);
+  const before = worst;
+  worst = NO_DEVICE;
+  for (const owner of owners) {
+    const state = states.get(owner) ?? NO_DEVICE;
+    if (rankOf(state) > rankOf(worst)) worst = state;
+  }
+  if (worst.status === before.status && worst.retryInSeconds === before.retryInSeconds) return;
+  for (const listener of [...listeners]) listener();
+}
