@@ -75,6 +75,20 @@ describe('chooseFrom', () => {
     });
   });
 
+  test('chooses the lowest median if nothing is fast enough, though times cannot be told apart', () => {
+    const slow = table(['high', 94.9, 254, 120], ['balanced', 52, 230, 120], ['fast', 40, 190, 120]);
+    const choice = chooseFrom(slow, { maxFrameMs: 8 });
+    expect(choice.point.name).toBe('fast');
+    const [high] = slow.points;
+    const before = { ...choice, settings: high.settings, point: high };
+    expect(chooseFrom(slow, { maxFrameMs: 8 }, before).point.name).toBe('fast');
+    const alike = table(['high', 94.9, 254, 120], ['balanced', 52, 195, 120], ['fast', 40, 190, 120]);
+    const [, balanced] = alike.points;
+    expect(chooseFrom(alike, { maxFrameMs: 8 }, { ...choice, settings: balanced.settings }).point).toBe(
+      balanced,
+    );
+  });
+
   test('does not flip between settings whose times cannot be told apart', () => {
     const target = { maxFrameMs: 6.2 };
     const first = chooseFrom(ordinary, target);

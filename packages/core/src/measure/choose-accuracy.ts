@@ -20,12 +20,16 @@ export interface AccuracyChoice {
   readonly table: AccuracyTable;
 }
 
-/** A previous choice may stay if it exceeds the target's time by no more than this fraction. */
+/**
+ * A previous choice may stay if it exceeds the target's time, or the best if nothing meets that, by no
+ * more than this fraction.
+ */
 const KEPT_OVERRUN = 0.05;
 
 /**
  * Measures, and chooses the settings that meet the target: the fastest that are accurate enough, or
- * the most accurate that are fast enough. If none meets it, chooses the closest.
+ * the most accurate that are fast enough. If none meets it, chooses the closest: the most accurate, or
+ * the fastest.
  *
  * @param options as for `measureAccuracy`: with `sampleCameras` the target is met from all sides,
  * since the worst camera counts. `previous`: the last choice; it stays unless the measurement shows
@@ -74,7 +78,8 @@ function meets({ error, timeMs }: AccuracyPoint, target: AccuracyTarget): boolea
 
 /** Returns the points nearest to the target. */
 function closest(points: readonly AccuracyPoint[], target: AccuracyTarget): AccuracyPoint[] {
-  if ('maxFrameMs' in target) return indistinguishable(points);
+  // Whatever cannot be told from it may be slower by as much as times vary.
+  if ('maxFrameMs' in target) return [leastMedian(points)];
   const highest = Math.max(...points.map(({ error }) => error.psnrDb));
   return points.filter(({ error }) => error.psnrDb === highest);
 }
@@ -86,10 +91,12 @@ function fastest(points: readonly AccuracyPoint[]): AccuracyPoint {
 
 /** Returns the fastest point, and all points whose times cannot be told from its time. */
 function indistinguishable(points: readonly AccuracyPoint[]): AccuracyPoint[] {
-  const first = points.reduce((best, each) =>
-    each.timeMs.total.median < best.timeMs.total.median ? each : best,
-  );
+  const first = leastMedian(points);
   return points.filter(({ timeMs }) => overlap(timeMs.total, first.timeMs.total));
+}
+
+function leastMedian(points: readonly AccuracyPoint[]): AccuracyPoint {
+  return points.reduce((best, each) => (each.timeMs.total.median < best.timeMs.total.median ? each : best));
 }
 
 function mostAccurate(points: readonly AccuracyPoint[]): AccuracyPoint {
@@ -113,7 +120,8 @@ function mayStay(
   if (!overlap(then, now)) return false;
   if ('minPsnrDb' in target) return isMet ? meets(before, target) : before.error.psnrDb === best.error.psnrDb;
   // It must be at least as accurate as the best, and may be slightly too slow.
-  const isFastEnough = !isMet || then.median <= (1 + KEPT_OVERRUN) * target.maxFrameMs;
+  const allowedMs = isMet ? target.maxFrameMs : now.median;
+  const isFastEnough = then.median <= (1 + KEPT_OVERRUN) * allowedMs;
   return isFastEnough && before.error.psnrDb >= best.error.psnrDb;
 }
 
