@@ -224,6 +224,15 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
   // Measurements rendered only text: two renders are of the props above, doubled by StrictMode.
   expect(await page.evaluate(() => window.page.timingRenders)).toBe(rendersBefore + 4);
   const overlay = overlayOf(page);
+  const rowsOfSmall = (await overlay.innerText())
+    .trim()
+    .split(/\n+/)
+    .filter((line) => /^[A-Z]/.test(line));
+  expect(rowsOfSmall, 'over a small canvas').toEqual(['Wall clock', 'Frames per second', 'GPU memory']);
+  await page
+    .getByTestId('canvas')
+    .evaluate(({ style }) => Object.assign(style, { width: '640px', height: '480px' }));
+  await expect.poll(() => overlay.innerText()).toContain('Pre-process');
   const text = await overlay.innerText();
   for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Wall clock']) {
     expect(text).toMatch(new RegExp(`${row}\\s+\\d+\\.\\d\\d ms`));
@@ -753,7 +762,7 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   const events = (await logOf(page)).slice(-5);
   expect(events).toEqual(['dot over', 'dot click', 'dot out', 'dot missed', 'canvas missed']);
   // The pointer event passed through it.
-  await expect.poll(() => overlayOf(page).innerText()).toMatch(/Frame\s+\d+\.\d\d ms/);
+  await expect.poll(() => overlayOf(page).innerText()).toMatch(/Wall clock\s+\d+\.\d\d ms/);
 
   const dense = canvas({
     kind: 'bare',

@@ -105,6 +105,9 @@ afterEach(async () => {
   vi.useRealTimers();
 });
 
+/** Renders the component of the last `rendersOf` again. */
+let again = async () => {};
+
 /** Renders a component that calls `use`, in a Canvas; returns its results, render by render. */
 async function rendersOf<Result>(use: () => Result): Promise<Result[]> {
   const results: Result[] = [];
@@ -112,9 +115,11 @@ async function rendersOf<Result>(use: () => Result): Promise<Result[]> {
     results.push(use());
     return null;
   }
-  await act(async () => {
-    root.render(createElement(Caller));
-  });
+  again = () =>
+    act(async () => {
+      root.render(createElement(Caller));
+    });
+  await again();
   return results;
 }
 
@@ -179,7 +184,9 @@ describe.each([
   ['useSplatMemory', useSplatMemory, 'memory', { totalBytes: 2 }],
   ['useSplatEffects', useSplatEffects, 'effects', [{ name: 'tint' }]],
   ['useSplatAccuracy', useSplatAccuracy, 'accuracy', { rasterizer: 'tiles' }],
-])('%s', (name, use: (renderer?: object) => unknown, changed, value) => {
+])('%s', (name, anyUse, changed, value) => {
+  const use = anyUse as (...given: unknown[]) => unknown;
+
   it('renders again some time after frames, if something has changed', async () => {
     const renders = await rendersOf(() => use());
     expect(renders).toHaveLength(2);
@@ -192,12 +199,30 @@ describe.each([
     expect(renders[2]).toEqual(value);
   });
 
+  it('renders for changes of what is selected, and of the selection', async () => {
+    let isOther = false;
+    const select = vi.fn((found: object) => (isOther ? found : 'name' in found));
+    const renders = await rendersOf(() => use(select));
+    const { length } = renders;
+    expect(renders[length - 1]).toBe(false);
+    Object.assign(engine, { [changed]: value });
+    await measureFrames(3);
+    expect(renders).toHaveLength(length);
+    isOther = true;
+    await again();
+    expect(renders.at(-1)).toEqual(value);
+    expect(select).not.toHaveBeenCalledWith(null);
+  });
+
   it('takes a renderer outside of a Canvas, and asks for one', async () => {
     const other = {};
     const Caller = ({ given }: { given?: object }) => String(use(given));
     expect(() => renderToString(createElement(Caller))).toThrow(InvalidArgumentError);
     expect(() => renderToString(createElement(Caller))).toThrow(`Outside of a Canvas, ${name} needs`);
     expect(renderToString(createElement(Caller, { given: other }))).toBe('null');
+    expect(splatEngineOf).toHaveBeenLastCalledWith(other);
+    const Selecting = () => String(use(() => 1, other));
+    expect(renderToString(createElement(Selecting))).toBe('null');
     expect(splatEngineOf).toHaveBeenLastCalledWith(other);
   });
 });

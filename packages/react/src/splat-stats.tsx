@@ -15,7 +15,7 @@ export interface SplatStatsProps {
 
 /**
  * Shows the costs of splats in a corner over the canvas: times of each stage, frames per second,
- * splats and GPU memory. It is an HTML overlay, wherever in the tree this component is. Updates it
+ * splats and GPU memory; over a small canvas a few of these. It is an HTML overlay, wherever in the tree this component is. Updates it
  * at most four times a second, and renders nothing for that, in React or on the canvas.
  *
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
@@ -44,8 +44,8 @@ export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): 
         if (isGone) return;
         const { ownerDocument, parentElement } = (measured as WebGPURenderer).domElement;
         panel = createTimingsPanel(ownerDocument, corner, read);
-        if (latest) panel.show(latest);
         parentElement?.append(panel.element);
+        if (latest) panel.show(latest);
       })
       .catch(console.error);
     return () => {

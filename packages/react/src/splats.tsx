@@ -99,7 +99,10 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   ref?: Ref<SplatCloudObject>;
   /** Called when all splats have been read and are about to be drawn. */
   onLoad?: (splats: SplatData) => void;
-  /** Reports progress in bytes; `lengthComputable` is false if the total is not known. */
+  /**
+   * Reports progress in bytes. `lengthComputable` is false, and `total` 0, if the total is not known,
+   * as of what a server compresses: show an indeterminate bar.
+   */
   onProgress?: (event: ProgressEvent) => void;
   /** Called when the first frame with these splats has been submitted to the GPU. */
   onFirstFrame?: () => void;

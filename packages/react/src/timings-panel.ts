@@ -29,6 +29,12 @@ const ROWS = [
 ] as const;
 type Row = (typeof ROWS)[number];
 
+/** Rows over a canvas of which the others would hide much. */
+const ROWS_IF_SMALL: readonly Row[] = ['Wall clock', 'Frames per second', 'GPU memory'];
+/** The whole panel takes 230 by 220 CSS pixels: more than a quarter of less than this. */
+const SMALL_AREA_PX2 = 200_000;
+const SMALL_HEIGHT_PX = 260;
+
 /** Work of the engine so far, and its memory now. */
 export interface EngineState {
   readonly framesDrawn: number;
@@ -66,6 +72,8 @@ export function createTimingsPanel(
   const list = document.createElement('dl');
   list.style.cssText = LIST_STYLE;
   const values = new Map<Row, Text>();
+  /** What is hidden over a small canvas. */
+  const parts: HTMLElement[] = [];
   for (const row of ROWS) {
     const [term, value] = [document.createElement('dt'), document.createElement('dd')];
     value.style.cssText = VALUE_STYLE;
@@ -74,9 +82,13 @@ export function createTimingsPanel(
     term.append(row);
     value.append(text);
     list.append(term, value);
+    if (!ROWS_IF_SMALL.includes(row)) parts.push(term, value);
   }
   const note = document.createTextNode('Not measured yet');
-  element.append(list, note);
+  const noteElement = document.createElement('div');
+  noteElement.append(note);
+  parts.push(noteElement);
+  element.append(list, noteElement);
 
   let latest: FrameStatistics | null = null;
   let before: EngineState | null = null;
@@ -90,6 +102,9 @@ export function createTimingsPanel(
     before = engine;
     for (const row of ROWS) values.get(row)!.data = words.values[row];
     note.data = words.note;
+    const { clientWidth = 0, clientHeight = 0 } = element.parentElement ?? {};
+    const isSmall = clientWidth * clientHeight < SMALL_AREA_PX2 || clientHeight < SMALL_HEIGHT_PX;
+    for (const part of parts) part.hidden = isSmall;
     timer = setTimeout(write, UPDATE_INTERVAL_MS);
   };
   return {

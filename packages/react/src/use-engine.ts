@@ -8,8 +8,9 @@ import type {
   StreamReport,
 } from '@websplatter/core';
 import { onStageTimings, splatEngineOf } from '@websplatter/three';
-import { useEffect, useState } from 'react';
+import { useEffect, useRef, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
+import { useLatest } from './use-latest.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 
 /** Time from a frame to a look at the engine: a component renders four times a second at most. */
@@ -20,13 +21,21 @@ const LOOK_AFTER_MS = 250;
  * of drawing. Looks again a quarter of a second after frames, and causes a render only if something
  * has changed.
  *
+ * @param select returns what of it a component needs, which then renders for changes of that alone.
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
-export function useSplatMemory(renderer?: object): EngineMemory | null {
-  return useEngine(readMemory, renderer, 'useSplatMemory');
+export function useSplatMemory(renderer?: object): EngineMemory | null;
+export function useSplatMemory<Selected>(
+  select: (found: EngineMemory) => Selected,
+  renderer?: object,
+): Selected | null;
+export function useSplatMemory<Selected>(
+  ...given: HookArguments<EngineMemory, Selected>
+): EngineMemory | Selected | null {
+  return useEngine(readMemory, given, 'useSplatMemory');
 }
 
 /**
@@ -34,13 +43,21 @@ export function useSplatMemory(renderer?: object): EngineMemory | null {
  * memory that it holds. Looks again a quarter of a second after frames, and causes a render only if
  * something has changed.
  *
+ * @param select returns what of it a component needs, which then renders for changes of that alone.
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look; an empty list before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
-export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null {
-  return useEngine(readEffects, renderer, 'useSplatEffects');
+export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null;
+export function useSplatEffects<Selected>(
+  select: (found: readonly EffectEntry[]) => Selected,
+  renderer?: object,
+): Selected | null;
+export function useSplatEffects<Selected>(
+  ...given: HookArguments<readonly EffectEntry[], Selected>
+): readonly EffectEntry[] | Selected | null {
+  return useEngine(readEffects, given, 'useSplatEffects');
 }
 
 /**
@@ -48,13 +65,21 @@ export function useSplatEffects(renderer?: object): readonly EffectEntry[] | nul
  * reason, and the rasteriser. Looks again a quarter of a second after frames, and causes a render
  * only if something has changed.
  *
+ * @param select returns what of it a component needs, which then renders for changes of that alone.
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
-export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null {
-  return useEngine(readAccuracy, renderer, 'useSplatAccuracy');
+export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null;
+export function useSplatAccuracy<Selected>(
+  select: (found: DrawnAccuracy) => Selected,
+  renderer?: object,
+): Selected | null;
+export function useSplatAccuracy<Selected>(
+  ...given: HookArguments<DrawnAccuracy, Selected>
+): DrawnAccuracy | Selected | null {
+  return useEngine(readAccuracy, given, 'useSplatAccuracy');
 }
 
 /** What is there of a scene that streams. */
@@ -71,13 +96,21 @@ export interface SplatStream extends StreamReport {
  * of a second after a change, and while anything is fetched, and causes a render only if something
  * has changed.
  *
+ * @param select returns what of it a component needs, which then renders for changes of that alone.
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look; an empty list where nothing streams.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
  */
-export function useSplatStreams(renderer?: object): readonly SplatStream[] | null {
-  return useEngine(readStreams, renderer, 'useSplatStreams', followStreams);
+export function useSplatStreams(renderer?: object): readonly SplatStream[] | null;
+export function useSplatStreams<Selected>(
+  select: (found: readonly SplatStream[]) => Selected,
+  renderer?: object,
+): Selected | null;
+export function useSplatStreams<Selected>(
+  ...given: HookArguments<readonly SplatStream[], Selected>
+): readonly SplatStream[] | Selected | null {
+  return useEngine(readStreams, given, 'useSplatStreams', followStreams);
 }
 
 function readStreams({ clouds }: SplatEngine): readonly SplatStream[] {
@@ -97,22 +130,35 @@ const readAccuracy = (engine: SplatEngine) => engine.drawnAccuracy();
 const readMemory = (engine: SplatEngine) => engine.memory();
 const readEffects = (engine: SplatEngine) => engine.effects();
 
+/** `select`, `renderer`, both or neither. */
+type HookArguments<Found, Selected> = [((found: Found) => Selected) | object | undefined, object?];
+
 /**
- * Returns the result of `read` on the engine, read again after frames and when `follow`, told what
- * was found, calls `look`. Both are always the same functions.
+ * Returns the result of `read` on the engine, or what the hook's caller selects of it: read again
+ * after frames and when `follow`, told what was found, calls `look`. Both are always the same
+ * functions.
  */
-function useEngine<Found>(
-  read: (engine: SplatEngine) => Found,
-  renderer: object | undefined,
+function useEngine<Found, Selected>(
+  read: (engine: SplatEngine) => Found | null,
+  [first, second]: HookArguments<Found, Selected>,
   who: string,
   follow?: (found: Found, look: () => void) => () => void,
-): Found | null {
+): Found | Selected | null {
+  const [select, renderer] = typeof first === 'function' ? [first, second] : [undefined, first];
   const measured = useMeasuredRenderer(renderer, who);
   const engine = splatEngineOf(measured);
   const [found, setFound] = useState<Found | null>(null);
+  const selectedOf = (of: Found | null): Found | Selected | null => (of !== null && select ? select(of) : of);
+  const selected = selectedOf(found);
+  const newest = useRef<Found | null>(null);
+  const latest = useLatest(() => {
+    if (found !== newest.current && !isSameValue(selected, selectedOf(newest.current)))
+      setFound(newest.current);
+  });
+  // Another selection may be about what has changed meanwhile.
+  useEffect(() => latest.current());
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
-    let latest: Found | null = null;
     let unfollow: (() => void) | undefined;
     const lookLater = () => {
       timer ??= setTimeout(look, LOOK_AFTER_MS);
@@ -121,10 +167,9 @@ function useEngine<Found>(
       timer = undefined;
       const now = read(engine);
       unfollow?.();
-      unfollow = follow?.(now, lookLater);
-      if (isSameValue(latest, now)) return;
-      latest = now;
-      setFound(now);
+      unfollow = now === null ? undefined : follow?.(now, lookLater);
+      newest.current = now;
+      latest.current();
     };
     look();
     const stop = onStageTimings(measured, lookLater);
@@ -133,6 +178,6 @@ function useEngine<Found>(
       unfollow?.();
       clearTimeout(timer);
     };
-  }, [measured, engine, read, follow]);
-  return found;
+  }, [measured, engine, read, follow, latest]);
+  return selected;
 }

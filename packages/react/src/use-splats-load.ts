@@ -16,7 +16,7 @@ export interface SplatsLoad {
   readonly error: unknown;
   /** Bytes that have arrived. */
   readonly loadedBytes: number;
-  /** Null if it is not known. */
+  /** Null if it is not known, as of what a server compresses: show an indeterminate bar. */
   readonly totalBytes: number | null;
 }
 
