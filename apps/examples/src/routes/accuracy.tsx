@@ -1,7 +1,6 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
 import { isAccuracyTarget } from '@websplatter/core';
-import { type AccuracyChoice, type AccuracyRequest, createSplatRenderer, Splats } from '@websplatter/react';
+import { type AccuracyChoice, type AccuracyRequest, SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 const REQUESTS = {
@@ -21,17 +20,12 @@ export default function Accuracy() {
   const keepChoice = (choice: AccuracyChoice) => setChoices((others) => ({ ...others, [request]: choice }));
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           <Splats src="still-life.sog" accuracy={REQUESTS[request]} onAccuracyChosen={keepChoice} />
         </Suspense>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Accuracy

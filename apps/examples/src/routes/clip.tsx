@@ -1,6 +1,5 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { type ClipVolume, createSplatRenderer, Splats } from '@websplatter/react';
+import { type ClipVolume, SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 /** Volumes by size: the place of a plane, the radius of a sphere, half the edge of a box. */
@@ -19,17 +18,12 @@ export default function Clip() {
   const [keep, setKeep] = useState<'inside' | 'outside'>('inside');
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           <Splats src="still-life.sog" clip={{ volumes: [{ ...SHAPES[shape](size), keep }], softEdge }} />
         </Suspense>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Volume

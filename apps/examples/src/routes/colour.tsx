@@ -1,7 +1,6 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
 import type { ShDegree } from '@websplatter/core';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 export default function Colour() {
@@ -12,12 +11,7 @@ export default function Colour() {
   const [antialias, setAntialias] = useState(false);
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           {/* White, 1, 3 and false change nothing, so shaders do not contain these effects. */}
           <Splats
@@ -30,7 +24,7 @@ export default function Colour() {
           />
         </Suspense>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Tint

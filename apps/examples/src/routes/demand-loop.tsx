@@ -1,24 +1,19 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas, invalidate, useFrame } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { invalidate, useFrame } from '@react-three/fiber';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { type RefObject, Suspense, useRef } from 'react';
 
 export default function DemandLoop() {
   const counter = useRef<HTMLOutputElement>(null);
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           <Splats src="still-life.sog" />
         </Suspense>
         <OrbitControls />
         <FrameCounter counter={counter} />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <span>
           Frames drawn: <output ref={counter}>0</output>

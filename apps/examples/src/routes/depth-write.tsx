@@ -1,18 +1,12 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 export default function DepthWrite() {
   const [depthWrite, setDepthWrite] = useState(true);
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           <Splats src="still-life.sog" depthWrite={depthWrite} />
         </Suspense>
@@ -22,7 +16,7 @@ export default function DepthWrite() {
           <meshBasicMaterial color="#2d7dff" transparent opacity={0.75} />
         </mesh>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           <input

@@ -1,12 +1,11 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats } from '@websplatter/react';
 
 export default function FirstSplat() {
   return (
-    <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
+    <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
       <Splats src="still-life.sog" />
       <OrbitControls />
-    </Canvas>
+    </SplatCanvas>
   );
 }

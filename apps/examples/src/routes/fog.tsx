@@ -1,6 +1,5 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 const FOG_COLOR = '#c9d3df';
@@ -10,12 +9,7 @@ export default function Fog() {
   const [isInFog, setInFog] = useState(true);
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         {/* The scene's own background and fog: nothing here is about splats. */}
         <color attach="background" args={[FOG_COLOR]} />
         <fogExp2 attach="fog" args={[FOG_COLOR]} density={density} />
@@ -29,7 +23,7 @@ export default function Fog() {
           <Splats src="still-life.sog" fog={isInFog} />
         </Suspense>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Density

@@ -1,5 +1,5 @@
-import { Canvas, useFrame } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { useFrame } from '@react-three/fiber';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { type RefObject, Suspense, useRef, useState } from 'react';
 import type { Mesh } from 'three';
 
@@ -10,14 +10,14 @@ export default function MeshThroughSplats() {
   const [isMoving, setMoving] = useState(!prefersStillness);
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat camera={{ position: [0.1, 0.35, 1.5], fov: 50, near: 0.05 }}>
+      <SplatCanvas flat camera={{ position: [0.1, 0.35, 1.5], fov: 50, near: 0.05 }}>
         <ambientLight intensity={1.2} />
         <directionalLight position={[-2, 3, 2]} intensity={2.5} />
         <Suspense>
           <Splats src="still-life.sog" />
         </Suspense>
         <Ball slider={slider} isMoving={isMoving} />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Ball

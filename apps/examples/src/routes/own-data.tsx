@@ -1,6 +1,6 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas, useFrame } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { useFrame } from '@react-three/fiber';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { editsOf, makeSplatData } from '@websplatter/react/own-data';
 import { useEffect, useRef, useState } from 'react';
 
@@ -44,16 +44,11 @@ export default function OwnData() {
   }, [data, shown]);
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0, 1.3, 1.8], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0, 1.3, 1.8], fov: 50, near: 0.05 }}>
         <Splats src={data} />
         {isMoving && <Waves data={data} />}
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Seeds

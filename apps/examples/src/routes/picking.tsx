@@ -1,5 +1,5 @@
-import { Canvas, type ThreeEvent } from '@react-three/fiber';
-import { createSplatRenderer, type SplatCloudObject, type SplatHit, Splats } from '@websplatter/react';
+import type { ThreeEvent } from '@react-three/fiber';
+import { SplatCanvas, type SplatCloudObject, type SplatHit, Splats } from '@websplatter/react';
 import { useRef, useState } from 'react';
 
 export default function Picking() {
@@ -10,7 +10,7 @@ export default function Picking() {
   };
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
+      <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Splats ref={splats} src="still-life.sog" onClick={pick} />
         {hit && (
           <mesh position={hit.point} renderOrder={1}>
@@ -19,7 +19,7 @@ export default function Picking() {
             <meshBasicMaterial color="#ff2d87" transparent depthTest={false} />
           </mesh>
         )}
-      </Canvas>
+      </SplatCanvas>
       <p className="panel" role="status">
         {hit
           ? `Row ${hit.splatIndex.toLocaleString('en')} · depth ${hit.depthView.toFixed(3)} · opacity ${hit.alpha.toFixed(2)}`

@@ -1,6 +1,5 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, type RevealAnimation, Splats } from '@websplatter/react';
+import { type RevealAnimation, SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 const prefersStillness = matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -18,18 +17,13 @@ export default function Reveal() {
   const reveal = prefersStillness && times === 0 ? undefined : REVEALS[name];
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           {/* A new key starts again. Splats request the frames that this needs, and no more. */}
           <Splats key={times} src="still-life.sog" reveal={reveal} />
         </Suspense>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <select
           aria-label="Where it begins"

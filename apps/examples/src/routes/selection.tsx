@@ -1,5 +1,5 @@
-import { Canvas, invalidate, type ThreeEvent } from '@react-three/fiber';
-import { createSplatRenderer, type SplatCloudObject, SplatSelection, Splats } from '@websplatter/react';
+import { invalidate, type ThreeEvent } from '@react-three/fiber';
+import { SplatCanvas, type SplatCloudObject, SplatSelection, Splats } from '@websplatter/react';
 import { Suspense, useRef, useState } from 'react';
 import { Sphere } from 'three';
 
@@ -23,12 +23,7 @@ export default function Selection() {
   };
   return (
     <>
-      <Canvas
-        gl={createSplatRenderer}
-        flat
-        frameloop="demand"
-        camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}
-      >
+      <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           <Splats
             ref={splats}
@@ -37,7 +32,7 @@ export default function Selection() {
             onClick={select}
           />
         </Suspense>
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <output>{count === 0 ? 'Click on something.' : `${count.toLocaleString('en')} selected`}</output>
         <label>

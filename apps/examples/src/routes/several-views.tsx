@@ -1,5 +1,5 @@
-import { Canvas, useFrame } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { useFrame } from '@react-three/fiber';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { PerspectiveCamera } from 'three';
 
 const VIEWS = [
@@ -11,10 +11,10 @@ const VIEWS = [
 export default function SeveralViews() {
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat>
+      <SplatCanvas flat>
         <Splats src="still-life.sog" />
         <Views />
-      </Canvas>
+      </SplatCanvas>
       <ul className="view-names">
         {VIEWS.map(({ name }) => (
           <li key={name} className="view-name">

@@ -1,6 +1,5 @@
 import { OrbitControls, useProgress } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useRef } from 'react';
 
 export default function WithSuspense() {
@@ -8,16 +7,17 @@ export default function WithSuspense() {
   // Progress of three's LoadingManager, to which splats report as textures and models do.
   const { active, item } = useProgress();
   const showProgress = ({ loaded, total }: ProgressEvent) => {
+    // Without a value, the bar is indeterminate: the total is not known of what a server compresses.
     if (bar.current && total > 0) bar.current.value = loaded / total;
   };
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
+      <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense fallback={<Placeholder />}>
           <Splats src="still-life.sog" onProgress={showProgress} />
         </Suspense>
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       {active && (
         <label className="panel">
           Loading {item.split('/').at(-1)}

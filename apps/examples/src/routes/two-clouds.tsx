@@ -1,13 +1,12 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas } from '@react-three/fiber';
-import { createSplatRenderer, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats } from '@websplatter/react';
 import { useState } from 'react';
 
 export default function TwoClouds() {
   const [opacity, setOpacity] = useState(1);
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat camera={{ position: [0, 1.3, 4], fov: 50 }}>
+      <SplatCanvas flat camera={{ position: [0, 1.3, 4], fov: 50 }}>
         <Splats src="ring.ply" position-x={-0.55} />
         {/* Turned, mirrored and smaller. The file is read once and uploaded once. */}
         <Splats
@@ -18,7 +17,7 @@ export default function TwoClouds() {
           opacity={opacity}
         />
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Opacity of the right ring

@@ -1,6 +1,6 @@
 import { OrbitControls } from '@react-three/drei';
-import { Canvas, useFrame } from '@react-three/fiber';
-import { createSplatRenderer, type SplatCloudObject, Splats } from '@websplatter/react';
+import { useFrame } from '@react-three/fiber';
+import { SplatCanvas, type SplatCloudObject, Splats } from '@websplatter/react';
 import { type RefObject, Suspense, useRef, useState } from 'react';
 import { windSway } from '../effects/wind-sway.ts';
 
@@ -12,13 +12,13 @@ export default function WindSway() {
   const [isMoving, setMoving] = useState(!prefersStillness);
   return (
     <>
-      <Canvas gl={createSplatRenderer} flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
+      <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
           <Splats ref={splats} src="still-life.sog" />
         </Suspense>
         <Wind splats={splats} amplitude={amplitude} isMoving={isMoving} />
         <OrbitControls />
-      </Canvas>
+      </SplatCanvas>
       <form className="panel">
         <label>
           Wind
