@@ -94,19 +94,34 @@ describe('the documentation site', () => {
 
   it('finds pages by the words that one types, with the keyboard alone', async () => {
     const { page, problems } = await open('guide/loading.html');
-    // The page may not listen to keys yet, and keys before the box is there go nowhere.
-    const box = page.locator('.VPLocalSearchBox input:focus');
-    await expect
-      .poll(async () => {
-        if ((await box.count()) === 0) await page.keyboard.press('Control+k');
-        return box.count();
-      })
-      .toBe(1);
+    await openSearch(page);
     await page.keyboard.type('depth of field');
     await page.locator('.VPLocalSearchBox .result').first().waitFor();
     await page.keyboard.press('Enter');
     await page.waitForURL((url) => !url.pathname.endsWith('guide/loading.html'));
     expect(problems).toEqual([]);
+    await page.context().close();
+  });
+
+  it.each([
+    ['opacity', /\/api\/react\/interfaces\/SplatsProps\.html/, 3],
+    ['nextjs', /\/recipes\/next\.html/, 1],
+    ['threejs', /./, 1],
+  ])('finds “%s” where readers look for it', async (words, address, places) => {
+    const { page } = await open('guide/loading.html');
+    await openSearch(page);
+    await page.keyboard.type(words);
+    const results = page.locator('.VPLocalSearchBox .result');
+    const found = () => results.evaluateAll((links) => links.map((link) => link.getAttribute('href')));
+    await expect
+      .poll(async () => (await found()).slice(0, places))
+      .toContainEqual(expect.stringMatching(address));
+    await page.context().close();
+  });
+
+  it('names what functions take apart by its type', async () => {
+    const { page } = await open('api/react/functions/Splats.html');
+    expect(await page.getByRole('main').innerText()).toContain('function Splats(props): ReactNode;');
     await page.context().close();
   });
 
@@ -212,4 +227,15 @@ async function colorsOf(page: Page): Promise<number> {
   const { data } = await screenshot(page.locator('.ws-stage'));
   const pixels = new Uint32Array(data.buffer, data.byteOffset, data.byteLength / 4);
   return new Set(pixels).size;
+}
+
+async function openSearch(page: Page): Promise<void> {
+  // The page may not listen to keys yet, and keys before the box is there go nowhere.
+  const box = page.locator('.VPLocalSearchBox input:focus');
+  await expect
+    .poll(async () => {
+      if ((await box.count()) === 0) await page.keyboard.press('Control+k');
+      return box.count();
+    })
+    .toBe(1);
 }

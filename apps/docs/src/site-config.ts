@@ -62,7 +62,25 @@ export default defineConfig({
     sidebar: Object.fromEntries(
       Object.entries(SIDEBARS).map(([folder, names]) => [folder, names.map(sidebarSection)]),
     ),
-    search: { provider: 'local' },
+    search: {
+      provider: 'local',
+      options: {
+        miniSearch: {
+          // Both functions become text of the site: they use nothing around them.
+          options: {
+            // “nextjs” finds Next.js.
+            tokenize: (text) => [
+              ...text.split(/[\n\r\p{Z}\p{P}]+/u),
+              ...(text.match(/\w+\.js\b/g) ?? []).map((name) => name.replace('.', '')),
+            ],
+          },
+          searchOptions: {
+            // Most readers look for what React's package has, and for how, before the rest of the API.
+            boostDocument: (id) => (id.includes('/api/react/') || /\/(?:guide|recipes)\//.test(id) ? 3 : 1),
+          },
+        },
+      },
+    },
     notFound: { linkLabel: 'Take me home', linkText: 'Take me home' },
     outline: { level: [2, 3] },
     externalLinkIcon: true,

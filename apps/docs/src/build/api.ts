@@ -1,5 +1,5 @@
 import { join } from 'node:path';
-import { Application, type ProjectReflection } from 'typedoc';
+import { Application, Converter, type ProjectReflection, ReflectionKind, type SomeType } from 'typedoc';
 import { type ApiEntry, apiEntries } from './api-entries.ts';
 import { DocsError } from './markdown.ts';
 
@@ -22,6 +22,7 @@ export async function writeApi(root: string, folder: string): Promise<void> {
     disableGit: true,
     excludeExternals: true,
     excludePrivate: true,
+    excludeProtected: true,
     excludeInternal: true,
     // Names in signatures that no entry point exports stay without a link.
     validation: { notExported: false, invalidLink: false, rewrittenLink: false },
@@ -47,11 +48,25 @@ export async function writeApi(root: string, folder: string): Promise<void> {
     publicPath: '/api/',
   }))
     app.options.setValue(name as never, value as never);
+  app.converter.on(Converter.EVENT_RESOLVE_END, ({ project }) => nameParameters(project));
   const project = await app.convert();
   if (!project) throw new DocsError('TypeDoc could not read the sources of the packages.');
   nameEntries(project, entries);
   await app.generateOutputs(project);
   if (app.logger.hasErrors()) throw new DocsError('TypeDoc has reported errors.');
+}
+
+/** Names parameters that functions take apart by their types: `props` of SplatsProps. */
+function nameParameters(project: ProjectReflection): void {
+  for (const parameter of project.getReflectionsByKind(ReflectionKind.Parameter))
+    if (parameter.name === '__namedParameters' && parameter.isParameter())
+      parameter.name = lastWordOf(parameter.type);
+}
+
+function lastWordOf(type: SomeType | undefined): string {
+  if (type?.type !== 'reference') return 'values';
+  if (type.name === 'Pick') return lastWordOf(type.typeArguments?.[0]);
+  return /[A-Z][a-z]*$/.exec(type.name)?.[0].toLowerCase() ?? 'values';
 }
 
 /** Renames modules to their import names; TypeDoc names them by the paths of their sources. */

@@ -56,7 +56,7 @@ export const SECTIONS: readonly Section[] = [
   {
     text: 'Recipes',
     pages: [
-      { text: 'Next', page: 'recipes/next.md' },
+      { text: 'Next.js', page: 'recipes/next.md' },
       { text: 'Post-processing', page: 'recipes/post-processing.md' },
       { text: 'Physics', page: 'recipes/physics.md' },
       { text: 'Your own data', page: 'recipes/own-data.md' },
