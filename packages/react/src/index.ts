@@ -41,7 +41,7 @@ export {
   ThreeInternalsError,
 } from '@websplatter/three';
 export { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
-export type { EffectProps } from './effect-props.ts';
+export type { EffectProps, SplatColor } from './effect-props.ts';
 export type { CacheableSource } from './splat-cache.ts';
 export { SplatCanvas, type SplatCanvasProps } from './splat-canvas.tsx';
 export { SplatCloudObject } from './splat-cloud-object.ts';
