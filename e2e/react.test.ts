@@ -1,5 +1,6 @@
 import { cameraFromMatrices, encodePly, type SplatSet } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
+import type { SplatCloudObject } from '@websplatter/react';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { atRest, passTurns } from './at-rest.ts';
@@ -451,6 +452,33 @@ it('takes effects as props, and draws what revealing takes and no frame more', a
   };
   expect(whole.data.filter((value, i) => i % 4 === 2 && value > 50).length).toBeGreaterThan(1000);
   await expect.poll(blueOrGreen).toBe(0);
+});
+
+it('takes what frames set on the object, and keeps its Canvas where they set what cannot be drawn', async () => {
+  harness.expectProblem(/InvalidArgumentError: a.ply: opacity is NaN/);
+  const page = await open(canvas({ background: 'black' }));
+  await waitForLog(page, 'a firstframe');
+  const before = await imageAtRest(page);
+  const set = (values: Pick<SplatCloudObject, 'opacity' | 'tint'>) =>
+    page.evaluate((given) => {
+      Object.assign(window.page.objects.get('a')!, given);
+      window.page.canvases.get('canvas')!.invalidate();
+    }, values);
+  await set({ opacity: 1.0015, tint: [1, 0, 0] });
+  await expect
+    .poll(async () => {
+      const { data } = await image(page);
+      return data.some((value, i) => i % 4 === 2 && value > 0);
+    })
+    .toBe(false);
+  const tinted = await imageAtRest(page);
+  expect(changedPart(before, tinted)).toBeGreaterThan(0.02);
+  const frames = await framesOf(page);
+  await set({ opacity: Number.NaN, tint: null });
+  await expect.poll(() => framesOf(page)).not.toEqual(frames);
+  expect(changedPart(tinted, await imageAtRest(page), 0)).toBe(0);
+  await set({ opacity: 1, tint: null });
+  await expect.poll(async () => changedPart(before, await image(page), 0)).toBe(0);
 });
 
 it('reads a file once and uploads it once, however often it is shown, and keeps it while a new one is read', async () => {
