@@ -124,7 +124,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
         ...BOTH.flatMap((isStacked) => [
           tileCount({ recordPrecision, extent, isStacked }),
           tileCount({ recordPrecision, extent, isStacked }, true),
-          tileMasks({ recordPrecision, extent, isStacked }),
+          ...BOTH.map((isNarrow) => tileMasks({ recordPrecision, extent, isStacked }, isNarrow)),
         ]),
         ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent }, shape)),
         tileEmit({ recordPrecision, extent, isStacked: true }, PAIR_SORTS[0]),

@@ -38,7 +38,7 @@ const stages = perShape((shape) => {
     tileReplan: tilePlan(sortShape, true),
     tileEmit: tileEmit(variant, sortShape),
     tileRanges,
-    tileMasks: tileMasks(variant),
+    tileMasks: tileMasks(variant, shape.sortDevice.isNarrow),
   };
 });
 

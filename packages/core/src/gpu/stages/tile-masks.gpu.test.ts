@@ -66,7 +66,8 @@ async function mask(
   const groups = Math.ceil(pairCount / MASK_GROUP);
   const counts = { neededPairs: pairCount, pairCount, fits: 1, visibleCount: pairCount };
   const plan = TilePlan.pack({ ...counts, binShift });
-  const words = gpu.storage(new Uint32Array(groups * GROUP_WORDS + 1).fill(UNWRITTEN));
+  const unwritten = new Uint32Array(groups * GROUP_WORDS + 1).fill(UNWRITTEN);
+  const words = gpu.storage(unwritten);
   const dispatchRow = 2;
   const { records } = rankedBuffers(gpu, packed);
   const bindings = {
@@ -77,10 +78,16 @@ async function mask(
     records,
     tileMasks: words,
   };
-  const stage = tileMasks({ recordPrecision, extent: 'opacity', isStacked });
-  // Workgroups behind the last group must do nothing.
-  await gpu.run(stage, bindings, dispatchSize(groups + 3, dispatchRow));
-  const masks = await gpu.read(words);
+  const found = [];
+  for (const isNarrow of [false, true]) {
+    gpu.device.queue.writeBuffer(words, 0, unwritten);
+    const stage = tileMasks({ recordPrecision, extent: 'opacity', isStacked }, isNarrow);
+    // Workgroups behind the last group must do nothing.
+    await gpu.run(stage, bindings, dispatchSize(groups + 3, dispatchRow));
+    found.push(await gpu.read(words));
+  }
+  const [masks, narrow] = found;
+  expect(narrow).toEqual(masks);
   expect(masks.at(-1)).toBe(UNWRITTEN);
   return { masks, pairs: pairs.map(({ bin, rank }) => ({ bin, record: packed.records[rank] })), groups };
 }

@@ -1,13 +1,21 @@
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
 import { type TileListVariant, tileListConditions } from './tile-count.ts';
 
-/** Finds the tiles that each pair may touch. */
-export function tileMasks(variant: TileListVariant): StageDefinition {
+const { MASK_GROUP } = SHADER_CONSTANTS;
+
+/**
+ * Finds the tiles that each pair may touch.
+ *
+ * @param isNarrow the device's `hasNarrowSubgroups`.
+ */
+export function tileMasks(variant: TileListVariant, isNarrow = false): StageDefinition {
   return {
     stage: 'tile-masks',
     source: tileSource('tile-masks'),
     entryPoint: 'maskTiles',
-    conditions: tileListConditions(variant),
+    conditions: { ...tileListConditions(variant), NARROW: isNarrow },
+    constants: { MASK_WORKGROUP: isNarrow ? MASK_GROUP / 32 : MASK_GROUP },
   };
 }
