@@ -2,12 +2,14 @@
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
 // sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
-// per splat, dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn.
+// per splat, dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is
+// drawn. With NARROW each thread takes chunks of its own.
 //
 // Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
 // drawn, as both end there: no link of a splat is read, and of blobs only the own error.
 import constants::CHUNK_SPLATS;
 import constants::COUNTED_CHUNKS;
+import constants::COUNT_WORKGROUP;
 import constants::CUT_BINS;
 import constants::CUT_COPIES;
 import constants::ERROR_BOUNDLESS;
@@ -55,16 +57,22 @@ struct Head {
   pairs: u32,
 }
 
-/// Of the chunks whose links are to be read, in any order: most chunks have nothing to count, and
-/// CPUs take as long for each as for those that have.
-var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
-var<workgroup> headCount: atomic<u32>;
+/// Of the chunks whose links are to be read, in any order.
+@if(!NARROW) var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
+@if(!NARROW) var<workgroup> headCount: atomic<u32>;
 /// Of these chunks: changes of the number from bin to bin, which wrap around below 0.
-var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
+@if(!NARROW) var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
+@if(NARROW) var<private> bins: array<u32, CUT_BINS>;
 
-@compute @workgroup_size(CHUNK_SPLATS)
+@compute @workgroup_size(COUNT_WORKGROUP)
 fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, view.dispatchRow);
+  @if(!NARROW) countTogether(index, lane);
+  @if(NARROW) countAlone(index, lane);
+}
+
+@if(!NARROW)
+fn countTogether(index: u32, lane: u32) {
   let first = index * COUNTED_CHUNKS;
   if (lane < COUNTED_CHUNKS && first + lane < page.chunkCount) {
     let head = headOf(first + lane);
@@ -75,12 +83,34 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   var inFirst = 0u;
   let count = atomicLoad(&headCount);
   for (var i = 0u; i < count; i++) { inFirst += countNode(heads[i], lane); }
-  if (inFirst != 0u) { atomicAdd(&bins[0], inFirst); }
+  if (inFirst != 0u) { change(0u, inFirst); }
   workgroupBarrier();
-  if (lane < CUT_BINS) {
-    let change = atomicLoad(&bins[lane]);
-    if (change != 0u) { atomicAdd(&cutCounts[index % CUT_COPIES * CUT_BINS + lane], change); }
+  if (lane < CUT_BINS) { addChange(index, lane, atomicLoad(&bins[lane])); }
+}
+
+@if(NARROW)
+fn countAlone(index: u32, lane: u32) {
+  for (var i = lane; i < COUNTED_CHUNKS; i += COUNT_WORKGROUP) {
+    let chunk = index * COUNTED_CHUNKS + i;
+    if (chunk >= page.chunkCount) { break; }
+    let head = headOf(chunk);
+    if (!head.isCounted) { continue; }
+    var inFirst = 0u;
+    let nodes = select(CHUNK_SPLATS, head.pairs, head.isWhole && head.isBlobs);
+    for (var node = 0u; node < nodes; node++) { inFirst += countNode(head, node); }
+    change(0u, inFirst);
   }
+  for (var bin = 0u; bin < CUT_BINS; bin++) { addChange(index, bin, bins[bin]); }
+}
+
+/// Changes the number from one bin on.
+fn change(bin: u32, by: u32) {
+  @if(!NARROW) atomicAdd(&bins[bin], by);
+  @if(NARROW) bins[bin] += by;
+}
+
+fn addChange(index: u32, bin: u32, by: u32) {
+  if (by != 0u) { atomicAdd(&cutCounts[index % CUT_COPIES * CUT_BINS + bin], by); }
 }
 
 /// Finds what a chunk's splats have in common; counts all splats of a cell in sight at once.
@@ -106,8 +136,8 @@ fn headOf(chunk: u32) -> Head {
     head.isCounted = binOf(shiftTo(links[chunk].leastError, head.zero)) < min(end, CUT_BINS);
   } else if (end > 0u) {
     let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS) - links[chunk].uncounted;
-    atomicAdd(&bins[0], count);
-    if (end < CUT_BINS) { atomicSub(&bins[end], count); }
+    change(0u, count);
+    if (end < CUT_BINS) { change(end, 0u - count); }
   }
   return head;
 }
@@ -118,17 +148,17 @@ fn countNode(head: Head, lane: u32) -> u32 {
   if (link == 0u || isAlwaysDrawn(link)) { return 0u; }
   let start = binOf(shiftTo(errorOf(link), head.zero));
   var end = binOf(head.closed);
-  var change = 1u;
+  var by = 1u;
   if (!head.isWhole) {
     end = min(end, binOf(shiftTo(parentErrorOf(link), head.zero)));
   } else if (head.isBlobs) {
-    change = select(0u, 0xffffffffu, lane < head.pairs);
+    by = select(0u, 0xffffffffu, lane < head.pairs);
   }
-  if (change == 0u || start >= end || start >= CUT_BINS) { return 0u; }
+  if (by == 0u || start >= end || start >= CUT_BINS) { return 0u; }
   @if(!FRUSTUM_CULLING) if (!head.isWhole && !isInSight(head.chunk, lane)) { return 0u; }
-  if (start > 0u) { atomicAdd(&bins[start], change); }
-  if (end < CUT_BINS) { atomicSub(&bins[end], change); }
-  return select(0u, change, start == 0u);
+  if (start > 0u) { change(start, by); }
+  if (end < CUT_BINS) { change(end, 0u - by); }
+  return select(0u, by, start == 0u);
 }
 
 /// The shift that takes a threshold, 0 at the shift `zero`, to `error`.

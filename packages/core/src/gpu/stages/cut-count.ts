@@ -1,5 +1,6 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import { NARROW_SUBGROUP } from '../device.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 import type { CullSplatsVariant } from './cull-splats.ts';
@@ -8,12 +9,9 @@ import type { SortDevice } from './sort-shape.ts';
 /** What the shapes of the stage follow from. */
 type CountingDevice = Pick<SortDevice, 'isNarrow'>;
 
-/**
- * Chunks that a workgroup counts: few, so that all of a GPU has work, and as many as it has threads
- * where these take turns and each workgroup takes long.
- */
+/** Chunks that a workgroup counts: few, so that all of a GPU has work; some for each thread alone. */
 function countedChunks({ isNarrow }: CountingDevice): number {
-  return isNarrow ? CHUNK_SPLATS : 8;
+  return isNarrow ? 8 * NARROW_SUBGROUP : 8;
 }
 
 /** Counts what cuts through a page would draw, by how far their thresholds are shifted. */
@@ -28,8 +26,16 @@ export function cutCount({
     stage: 'cut-count',
     source: levelSource('cut-count'),
     entryPoint: 'cutCount',
-    conditions: { GEOMETRY_F32: geometryPrecision === 'f32', FRUSTUM_CULLING: culling === 'frustum' },
-    constants: { ...LEVEL_CONSTANTS, COUNTED_CHUNKS: countedChunks(sortDevice) },
+    conditions: {
+      GEOMETRY_F32: geometryPrecision === 'f32',
+      FRUSTUM_CULLING: culling === 'frustum',
+      NARROW: sortDevice.isNarrow,
+    },
+    constants: {
+      ...LEVEL_CONSTANTS,
+      COUNTED_CHUNKS: countedChunks(sortDevice),
+      COUNT_WORKGROUP: sortDevice.isNarrow ? NARROW_SUBGROUP : CHUNK_SPLATS,
+    },
   };
 }
 
