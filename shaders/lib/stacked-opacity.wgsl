@@ -7,8 +7,13 @@
 /// Opacity of a splat where its Gaussian is `gaussian`, 0…1: 1 − (1 − gaussian)^opacity of a merged
 /// one.
 fn stackedAlpha(opacity: f32, gaussian: f32) -> f32 {
-  if (opacity <= 1.0) { return opacity * gaussian; }
-  return opaqueShare(opacity * opticalDepth(gaussian));
+  @if(!NARROW) if (opacity <= 1.0) { return opacity * gaussian; }
+  @if(!NARROW) return opaqueShare(opacity * opticalDepth(gaussian));
+  // Drivers for the CPU run both sides of a branch, but no turn of a loop that no thread needs.
+  @if(NARROW) var alpha = opacity * gaussian;
+  @if(NARROW) let turns = u32(opacity > 1.0);
+  @if(NARROW) for (var turn = 0u; turn < turns; turn++) { alpha = opaqueShare(opacity * opticalDepth(gaussian)); }
+  @if(NARROW) return alpha;
 }
 
 /// Value of the Gaussian at which a merged splat, of opacity above 1, has fallen to the cutoff.
