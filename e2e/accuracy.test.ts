@@ -2,6 +2,7 @@ import { encodePly } from '@websplatter/core';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { USES_GPU } from './browser.ts';
 import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
 import { changedPart, psnrOf, type Screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
@@ -30,6 +31,8 @@ const TINY = { viewport: { width: 160, height: 120 } };
 const WIDE = { viewport: { width: 900, height: 500 } };
 /** A rasteriser that does not follow from times: images are compared bit for bit. */
 const DETAILED = '?scene=still-life-small&accuracy=reference,rasterizer:tiles';
+/** Too slow to be moved by hand on SwiftShader. */
+const SLOW = '?scene=still-life-small&accuracy=fast,rasterizer:tiles';
 const ATTACHED = { state: 'attached' } as const;
 /** The end of a measurement. */
 const MEASURED = { state: 'attached', timeout: LONG_PATIENCE_MS } as const;
@@ -305,7 +308,7 @@ describe('accuracy in the viewer', () => {
     await dial.getByText('Drawn in full: records of 24 bytes').waitFor();
     await page.getByTestId('detail').waitFor({ state: 'hidden' });
     await redraw(page, () => page.getByTestId('detail-full').click());
-    await page.waitForURL((url) => !url.search.includes('detail'));
+    await page.waitForURL(/detail=full$/);
     const still = await viewerScreenshot(page);
     await redraw(page, () => page.getByTestId('detail-auto').click());
     await page.waitForURL(/detail=auto$/);
@@ -313,6 +316,46 @@ describe('accuracy in the viewer', () => {
     const refused = await harness.open('?scene=still-life-small&detail=maxSplats:few', TINY);
     await waitForNotice(refused, '{ maxSplats: 1e6 }');
   });
+
+  it.skipIf(USES_GPU)(
+    'draws fewer splats of a slow scene while it moves, unless told not to, and all at rest',
+    async () => {
+      const page = await openViewer(SLOW, WIDE);
+      await page.keyboard.press('c');
+      await page.getByTestId('detail-dial').waitFor();
+      const reason = page.getByTestId('detail-slow');
+      expect(await reason.count()).toBe(0);
+      const [x, y] = [430, 300];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      let moves = 0;
+      const detailAfterMove = async () => {
+        await page.mouse.move(x + (++moves % 60), y);
+        return textOf(page, 'detail');
+      };
+      await expect.poll(detailAfterMove).toMatch(/^at most [\d,]+ splats/);
+      await redraw(page, () => page.mouse.move(x - 30, y));
+      await page.mouse.up();
+      await reason
+        .getByText(/^Coarser while moving: this device takes \d+ ms for a whole frame\.$/)
+        .waitFor();
+      expect(await page.getByTestId('detail-full').getAttribute('aria-pressed')).toBe('false');
+      await page.getByTestId('detail').waitFor({ state: 'hidden' });
+      await page.waitForURL(/camera=(?!.*detail=)/);
+
+      const still = await viewerScreenshot(page);
+      await redraw(page, () => press(page, 'detail-full'));
+      await page.waitForURL(/detail=full$/);
+      await reason.waitFor({ state: 'detached' });
+      expect(changedPart(await viewerScreenshot(page), still, 0)).toBe(0);
+      await page.mouse.down();
+      for (let step = 1; step <= 8; step++) {
+        await page.mouse.move(x + step, y);
+        expect(await textOf(page, 'detail')).toBe('');
+      }
+      await page.mouse.up();
+    },
+  );
 
   it('tells that a file is drawn in full while it arrives', async () => {
     const page = await newPage(SMALL);

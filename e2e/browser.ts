@@ -3,10 +3,12 @@ import { PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 
 /** `WEBSPLATTER_BROWSER_GPU=1` tests on this machine's GPU; the default is the CPU. */
+export const USES_GPU = process.env.WEBSPLATTER_BROWSER_GPU === '1';
+
 export function launchBrowser(): Promise<Browser> {
   return launch({
     executablePath: process.env.CHROMIUM_PATH ?? '/usr/bin/chromium',
-    usesGpu: process.env.WEBSPLATTER_BROWSER_GPU === '1',
+    usesGpu: USES_GPU,
   });
 }
 

@@ -3,7 +3,7 @@ import { useId } from 'react';
 import { useStore } from 'zustand';
 import { describeDetail } from '../formatting/detail-words.ts';
 import { formatMany, formatPsnr } from '../formatting/format.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { detailOfFrames, type ViewerState } from '../state/viewer-state.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import type { Viewer } from '../viewer/viewer.ts';
@@ -25,6 +25,8 @@ const LEAST_SPLATS = 100;
 export function DetailDial({ store, viewer }: PanelProps) {
   const id = useId();
   const detail = useStore(store, (state) => state.detail);
+  const inMotion = useStore(store, detailOfFrames);
+  const wholeFrameMs = useStore(store, (state) => state.wholeFrameMs);
   const splats = useStore(store, (state) => state.scene?.splats ?? 0);
   const reason = useStore(store, (state) => whyFull(state, viewer));
   const range = { min: Math.max(LEAST_SPLATS, LEAST_PART * splats), max: splats };
@@ -41,7 +43,7 @@ export function DetailDial({ store, viewer }: PanelProps) {
           label="Detail"
           isChips
           choices={DETAILS}
-          chosen={detail}
+          chosen={inMotion}
           testId="detail-"
           onChoose={(chosen) => viewer.setDetail(chosen)}
         />
@@ -57,7 +59,7 @@ export function DetailDial({ store, viewer }: PanelProps) {
         max={SLIDER_STEPS}
         disabled={splats <= LEAST_SPLATS}
         value={splats > LEAST_SPLATS ? positionOf(Math.max(most, range.min), range) : SLIDER_STEPS}
-        aria-valuetext={`${words} splats`}
+        aria-valuetext={isCount ? `${words} splats` : words}
         data-testid="detail-slider"
         onChange={({ target: { valueAsNumber: position } }) =>
           viewer.setDetail(
@@ -66,6 +68,11 @@ export function DetailDial({ store, viewer }: PanelProps) {
         }
       />
       {reason && <p role="status">Drawn in full: {reason}.</p>}
+      {inMotion !== detail && (
+        <p role="status" data-testid="detail-slow">
+          Coarser while moving: this device takes {wholeFrameMs?.toFixed(0)} ms for a whole frame.
+        </p>
+      )}
     </div>
   );
 }

@@ -10,7 +10,7 @@ import type { SessionOwner } from '../session/session-owner.ts';
 import { sideDrawn } from '../state/comparison.ts';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { awaitsViewMode, type ViewerState } from '../state/viewer-state.ts';
+import { awaitsViewMode, detailOfFrames, type ViewerState } from '../state/viewer-state.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { FrameMeter } from './frame-meter.ts';
@@ -120,7 +120,8 @@ export class Drawing {
   }
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
-    const { widthPx, heightPx, isFlipped, requested, detail } = this.#options.store.getState();
+    const state = this.#options.store.getState();
+    const { widthPx, heightPx, isFlipped, requested } = state;
     if (requested !== this.#joined.requested) this.#joined = { requested, byCloud: new Map() };
     const keys = cloudKeys(scene);
     const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }, i) => ({
@@ -129,6 +130,7 @@ export class Drawing {
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
       effects: this.#effectsOf(keys[i]),
     }));
+    const detail = detailOfFrames(state);
     return { camera, clouds, widthPx, heightPx, detail, background: this.#background };
   }
 

@@ -1,4 +1,5 @@
 import type { SplatPick } from '@websplatter/core';
+import { detailOfFrames } from '../state/viewer-state.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
 /**
@@ -11,8 +12,9 @@ export async function pickSplat(
   yPart: number,
 ): Promise<SplatPick | null> {
   const { shownFrame, scenes } = viewer;
-  const { accuracy, detail } = store.getState();
-  if (!shownFrame || detail === 'full') return viewer.pickAt(xPart, yPart);
+  const state = store.getState();
+  const { accuracy } = state;
+  if (!shownFrame || detailOfFrames(state) === 'full') return viewer.pickAt(xPart, yPart);
   const { engine, frame } = shownFrame;
   const { newest } = scenes;
   const view = engine.createView();

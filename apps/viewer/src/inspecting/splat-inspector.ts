@@ -20,8 +20,8 @@ export class SplatInspector {
       return;
     }
     const { cloudIndex, splatIndex, alpha, weight, totalOpacity, rank } = pick;
-    const { statistics, detail } = store.getState();
-    const visible = (detail === 'full' && statistics?.visibleSplats) || null;
+    const { statistics } = store.getState();
+    const visible = (statistics?.cutErrorPx === null && statistics.visibleSplats) || null;
     const share = { alpha, weight, totalOpacity, rank, visible };
     await this.#take({ cloudIndex, row: splatIndex, share, set: null, seen: null });
   }

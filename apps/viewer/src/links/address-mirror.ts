@@ -40,6 +40,7 @@ const MIRRORED = [
   'accuracy',
   'target',
   'detail',
+  'isDetailChosen',
   'comparison',
   'splitPart',
   'requested',

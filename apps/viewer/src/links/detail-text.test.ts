@@ -7,6 +7,7 @@ describe('detail in the address', () => {
   it.each([
     [{ maxSplats: 1_200_000 }, 'maxSplats:1200000', 'at most 1.2 million splats'],
     [{ maxSplats: 5000 }, 'maxSplats:5000', 'at most 5,000 splats'],
+    ['full', 'full', ''],
     ['auto', 'auto', 'automatic detail'],
     [{ maxShare: 0.25 }, 'maxShare:0.25', 'at most 25 % in sight'],
     [{ maxFrameMs: 8 }, 'maxFrameMs:8', 'splats for 8 ms'],
@@ -21,12 +22,6 @@ describe('detail in the address', () => {
     expect(encodeDetail(detail)).toBe(text);
     expect(decodeDetail(text)).toEqual(detail);
     expect(describeDetail(detail)).toBe(words);
-  });
-
-  it('does not mention full detail, and takes it by name', () => {
-    expect(encodeDetail('full')).toBeNull();
-    expect(decodeDetail('full')).toBe('full');
-    expect(describeDetail('full')).toBe('');
   });
 
   it.each([

@@ -1,8 +1,8 @@
 import { checkDetail, type Detail } from '@websplatter/core';
 
-/** For the address: `auto`, `maxSplats:1200000`; null for full detail. */
-export function encodeDetail(detail: Detail): string | null {
-  if (typeof detail === 'string') return detail === 'full' ? null : detail;
+/** For the address: `auto`, `maxSplats:1200000`. */
+export function encodeDetail(detail: Detail): string {
+  if (typeof detail === 'string') return detail;
   return String(Object.entries(detail).map((part) => part.join(':')));
 }
 

@@ -7,7 +7,7 @@ describe('the start from a link', () => {
       camera: null,
       comparison: null,
       viewMode: 'colours',
-      detail: 'full',
+      detail: null,
       looks: [],
       notice: null,
     });
@@ -38,7 +38,7 @@ describe('the start from a link', () => {
     expect(camera).toBeNull();
     expect(comparison?.comparison.kind).toBe('split');
     expect(notice).toContain('“near” is no number');
-    expect(detail).toBe('full');
+    expect(detail).toBeNull();
     expect(notice).toContain('{ maxSplats: 1e6 }');
   });
 });

@@ -14,7 +14,8 @@ export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
-  readonly detail: Detail;
+  /** Null where none is asked for. */
+  readonly detail: Detail | null;
   /** Looks of the scene's files, in their order, by `encodeLook`; none if all are as saved. */
   readonly looks: readonly string[];
   /** The unreadable parts, in words; null if none. */
@@ -38,7 +39,7 @@ export function linkedStart(query: URLSearchParams): LinkedStart {
   const camera = read('camera', decodeCamera);
   const comparison = read('compare', decodeComparison);
   const viewMode = read('mode', decodeViewMode) ?? 'colours';
-  const detail = read('detail', decodeDetail) ?? 'full';
+  const detail = read('detail', decodeDetail);
   const looks = query.getAll(LOOK_NAME);
   const notice = notices.length > 0 ? notices.join(' ') : null;
   return { camera, comparison, viewMode, detail, looks, notice };

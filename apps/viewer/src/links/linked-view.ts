@@ -6,14 +6,14 @@ import type { LinkedView } from './page-address.ts';
 
 /** Contents of an address that shows the present view again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
-  const { target, accuracy, detail, comparison, splitPart, requested, inspecting } = state;
+  const { target, accuracy, comparison, splitPart, requested, inspecting } = state;
   const parts = viewer.scenes.newest?.parts ?? [];
   return {
     sources: parts.map(({ source }) => source),
     looks: looksOf(parts),
     camera: viewer.camera.snapshot(),
     accuracy: target ?? accuracy,
-    detail,
+    detail: state.isDetailChosen ? state.detail : null,
     comparison: comparison && { comparison, splitPart },
     effects: requested.text,
     crop: inspecting.crop,

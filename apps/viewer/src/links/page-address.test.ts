@@ -23,7 +23,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     looks: [],
     camera: first,
     accuracy: resolveAccuracy(),
-    detail: 'full',
+    detail: null,
     comparison: null,
     effects: null,
     crop: null,
@@ -63,9 +63,10 @@ describe('the address of the page', () => {
     expect(written('/?accuracy=fast&compare=error', {})).toBe('/');
   });
 
-  it('names a detail that is less than full, as a link does', () => {
+  it('names a detail that was chosen, as a link does', () => {
     const detail = { maxSplats: 5000 };
     expect(written('/', { detail })).toBe('/?detail=maxSplats:5000');
+    expect(written('/', { detail: 'full' })).toBe('/?detail=full');
     expect(written('/?detail=maxSplats:5000', {})).toBe('/');
     expect(linkTo(page('/'), view({ detail }))).toContain('&detail=maxSplats:5000');
     expect(linkTo(page('/?detail=maxSplats:5000'), view())).not.toContain('detail');

@@ -25,7 +25,8 @@ export interface LinkedView {
   readonly looks: readonly string[];
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyTarget;
-  readonly detail: Detail;
+  /** Null unless a person or the address asked for it. */
+  readonly detail: Detail | null;
   readonly comparison: LinkedComparison | null;
   /** As `encodeEffects` writes them; null without any. */
   readonly effects: string | null;
@@ -66,7 +67,7 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
     writeSources(query, view, page, isNamed);
   }
   write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
-  write(query, 'detail', encodeDetail(view.detail));
+  write(query, 'detail', view.detail && encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
   return addressWith(page, query);
@@ -98,7 +99,7 @@ function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'l
   write(query, 'effects', view.effects);
   write(query, 'crop', view.crop && encodeCrop(view.crop));
   write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
-  write(query, 'detail', encodeDetail(view.detail));
+  write(query, 'detail', view.detail && encodeDetail(view.detail));
   write(query, 'compare', view.comparison && encodeComparison(view.comparison));
   write(query, 'mode', encodeViewMode(view.viewMode));
   writeStory(query, view);

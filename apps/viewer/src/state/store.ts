@@ -53,6 +53,8 @@ export function createViewerStore(): ViewerStore {
     choice: null,
     accuracyNotices: [],
     detail: 'full',
+    isDetailChosen: false,
+    wholeFrameMs: null,
     comparison: null,
     measuring: null,
     failedMeasurement: null,

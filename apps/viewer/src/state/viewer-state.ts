@@ -63,6 +63,23 @@ export function awaitsViewMode({
   return viewMode !== 'colours' && !isMapMode(viewMode) && requested['view-mode'].length === 0;
 }
 
+/** On slow devices: 30 frames a second show more of the scene than 60, which `auto` aims at. */
+const COARSER_IN_MOTION: Detail = { maxFrameMs: 33 };
+
+/**
+ * The detail of frames: the chosen one. Without a choice, slow devices draw fewer splats while
+ * something moves; not where two accuracies are compared, which would differ in that too.
+ */
+export function detailOfFrames({
+  detail,
+  isDetailChosen,
+  wholeFrameMs,
+  comparison,
+}: Pick<ViewerState, 'detail' | 'isDetailChosen' | 'wholeFrameMs' | 'comparison'>): Detail {
+  const isCoarser = !isDetailChosen && wholeFrameMs !== null && comparison?.kind !== 'split';
+  return isCoarser ? COARSER_IN_MOTION : detail;
+}
+
 /** A file that was open once. */
 export interface LastFile {
   readonly name: string;
@@ -193,8 +210,12 @@ export interface ViewerState {
   readonly choice: AccuracyChoice | null;
   /** Settings that the GPU cannot honour, in words. */
   readonly accuracyNotices: readonly string[];
-  /** How many splats are asked for. */
+  /** How many splats are asked for; by default all of them. */
   readonly detail: Detail;
+  /** Whether a person or the address asked for that. */
+  readonly isDetailChosen: boolean;
+  /** Time of a frame of all splats where this device is slow to draw it, ms; else null. */
+  readonly wholeFrameMs: number | null;
   readonly comparison: Comparison | null;
   readonly measuring: RunningMeasurement | null;
   /** Why the last measurement came to nothing, if it did. */

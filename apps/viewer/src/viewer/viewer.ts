@@ -18,6 +18,7 @@ import { observeBackground } from '../drawing/background.ts';
 import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
 import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
+import { observeWholeFrames } from '../drawing/whole-frames.ts';
 import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import { decodeAccuracy } from '../formatting/accuracy-address.ts';
@@ -60,7 +61,8 @@ export class Viewer {
     this.#store = store;
     this.files = new FileMemory(store, KEPT_FILE);
     const { linked } = start;
-    if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode, detail: linked.detail });
+    if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
+    if (linked?.detail) store.setState({ detail: linked.detail, isDetailChosen: true });
     if (linked?.notice) store.setState({ notice: linked.notice });
     this.#readAccuracy(start.accuracy ?? null);
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
@@ -96,6 +98,7 @@ export class Viewer {
     });
     const { camera, scenes } = this;
     this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
+    observeWholeFrames(store, () => this.#hasLevels);
   }
 
   /** Asks for the GPU before there is a canvas to draw to. */
@@ -139,7 +142,7 @@ export class Viewer {
 
   /** Draws with `detail` from the next frame on. */
   setDetail(detail: Detail): void {
-    this.#store.setState({ detail });
+    this.#store.setState({ detail, isDetailChosen: true });
     this.#drawing.request();
   }
 
@@ -256,6 +259,14 @@ export class Viewer {
   get #drawnDetail(): FixedDetail {
     const { detail } = this.#store.getState();
     return isFixedDetail(detail) ? detail : (this.chosenView?.detail?.drawn ?? 'full');
+  }
+
+  /** Whether frames could show fewer splats of the scene. */
+  get #hasLevels(): boolean {
+    const { newest } = this.scenes;
+    const { recordPrecision } = this.#store.getState().accuracy;
+    // Such records hold no opacity above 1, as blobs have.
+    return recordPrecision !== 'paper' && !!newest && allClouds(newest).some((cloud) => !cloud.levelsLack);
   }
 
   #startSession(session: Session): void {
