@@ -1,7 +1,7 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { Tap } from '../camera/tap.ts';
-import { keyScope } from '../shell/commands.ts';
+import { keyScope } from '../shell/key-scope.ts';
 import { annotationTitle } from '../state/annotating.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { openAnnotation, placeAnnotation, redoAnnotating, undoAnnotating } from './annotations.ts';

@@ -5,7 +5,7 @@ import { cloudKeys } from '../scene/shown-scene.ts';
 import { selectionOf } from '../selecting/row-masks.ts';
 import { listenToSelectDrags, modeOf } from '../selecting/select-drag.ts';
 import { SplatSelecting } from '../selecting/splat-selecting.ts';
-import { keyScope } from '../shell/commands.ts';
+import { keyScope } from '../shell/key-scope.ts';
 import { type InspectedSplat, type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
 import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';

@@ -2,7 +2,7 @@ import { flightDirection, isFlightKey, turnedInPlace } from '../camera/fly-pose.
 import { directionOf, type GamepadSticks, lookedBy } from '../camera/gamepad-motion.ts';
 import type { Vec3 } from '../camera/vec3.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import { keyScope, mayMoveCamera } from '../shell/commands.ts';
+import { keyScope, mayMoveCamera } from '../shell/key-scope.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Travelling } from '../state/travelling.ts';
 import type { ViewerState } from '../state/viewer-state.ts';

@@ -1,6 +1,6 @@
 import { pictureSpace, placeOf } from '../handles/over-picture.ts';
 import type { InspectTools } from '../inspecting/inspect-tools.ts';
-import { keyScope } from '../shell/commands.ts';
+import { keyScope } from '../shell/key-scope.ts';
 import type { SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';

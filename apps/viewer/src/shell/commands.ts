@@ -5,6 +5,7 @@ import { viewModeAfter } from '../state/view-mode.ts';
 import { type DockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import { toggleTheme } from '../ui/theme.ts';
 import type { Viewer } from '../viewer/viewer.ts';
+import { keyScope, mayMoveCamera } from './key-scope.ts';
 
 type SelectCommand = `select-${SelectTool}`;
 
@@ -200,29 +201,4 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   if (annotating.isPlacing || annotating.openIndex !== null)
     return { annotating: { ...annotating, isPlacing: false, openIndex: null } };
   return { dock: null };
-}
-
-/** Elsewhere these move the focus, a slider or a scrolled area, or press a button. */
-const NAVIGATION_KEYS = /^(Arrow.*|Page(Up|Down)|Home|End| )$/;
-
-/** Whether a key that moves the camera does so where the keyboard is. */
-export function mayMoveCamera(scope: KeyScope, key: string): boolean {
-  return scope === 'scene' || !NAVIGATION_KEYS.test(key);
-}
-
-/** Holder of the keyboard: the scene, a text field, a list that letters choose from, or other. */
-type KeyScope = 'scene' | 'text' | 'open list' | 'control';
-
-const TEXT_FIELDS = 'textarea, input:not([type="range"], [type="checkbox"], [type="color"])';
-
-export function keyScope(target: EventTarget | null): KeyScope {
-  if (!(target instanceof HTMLElement) || target.matches('body, .viewport')) return 'scene';
-  if (target.matches('select')) return isOpen(target) ? 'open list' : 'text';
-  const isText = target.isContentEditable || target.matches(TEXT_FIELDS);
-  return isText ? 'text' : 'control';
-}
-
-/** Browsers that cannot tell keep the key for the list. */
-function isOpen(select: HTMLElement): boolean {
-  return !CSS.supports('selector(:open)') || select.matches(':open');
 }
