@@ -1,5 +1,6 @@
 import type { Vec3 } from '@websplatter/core';
 import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
+import { stepsBetween } from '../drawing/shown-pixels.ts';
 import type { LayerImage } from '../state/layer-image.ts';
 import type { ErrorFigures } from '../state/viewer-state.ts';
 
@@ -39,7 +40,7 @@ export function errorMap(
   { image: reference }: ImageOnBackground,
 ): ErrorMap {
   const { widthPx, heightPx } = actual;
-  const steps = stepsBetween(actual, reference, background);
+  const steps = stepsBetween(actual.data, reference.data, background);
   const counts = ERROR_CLASSES.map(() => 0);
   for (const each of steps) counts[classOf(each)]++;
   const maxSteps = steps.reduce((most, each) => Math.max(most, each), 0);
@@ -48,23 +49,8 @@ export function errorMap(
   return { widthPx, heightPx, data: errorColors(steps), figures };
 }
 
-type Image = ImageOnBackground['image'];
-
-/** The largest difference of each pixel's channels, in steps of an 8-bit channel. */
-export function stepsBetween(actual: Image, reference: Image, background: Vec3): Float32Array {
-  const steps = new Float32Array(actual.data.length / 4);
-  for (let pixel = 0; pixel < steps.length; pixel++)
-    for (let channel = 0; channel < 3; channel++) {
-      const difference =
-        shown(actual.data, 4 * pixel, channel, background) -
-        shown(reference.data, 4 * pixel, channel, background);
-      steps[pixel] = Math.max(steps[pixel], 255 * Math.abs(difference));
-    }
-  return steps;
-}
-
 /** The colours of the classes, RGBA. */
-export function errorColors(steps: Float32Array): Uint8ClampedArray<ArrayBuffer> {
+export function errorColors(steps: Float64Array): Uint8ClampedArray<ArrayBuffer> {
   const data = new Uint8ClampedArray(4 * steps.length);
   for (const [pixel, each] of steps.entries()) {
     data.set(ERROR_CLASSES[classOf(each)].color, 4 * pixel);
@@ -73,25 +59,9 @@ export function errorColors(steps: Float32Array): Uint8ClampedArray<ArrayBuffer>
   return data;
 }
 
-/** The picture as the screen shows it, RGBA. */
-export function shownBytes({ data }: Image, background: Vec3): Uint8ClampedArray<ArrayBuffer> {
-  const bytes = new Uint8ClampedArray(data.length);
-  for (let at = 0; at < data.length; at += 4) {
-    for (let channel = 0; channel < 3; channel++)
-      bytes[at + channel] = 255 * shown(data, at, channel, background);
-    bytes[at + 3] = 255;
-  }
-  return bytes;
-}
-
 /** Index of the class that an error of `steps` belongs to. */
 export function classOf(steps: number): number {
   let index = ERROR_CLASSES.length - 1;
   while (steps < ERROR_CLASSES[index].fromSteps) index--;
   return index;
-}
-
-/** A channel of the pixel at `at` as the screen shows it, 0…1. */
-function shown(data: Float32Array, at: number, channel: number, background: Vec3): number {
-  return Math.min(1, Math.max(0, data[at + channel] + (1 - data[at + 3]) * background[channel]));
 }

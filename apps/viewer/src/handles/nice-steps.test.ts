@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { formatAt, roundedTo, stepFor } from './nice-steps.ts';
+import { formatAt, roundAbove, roundedTo, stepFor } from './nice-steps.ts';
 
 describe('the steps of a slider', () => {
   it.each([
@@ -32,5 +32,19 @@ describe('the steps of a slider', () => {
     expect(formatAt(-0.5, 0.005)).toBe('−0.500');
     expect(formatAt(-1e-17, 0.005)).toBe('0.000');
     expect(formatAt(20, 10)).toBe('20');
+  });
+});
+
+describe('a round number above another', () => {
+  it.each([
+    [0, 0],
+    [1, 1],
+    [1.1, 2],
+    [3, 5],
+    [6, 10],
+    [0.00031, 0.0005],
+    [255, 500],
+  ])('rounds %d up to %d', (value, round) => {
+    expect(roundAbove(value)).toBe(round);
   });
 });

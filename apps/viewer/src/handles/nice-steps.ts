@@ -9,6 +9,13 @@ export function stepFor(length: number): number {
   return timesPowerOfTen(digits, power);
 }
 
+/** The smallest of 1, 2, 5, 10, 20, … and their tenths that is not below `value`; 0 for 0. */
+export function roundAbove(value: number): number {
+  if (value <= 0) return 0;
+  const power = Math.floor(Math.log10(value));
+  return timesPowerOfTen([1, 2, 5].find((each) => timesPowerOfTen(each, power) >= value) ?? 10, power);
+}
+
 /** The multiple of `step` that is next to `value`, as the shortest decimal. */
 export function roundedTo(value: number, step: number): number {
   const count = Math.round(value / step);

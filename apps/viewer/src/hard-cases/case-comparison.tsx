@@ -2,12 +2,14 @@ import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@we
 import { compareImages } from '@websplatter/core/reference';
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/hardcases';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
+import { BLACK, type Pixels, shownBytes } from '../drawing/shown-pixels.ts';
 import { formatDb } from '../formatting/format.ts';
 import { Choices } from '../ui/choices.tsx';
-import { type CaseImage, CaseImages, type ImageCase, type SizePx } from './case-images.ts';
-import { DIFFERENCE_COLORS, type Difference, differenceOf, pixelsOnBlack } from './difference.ts';
+import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
+import { DIFFERENCE_COLORS, type Difference, differenceOf } from './difference.ts';
 import type { ExpectedImage } from './expected.worker.ts';
 import { ExpectedImages } from './expected-images.ts';
+import { useCaseImages } from './use-case-images.ts';
 
 /** How the images are made. */
 interface Choice {
@@ -45,28 +47,25 @@ export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; imag
   const mutation = MUTATIONS.find(({ cases }) => cases.includes(hardCase.name));
   const { expected, actual, broken, problem } = useComparedImages(hardCase, images, choice, size, mutation);
   const difference = useMemo(
-    () => (expected && actual ? differenceOf(actual.data, expected, size) : null),
-    [expected, actual, size],
+    () => (expected && actual ? differenceOf(actual.data, expected) : null),
+    [expected, actual],
   );
-  const expectedPixels = useMemo(() => expected && pixelsOnBlack(expected), [expected]);
-  const actualPixels = useMemo(() => actual && pixelsOnBlack(actual.data), [actual]);
-  const brokenPixels = useMemo(() => broken && pixelsOnBlack(broken.data), [broken]);
   return (
     <section className="case-comparison" aria-label="Expected and actual">
       <div className="case-images">
-        <Shown title="Expected" note="float64" pixels={expectedPixels} size={size} />
+        <Shown title="Expected" note="float64" image={expected} size={size} />
         <Shown
           title="This device"
           note={`${choice.preset}, ${choice.rasterizer}`}
-          pixels={actualPixels}
+          image={actual?.data ?? null}
           size={size}
         />
-        <Shown title="Difference" note={gainOf(difference)} pixels={difference?.pixels ?? null} size={size} />
+        <Shown title="Difference" note={gainOf(difference)} image={difference?.pixels ?? null} size={size} />
         {mutation && (
           <Shown
             title="Classical formula"
             note={`without ${mutation.remedy.replaceAll('-', ' ')}`}
-            pixels={brokenPixels}
+            image={broken?.data ?? null}
             size={size}
           />
         )}
@@ -148,7 +147,7 @@ function useComparedImages(
   const [compared, setCompared] = useState<Compared>(nothingYet);
   const [expectedImages] = useState(() => new ExpectedImages());
   useEffect(() => () => expectedImages.destroy(), [expectedImages]);
-  const brokenImages = useBrokenImages(mutation);
+  const brokenImages = useCaseImages(mutation !== undefined, mutation);
   useEffect(() => {
     const changed = new AbortController();
     const add = (part: Partial<Compared>) => {
@@ -179,18 +178,6 @@ function useComparedImages(
   return compared.size === size ? compared : nothingYet;
 }
 
-/** Freed with the page of the case. */
-function useBrokenImages(mutation: Mutation | undefined): CaseImages | null {
-  const [images, setImages] = useState<CaseImages | null>(null);
-  useEffect(() => {
-    if (!mutation) return;
-    const made = new CaseImages(mutation);
-    setImages(made);
-    return () => made.destroy();
-  }, [mutation]);
-  return images;
-}
-
 function gainOf(difference: Difference | null): string {
   if (!difference) return '';
   const { fullSteps } = difference;
@@ -218,12 +205,17 @@ function verdictOf(
 function Shown(props: {
   title: string;
   note: string;
-  pixels: Uint8ClampedArray<ArrayBuffer> | null;
+  /** Bytes, or an image that is shown on black. */
+  image: Difference['pixels'] | Pixels | null;
   size: SizePx;
 }) {
-  const { title, note, pixels, size } = props;
+  const { title, note, image, size } = props;
   const canvas = useRef<HTMLCanvasElement>(null);
   const { widthPx, heightPx } = size;
+  const pixels = useMemo(
+    () => image && (image instanceof Uint8ClampedArray ? image : shownBytes(image, BLACK)),
+    [image],
+  );
   useEffect(() => {
     const context = canvas.current?.getContext('2d');
     if (pixels) context?.putImageData(new ImageData(pixels, widthPx, heightPx), 0, 0);

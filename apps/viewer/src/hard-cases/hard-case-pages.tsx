@@ -4,10 +4,11 @@ import { DropZone } from '../file-drop/drop-zone.tsx';
 import type { FileDropDecision } from '../file-drop/file-drop.ts';
 import '../ui/page.css';
 import { caseAddress, GALLERY_ADDRESS } from './case-addresses.ts';
-import { CaseImages } from './case-images.ts';
+import type { CaseImages } from './case-images.ts';
 import { CasePage } from './case-page.tsx';
 import { closestNames, filteredCases, neighboursOf } from './catalogue.ts';
 import { Gallery } from './gallery.tsx';
+import { useCaseImages } from './use-case-images.ts';
 
 /**
  * The gallery of hard cases (`?scene=hard`, searched by `&q=`) and the page of each (`&case=`),
@@ -23,7 +24,7 @@ export function HardCasePages({
 }) {
   const [query, setQuery] = useState(() => parameter('q') ?? '');
   const [name, setName] = useState(() => parameter('case'));
-  const images = useCaseImages();
+  const images = useCaseImages(true);
   const found = useMemo(() => filteredCases(cases, query), [cases, query]);
   const go = useCallback((to: string | null) => {
     history.pushState(null, '', addressWith('case', to));
@@ -109,17 +110,6 @@ function NoCase({ name, cases }: { name: string; cases: readonly HardCase[] }) {
       </header>
     </main>
   );
-}
-
-/** Freed when the page goes. */
-function useCaseImages(): CaseImages | null {
-  const [images, setImages] = useState<CaseImages | null>(null);
-  useEffect(() => {
-    const made = new CaseImages();
-    setImages(made);
-    return () => made.destroy();
-  }, []);
-  return images;
 }
 
 function entryOf(name: string): HTMLElement | null {

@@ -1,5 +1,5 @@
+import { BLACK, type Pixels, shownBytes, stepsBetween } from '../drawing/shown-pixels.ts';
 import type { SizePx } from './case-images.ts';
-import { pixelSteps, pixelsOnBlack } from './difference.ts';
 
 /** A part of a picture. */
 export interface Box extends SizePx {
@@ -24,20 +24,20 @@ const DIMMED = 0.45;
  * @param own, ordinary premultiplied RGBA, 4·width·height values each, shown over black.
  */
 export function ownPart(
-  own: ArrayLike<number>,
-  ordinary: ArrayLike<number>,
+  own: Pixels,
+  ordinary: Pixels,
   { widthPx, heightPx }: SizePx,
 ): { readonly pixels: Uint8ClampedArray<ArrayBuffer>; readonly box: Box } {
-  const pixels = pixelsOnBlack(own);
+  const pixels = shownBytes(own, BLACK);
+  const steps = stepsBetween(own, ordinary, BLACK);
   let [left, top, right, bottom] = [widthPx, heightPx, 0, 0];
   for (let pixel = 0; pixel < widthPx * heightPx; pixel++) {
     const at = 4 * pixel;
-    const steps = pixelSteps(own, ordinary, at);
     const color = pixels.subarray(at, at + 3);
     const grey = DIMMED * (0.21 * color[0] + 0.72 * color[1] + 0.07 * color[2]);
-    const kept = Math.min(1, steps / COLOURED_STEPS);
+    const kept = Math.min(1, steps[pixel] / COLOURED_STEPS);
     color.set(color.map((channel) => grey + kept * (channel - grey)));
-    if (steps < SEEN_STEPS) continue;
+    if (steps[pixel] < SEEN_STEPS) continue;
     const [x, y] = [pixel % widthPx, Math.floor(pixel / widthPx)];
     [left, top] = [Math.min(left, x), Math.min(top, y)];
     [right, bottom] = [Math.max(right, x + 1), Math.max(bottom, y + 1)];

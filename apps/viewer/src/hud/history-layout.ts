@@ -1,4 +1,5 @@
 import type { StageTimings } from '@websplatter/core';
+import { roundAbove } from '../handles/nice-steps.ts';
 import { restMs } from './hud-figures.ts';
 import { summarize, type TimeSummary } from './time-summary.ts';
 
@@ -13,6 +14,8 @@ export const FRAME_BUDGET_MS = 1000 / 60;
 const MOST_BUDGET_HEADROOM = 8;
 /** Part of the height that is left above the slow frames, or above the budget. */
 const HEADROOM = 1.15;
+/** Times may be 0. */
+const LEAST_TOP_MS = 0.01;
 
 export interface HistoryLayout {
   /** Time at the top edge. */
@@ -86,12 +89,6 @@ function layersOf(timing: StageTimings): readonly (readonly [ChartLayer, number]
 function topOf(p99Ms: number): number {
   const slowMs = Number.isFinite(p99Ms) ? p99Ms : FRAME_BUDGET_MS;
   const showsBudget = slowMs * MOST_BUDGET_HEADROOM >= FRAME_BUDGET_MS;
-  return roundUp(HEADROOM * (showsBudget ? Math.max(slowMs, FRAME_BUDGET_MS) : slowMs));
-}
-
-/** The next of 1, 2 and 5 times a power of ten. */
-function roundUp(value: number): number {
-  const power = 10 ** Math.floor(Math.log10(Math.max(value, 0.01)));
-  const step = [1, 2, 5, 10].find((each) => each * power >= value) ?? 10;
-  return step * power;
+  const leastMs = HEADROOM * (showsBudget ? Math.max(slowMs, FRAME_BUDGET_MS) : slowMs);
+  return roundAbove(Math.max(leastMs, LEAST_TOP_MS));
 }

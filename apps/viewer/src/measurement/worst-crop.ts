@@ -1,5 +1,6 @@
-import { errorColors, shownBytes, stepsBetween } from '../comparison/error-map.ts';
+import { errorColors } from '../comparison/error-map.ts';
 import type { ImageOnBackground } from '../drawing/drawn-frame.ts';
+import { shownBytes, stepsBetween } from '../drawing/shown-pixels.ts';
 import type { LayerImage } from '../state/layer-image.ts';
 import type { JudgedPicture } from '../state/measured.ts';
 
@@ -14,22 +15,22 @@ export function judgePicture(
   { image: reference }: ImageOnBackground,
 ): JudgedPicture {
   const { widthPx, heightPx } = actual;
-  const steps = stepsBetween(actual, reference, background);
+  const steps = stepsBetween(actual.data, reference.data, background);
   const place = worstPlace(steps, widthPx, heightPx);
   const layer = (data: Uint8ClampedArray<ArrayBuffer>) => ({ widthPx, heightPx, data });
-  const whole = layer(shownBytes(actual, background));
+  const whole = layer(shownBytes(actual.data, background));
   return {
     whole,
     ...place,
     actual: cropped(whole, place),
-    reference: cropped(layer(shownBytes(reference, background)), place),
+    reference: cropped(layer(shownBytes(reference.data, background)), place),
     error: cropped(layer(errorColors(steps)), place),
   };
 }
 
 /** Where the squares of the errors in a crop have the largest sum; the first such place. */
 export function worstPlace(
-  steps: Float32Array,
+  steps: ArrayLike<number>,
   widthPx: number,
   heightPx: number,
 ): { readonly xPx: number; readonly yPx: number } {

@@ -1,4 +1,5 @@
 import { frameOfView } from '../drawing/frame-of-view.ts';
+import { shownBytes } from '../drawing/shown-pixels.ts';
 import type { KeptView } from '../state/saved-view.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 
@@ -23,27 +24,12 @@ export async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptVie
     view.render({ ...small, accuracy });
     const { data } = await view.readPixels();
     const [red, green, blue] = frame.background ?? [0, 0, 0];
-    const pixels = onBackground(data, [red, green, blue]);
+    const pixels = shownBytes(data, [red, green, blue]);
     canvas.getContext('2d')?.putImageData(new ImageData(pixels, widthPx, heightPx), 0, 0);
   } finally {
     view.destroy();
   }
   return canvas.toDataURL('image/jpeg', JPEG_QUALITY).split(',')[1];
-}
-
-/** Puts an image with premultiplied alpha, 0…1, on an opaque background; returns bytes. */
-export function onBackground(
-  image: Float32Array,
-  background: readonly [number, number, number],
-): Uint8ClampedArray<ArrayBuffer> {
-  const bytes = new Uint8ClampedArray(image.length);
-  for (let at = 0; at < image.length; at += 4) {
-    const shownThrough = 1 - image[at + 3];
-    for (let channel = 0; channel < 3; channel++)
-      bytes[at + channel] = 255 * (image[at + channel] + shownThrough * background[channel]);
-    bytes[at + 3] = 255;
-  }
-  return bytes;
 }
 
 /** Shows a JPEG image, base64, on `canvas`; nothing for any other text. */

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 import { frameOfView } from '../drawing/frame-of-view.ts';
-import { onBackground } from '../navigation/thumbnail.ts';
+import { shownBytes } from '../drawing/shown-pixels.ts';
 import { pathThrough, placeOnPath, poseOnPath } from '../navigation/view-path.ts';
 import { FileWork, perViewer } from '../saving/file-work.ts';
 import { savedName } from '../saving/saved-name.ts';
@@ -67,7 +67,7 @@ class Videos extends FileWork {
         await view.whenComplete();
         const { data } = await view.readPixels();
         signal.throwIfAborted();
-        await writer.add(onBackground(data, [red, green, blue]));
+        await writer.add(shownBytes(data, [red, green, blue]));
         signal.throwIfAborted();
         onDrawn(i + 1);
       }
