@@ -260,8 +260,8 @@ export class OrbitControls {
   }
 }
 
-/** Right and down. */
-const ARROWS: Readonly<Record<string, readonly [number, number]>> = {
+/** Right and down, by the names of arrow keys. */
+export const ARROWS: Readonly<Record<string, readonly [number, number]>> = {
   ArrowLeft: [-1, 0],
   ArrowRight: [1, 0],
   ArrowUp: [0, -1],

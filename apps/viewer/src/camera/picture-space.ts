@@ -122,6 +122,17 @@ export function rowOf(viewMatrix: ArrayLike<number>, row: number): Vec3 {
   return [viewMatrix[row], viewMatrix[4 + row], viewMatrix[8 + row]];
 }
 
+/** A circle of so many lines looks round. */
+const CIRCLE_LINES = 96;
+
+/** A circle between two directions of length 1 that are at right angles. */
+export function circleOutline(center: Vec3, u: Vec3, v: Vec3, radius: number): readonly Vec3[] {
+  return Array.from({ length: CIRCLE_LINES + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * i) / CIRCLE_LINES;
+    return add(center, add(scale(u, radius * Math.cos(angle)), scale(v, radius * Math.sin(angle))));
+  });
+}
+
 /** The twelve edges of a box. */
 export function boxOutline(min: Vec3, max: Vec3): Outline {
   const level = (y: number): Vec3[] => [

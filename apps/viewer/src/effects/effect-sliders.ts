@@ -1,5 +1,5 @@
 import type { NumberOption, OptionValues, ScenePlace, VectorOption } from '@websplatter/core/effect-options';
-import { add, dot, scale, subtract, type Vec3 } from '../camera/vec3.ts';
+import { add, dot, scale, subtract, type Vec3, withAxis } from '../camera/vec3.ts';
 import { formatAt, roundedTo } from '../handles/nice-steps.ts';
 import { optionsBeside, stepOf } from './effect-values.ts';
 
@@ -66,7 +66,7 @@ function axisSlider(
     unit: 'units',
     ...endsOf({ unit: 'units' }, min, max),
     read: (values) => (values[name] as Vec3)[axis],
-    write: (values, value) => ({ ...values, [name]: withComponent(values[name] as Vec3, axis, value) }),
+    write: (values, value) => ({ ...values, [name]: withAxis(values[name] as Vec3, axis, value) }),
   };
 }
 
@@ -88,10 +88,6 @@ function alongSlider(name: string, option: VectorOption, place: ScenePlace): Eff
       [name]: add(values[name] as Vec3, scale(directionOf(values), value - read(values))),
     }),
   };
-}
-
-function withComponent(vector: Vec3, axis: number, value: number): Vec3 {
-  return vector.with(axis, value) as unknown as Vec3;
 }
 
 /** The ends are multiples of the step: then all values between them are short. */

@@ -1,6 +1,6 @@
 import { useRef } from 'react';
 import { flippedPoint } from '../camera/flip.ts';
-import { clamp, scale, type Vec3 } from '../camera/vec3.ts';
+import { clamp, scale, UNIT_AXES, type Vec3 } from '../camera/vec3.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { distanceAlong, seenAxis } from './axis-layout.ts';
 import { roundedTo } from './nice-steps.ts';
@@ -16,11 +16,6 @@ const DIRECTIONS: Readonly<Record<string, number>> = {
   ArrowLeft: -1,
   ArrowDown: -1,
 };
-const UNIT_AXES: readonly Vec3[] = [
-  [1, 0, 0],
-  [0, 1, 0],
-  [0, 0, 1],
-];
 
 /** What moves along an axis of the scene. */
 export interface AxisHandle {

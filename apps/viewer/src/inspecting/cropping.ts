@@ -1,7 +1,7 @@
 import type { ScenePlace } from '@websplatter/core/effect-options';
 import { flippedPoint } from '../camera/flip.ts';
 import { boundsOf } from '../camera/scene-bounds.ts';
-import { add, clamp, scale, type Vec3 } from '../camera/vec3.ts';
+import { add, clamp, scale, type Vec3, withAxis } from '../camera/vec3.ts';
 import { scenePlaceOf } from '../effects/scene-place.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { drawCrop } from './draw-crop.ts';
@@ -18,18 +18,17 @@ export function withSide<Boxed extends Box>(
   axis: number,
   value: number,
 ): Boxed {
-  const moved = (values: Vec3, limit: (a: number, b: number) => number): Vec3 =>
-    values.map((each, i) => (i === axis ? limit(each, value) : each)) as unknown as Vec3;
-  const only = (_: number, next: number) => next;
-  return side === 'min'
-    ? { ...box, min: moved(box.min, only), max: moved(box.max, Math.max) }
-    : { ...box, max: moved(box.max, only), min: moved(box.min, Math.min) };
+  const [other, limit] = side === 'min' ? (['max', Math.max] as const) : (['min', Math.min] as const);
+  return {
+    ...box,
+    [side]: withAxis(box[side], axis, value),
+    [other]: withAxis(box[other], axis, limit(box[other][axis], value)),
+  };
 }
 
 /** The middle of the face where `box` ends along an axis. */
 export function faceMiddle({ min, max }: Box, side: 'min' | 'max', axis: number): Vec3 {
-  const middle = scale(add(min, max), 0.5);
-  return middle.map((value, i) => (i === axis ? { min, max }[side][i] : value)) as unknown as Vec3;
+  return withAxis(scale(add(min, max), 0.5), axis, { min, max }[side][axis]);
 }
 
 /** Positions of a slider run from 0 to this. */

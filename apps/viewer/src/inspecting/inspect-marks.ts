@@ -2,6 +2,7 @@ import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
 import { flippedPoint } from '../camera/flip.ts';
 import {
   boxOutline,
+  circleOutline,
   lineInPicture,
   type PicturePoint,
   type PictureSpace,
@@ -9,7 +10,7 @@ import {
   pictureOf,
   rowOf,
 } from '../camera/picture-space.ts';
-import { add, scale, type Vec3 } from '../camera/vec3.ts';
+import type { Vec3 } from '../camera/vec3.ts';
 import { cornersOf } from '../selecting/polygon.ts';
 import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -17,9 +18,6 @@ import type { ViewerState } from '../state/viewer-state.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
-
-/** A circle of so many lines looks round. */
-const CIRCLE_LINES = 96;
 
 /**
  * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
@@ -139,10 +137,7 @@ function sphereMarks(
 ): SVGElement[] {
   const [right, up] = [0, 1].map((row) => rowOf(space.camera.viewMatrix, row));
   const middle = world(center);
-  const circle = Array.from({ length: CIRCLE_LINES + 1 }, (_, i) => {
-    const angle = (2 * Math.PI * i) / CIRCLE_LINES;
-    return add(middle, add(scale(right, radius * Math.cos(angle)), scale(up, radius * Math.sin(angle))));
-  });
+  const circle = circleOutline(middle, right, up, radius);
   const place = pictureOf(space, middle);
   return [
     ...linesOf('sphere', space, [circle], (point) => point),

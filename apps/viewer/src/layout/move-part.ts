@@ -1,4 +1,4 @@
-import type { Vec3 } from '../camera/vec3.ts';
+import { withAxis } from '../camera/vec3.ts';
 import type { Placement, ScenePartSummary } from '../state/scene-part.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { changedPlacement, placedLook, placementOf } from './placement.ts';
@@ -14,8 +14,7 @@ export function placePart(
 }
 
 export function movePart(viewer: Viewer, part: ScenePartSummary, axis: number, to: number): void {
-  const move = placementOf(part).move.map((value, i) => (i === axis ? to : value));
-  placePart(viewer, part, { move: move as unknown as Vec3 });
+  placePart(viewer, part, { move: withAxis(placementOf(part).move, axis, to) });
 }
 
 /** A power of ten that is about a hundredth of a file: by so much one step moves it. */

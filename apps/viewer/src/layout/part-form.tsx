@@ -1,5 +1,5 @@
 import { UP_CHOICES } from '../camera/up-axis.ts';
-import type { Vec3 } from '../camera/vec3.ts';
+import { type Vec3, withAxis } from '../camera/vec3.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
 import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
@@ -18,10 +18,8 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
   const { look, canPlace } = part;
   const { turnDegrees, move, scale, up, sceneUp } = placementOf(part);
   const percent = Math.round(100 * look.opacity);
-  const turn = (axis: number, degrees: number) => {
-    const turned = turnDegrees.map((value, i) => (i === axis ? degrees : value));
-    placePart(viewer, part, { turnDegrees: turned as unknown as Vec3 });
-  };
+  const turn = (axis: number, degrees: number) =>
+    placePart(viewer, part, { turnDegrees: withAxis(turnDegrees, axis, degrees) });
   return (
     <div className="part-form">
       <Slider

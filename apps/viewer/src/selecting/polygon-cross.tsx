@@ -1,5 +1,6 @@
 import { type KeyboardEvent, useRef } from 'react';
 import { useStore } from 'zustand';
+import { ARROWS } from '../camera/orbit-controls.ts';
 import type { PicturePoint } from '../camera/picture-space.ts';
 import { clamp } from '../camera/vec3.ts';
 import { pictureSpace, useOverPicture } from '../handles/over-picture.ts';
@@ -15,13 +16,6 @@ const STEP_PX = 8;
 const LARGE_STEP = 10;
 /** Of the cross, which stays in the picture. */
 const HALF_PX = 12;
-/** Right and down. */
-const ARROWS: Readonly<Record<string, PicturePoint>> = {
-  ArrowLeft: [-1, 0],
-  ArrowRight: [1, 0],
-  ArrowUp: [0, -1],
-  ArrowDown: [0, 1],
-};
 
 /** A pointer over the picture for keys, which set the corners of a polygon. */
 export function PolygonCross({ store, viewer, inspection }: PanelProps & InspectProps) {
