@@ -45,7 +45,7 @@ describe('frames in motion', () => {
   it('are coarser where whole ones are slow, unless a detail was chosen or two are compared', () => {
     const { store, measure, detail } = setUp();
     expect([measure(50), detail()]).toEqual([null, 'full']);
-    expect([measure(180), detail()]).toEqual([180, { maxFrameMs: 33 }]);
+    expect([measure(180), detail()]).toEqual([180, { maxFrameMs: 50 }]);
     for (const chosen of ['full', { maxSplats: 5 }] as const) {
       store.setState({ detail: chosen, isDetailChosen: true });
       expect(detail()).toBe(chosen);
@@ -54,7 +54,7 @@ describe('frames in motion', () => {
     store.setState({ comparison: { kind: 'split', left: 'current', right: 'current' } });
     expect(detail()).toBe('full');
     store.setState({ comparison: null });
-    expect(detail()).toEqual({ maxFrameMs: 33 });
+    expect(detail()).toEqual({ maxFrameMs: 50 });
   });
 
   it('are judged by neither waits in a queue nor single or coarse frames, and by whole ones at rest', () => {

@@ -63,8 +63,8 @@ export function awaitsViewMode({
   return viewMode !== 'colours' && !isMapMode(viewMode) && requested['view-mode'].length === 0;
 }
 
-/** On slow devices: 30 frames a second show more of the scene than 60, which `auto` aims at. */
-const COARSER_IN_MOTION: Detail = { maxFrameMs: 33 };
+/** On slow devices: 20 frames a second show more of the scene than 60, which `auto` aims at. */
+const COARSER_IN_MOTION: Detail = { maxFrameMs: 50 };
 
 /**
  * The detail of frames: the chosen one. Without a choice, slow devices draw fewer splats while
