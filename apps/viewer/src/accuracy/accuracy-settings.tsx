@@ -1,13 +1,8 @@
 import { ACCURACY_SETTINGS, type AccuracySetting, type AccuracySettings } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
-import {
-  formatValue,
-  SETTING_NAMES,
-  type SettingName,
-  type SettingValue,
-  valueWords,
-} from '../formatting/accuracy-words.ts';
+import { formatValue, type SettingValue, valueWords } from '../formatting/accuracy-words.ts';
+import { SETTING_NAMES, type SettingName } from '../formatting/nearest-preset.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 

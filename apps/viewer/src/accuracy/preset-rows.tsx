@@ -1,8 +1,8 @@
 import { ACCURACY_PRESETS, type AccuracyPreset } from '@websplatter/core';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
-import { nearestPreset, PRESET_NAMES } from '../formatting/accuracy-words.ts';
 import { formatMs } from '../formatting/format.ts';
+import { nearestPreset, PRESET_NAMES } from '../formatting/nearest-preset.ts';
 import { Pixels } from '../measurement/looked-picture.tsx';
 import { errorLabel, type PresetCost } from '../measurement/verdict.ts';
 import type { JudgedPictures } from '../state/measured.ts';

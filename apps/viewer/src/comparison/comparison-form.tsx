@@ -1,6 +1,7 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
-import { describeAccuracy, isSameAccuracy, PRESET_NAMES } from '../formatting/accuracy-words.ts';
+import { describeAccuracy } from '../formatting/accuracy-words.ts';
+import { isSameAccuracy, PRESET_NAMES } from '../formatting/nearest-preset.ts';
 import type { Comparison, ComparisonSide } from '../state/comparison.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';

@@ -1,5 +1,5 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
-import { isSameAccuracy } from '../formatting/accuracy-words.ts';
+import { isSameAccuracy } from '../formatting/nearest-preset.ts';
 import type { Drawn } from '../state/comparison.ts';
 
 const { reference, fast } = ACCURACY_PRESETS;

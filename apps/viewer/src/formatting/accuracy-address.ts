@@ -7,7 +7,7 @@ import {
   isAccuracyTarget,
   resolveAccuracy,
 } from '@websplatter/core';
-import { isSameAccuracy, nearestPreset } from './accuracy-words.ts';
+import { isSameAccuracy, nearestPreset } from './nearest-preset.ts';
 
 /**
  * For the address, `fast,sortKeyBits:32` or `minPsnrDb:45`; null for the device's default.

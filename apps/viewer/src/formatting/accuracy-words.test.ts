@@ -5,10 +5,9 @@ import {
   describeMeasured,
   formatValue,
   inPlainWords,
-  nearestPreset,
-  PRESET_NAMES,
   valueWords,
 } from './accuracy-words.ts';
+import { nearestPreset, PRESET_NAMES } from './nearest-preset.ts';
 
 describe('accuracy in words', () => {
   it.each(PRESET_NAMES)('knows the preset %s again', (preset) => {

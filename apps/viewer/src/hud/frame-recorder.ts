@@ -101,3 +101,16 @@ export class FrameRecorder {
     this.#renderMs.clear();
   }
 }
+
+const recorders = new WeakMap<ViewerStore, FrameRecorder>();
+
+/** The recorder of a store, from the first time on that figures are shown: hidden ones come back. */
+export function recorderOf(store: ViewerStore): FrameRecorder {
+  let recorder = recorders.get(store);
+  if (!recorder) {
+    recorder = new FrameRecorder(store);
+    recorder.watch();
+    recorders.set(store, recorder);
+  }
+  return recorder;
+}

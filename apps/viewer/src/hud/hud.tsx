@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import { HUD_SIZES, type HudSize } from '../state/viewer-state.ts';
 import { IconButton } from '../ui/controls.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
-import type { FrameRecorder } from './frame-recorder.ts';
+import { recorderOf } from './frame-recorder.ts';
 import { bindHud } from './hud-binding.ts';
 import { HudDetails, HudHistory } from './hud-details.tsx';
 import { HudRow } from './hud-row.tsx';
@@ -16,7 +16,8 @@ const STAGES = [
 ] as const;
 
 /** The cost of the frame. React renders it once; figures are then written into it directly. */
-export const Hud = memo(function Hud({ store, viewer, recorder }: PanelProps & { recorder: FrameRecorder }) {
+export const Hud = memo(function Hud({ store, viewer }: PanelProps) {
+  const recorder = recorderOf(store);
   const size = useStore(store, (state) => state.hudSize);
   const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');
   const root = useRef<HTMLElement>(null);

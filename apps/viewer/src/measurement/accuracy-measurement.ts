@@ -1,6 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 import type { AccuracyTable } from '@websplatter/core/measure';
-import { PRESET_NAMES } from '../formatting/accuracy-words.ts';
+import { PRESET_NAMES } from '../formatting/nearest-preset.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';

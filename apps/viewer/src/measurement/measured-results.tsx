@@ -1,8 +1,9 @@
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { useState } from 'react';
 import { useStore } from 'zustand';
-import { describeMeasured, isSameAccuracy } from '../formatting/accuracy-words.ts';
+import { describeMeasured } from '../formatting/accuracy-words.ts';
 import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '../formatting/format.ts';
+import { isSameAccuracy } from '../formatting/nearest-preset.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import type { PanelProps } from '../viewer/panel-props.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';

@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import { nearestPreset } from '../formatting/accuracy-words.ts';
+import { nearestPreset } from '../formatting/nearest-preset.ts';
 import type { JudgedPictures } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Pixels } from './looked-picture.tsx';

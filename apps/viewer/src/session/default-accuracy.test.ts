@@ -5,7 +5,7 @@ import {
   resolveAccuracy,
 } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { SETTING_NAMES } from '../formatting/accuracy-words.ts';
+import { SETTING_NAMES } from '../formatting/nearest-preset.ts';
 import { defaultAccuracyOn } from './default-accuracy.ts';
 
 describe('the default accuracy of a device', () => {

@@ -5,7 +5,6 @@ import { DropZone } from '../file-drop/drop-zone.tsx';
 import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop/file-drop.ts';
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
-import { FrameRecorder } from '../hud/frame-recorder.ts';
 import type { Measurements } from '../measurement/start-measurements.ts';
 import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
@@ -90,9 +89,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
       },
     });
   }, [viewer, store]);
-  const recorder = useMemo(() => new FrameRecorder(store), [store]);
   const measurements = useMeasurements(store, viewer);
-  useEffect(() => recorder.watch(), [recorder]);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
   useEffect(() => listenForGamepads(viewer, store, run), [viewer, store, run]);
 
@@ -137,7 +134,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
           </Suspense>
           <div className="overlay-side">
-            <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} recorder={recorder} />}</Suspense>
+            <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} />}</Suspense>
             <div className="messages">
               <Notice store={store} />
               <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>

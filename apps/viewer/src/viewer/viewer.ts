@@ -18,7 +18,6 @@ import { observeBackground } from '../drawing/background.ts';
 import { observeDevicePixelSize } from '../drawing/canvas-size.ts';
 import { Drawing } from '../drawing/drawing.ts';
 import type { ImageOnBackground, ShownFrame } from '../drawing/drawn-frame.ts';
-import { observeWholeFrames } from '../drawing/whole-frames.ts';
 import { FileMemory } from '../file-drop/file-memory.ts';
 import { KEPT_FILE } from '../file-drop/kept-file.ts';
 import { decodeAccuracy } from '../formatting/accuracy-address.ts';
@@ -98,7 +97,11 @@ export class Viewer {
     });
     const { camera, scenes } = this;
     this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
-    observeWholeFrames(store, () => this.#hasLevels);
+    // Where it cannot be fetched, all splats are drawn in motion as well.
+    import('../drawing/whole-frames.ts').then(
+      ({ observeWholeFrames }) => observeWholeFrames(store, () => this.#hasLevels),
+      () => {},
+    );
   }
 
   /** Asks for the GPU before there is a canvas to draw to. */
