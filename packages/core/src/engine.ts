@@ -93,6 +93,11 @@ export interface EngineOptions extends DeviceOptions {
    */
   readonly memoryBudgetBytes?: number;
   /**
+   * What errors say is to be done where a buffer exceeds the limits of `device`: its owner knows how
+   * they are raised.
+   */
+  readonly limitAdvice?: string;
+  /**
    * GPU memory for all scenes together that stream and are loaded without a `budgetBytes` of their
    * own, at most; default 512 MiB. Each gets an equal share, and what some have no use for goes to
    * the others.
@@ -228,7 +233,7 @@ export class SplatEngine {
     this.device = device;
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
-    this.#memory = new GpuMemory(device, options.memoryBudgetBytes);
+    this.#memory = new GpuMemory(device, options.memoryBudgetBytes, null, options.limitAdvice);
     this.#pipelines = new Pipelines(device, options.mutation, this.#counting);
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
@@ -785,7 +790,8 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
     !device.features.has('float32-blendable' as GPUFeatureName)
   ) {
     const notice =
-      'This device cannot blend rgba32float (float32-blendable); frames are blended in rgba16float.';
+      'This device cannot blend rgba32float; frames are blended in rgba16float. Where the GPU can, ' +
+      "adapter.requestDevice({ requiredFeatures: ['float32-blendable'] }) makes one that does.";
     return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
   return { settings: requested, notices: [] };

@@ -94,7 +94,13 @@ export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
 export type { EffectEntry } from './frame/ledger/ledger.ts';
 export type { EmbeddedImage } from './frame/parts/compose.ts';
-export { adapterLabel, type DeviceOptions, isSoftwareAdapter, requestSplatDevice } from './gpu/device.ts';
+export {
+  adapterLabel,
+  type DeviceOptions,
+  isSoftwareAdapter,
+  requestSplatDevice,
+  sceneLimits,
+} from './gpu/device.ts';
 export type { EngineCounters } from './gpu/engine-counters.ts';
 export type { GpuMemoryReport } from './gpu/gpu-memory.ts';
 export type { TextureImage } from './gpu/read-texture.ts';

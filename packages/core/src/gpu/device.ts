@@ -36,6 +36,11 @@ const WIDENED_LIMITS = [
   'maxComputeWorkgroupSizeX',
 ] as const;
 
+/** Returns the adapter's maximum of each limit that the room for scenes follows, by name. */
+export function sceneLimits({ limits }: Pick<GPUAdapter, 'limits'>): Record<string, number> {
+  return Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, limits[limit]]));
+}
+
 /**
  * Requests a device with every feature and limit of the adapter that the engine, or a renderer
  * sharing the device, can use.
@@ -49,8 +54,7 @@ export async function requestSplatDevice(options: DeviceOptions = {}): Promise<G
   const isWanted = (feature: GPUFeatureName) =>
     options.allFeatures ? !EXPERIMENTAL.test(feature) : OPTIONAL_FEATURES.includes(feature);
   const requiredFeatures = ([...adapter.features] as GPUFeatureName[]).filter(isWanted);
-  const widened = Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, adapter.limits[limit]]));
-  const requiredLimits = { ...options.requiredLimits, ...widened };
+  const requiredLimits = { ...options.requiredLimits, ...sceneLimits(adapter) };
   try {
     return await adapter.requestDevice({ label: 'websplatter', requiredFeatures, requiredLimits });
   } catch (cause) {

@@ -58,3 +58,14 @@ test('destroys a buffer at once after its map has ended', async () => {
   part.destroy(buffer);
   expect(isHeld()).toBe(false);
 });
+
+test('says how the limits of a device are raised, as its owner knows it', () => {
+  const limits = { maxBufferSize: 16, maxStorageBufferBindingSize: 8 };
+  const device = { limits } as unknown as GPUDevice;
+  const part = new GpuMemory(device, undefined, null, 'Ask for more.').part();
+  expect(() => part.check('keys', 12, 128)).toThrow(
+    /^keys needs 12 bytes in one buffer and this device allows 8 \(maxStorageBufferBindingSize\)\. Ask for more\.$/,
+  );
+  expect(() => part.check('rows', 20, 0)).toThrow('Ask for more.');
+  expect(() => new GpuMemory(device).check('rows', 20, 0)).toThrow('let the engine make its own device');
+});

@@ -34,12 +34,17 @@ interface Section {
   isOpen: boolean;
 }
 
+/** What to do about the limits of a device that the engine's caller made, unless that says more. */
+const LIMIT_ADVICE =
+  'Load fewer splats, or let the engine make its own device, with the adapter’s full limits.';
+
 /** The only place that creates buffers and textures, so that every byte is labelled and counted. */
 export class GpuMemory {
   readonly device: GPUDevice;
   readonly #whole: GpuMemory | null;
   readonly #root: GpuMemory;
   readonly #budgetBytes: number;
+  readonly #limitAdvice: string;
   readonly #bytes = new Map<GPUBuffer | GPUTexture, number>();
   /** Buffers that are about to be mapped. */
   readonly #mapping: WeakMap<GPUBuffer | GPUTexture, Promise<void>>;
@@ -51,10 +56,17 @@ export class GpuMemory {
   /**
    * @param budgetBytes most bytes that may be held.
    * @param whole the memory that this is a part of: see `part`.
+   * @param limitAdvice see `EngineOptions`.
    */
-  constructor(device: GPUDevice, budgetBytes = Number.POSITIVE_INFINITY, whole: GpuMemory | null = null) {
+  constructor(
+    device: GPUDevice,
+    budgetBytes = Number.POSITIVE_INFINITY,
+    whole: GpuMemory | null = null,
+    limitAdvice = LIMIT_ADVICE,
+  ) {
     this.device = device;
     this.#budgetBytes = budgetBytes;
+    this.#limitAdvice = limitAdvice;
     this.#whole = whole;
     this.#root = whole ? whole.#root : this;
     this.#mapping = whole ? whole.#mapping : new WeakMap();
@@ -62,7 +74,7 @@ export class GpuMemory {
 
   /** Returns memory that is counted by itself and here. */
   part(): GpuMemory {
-    return new GpuMemory(this.device, this.#budgetBytes, this);
+    return new GpuMemory(this.device, this.#budgetBytes, this, this.#limitAdvice);
   }
 
   /**
@@ -207,8 +219,7 @@ export class GpuMemory {
       limit,
       bytes,
       availableBytes,
-      `${label} needs ${bytes} bytes in one buffer and this device allows ${availableBytes} (${limit}). ` +
-        'Load fewer splats, or let the engine make its own device, with the adapter’s full limits.',
+      `${label} needs ${bytes} bytes in one buffer and this device allows ${availableBytes} (${limit}). ${this.#limitAdvice}`,
     );
   }
 
