@@ -67,6 +67,36 @@ const VITE_SOURCES = {
   'src/main.js': main(),
 };
 
+const OWN_RENDERER = `import { Canvas } from '@react-three/fiber';
+import { Splats } from '@websplatter/react';
+import { createElement } from 'react';
+import { createRoot } from 'react-dom/client';
+import { WebGPURenderer } from 'three/webgpu';
+
+const gl = async (props) => {
+  const renderer = new WebGPURenderer(props);
+  await renderer.init();
+  return renderer;
+};
+createRoot(document.getElementById('root')).render(
+  createElement(Canvas, { gl, flat: true }, createElement(Splats, { src: 'scene.ply' })),
+);
+`;
+
+const OWN_RENDERER_OF_THREE = `import { SplatCloudObject, SplatLoader } from '@websplatter/three';
+import { Color, PerspectiveCamera, Scene, WebGPURenderer } from 'three/webgpu';
+
+const renderer = new WebGPURenderer({ antialias: true });
+renderer.setSize(480, 320);
+document.getElementById('root').append(renderer.domElement);
+const scene = new Scene();
+scene.background = new Color('white');
+const camera = new PerspectiveCamera(75, 480 / 320, 0.1, 1000);
+camera.position.set(0, 0, 5);
+scene.add(new SplatCloudObject(await new SplatLoader().loadAsync('scene.ply')));
+renderer.setAnimationLoop(() => renderer.render(scene, camera));
+`;
+
 /** Unminified: that would take most of the time, and bundlers do it in the same way. */
 const WEBPACK_CONFIG = `export default {
   mode: 'production',
@@ -166,6 +196,22 @@ export const APP_KINDS: readonly AppKind[] = [
     name: 'Vite 7',
     packages: { vite: '7.3.8' },
     sources: VITE_SOURCES,
+    build: [['vite/bin/vite.js', 'build']],
+    shown: { folder: 'dist' },
+    headers: STRICT,
+  },
+  {
+    name: 'Vite 7, with renderers of its own',
+    packages: { vite: '7.3.8' },
+    sources: {
+      ...VITE_SOURCES,
+      'src/main.js': OWN_RENDERER,
+      'three.html': html('/src/three.js'),
+      'src/three.js': OWN_RENDERER_OF_THREE,
+      'vite.config.js':
+        "export default { build: { target: 'esnext', rollupOptions: { input: ['index.html', 'three.html'] } } };\n",
+    },
+    pages: ['', 'three'],
     build: [['vite/bin/vite.js', 'build']],
     shown: { folder: 'dist' },
     headers: STRICT,

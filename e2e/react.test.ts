@@ -809,8 +809,25 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   expect(await pickAt(page, 'dots', [2, 2])).toBeNull();
 });
 
+it('draws as float64 does in a Canvas with a WebGPURenderer of its own, and leaves nothing on its GPU', async () => {
+  const foreign = canvas({ kind: 'foreign', background: 'black', hasStreams: true });
+  const page = await open(foreign);
+  await waitForLog(page, 'a firstframe');
+  const camera = { ...(await cameraOf(page)), background: [0, 0, 0] as [number, number, number] };
+  const psnrDb = referenceImage(camera, [testScene()], await image(page));
+  await expect.poll(async () => psnrDb(await image(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  expect(await page.evaluate(() => window.page.streams), 'of an engine that came later').toEqual([]);
+  const ended = await page.evaluate(async () => {
+    const engine = window.page.engine('canvas');
+    window.page.show([]);
+    await engine.lost;
+    return engine.memory().totalBytes;
+  });
+  expect(ended).toBe(0);
+});
+
 it('says what to do in a Canvas with a WebGLRenderer', async () => {
-  harness.expectProblem(/createSplatRenderer/);
+  harness.expectProblem(/draws with WebGPU: your own, that of createSplatRenderer/);
   const page = await open(canvas({ kind: 'webgl' }));
   await expect
     .poll(() => logOf(page))

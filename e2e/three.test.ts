@@ -151,6 +151,31 @@ function psnrOfTestScene(
   return compareImages(actual, reference.data, options).psnrDb;
 }
 
+/** The left half of an image in numbers. */
+function leftHalf(data: ArrayLike<number>, { widthPx }: Pick<Pixels, 'widthPx'>): Float64Array {
+  return Float64Array.from(data).filter((_, i) => Math.floor(i / 4) % widthPx < widthPx / 2);
+}
+
+/**
+ * Checks that a renderer of three's making shows the test scene between two walls, exactly as
+ * float64 does, and frees it.
+ */
+function expectForeign({ image, ...shown }: Awaited<ReturnType<Cases['foreignRenderer']>>): void {
+  expect(shown).toMatchObject({ errors: [], lost: [], isOnItsDevice: true, bytesLeft: 0 });
+  for (const y of [0.1, 0.5, 0.9]) expectPixel(pixelAt(image, 0.75, y), RED);
+  const { widthPx, heightPx } = image;
+  const { data } = renderReference({
+    clouds: [{ set: testScene() }],
+    camera: cameraFromMatrices(shown.camera.viewMatrix, shown.camera.projectionMatrix, shown.camera),
+    widthPx,
+    heightPx,
+  });
+  const background: [number, number, number] = [0x20 / 255, 0x40 / 255, 0x60 / 255];
+  const options = { widthPx: widthPx / 2, heightPx, background, quantize: 'png' } as const;
+  const actual = leftHalf(image.data, image).map((value) => value / 255);
+  expect(compareImages(actual, leftHalf(data, image), options).psnrDb).toBeGreaterThan(MIN_PSNR_DB);
+}
+
 /** The image of a render target as a canvas shows it. */
 function encodedPixels({ data, ...size }: Pixels): Pixels {
   return { ...size, data: data.map((value, i) => (i % 4 === 3 ? 255 * value : Math.round(encoded(value)))) };
@@ -862,8 +887,33 @@ describe('three 0.187', () => {
     expect(await run('stageTimings')).toBe(1);
   });
 
+  describe('a renderer that somebody else made', () => {
+    test.each([
+      [{}, false],
+      [{ antialias: true }, true],
+    ])('%o draws splats as float64 does; a loader asks for it: %s', async (parameters, isLoaded) => {
+      expectForeign(await run('foreignRenderer', parameters, isLoaded));
+    });
+
+    test('lacks room for large scenes, and the error has the line that makes it', async () => {
+      const { errors, framesDrawn } = await run('foreignLimits', false);
+      expect(framesDrawn).toBe(0);
+      expect(errors).toEqual([expect.stringMatching(/^GpuLimitError: frame records needs \d+ bytes/)]);
+      expect(errors[0]).toContain('new WebGPURenderer({ requiredLimits: await splatLimits() })');
+      expect(await run('foreignLimits', true)).toEqual({ errors: [], framesDrawn: 1 });
+    });
+
+    test('with WebGL 2 draws meshes, and the error says why no splats', async () => {
+      const { errors, calls } = await run('webGlBackend');
+      expect(errors).toEqual([
+        expect.stringMatching(/^SplatsUnsupportedRendererError: .*WebGL 2, because forceWebGL is set/),
+      ]);
+      expect(calls).toBeGreaterThanOrEqual(2);
+    });
+  });
+
   test('the loss of a device is told, its disposal not', async () => {
-    expect(await run('deviceLoss')).toEqual(['destroyed']);
+    expect(await run('deviceLoss')).toEqual(['destroyed', 'foreign destroyed']);
   });
 });
 
@@ -875,6 +925,10 @@ describe.runIf(hasOldest || process.env.WEBSPLATTER_FULL)('three 0.185', () => {
 
   test('is what the page runs', async () => {
     expect(await run('revision')).toBe('185');
+  });
+
+  test('a renderer that somebody else made', async () => {
+    expectForeign(await run('foreignRenderer', {}, true));
   });
 
   const unusual = [{ antialias: true }, { logarithmicDepthBuffer: true }, { reversedDepthBuffer: true }];

@@ -1,5 +1,5 @@
 // A page that shows a test's Canvases, and logs their events.
-import { Canvas, type RootState, useLoader, useThree } from '@react-three/fiber';
+import { Canvas, type CanvasProps, type RootState, useLoader, useThree } from '@react-three/fiber';
 import {
   type AccuracyRequest,
   createSplatRenderer,
@@ -34,6 +34,7 @@ import {
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
+import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
 import { countResources } from './resources.ts';
 
 export interface SplatsDescription {
@@ -66,8 +67,11 @@ export interface LabelDescription {
 export interface CanvasDescription {
   /** Another id is another Canvas. */
   readonly id: string;
-  /** `splats`: SplatCanvas; `bare`: Canvas with createSplatRenderer; `webgl`: Canvas by default. */
-  readonly kind: 'splats' | 'bare' | 'webgl';
+  /**
+   * `splats`: SplatCanvas; `bare`: Canvas with createSplatRenderer; `foreign`: with a WebGPURenderer
+   * of its own; `webgl`: Canvas by default.
+   */
+  readonly kind: 'splats' | 'bare' | 'foreign' | 'webgl';
   readonly frameloop?: 'always' | 'demand';
   readonly background?: string;
   /** Of a `splats` Canvas. */
@@ -155,6 +159,16 @@ function noted(id: string, what: string): ReactNode {
   note(id, what);
   return null;
 }
+
+const RENDERERS: Record<'bare' | 'foreign' | 'webgl', CanvasProps['gl']> = {
+  bare: createSplatRenderer,
+  foreign: async (props) => {
+    const renderer = new WebGPURenderer(props as WebGPURendererParameters);
+    await renderer.init();
+    return renderer;
+  },
+  webgl: undefined,
+};
 
 function OneCanvas(description: CanvasDescription): ReactNode {
   const {
@@ -252,7 +266,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
   }
   return (
     <>
-      <Canvas {...canvasProps} gl={kind === 'bare' ? createSplatRenderer : undefined}>
+      <Canvas {...canvasProps} gl={RENDERERS[kind]}>
         {children}
       </Canvas>
       {timings === 'outside' && <SplatStats renderer={renderer} />}

@@ -1,6 +1,7 @@
 import { type AccuracyChoice, encodePly, packCloud } from '@websplatter/core';
 import { antialias, brightness, clip, tint } from '@websplatter/core/effects';
 import {
+  adoptRenderer,
   clipVolumeOf,
   encodedColor,
   onDeviceLost,
@@ -10,6 +11,7 @@ import {
   SplatData,
   SplatLoader,
   splatEngineOf,
+  splatLimits,
 } from '@websplatter/three';
 import { editsOf, makeSplatData } from '@websplatter/three/own-data';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
@@ -67,11 +69,13 @@ import { checkeredSplats, manySplats, splatCloud, splatData, splatSet } from './
 import {
   areOn,
   drawn,
+  foreignStage,
   makeRenderer,
   meshShot,
   newScene,
   newStage,
   nextFrame,
+  nextNeededFrame,
   type Pixels,
   type RendererParameters,
   SIZE_PX,
@@ -192,6 +196,73 @@ export const cases = {
     stage.scene.background = new Color(background);
     stage.scene.add(splatCloud({}));
     return { expected, actual: await shot(stage) };
+  },
+
+  /**
+   * The test scene in a renderer that three alone has made, between a blue wall behind and a red one
+   * in front of the right half. The cloud and, if `isLoaded`, a loader ask for the engine.
+   */
+  foreignRenderer: async (parameters: { readonly antialias?: boolean }, isLoaded: boolean) => {
+    const stage = await foreignStage(parameters);
+    const { renderer, scene, camera } = stage;
+    const blob = new Blob([encodePly(testScene()) as BlobPart]);
+    const loader = isLoaded ? new SplatLoader().detectSupport(renderer) : new SplatLoader();
+    const cloud = new SplatCloudObjectClass(await loader.loadAsync(blob));
+    const errors = errorsOf(cloud);
+    const [behind, inFront] = [wall(0x204060, -50), rightHalf(wall(0xff0000, -1))];
+    behind.scale.setScalar(10);
+    camera.add(behind, inFront);
+    scene.add(camera, cloud);
+    lookAtTestScene(camera);
+    const lost: string[] = [];
+    onDeviceLost(renderer, ({ reason }) => lost.push(reason));
+    if (!isLoaded) {
+      const needed = nextNeededFrame(scene);
+      renderer.render(scene, camera);
+      await needed;
+    }
+    const image = await shot(stage);
+    const engine = splatEngineOf(renderer);
+    const { device } = renderer.backend as unknown as { readonly device: GPUDevice };
+    const isOnItsDevice = engine.device === device;
+    await renderer.dispose();
+    await engine.lost;
+    const { totalBytes: bytesLeft } = engine.memory();
+    return { image, errors, lost, isOnItsDevice, bytesLeft, ...cameraOf(camera) };
+  },
+
+  /** Errors of more splats in view than a device by default has room for, with its limits or the GPU's. */
+  foreignLimits: async (hasLimits: boolean) => {
+    const { renderer, scene, camera } = await foreignStage(
+      hasLimits ? { requiredLimits: await splatLimits() } : {},
+    );
+    const count = 4_300_000;
+    const positions = new Float32Array(3 * count);
+    const scales = new Float32Array(3 * count).fill(1e-5);
+    const colors = new Float32Array(3 * count);
+    const cloud = new SplatCloudObjectClass(makeSplatData({ positions, scales, colors }));
+    const errors = errorsOf(cloud);
+    scene.add(cloud);
+    const engine = await adoptRenderer(renderer);
+    await until(() => {
+      renderer.render(scene, camera);
+      return errors.length > 0 || engine.counters().framesDrawn > 0;
+    });
+    await renderer.dispose();
+    return { errors, framesDrawn: engine.counters().framesDrawn };
+  },
+
+  /** Errors of a cloud in a renderer that draws with WebGL 2, with a mesh that it does draw. */
+  webGlBackend: async () => {
+    const stage = await foreignStage({ forceWebGL: true });
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud({});
+    const errors = errorsOf(cloud);
+    scene.add(cloud, wall(0x0000ff, -0.5));
+    for (let frame = 0; frame < 2; frame++) renderer.render(scene, camera);
+    const { calls } = renderer.info.render as unknown as { readonly calls: number };
+    await renderer.dispose();
+    return { errors, calls };
   },
 
   transparentCanvas: async (parameters: RendererParameters = {}) => {
@@ -1124,6 +1195,11 @@ export const cases = {
     onDeviceLost(disposed, () => told.push('disposed'));
     await disposed.dispose();
     await splatEngineOf(disposed).lost;
+    const { renderer: foreign } = await foreignStage();
+    onDeviceLost(foreign, ({ reason }) => told.push(`foreign ${reason}`));
+    const { device, lost } = await adoptRenderer(foreign);
+    device.destroy();
+    await lost;
     await nextFrame();
     return told;
   },

@@ -8,7 +8,7 @@ import {
   type RenderTarget,
   Scene,
   SRGBColorSpace,
-  type WebGPURenderer,
+  WebGPURenderer,
 } from 'three/webgpu';
 
 export const SIZE_PX = 64;
@@ -55,6 +55,18 @@ export async function makeRenderer(parameters: RendererParameters): Promise<WebG
   return createSplatRenderer({ canvas, ...parameters });
 }
 
+/** A stage whose renderer an application has made by three alone. */
+export async function foreignStage(
+  parameters: ConstructorParameters<typeof WebGPURenderer>[0] = {},
+): Promise<Stage> {
+  const canvas = document.createElement('canvas');
+  document.body.append(canvas);
+  const renderer = new WebGPURenderer({ canvas, ...parameters });
+  await renderer.init();
+  reset(renderer);
+  return { renderer, ...newScene() };
+}
+
 function reset(renderer: WebGPURenderer): void {
   renderer.setSize(SIZE_PX, SIZE_PX, false);
   renderer.setViewport(0, 0, SIZE_PX, SIZE_PX);
@@ -98,7 +110,7 @@ export async function nextFrame(): Promise<void> {
   for (let i = 0; i < 2; i++) await new Promise((resolve) => requestAnimationFrame(resolve));
 }
 
-function nextNeededFrame(scene: Object3D): Promise<void> {
+export function nextNeededFrame(scene: Object3D): Promise<void> {
   return new Promise((resolve, reject) => {
     const timer = setTimeout(() => reject(new Error('No splat needed a frame.')), PATIENCE_MS);
     scene.traverse((object) => {

@@ -1,7 +1,7 @@
 import { createRoot } from '@react-three/fiber';
 import { InvalidArgumentError, type SplatEngine } from '@websplatter/core';
 import { makeColliderMesh } from '@websplatter/core/collider';
-import { onStageTimings, type SplatData, splatEngineOf } from '@websplatter/three';
+import { adoptRenderer, findSplatEngine, onStageTimings, type SplatData } from '@websplatter/three';
 import { act, createElement, type ReactNode } from 'react';
 import { renderToString } from 'react-dom/server';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
@@ -34,7 +34,8 @@ vi.mock('@websplatter/three', () => ({
     test.measured.add(listener);
     return () => test.measured.delete(listener);
   }),
-  splatEngineOf: vi.fn(),
+  adoptRenderer: vi.fn(),
+  findSplatEngine: vi.fn(),
   SplatLoader: class {
     #renderer: unknown;
     #isAborted = false;
@@ -84,7 +85,7 @@ beforeEach(async () => {
       return [...engine.clouds];
     },
   };
-  vi.mocked(splatEngineOf).mockReturnValue(found as unknown as SplatEngine);
+  vi.mocked(findSplatEngine).mockReturnValue(found as unknown as SplatEngine);
   vi.mocked(onStageTimings).mockClear();
   test.loads.length = 0;
   // three logs that it is imported twice.
@@ -220,11 +221,31 @@ describe.each([
     expect(() => renderToString(createElement(Caller))).toThrow(InvalidArgumentError);
     expect(() => renderToString(createElement(Caller))).toThrow(`Outside of a Canvas, ${name} needs`);
     expect(renderToString(createElement(Caller, { given: other }))).toBe('null');
-    expect(splatEngineOf).toHaveBeenLastCalledWith(other);
+    expect(findSplatEngine).toHaveBeenLastCalledWith(other);
     const Selecting = () => String(use(() => 1, other));
     expect(renderToString(createElement(Selecting))).toBe('null');
-    expect(splatEngineOf).toHaveBeenLastCalledWith(other);
+    expect(findSplatEngine).toHaveBeenLastCalledWith(other);
   });
+});
+
+it('hooks wait for the engine of a renderer that others made, and fail with it', async () => {
+  const found = vi.mocked(findSplatEngine).getMockImplementation()!;
+  let arrive = () => {};
+  vi.mocked(findSplatEngine).mockReturnValue(null);
+  vi.mocked(adoptRenderer).mockImplementation(
+    () => new Promise((_, reject) => (arrive = () => reject(new Error('or fails')))),
+  );
+  const renders = await rendersOf(() => useSplatMemory());
+  expect(renders).toEqual([null]);
+  vi.mocked(findSplatEngine).mockImplementation(found);
+  await act(async () => arrive());
+  expect(renders.at(-1)).toEqual({ totalBytes: 1 });
+  const failure = new Error('no engine');
+  vi.mocked(findSplatEngine).mockImplementation(() => {
+    throw failure;
+  });
+  const Caller = () => String(useSplatMemory(renderer));
+  expect(() => renderToString(createElement(Caller))).toThrow(failure);
 });
 
 it('useStageTimings passes each measured frame on, and causes no render', async () => {

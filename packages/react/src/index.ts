@@ -26,6 +26,8 @@ export {
   SplatSelection,
 } from '@websplatter/core/effects';
 export {
+  type AdoptRendererOptions,
+  adoptRenderer,
   isSupported,
   onDeviceLost,
   type RevealAnimation,
@@ -38,6 +40,7 @@ export {
   SplatsUnsupportedRendererError,
   setSplatDetail,
   splatEngineOf,
+  splatLimits,
   ThreeInternalsError,
 } from '@websplatter/three';
 export { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';

@@ -1,6 +1,6 @@
 import { useFrame, useStore, useThree } from '@react-three/fiber';
 import { InvalidArgumentError } from '@websplatter/core';
-import { pickSplat, splatEngineOf } from '@websplatter/three';
+import { findSplatEngine, pickSplat } from '@websplatter/three';
 import { type ReactNode, useEffect, useLayoutEffect, useRef } from 'react';
 import type { WebGPURenderer } from 'three/webgpu';
 import { isServer } from './is-server.ts';
@@ -27,8 +27,7 @@ export interface SplatMeasureProps {
  * not count as a click, so it goes together with controls of the camera.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a unit with a scale or digits out of
- *   range; SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer` did not
- *   make.
+ *   range; SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
  */
 export function SplatMeasure(props: SplatMeasureProps): ReactNode {
   const { perWorldUnit = 1, digits = 2 } = props.unit ?? {};
@@ -42,7 +41,7 @@ export function SplatMeasure(props: SplatMeasureProps): ReactNode {
   const isOnServer = isServer();
   const renderer = useMeasuredRenderer(isOnServer ? null : undefined, '<SplatMeasure>');
   // Fails for renderers that draw no splats.
-  if (renderer) splatEngineOf(renderer);
+  if (renderer) findSplatEngine(renderer);
   return isOnServer ? null : <Measure {...props} />;
 }
 

@@ -1,9 +1,10 @@
 import type { FrameStatistics } from '@websplatter/core';
-import { onStageTimings, splatEngineOf } from '@websplatter/three';
+import { onStageTimings } from '@websplatter/three';
 import { type ReactNode, useEffect } from 'react';
 import type { WebGPURenderer } from 'three/webgpu';
 import type { PanelCorner, TimingsPanel } from './timings-panel.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
+import { useSplatEngine } from './use-splat-engine.ts';
 
 /** Props of `<SplatStats>`. */
 export interface SplatStatsProps {
@@ -19,13 +20,13 @@ export interface SplatStatsProps {
  * at most four times a second, and renders nothing for that, in React or on the canvas.
  *
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
- *   SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` did not make.
+ *   SplatsUnsupportedRendererError for a renderer that cannot draw splats.
  */
 export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): ReactNode {
   const measured = useMeasuredRenderer(renderer, '<SplatStats>');
+  const engine = useSplatEngine(measured);
   useEffect(() => {
-    if (!measured) return;
-    const engine = splatEngineOf(measured);
+    if (!measured || !engine) return;
     const read = () => ({
       framesDrawn: engine.counters().framesDrawn,
       memoryBytes: engine.memory().totalBytes,
@@ -53,6 +54,6 @@ export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): 
       stop();
       panel?.remove();
     };
-  }, [measured, corner]);
+  }, [measured, engine, corner]);
   return null;
 }

@@ -1,6 +1,12 @@
 import { createRoot, extend } from '@react-three/fiber';
 import { GpuLimitError, InvalidArgumentError, type RecoveryPace, type SplatEngine } from '@websplatter/core';
-import { SplatData, SplatsPrecisionError, SplatsStreamError, splatEngineOf } from '@websplatter/three';
+import {
+  findSplatEngine,
+  SplatData,
+  SplatsPrecisionError,
+  SplatsStreamError,
+  SplatsUnsupportedRendererError,
+} from '@websplatter/three';
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
@@ -86,7 +92,7 @@ vi.mock('@websplatter/three', async () => {
       test.loseDevice = () => {};
     };
   };
-  const splatEngineOf = vi.fn();
+  const findSplatEngine = vi.fn();
   const { checkedReveal, encodedColor, clipVolumeOf } =
     await vi.importActual<typeof import('@websplatter/three')>('@websplatter/three');
   return {
@@ -96,7 +102,7 @@ vi.mock('@websplatter/three', async () => {
     onDeviceLost,
     SplatCloudObject,
     SplatData,
-    splatEngineOf,
+    findSplatEngine,
     SplatLoader,
     SplatsPrecisionError,
     SplatsStreamError,
@@ -119,7 +125,7 @@ beforeEach(async () => {
   vi.useFakeTimers();
   vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
   vi.stubGlobal('document', { baseURI: 'https://example.org/' });
-  vi.mocked(splatEngineOf).mockReturnValue({ accuracy } as unknown as SplatEngine);
+  vi.mocked(findSplatEngine).mockReturnValue({ accuracy } as unknown as SplatEngine);
   test.loads.length = 0;
   caught = undefined;
   attempt = 0;
@@ -499,8 +505,8 @@ it('forwards its ref to the object', async () => {
 });
 
 it('says what to do if the renderer cannot draw splats, or shows its fallback', async () => {
-  const error = new Error('use gl={createSplatRenderer}');
-  vi.mocked(splatEngineOf).mockImplementation(() => {
+  const error = new SplatsUnsupportedRendererError('use gl={createSplatRenderer}');
+  vi.mocked(findSplatEngine).mockImplementation(() => {
     throw error;
   });
   await show(splats({ src: 'a.ply', fallback: createElement('group', { name: 'instead' }) }));
@@ -509,4 +515,13 @@ it('says what to do if the renderer cannot draw splats, or shows its fallback', 
   await show(splats({ src: 'a.ply' }));
   expect(caught).toBe(error);
   expect(test.loads).toHaveLength(0);
+});
+
+it('throws whatever else keeps the renderer from drawing, also with a fallback', async () => {
+  const error = new Error('offline');
+  vi.mocked(findSplatEngine).mockImplementation(() => {
+    throw error;
+  });
+  await show(splats({ src: 'a.ply', fallback: null }));
+  expect(caught).toBe(error);
 });

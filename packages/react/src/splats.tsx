@@ -15,7 +15,6 @@ import {
   SplatsPrecisionError,
   SplatsStreamError,
   SplatsUnsupportedRendererError,
-  splatEngineOf,
 } from '@websplatter/three';
 import {
   type ReactNode,
@@ -36,6 +35,7 @@ import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame, useSameOfEach } from './use-same.ts';
 import { useSource } from './use-source.ts';
+import { useFoundEngine } from './use-splat-engine.ts';
 
 /** A source that `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
@@ -137,20 +137,20 @@ export interface SplatsProps extends EffectProps, ObjectProps {
  * be shown; when `src` changes, the old splats stay until the new ones have been read. All other
  * props are set on the object as they change.
  *
- * @throws SplatsUnsupportedRendererError if the Canvas was not made with `gl={createSplatRenderer}`
- *   and there is no `fallback`; InvalidArgumentError for an invalid `accuracy`, and for an `opacity`
+ * @throws SplatsUnsupportedRendererError if the Canvas's renderer does not draw with WebGPU and there
+ *   is no `fallback`; InvalidArgumentError for an invalid `accuracy`, and for an `opacity`
  *   and effects that are none; SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
+  const { failure } = useFoundEngine(renderer);
   if (!renderer) {
     if (isServer()) return null;
     throw new SplatsUnsupportedRendererError('<Splats> is outside of a Canvas: put it into a <SplatCanvas>.');
   }
-  try {
-    splatEngineOf(renderer);
-  } catch (error) {
-    if (fallback === undefined) throw error;
+  if (failure) {
+    if (fallback === undefined || !(failure.error instanceof SplatsUnsupportedRendererError))
+      throw failure.error;
     return fallback;
   }
   return <Cloud renderer={renderer} {...props} />;

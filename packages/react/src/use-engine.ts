@@ -7,11 +7,12 @@ import type {
   SplatEngine,
   StreamReport,
 } from '@websplatter/core';
-import { onStageTimings, splatEngineOf } from '@websplatter/three';
+import { onStageTimings } from '@websplatter/three';
 import { useEffect, useRef, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
 import { useLatest } from './use-latest.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
+import { useSplatEngine } from './use-splat-engine.ts';
 
 /** Time from a frame to a look at the engine: a component renders four times a second at most. */
 const LOOK_AFTER_MS = 250;
@@ -25,7 +26,7 @@ const LOOK_AFTER_MS = 250;
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
- *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
+ *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  */
 export function useSplatMemory(renderer?: object): EngineMemory | null;
 export function useSplatMemory<Selected>(
@@ -47,7 +48,7 @@ export function useSplatMemory<Selected>(
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look; an empty list before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
- *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
+ *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  */
 export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null;
 export function useSplatEffects<Selected>(
@@ -69,7 +70,7 @@ export function useSplatEffects<Selected>(
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
- *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
+ *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  */
 export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null;
 export function useSplatAccuracy<Selected>(
@@ -100,7 +101,7 @@ export interface SplatStream extends StreamReport {
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first look; an empty list where nothing streams.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
- *   SplatsUnsupportedRendererError for renderers that `createSplatRenderer` did not make.
+ *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  */
 export function useSplatStreams(renderer?: object): readonly SplatStream[] | null;
 export function useSplatStreams<Selected>(
@@ -146,7 +147,7 @@ function useEngine<Found, Selected>(
 ): Found | Selected | null {
   const [select, renderer] = typeof first === 'function' ? [first, second] : [undefined, first];
   const measured = useMeasuredRenderer(renderer, who);
-  const engine = splatEngineOf(measured);
+  const engine = useSplatEngine(measured);
   const [found, setFound] = useState<Found | null>(null);
   const selectedOf = (of: Found | null): Found | Selected | null => (of !== null && select ? select(of) : of);
   const selected = selectedOf(found);
@@ -163,6 +164,7 @@ function useEngine<Found, Selected>(
     const lookLater = () => {
       timer ??= setTimeout(look, LOOK_AFTER_MS);
     };
+    if (!engine) return;
     const look = () => {
       timer = undefined;
       const now = read(engine);

@@ -1,10 +1,11 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import type { ColliderMesh, ColliderMeshOptions } from '@websplatter/core/collider';
-import { type SplatData, splatEngineOf } from '@websplatter/three';
+import type { SplatData } from '@websplatter/three';
 import { useEffect, useState } from 'react';
 import { isServer } from './is-server.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
+import { useSplatEngine } from './use-splat-engine.ts';
 
 /** How far a collider is. */
 export interface SplatCollider {
@@ -34,7 +35,7 @@ const PENDING: SplatCollider = { ...NONE, status: 'pending' };
  *
  * @param splats of `useSplats` or `onLoad`; none with null. A preview gives `failed`.
  * @throws InvalidArgumentError outside of a Canvas; SplatsUnsupportedRendererError in a Canvas
- *   whose renderer `createSplatRenderer` did not make.
+ *   whose renderer cannot draw splats.
  */
 export function useSplatCollider(
   splats: SplatData | null | undefined,
@@ -45,7 +46,7 @@ export function useSplatCollider(
   const [made, setMade] = useState<{ readonly of: readonly unknown[]; readonly collider: SplatCollider }>();
   if (!renderer && !isServer())
     throw new InvalidArgumentError('renderer', 'useSplatCollider needs a Canvas around it.');
-  const engine = renderer ? splatEngineOf(renderer) : null;
+  const engine = useSplatEngine(renderer);
   useEffect(() => {
     if (!splats || !engine) return;
     const abort = new AbortController();
@@ -67,7 +68,7 @@ export function useSplatCollider(
       .finally(() => splats.release(user));
     return () => abort.abort();
   }, [splats, engine, wanted]);
-  if (!splats || !engine) return NONE;
+  if (!splats || !renderer) return NONE;
   const isOfThese = made?.of.every((part, i) => part === [splats, engine, wanted][i]);
   return isOfThese ? made!.collider : PENDING;
 }

@@ -1,4 +1,4 @@
-import { type SplatData, splatEngineOf } from '@websplatter/three';
+import { findSplatEngine, type SplatData } from '@websplatter/three';
 import { useEffect, useState } from 'react';
 import { isServer } from './is-server.ts';
 import { sharedCache } from './shared-cache.ts';
@@ -34,8 +34,7 @@ const NO_LOAD: SplatsLoad = {
  * arrive. The load is aborted half a second after its last user is unmounted.
  *
  * @param source of which a change begins another load; none with null, undefined or `''`.
- * @throws SplatsUnsupportedRendererError in a Canvas whose renderer `createSplatRenderer` did not
- *   make.
+ * @throws SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
  */
 export function useSplatsLoad(
   source: CacheableSource | null | undefined,
@@ -43,7 +42,7 @@ export function useSplatsLoad(
 ): SplatsLoad {
   const renderer = useCanvasRenderer();
   // Fails here where it has to, and not in a load that other Canvases share.
-  if (renderer) splatEngineOf(renderer);
+  if (renderer) findSplatEngine(renderer);
   const request =
     source && !isServer() ? requestFor(source, accuracy, renderer, sourceOptions, budgetBytes) : null;
   const [known, setKnown] = useState<{ readonly key: string; readonly load: SplatsLoad } | null>(null);

@@ -1,5 +1,5 @@
 import { type AccuracyRequest, type SourceOptions, WebSplatterError } from '@websplatter/core';
-import { type SplatData, splatEngineOf } from '@websplatter/three';
+import { findSplatEngine, type SplatData } from '@websplatter/three';
 import { useEffect } from 'react';
 import { isServer } from './is-server.ts';
 import { sharedCache } from './shared-cache.ts';
@@ -54,7 +54,7 @@ export function useSplats(
 ): SplatData | null {
   const renderer = useCanvasRenderer();
   // Fails here where it has to, and not in a load that other Canvases share.
-  if (renderer) splatEngineOf(renderer);
+  if (renderer) findSplatEngine(renderer);
   const { accuracy, sourceOptions, budgetBytes } = options;
   const request = source == null ? null : requestFor(source, accuracy, renderer, sourceOptions, budgetBytes);
   if (request && isServer()) {

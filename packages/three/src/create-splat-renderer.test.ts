@@ -1,13 +1,6 @@
 import { WebGpuUnavailableError } from '@websplatter/core';
-import { describe, expect, test } from 'vitest';
-import {
-  answerWhenLost,
-  createSplatRenderer,
-  isSupported,
-  onDeviceLost,
-  splatEngineOf,
-} from './create-splat-renderer.ts';
-import { SplatsUnsupportedRendererError } from './errors.ts';
+import { describe, expect, test, vi } from 'vitest';
+import { answerWhenLost, createSplatRenderer, isSupported, splatLimits } from './create-splat-renderer.ts';
 
 /** WebGPU without an adapter. */
 const emptyGpu = { requestAdapter: async () => null } as unknown as GPU;
@@ -35,19 +28,13 @@ test('a lost device leaves three no rejection that it does not expect', async ()
   expect(await device.popErrorScope()).toBeNull();
 });
 
-describe('another renderer', () => {
-  test('has no engine, and the error says what to write instead', () => {
-    const ask = () => splatEngineOf({ isWebGLRenderer: true });
-    expect(ask).toThrow(SplatsUnsupportedRendererError);
-    expect(ask).toThrow(/createSplatRenderer.*<SplatCanvas>.*WebGLRenderer/);
-    expect(() => splatEngineOf({})).toThrow(/this is an object of the class Object, which it did not make/);
-    expect(() => splatEngineOf({ isWebGPURenderer: true })).toThrow(
-      /this is a WebGPURenderer that was made without/,
-    );
-    expect(() => splatEngineOf(Object.create(null))).toThrow(/of the class none/);
-  });
-
-  test('has no device to listen to', () => {
-    expect(() => onDeviceLost({}, () => {})).toThrow(SplatsUnsupportedRendererError);
-  });
+test('limits of the GPU are those that make room for scenes', async () => {
+  expect(await splatLimits()).toEqual({});
+  const requestAdapter = vi.fn(async () => ({ limits: { maxBufferSize: 8, maxBindGroups: 4 } }));
+  vi.stubGlobal('navigator', { gpu: { requestAdapter } });
+  const options = { powerPreference: 'high-performance' } as const;
+  expect(await splatLimits(options)).toMatchObject({ maxBufferSize: 8 });
+  expect(await splatLimits()).not.toHaveProperty('maxBindGroups');
+  expect(requestAdapter).toHaveBeenCalledWith(options);
+  vi.unstubAllGlobals();
 });

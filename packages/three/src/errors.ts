@@ -1,6 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 
-/** The renderer cannot draw splats: it is not a WebGPURenderer on a device of this library. */
+/** The renderer cannot draw splats: it is not a WebGPURenderer that draws with WebGPU. */
 export class SplatsUnsupportedRendererError extends WebSplatterError {
   override readonly name = 'SplatsUnsupportedRendererError';
   constructor(message: string) {

@@ -11,12 +11,18 @@ export {
   WebSplatterError,
 } from '@websplatter/core';
 export {
-  createSplatRenderer,
-  isSupported,
+  type AdoptRendererOptions,
+  adoptRenderer,
+  findSplatEngine,
   onDeviceLost,
-  type SplatRendererParameters,
   setSplatDetail,
   splatEngineOf,
+} from './adopt-renderer.ts';
+export {
+  createSplatRenderer,
+  isSupported,
+  type SplatRendererParameters,
+  splatLimits,
 } from './create-splat-renderer.ts';
 export { clipVolumeOf, encodedColor } from './effect-options.ts';
 export {

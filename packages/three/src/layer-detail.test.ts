@@ -8,8 +8,8 @@ import { camera, fakeRenderer, scene } from './testing/fake-renderer.ts';
 import { splatDataAt } from './testing/test-clouds.ts';
 
 const renderers = vi.hoisted(() => ({ engine: {} as SplatEngine, detail: 'full' as Detail }));
-vi.mock('./create-splat-renderer.ts', () => ({
-  splatEngineOf: () => renderers.engine,
+vi.mock('./adopt-renderer.ts', () => ({
+  findSplatEngine: () => renderers.engine,
   splatDetailOf: () => renderers.detail,
 }));
 

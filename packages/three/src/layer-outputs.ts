@@ -35,7 +35,7 @@ import {
   Vector2,
   type WebGPURenderer,
 } from 'three/webgpu';
-import { splatEngineOf } from './create-splat-renderer.ts';
+import { splatEngineOf } from './adopt-renderer.ts';
 import type { LayerCloud } from './layer-cloud.ts';
 import { ColorLayerMaterial, type Texel, ViewportImage, ViewportMaterial } from './layer-material.ts';
 import { MOST_MOTIONS, type Motion, motionBetween, type Pose, PoseHistory } from './layer-motion.ts';

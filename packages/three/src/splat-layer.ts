@@ -7,6 +7,7 @@ import {
   DestroyedError,
   type Camera as EngineCamera,
   isAccuracyTarget,
+  type PossibleAccuracy,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
@@ -24,7 +25,8 @@ import {
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
-import { splatDetailOf, splatEngineOf } from './create-splat-renderer.ts';
+import { adoptRenderer, findSplatEngine, splatDetailOf } from './adopt-renderer.ts';
+import { SplatsPrecisionError } from './errors.ts';
 import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
 import { layerDetail } from './layer-detail.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
@@ -74,6 +76,8 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   #outputs: LayerOutputs | null = null;
   #outputsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
+  /** Renderers that had no engine yet when they first drew this. */
+  readonly #awaited = new WeakSet<object>();
 
   constructor(renderOrder: number) {
     super(viewportTriangle(), new ColorLayerMaterial());
@@ -153,7 +157,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     // Passes with an override material are about meshes: shadows, normals, depth.
     if (!open || scene.overrideMaterial) return;
     try {
-      const engine = splatEngineOf(renderer);
+      const engine = findSplatEngine(renderer);
+      if (!engine) {
+        this.#awaitEngine(renderer);
+        return;
+      }
       const pass = open(renderer as WebGPURenderer, scene, camera as ArrayCamera, this);
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene);
     } catch (error) {
@@ -161,6 +169,16 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       // A WebGLRenderer can show nothing of this library, and does not know the layer's material.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
+  }
+
+  /** Requests a frame when `renderer` has its engine. */
+  #awaitEngine(renderer: object): void {
+    if (this.#awaited.has(renderer)) return;
+    this.#awaited.add(renderer);
+    adoptRenderer(renderer).then(
+      () => this.#requestFrame(),
+      (error) => this.reportDrawing(error),
+    );
   }
 
   #loadArrayPass(): null {
@@ -216,10 +234,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       /** Clouds that were `refused` stay as they were in the last frame. */
       const prepare = (refused: readonly LayerCloud[] = []) => {
         const isRefused = (object: LayerCloud) => refused.includes(object);
-        const settings = planesFor(
+        const { settings, notices } = planesFor(
           shown.filter((object) => !isRefused(object)),
           engine,
         );
+        for (const notice of notices) this.#report(new SplatsPrecisionError(new Error(notice)));
         const clouds: Clouds = new Map();
         /**
          * The clouds of the last frame, which stay while others are uploaded and shaders for them
@@ -353,12 +372,15 @@ function instanceOf(
  * Returns the settings whose planes each drawn cloud is to hold: those for all `shown` clouds, even
  * if a camera sees only some of them. Otherwise several cameras with different clouds would claim
  * different planes in turn. Null under a target: the view itself claims the planes for the settings
- * that it has chosen.
+ * that it has chosen. `notices` say what the device cannot do as requested.
  */
-function planesFor(shown: Iterable<LayerCloud>, engine: SplatEngine): AccuracySettings | null {
+function planesFor(
+  shown: Iterable<LayerCloud>,
+  engine: SplatEngine,
+): Pick<PossibleAccuracy, 'notices'> & { readonly settings: AccuracySettings | null } {
   const accuracy = accuracyOf(shown);
   const isTarget = accuracy !== undefined && isAccuracyTarget(accuracy);
-  return isTarget ? null : engine.resolveAccuracy(accuracy).settings;
+  return isTarget ? { settings: null, notices: [] } : engine.resolveAccuracy(accuracy);
 }
 
 function accuracyOf(clouds: Iterable<Pick<LayerCloud, 'accuracy'>>): AccuracyRequest | undefined {

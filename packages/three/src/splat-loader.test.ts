@@ -9,13 +9,13 @@ import {
 } from '@websplatter/core';
 import { LoadingManager, Sphere } from 'three/webgpu';
 import { afterEach, describe, expect, test, vi } from 'vitest';
-import { splatEngineOf } from './create-splat-renderer.ts';
+import { adoptRenderer } from './adopt-renderer.ts';
 import type { SplatData } from './splat-data.ts';
 import { SplatLoader } from './splat-loader.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
 import { packedCloudAt, splatSetAt } from './testing/test-clouds.ts';
 
-vi.mock('./create-splat-renderer.ts');
+vi.mock('./adopt-renderer.ts');
 
 const file = encodePly(splatSetAt([0, 0, 0], [1, 2, 3])) as Uint8Array<ArrayBuffer>;
 
@@ -136,7 +136,7 @@ describe('a load for a renderer', () => {
     const fake = fakeEngine({ accuracy: 'high' });
     const cloud = Object.assign(fake.cloud, { count, origin, chunks, bounds, robustBounds });
     fake.load.mockResolvedValue(cloud);
-    vi.mocked(splatEngineOf).mockReturnValue(fake.engine);
+    vi.mocked(adoptRenderer).mockResolvedValue(fake.engine);
     return { ...fake, loader: new SplatLoader().detectSupport({}) };
   }
 

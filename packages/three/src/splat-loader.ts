@@ -10,11 +10,10 @@ import {
   resolveAccuracy,
   type SourceOptions,
   type SplatCloud,
-  type SplatEngine,
   type SplatSource,
 } from '@websplatter/core';
 import { Loader, type LoadingManager } from 'three/webgpu';
-import { splatEngineOf } from './create-splat-renderer.ts';
+import { adoptRenderer, findSplatEngine } from './adopt-renderer.ts';
 import { type DataOptions, SplatData } from './splat-data.ts';
 
 /** Precision of scenes that stream, whatever is asked for. */
@@ -54,7 +53,7 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    * `detectSupport`, it is read as a whole.
    */
   budgetBytes?: number;
-  #engine: SplatEngine | null = null;
+  #renderer: object | null = null;
   #accuracy: AccuracySettings | null = null;
   #aborter = new AbortController();
 
@@ -63,10 +62,11 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    * where large files are packed, too. Splats that no cloud shows then stay there until
    * `data.dispose()`.
    *
-   * @throws SplatsUnsupportedRendererError for a renderer that `createSplatRenderer` did not make.
+   * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
    */
   detectSupport(renderer: object): this {
-    this.#engine = splatEngineOf(renderer);
+    findSplatEngine(renderer);
+    this.#renderer = renderer;
     return this;
   }
 
@@ -121,10 +121,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
     name: string,
     onProgress: ((event: ProgressEvent) => void) | undefined,
   ): Promise<SplatData> {
-    const engine = this.#engine;
     const { onPreview } = this;
-    const accuracy = this.#accuracy ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
-    const { geometryPrecision, shPrecision } = accuracy;
+    const wanted = this.#accuracy;
     const readAgainFrom = lastingSource(source);
     const { requestHeader: headers, withCredentials, sourceOptions: given } = this;
     const credentials = withCredentials ? 'include' : 'same-origin';
@@ -137,6 +135,11 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
       signal,
       onProgress: onProgress && ((progress: LoadProgress) => onProgress(progressEvent(progress))),
     };
+    // What keeps the renderer from drawing is told when it draws; another may show the splats.
+    const engine = this.#renderer && (await adoptRenderer(this.#renderer).catch(() => null));
+    signal.throwIfAborted();
+    const accuracy = wanted ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
+    const { geometryPrecision, shPrecision } = accuracy;
     if (engine && readAgainFrom !== null) {
       try {
         const precision = { geometryPrecision, shPrecision };

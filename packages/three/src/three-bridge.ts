@@ -106,6 +106,22 @@ export function hasWebGpuBackend(renderer: object): renderer is WebGPURenderer {
   return (renderer as { backend?: { isWebGPUBackend?: boolean } }).backend?.isWebGPUBackend === true;
 }
 
+/** Returns the device of an initialised renderer, and whether three has made it. */
+export function deviceOf(renderer: WebGPURenderer): {
+  readonly device: GPUDevice;
+  readonly isMadeByThree: boolean;
+} {
+  const { device, parameters } = (renderer as unknown as RendererInternals).backend;
+  if (!device) throw new ThreeInternalsError('renderer.backend.device', REVISION);
+  return { device, isMadeByThree: !parameters?.device };
+}
+
+/** Whether a WebGPURenderer was made with `forceWebGL`; otherwise it has fallen back to WebGL 2. */
+export function isWebGlForced(renderer: object): boolean {
+  const { backend } = renderer as Partial<RendererInternals>;
+  return backend?.parameters?.forceWebGL === true;
+}
+
 interface Rectangle {
   readonly x: number;
   readonly y: number;
@@ -165,6 +181,10 @@ export interface TextureData {
 export interface Backend {
   get(of: object): object;
   readonly context: GPUCanvasContext;
+  /** Null before `renderer.init()`. */
+  readonly device?: GPUDevice | null;
+  /** Those of the renderer. */
+  readonly parameters?: { readonly device?: GPUDevice; readonly forceWebGL?: boolean };
   readonly textureUtils: { getDepthBuffer(depth: boolean, stencil: boolean): GPUTexture };
   /** Since 0.186; before, the render context's own data held it. */
   getOcclusionData?(context: RenderContext): OcclusionData;

@@ -63,7 +63,10 @@ export function fakeEngine({ accuracy = 'balanced' }: { accuracy?: Accuracy } = 
     get accuracy(): AccuracySettings {
       return state.accuracy;
     },
-    resolveAccuracy: (asked?: Accuracy) => ({ settings: asked ? resolveAccuracy(asked) : state.accuracy }),
+    resolveAccuracy: (asked?: Accuracy) => ({
+      settings: asked ? resolveAccuracy(asked) : state.accuracy,
+      notices: [],
+    }),
   } as unknown as SplatEngine;
   const setAccuracy = (changed: Accuracy) => {
     state.accuracy = resolveAccuracy(changed);

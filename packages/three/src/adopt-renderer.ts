@@ -1,0 +1,203 @@
+import { type AccuracyRequest, type Detail, InvalidArgumentError, SplatEngine } from '@websplatter/core';
+import type { WebGPURenderer } from 'three/webgpu';
+import { SplatsUnsupportedRendererError } from './errors.ts';
+import { deviceOf, hasWebGpuBackend, isWebGlForced } from './three-bridge.ts';
+
+/** Options of the engine that draws splats for a renderer. */
+export interface AdoptRendererOptions {
+  /** How exactly and how fast to draw splats, or a target for an outcome; default `balanced`. */
+  readonly accuracy?: AccuracyRequest;
+  /** How much of the clouds to show; default `full`. `setSplatDetail` changes it. */
+  readonly detail?: Detail;
+  /** See `EngineOptions`: GPU memory for all scenes that stream, together; default 512 MiB. */
+  readonly streamBudgetBytes?: number;
+}
+
+interface RendererState {
+  /** Null until it is made. */
+  engine: SplatEngine | null;
+  making: Promise<SplatEngine>;
+  /** Why there is no engine. */
+  failure: { readonly error: unknown } | null;
+  detail: Detail;
+  readonly lostListeners: Set<(info: GPUDeviceLostInfo) => void>;
+  isDisposed: boolean;
+}
+
+const states = new WeakMap<object, RendererState>();
+
+/**
+ * Prepares a WebGPURenderer that `createSplatRenderer` did not make to draw splats on its device:
+ * initialises the renderer, unless it is, and fetches the engine. Clouds and loaders begin that by
+ * themselves; call it before them for other options than the defaults, and to have the engine.
+ * `renderer.dispose()` also frees all splats.
+ *
+ * @returns the engine; that of `createSplatRenderer` for its renderers.
+ * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats; InvalidArgumentError
+ *   for an unknown accuracy, and for options of a renderer that has an engine or waits for it;
+ *   CodeUnavailableError if the engine's code cannot be fetched. After a failure, another call tries
+ *   again.
+ */
+export async function adoptRenderer(renderer: object, options?: AdoptRendererOptions): Promise<SplatEngine> {
+  const known = states.get(renderer);
+  if (!known || known.failure) return adopt(renderer, options).making;
+  if (options)
+    throw new InvalidArgumentError(
+      'options',
+      'This renderer has an engine already: call adoptRenderer before anything is loaded for it or drawn with it.',
+    );
+  return known.making;
+}
+
+/**
+ * Returns the engine that draws splats for `renderer`.
+ *
+ * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats, or that
+ *   `adoptRenderer` has not prepared yet; the error that this has failed with.
+ */
+export function splatEngineOf(renderer: object): SplatEngine {
+  const engine = findSplatEngine(renderer);
+  if (engine) return engine;
+  throw new SplatsUnsupportedRendererError(
+    'createSplatRenderer did not make this WebGPURenderer, and its engine is still being fetched: await ' +
+      'adoptRenderer(renderer) before.',
+  );
+}
+
+/**
+ * Returns the engine that draws splats for `renderer`, or null and begins what `adoptRenderer` does.
+ *
+ * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats; the error that
+ *   `adoptRenderer` has failed with.
+ */
+export function findSplatEngine(renderer: object): SplatEngine | null {
+  const { engine, failure } = stateOf(renderer);
+  if (failure) throw failure.error;
+  return engine;
+}
+
+/**
+ * Changes how much of the clouds `renderer` shows from its next frame on, where they have no
+ * `detail` of their own. Clouds report an invalid one when they are drawn.
+ *
+ * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
+ */
+export function setSplatDetail(renderer: object, detail: Detail): void {
+  stateOf(renderer).detail = detail;
+}
+
+/** Returns the detail of clouds that have none of their own. */
+export function splatDetailOf(renderer: object): Detail {
+  return stateOf(renderer).detail;
+}
+
+/**
+ * Calls `listener` when the renderer's device is lost: by a reset of the driver, the end of the
+ * browser's GPU process, or `device.destroy()`, but not by `renderer.dispose()`. three draws
+ * nothing from then on; a new renderer is needed.
+ *
+ * @returns a function that stops listening.
+ * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
+ */
+export function onDeviceLost(renderer: object, listener: (info: GPUDeviceLostInfo) => void): () => void {
+  const { lostListeners } = stateOf(renderer);
+  lostListeners.add(listener);
+  return () => lostListeners.delete(listener);
+}
+
+/** Lets an engine draw the splats of `renderer`, once it is made. `dispose` ends both. */
+export function attachEngine(
+  renderer: WebGPURenderer,
+  engine: SplatEngine | Promise<SplatEngine>,
+  detail: Detail,
+): RendererState {
+  const state = states.get(renderer) ?? newState(renderer);
+  const take = (made: SplatEngine) => {
+    state.engine = made;
+    if (state.isDisposed) made.destroy();
+    void made.lost.then((info) => {
+      if (!state.isDisposed) for (const listener of [...state.lostListeners]) listener(info);
+    });
+    return made;
+  };
+  state.detail = detail;
+  state.failure = null;
+  state.making = engine instanceof Promise ? engine.then(take) : Promise.resolve(take(engine));
+  state.making.catch((error: unknown) => {
+    state.failure = { error };
+  });
+  return state;
+}
+
+function newState(renderer: WebGPURenderer): RendererState {
+  const state: RendererState = {
+    engine: null,
+    making: new Promise(() => {}),
+    failure: null,
+    detail: 'full',
+    lostListeners: new Set(),
+    isDisposed: false,
+  };
+  states.set(renderer, state);
+  const disposeThree = renderer.dispose.bind(renderer);
+  renderer.dispose = async () => {
+    if (state.isDisposed) return;
+    state.isDisposed = true;
+    try {
+      await disposeThree();
+    } finally {
+      // three destroys a device only if it created it.
+      state.engine?.destroy();
+    }
+  };
+  return state;
+}
+
+function stateOf(renderer: object): RendererState {
+  return states.get(renderer) ?? adopt(renderer);
+}
+
+function adopt(renderer: object, { detail = 'full', ...options }: AdoptRendererOptions = {}): RendererState {
+  checkBackend(renderer);
+  return attachEngine(renderer, makeEngine(renderer, options), detail);
+}
+
+async function makeEngine(
+  renderer: WebGPURenderer,
+  options: Omit<AdoptRendererOptions, 'detail'>,
+): Promise<SplatEngine> {
+  await renderer.init();
+  // three may have had to fall back.
+  checkBackend(renderer);
+  const { device, isMadeByThree } = deviceOf(renderer);
+  if (device.limits.maxStorageBuffersInVertexStage === 0)
+    throw new SplatsUnsupportedRendererError(
+      'This GPU, or the device that the renderer was given, has WebGPU’s compatibility mode alone ' +
+        '(maxStorageBuffersInVertexStage is 0), and splats are drawn from storage buffers.',
+    );
+  const maker = isMadeByThree ? 'new WebGPURenderer' : 'adapter.requestDevice';
+  return SplatEngine.create({
+    ...options,
+    device,
+    limitAdvice: `Load fewer splats, or allow what the GPU can: ${maker}({ requiredLimits: await splatLimits() }).`,
+  });
+}
+
+/** @throws SplatsUnsupportedRendererError unless three draws with WebGPU. */
+export function checkBackend(renderer: object): asserts renderer is WebGPURenderer {
+  if (hasWebGpuBackend(renderer)) return;
+  throw new SplatsUnsupportedRendererError(
+    'Splats need a WebGPURenderer that draws with WebGPU: your own, that of createSplatRenderer or, in ' +
+      `react-three-fiber, of a <SplatCanvas>; this is ${nameOf(renderer)}.`,
+  );
+}
+
+function nameOf(renderer: object): string {
+  const { isWebGLRenderer, isWebGPURenderer } = renderer as Record<string, unknown>;
+  if (isWebGLRenderer) return 'three’s WebGLRenderer';
+  if (!isWebGPURenderer) return `an object of the class ${renderer.constructor?.name ?? 'none'}`;
+  const why = isWebGlForced(renderer)
+    ? 'forceWebGL is set'
+    : 'there is no WebGPU here, or its adapter lacks some of requiredLimits';
+  return `one that draws with WebGL 2, because ${why}`;
+}
