@@ -2,6 +2,7 @@ import { type AccuracyRequest, type Detail, InvalidArgumentError, SplatEngine } 
 import type { WebGPURenderer } from 'three/webgpu';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { deviceOf, hasWebGpuBackend, isWebGlForced } from './three-bridge.ts';
+import { warnOfUntestedThree } from './three-versions.ts';
 
 /** Options of the engine that draws splats for a renderer. */
 export interface AdoptRendererOptions {
@@ -130,6 +131,7 @@ export function attachEngine(
 }
 
 function newState(renderer: WebGPURenderer): RendererState {
+  warnOfUntestedThree();
   const state: RendererState = {
     engine: null,
     making: new Promise(() => {}),

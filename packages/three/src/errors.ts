@@ -1,4 +1,5 @@
 import { WebSplatterError } from '@websplatter/core';
+import { TESTED_RANGE } from './three-versions.ts';
 
 /** The renderer cannot draw splats: it is not a WebGPURenderer that draws with WebGPU. */
 export class SplatsUnsupportedRendererError extends WebSplatterError {
@@ -52,7 +53,7 @@ export class ThreeInternalsError extends WebSplatterError {
     super(
       'three-internals',
       `three r${revision} has no ${missing}, which drawing splats needs. ` +
-        'Install three 0.185 to 0.187 or a newer @websplatter/three.',
+        `Install ${TESTED_RANGE} or a newer @websplatter/three.`,
     );
     this.missing = missing;
     this.revision = revision;
