@@ -1,10 +1,17 @@
 import { Writable } from 'node:stream';
 import { createElement, Suspense } from 'react';
-import { renderToPipeableStream, renderToString } from 'react-dom/server';
+import { renderToPipeableStream, renderToStaticMarkup, renderToString } from 'react-dom/server';
 import { prerender } from 'react-dom/static';
 import { describe, expect, it } from 'vitest';
 import { SplatAnnotation, SplatBounds, SplatMeasure, SplatStats } from './components.ts';
-import { isSupported, SplatCanvas, Splats, SplatsFallback, useSplats } from './index.ts';
+import {
+  isSupported,
+  SplatCanvas,
+  type SplatCanvasProps,
+  Splats,
+  SplatsFallback,
+  useSplats,
+} from './index.ts';
 
 it('renders a page on a server', async () => {
   useSplats.preload('garden.ply');
@@ -21,6 +28,17 @@ it('renders a page on a server', async () => {
   );
   expect(renderToString(page)).toMatch(/^<div.*<canvas.*<\/canvas>.*<\/div>$/);
   expect(await isSupported()).toBe(false);
+});
+
+it('renders a poster on a server: an image by its address, or an element', () => {
+  const htmlOf = (props: SplatCanvasProps) => renderToStaticMarkup(createElement(SplatCanvas, props));
+  const image = htmlOf({ poster: 'garden.jpg', className: 'wide', style: { height: 300 } });
+  expect(image).toMatch(/<div class="wide" style="[^"]*height:300px/);
+  expect(image).toContain('<img src="garden.jpg" alt="" fetchPriority="high"');
+  expect(image.match(/class=/g)).toHaveLength(1);
+  expect(htmlOf({ poster: 'garden.jpg', posterAlt: 'A garden' })).toContain('alt="A garden"');
+  expect(htmlOf({ poster: createElement('svg') })).toContain('<svg>');
+  expect(htmlOf({ poster: '' })).toBe(htmlOf({}));
 });
 
 describe('leaves components that need a file to the browser', () => {

@@ -13,7 +13,10 @@ import { onDeviceLost, setSplatDetail, splatEngineOf } from '@websplatter/three'
 import { type ReactNode, useEffect, useRef, useState } from 'react';
 import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
+import { FirstPicture } from './first-picture.ts';
+import { PosterFrame } from './poster-frame.tsx';
 import { mountSplatDevice, tellSplatDevice } from './splat-device.ts';
+import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
 
@@ -30,10 +33,24 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
    * `setWorkerUrl`, and so for the whole page. Read when the renderer is made.
    */
   workerUrl?: string | URL;
+  /**
+   * Covers the canvas until it shows splats: the address of an image, or an element that fills its
+   * parent. It is in the HTML of servers, and where there is no WebGPU it stays, below what a
+   * `<SplatsFallback>` shows. One that is given after the first render is not shown.
+   */
+  poster?: ReactNode;
+  /** What the image at the address `poster` shows, in words; default nothing, as for decoration. */
+  posterAlt?: string;
 }
 
 const LOST_REPEATEDLY =
   'The GPU device was lost again and again: the scene may be too large. Reload the page.';
+
+/** Props of the Canvases below a poster. */
+interface CanvasesProps extends Omit<SplatCanvasProps, 'poster' | 'posterAlt'> {
+  /** Called once the splats are on the screen. */
+  onShown?: () => void;
+}
 
 /** One of the Canvases that follow one another. */
 interface Life {
@@ -55,13 +72,34 @@ interface Life {
  *   try again, mount another one.
  */
 export function SplatCanvas({
+  poster,
+  posterAlt = '',
+  className,
+  style,
+  ...props
+}: SplatCanvasProps): ReactNode {
+  // Later on, another parent would replace the Canvas.
+  const [hasPoster] = useState(Boolean(poster));
+  if (!hasPoster) return <Canvases {...props} className={className} style={style} />;
+  // The Canvas sets its own `pointerEvents`, and so does not inherit them.
+  const pointerEvents = style?.pointerEvents && { pointerEvents: style.pointerEvents };
+  return (
+    <PosterFrame poster={poster} alt={posterAlt} className={className} style={style}>
+      {(onShown) => <Canvases {...props} style={pointerEvents} onShown={onShown} />}
+    </PosterFrame>
+  );
+}
+
+function Canvases({
   accuracy = DEFAULT_ACCURACY,
   detail = 'full',
   gl: parameters,
   workerUrl,
+  onShown,
   children,
   ...props
-}: SplatCanvasProps): ReactNode {
+}: CanvasesProps): ReactNode {
+  const latest = useLatest(onShown);
   const [pace] = useState(() => {
     // Canvas measures itself before it asks for a renderer.
     foreseeEngine();
@@ -93,12 +131,14 @@ export function SplatCanvas({
       tellSplatDevice(pace, generation > 0 ? 'lost' : 'pending');
       if (workerUrl) setWorkerUrl(workerUrl);
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy, detail });
-      canvasStates.set(renderer, { pace, accuracyKey: JSON.stringify(accuracy) });
+      const picture = new FirstPicture(() => latest.current?.());
+      canvasStates.set(renderer, { pace, picture, accuracyKey: JSON.stringify(accuracy) });
       tellSplatDevice(pace, 'ready');
       onDeviceLost(renderer, ({ reason, message }) => {
         console.warn(
           `The GPU device of a <SplatCanvas> was lost (${reason}${message && `: ${message}`}). It asks for another; useSplatDevice() tells how far that is.`,
         );
+        picture.end();
         replace(new WebGpuUnavailableError(LOST_REPEATEDLY));
       });
       return renderer;

@@ -1,15 +1,25 @@
 import { WebGpuUnavailableError } from '@websplatter/core';
 import { SplatsUnsupportedRendererError } from '@websplatter/three';
-import { Component, type ReactNode } from 'react';
+import { Component, createContext, type ReactNode } from 'react';
 
 type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 
 /** Props of `<SplatsFallback>`. */
 export interface SplatsFallbackProps {
   children?: ReactNode;
-  /** Shown in place of children that cannot draw; default a sentence that says what to try. */
+  /**
+   * Shown in place of children that cannot draw, or over the poster of a `<SplatCanvas>`; default a
+   * sentence that says what to try.
+   */
   fallback?: ReactNode | ((error: SupportError) => ReactNode);
 }
+
+const SENTENCE = (
+  <p role="alert">This 3D view cannot be shown here. Try a recent Chrome, Edge, Firefox or Safari.</p>
+);
+
+/** `fallback` of the nearest `<SplatsFallback>`; undefined outside of any. */
+export const FallbackContext = createContext<SplatsFallbackProps['fallback']>(undefined);
 
 /**
  * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a
@@ -24,16 +34,11 @@ export class SplatsFallback extends Component<SplatsFallbackProps, { readonly er
   }
 
   override render(): ReactNode {
-    const { children, fallback } = this.props;
+    const { children, fallback = SENTENCE } = this.props;
     const { error } = this.state;
-    if (error === null) return children;
+    if (error === null) return <FallbackContext value={fallback}>{children}</FallbackContext>;
     if (!(error instanceof WebGpuUnavailableError || error instanceof SplatsUnsupportedRendererError))
       throw error;
-    if (typeof fallback === 'function') return fallback(error);
-    return fallback === undefined ? (
-      <p role="alert">This 3D view cannot be shown here. Try a recent Chrome, Edge, Firefox or Safari.</p>
-    ) : (
-      fallback
-    );
+    return typeof fallback === 'function' ? fallback(error) : fallback;
   }
 }

@@ -1,5 +1,5 @@
 import { createRoot, extend } from '@react-three/fiber';
-import { GpuLimitError, InvalidArgumentError, type RecoveryPace, type SplatEngine } from '@websplatter/core';
+import { GpuLimitError, InvalidArgumentError, RecoveryPace, type SplatEngine } from '@websplatter/core';
 import {
   findSplatEngine,
   SplatData,
@@ -11,6 +11,7 @@ import { act, Component, createElement, type ReactNode, StrictMode, Suspense } f
 import { Group, type Object3D } from 'three';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { canvasStates } from './canvas-states.ts';
+import { FirstPicture } from './first-picture.ts';
 import { GRACE_MS } from './splat-cache.ts';
 import { Splats, type SplatsProps } from './splats.tsx';
 import { useSplats } from './use-splats.ts';
@@ -139,6 +140,7 @@ beforeEach(async () => {
 
 afterEach(async () => {
   await act(async () => root.unmount());
+  canvasStates.delete(renderer);
   await vi.advanceTimersByTimeAsync(2 * GRACE_MS);
   useSplats.clear();
   expect(vi.getTimerCount(), 'timers left').toBe(0);
@@ -173,6 +175,12 @@ async function show(...children: ReactNode[]): Promise<void> {
   });
 }
 
+/** Of a `<SplatCanvas>`. */
+const canvasState = () => ({
+  pace: new RecoveryPace(),
+  picture: new FirstPicture(() => {}),
+  accuracyKey: '',
+});
 const splats = (props: SplatsProps) => createElement(Splats, props);
 /** The object of the first `<Splats>`. */
 const object = () => scene.children.find((child) => 'data' in child) as Object3D & Record<string, unknown>;
@@ -478,11 +486,34 @@ it('shows splats in memory without suspending, and reports the first frame', asy
   expect(object()).toMatchObject({ data: a, visible: true });
   expect(onLoad).toHaveBeenCalledExactlyOnceWith(a);
   const pace = { recovered: vi.fn() };
-  canvasStates.set(renderer, { pace: pace as unknown as RecoveryPace, accuracyKey: '' });
+  canvasStates.set(renderer, { ...canvasState(), pace: pace as unknown as RecoveryPace });
   object().dispatchEvent({ type: 'firstframe' } as never);
   expect(onFirstFrame).toHaveBeenCalledOnce();
   // The device of a SplatCanvas has been put to use.
   expect(pace.recovered).toHaveBeenCalledOnce();
+});
+
+it('tells the Canvas of the first frame without splats that are still read', async () => {
+  const onShown = vi.fn();
+  canvasStates.set(renderer, { ...canvasState(), picture: new FirstPicture(onShown) });
+  const readBeside = createElement(Suspense, null, splats({ src: 'b.ply' }));
+  await show(splats({ src: splatData('a') }), readBeside, splats({ src: '' }));
+  object().dispatchEvent({ type: 'complete' } as never);
+  expect(onShown, 'beside what is read').not.toHaveBeenCalled();
+  await act(async () => test.loads[0].onPreview(splatData('a part', true)));
+  expect(onShown, 'beside a part').not.toHaveBeenCalled();
+  await act(async () => test.loads[0].resolve(splatData('b')));
+  expect(onShown).toHaveBeenCalledOnce();
+});
+
+it('tells the Canvas so, too, where others cannot be read', async () => {
+  const onShown = vi.fn();
+  canvasStates.set(renderer, { ...canvasState(), picture: new FirstPicture(onShown) });
+  const failing = createElement(Suspense, null, splats({ src: 'b.ply', onError: () => {} }));
+  await show(splats({ src: splatData('a') }), failing);
+  object().dispatchEvent({ type: 'complete' } as never);
+  await act(async () => test.loads[0].reject(new Error('no file')));
+  expect(onShown).toHaveBeenCalledOnce();
 });
 
 it('prepares rays where pointers are listened for, and nowhere else', async () => {

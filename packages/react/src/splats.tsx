@@ -229,7 +229,10 @@ function Cloud({
         canvasStates.get(renderer)?.pace.recovered();
         latest.current.onFirstFrame?.();
       },
-      complete: () => latest.current.onComplete?.(),
+      complete: () => {
+        canvasStates.get(renderer)?.picture.drawn();
+        latest.current.onComplete?.();
+      },
       accuracychosen: ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice),
       needsframe: () => invalidate(),
     };
@@ -249,6 +252,12 @@ function Cloud({
       cloud.onError = null;
     };
   }, [renderer, latest, invalidate]);
+
+  const isReading = Boolean(src) && load?.status !== 'failed' && (!splats || splats.isPreview);
+  useEffect(
+    () => (isReading ? canvasStates.get(renderer)?.picture.read() : undefined),
+    [renderer, isReading],
+  );
 
   useEffect(
     () => listenForDeviceLoss(renderer, (info) => latest.current.onDeviceLost?.(info)),
