@@ -1,3 +1,4 @@
+import { extname } from 'node:path';
 import { type ParseArgsConfig, parseArgs } from 'node:util';
 import {
   ACCURACY_SETTINGS,
@@ -24,6 +25,8 @@ export interface RenderOptions {
   readonly heightPx: number;
   readonly out: string | undefined;
   readonly raw: string | undefined;
+  /** Its name ends in one of `POSTER_EXTENSIONS`. */
+  readonly poster: string | undefined;
   readonly renderer: 'gpu' | 'reference';
   readonly accuracy: AccuracySettings;
   /** The settings as the user wrote them. */
@@ -36,6 +39,8 @@ export interface RenderOptions {
   readonly timings: string | undefined;
 }
 
+const POSTER_EXTENSIONS = ['.jpg', '.jpeg', '.png'];
+
 /** No GPU has larger textures. */
 const MAX_SIZE_PX = 16384;
 
@@ -47,6 +52,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     size: { type: 'string' },
     out: { type: 'string' },
     raw: { type: 'string' },
+    poster: { type: 'string' },
     renderer: { type: 'string', default: 'gpu' },
     accuracy: { type: 'string' },
     set: { type: 'string', multiple: true, default: [] },
@@ -60,8 +66,12 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     throw new UsageError('SCENE', 'render needs a SCENE: a file, a URL or builtin:still-life');
   if (values.camera === undefined) throw new UsageError('--camera', 'render needs --camera CAM.json');
   if (values.size === undefined) throw new UsageError('--size', 'render needs --size WIDTHxHEIGHT');
-  if (values.out === undefined && values.raw === undefined) {
-    throw new UsageError('--out', 'render needs --out image.png or --raw image.f32, or both');
+  const { poster } = values;
+  if (values.out === undefined && values.raw === undefined && poster === undefined) {
+    throw new UsageError('--out', 'render needs --out image.png, --raw image.f32 or --poster image.jpg');
+  }
+  if (poster !== undefined && !POSTER_EXTENSIONS.includes(extname(poster).toLowerCase())) {
+    throw wrongValue('--poster', poster, `a file whose name ends in ${POSTER_EXTENSIONS.join(' or ')}`);
   }
   if (values.model.length !== 0 && values.model.length !== positionals.length) {
     const found = `${values.model.length} --model for ${positionals.length} scene${positionals.length === 1 ? '' : 's'}`;
@@ -86,6 +96,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
     heightPx,
     out: values.out,
     raw: values.raw,
+    poster,
     renderer,
     ...parseAccuracy(values.accuracy, values.set),
     sortBy: parseSortBy(values['sort-by']),

@@ -1,5 +1,6 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { decode } from 'fast-png';
+import jpeg from 'jpeg-js';
 import { expect, test } from 'vitest';
 import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
@@ -60,6 +61,27 @@ test('the reference renderer writes an image, raw pixels and timings that agree'
   });
 });
 
+test('a poster is the same picture as JPEG or PNG, and the JSX that begins with its view is printed', async () => {
+  const folder = new TestFolder();
+  const [png, poster, posterPng] = ['a.png', 'my poster.JPG', 'b.png'].map((name) => folder.file(name));
+  const inputs = ['render', folder.scene(), '--camera', folder.camera(), ...SIZE, ...REFERENCE];
+  const background = ['--background', '1,0.5,0'];
+  const { status, out } = await runMain(...inputs, ...background, '--out', png, '--poster', poster);
+  expect(status).toBe(0);
+  expect(out.split('\n')[1]).toBe(
+    `<SplatCanvas poster="/my%20poster.JPG" camera={{ position: [0, 0, 4], rotation: [0, 0, 0], fov: 60, near: 0.01, far: 1000 }} style={{ background: 'rgb(255 128 0)' }} flat>`,
+  );
+  const exact = decode(readFileSync(png));
+  const image = jpeg.decode(readFileSync(poster), { useTArray: true });
+  expect([image.width, image.height]).toEqual([48, 32]);
+  const errors = Array.from(exact.data, (value, i) =>
+    Math.abs(value - image.data[4 * Math.floor(i / 3) + (i % 3)]),
+  );
+  expect(errors.reduce((sum, error) => sum + error, 0) / errors.length).toBeLessThan(4);
+  expect(await runMain(...inputs, ...background, '--poster', posterPng)).toMatchObject({ status: 0 });
+  expect(readFileSync(posterPng)).toEqual(readFileSync(png));
+});
+
 test('model matrices move scenes, in order', async () => {
   const folder = new TestFolder();
   const moved = (x: number, y: number) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, 0, 1];
@@ -83,6 +105,7 @@ test('bad input gives one line, status 2 and no file', async () => {
   const out = folder.file('a.png');
   const scene = folder.scene();
   const camera = folder.camera();
+  const flat = folder.camera('flat.json', { projection: 'orthographic', height: 3 });
   const cases = [
     [scene, '--camera', folder.write('broken.json', '{'), ...SIZE, '--out', out],
     [scene, '--camera', folder.camera('wide.json', { fovYDegrees: 180 }), ...SIZE, '--out', out],
@@ -90,6 +113,8 @@ test('bad input gives one line, status 2 and no file', async () => {
     [folder.write('text.ply', 'hello'), '--camera', camera, ...SIZE, ...REFERENCE, '--out', out],
     [folder.file('none.ply'), '--camera', camera, ...SIZE, '--out', out],
     [scene, '--camera', camera, ...SIZE, ...REFERENCE, '--out', out, '--raw', folder.file('no/a.f32')],
+    [scene, '--camera', camera, ...SIZE, ...REFERENCE, '--out', out, '--poster', folder.file('no/a.jpg')],
+    [scene, '--camera', flat, ...SIZE, ...REFERENCE, '--out', out, '--poster', folder.file('a.jpg')],
   ];
   for (const args of cases) {
     const { status, out: printed, err } = await runMain('render', ...args);

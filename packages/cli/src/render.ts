@@ -1,9 +1,11 @@
 import { printable, WebSplatterError } from '@websplatter/core';
 import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
+import { encodeJpeg } from './jpeg.ts';
 import { readModelFile } from './model-file.ts';
 import { checkOutputs, type Output, type OutputFile, reportBeside, writeFiles } from './output-files.ts';
 import { encodePng, encodeRaw } from './png.ts';
+import { posterJsx } from './poster.ts';
 import { renderOnGpu } from './render-gpu.ts';
 import { detailText, parseRenderArguments, type RenderOptions } from './render-options.ts';
 import { renderOnReference } from './render-reference.ts';
@@ -14,14 +16,16 @@ import { timingsReport } from './timings-report.ts';
 /** `websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.png`. */
 export async function render(args: readonly string[], console: Console): Promise<void> {
   const options = parseRenderArguments(args);
-  const { widthPx, heightPx } = options;
+  const { widthPx, heightPx, poster, background } = options;
+  const aspect = widthPx / heightPx;
   const outputs = outputsOf(options);
   const paths = outputs.map(({ path }) => path);
   const scenes = await Promise.all(options.scenes.map(findScene));
   const filesRead = () => [options.camera, ...options.models, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());
   const report = await reportBeside(paths, console);
-  const camera = await readCameraFile(options.camera, widthPx / heightPx);
+  const camera = await readCameraFile(options.camera, aspect);
+  const jsx = poster === undefined ? null : posterJsx(poster, camera, options.camera, aspect, background);
   const models = await Promise.all(options.models.map(readModelFile));
 
   const renderWith = options.renderer === 'reference' ? renderOnReference : renderOnGpu;
@@ -42,18 +46,24 @@ export async function render(args: readonly string[], console: Console): Promise
   const splats = rendered.splatsPerScene.reduce((sum, count) => sum + count, 0);
   const detail = detailText(options.detail, rendered.visibleSplats, splats, rendered.psnrDb);
   report(
-    `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n${detail === null ? '' : `detail: ${detail}\n`}`,
+    `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n${detail === null ? '' : `detail: ${detail}\n`}${jsx === null ? '' : `${jsx}\n`}`,
   );
 }
 
-function outputsOf({ out, raw, timings }: RenderOptions): Output[] {
-  return Object.entries({ '--out': out, '--raw': raw, '--timings': timings }).flatMap(([argument, path]) =>
+function outputsOf({ out, raw, poster, timings }: RenderOptions): Output[] {
+  const paths = { '--out': out, '--raw': raw, '--poster': poster, '--timings': timings };
+  return Object.entries(paths).flatMap(([argument, path]) =>
     path === undefined ? [] : [{ argument, path }],
   );
 }
 
-function contentOf({ argument }: Output, rendered: Rendered, options: RenderOptions): OutputFile['content'] {
-  if (argument === '--out') return encodePng(rendered.image, options.background);
+function contentOf(
+  { argument, path }: Output,
+  rendered: Rendered,
+  options: RenderOptions,
+): OutputFile['content'] {
+  if (argument === '--poster' && !/\.png$/i.test(path)) return encodeJpeg(rendered.image, options.background);
+  if (argument === '--out' || argument === '--poster') return encodePng(rendered.image, options.background);
   if (argument === '--raw') return encodeRaw(rendered.image);
   return `${JSON.stringify(timingsReport(options, rendered), null, 2)}\n`;
 }

@@ -15,6 +15,7 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --size 256x256         in pixels
   --out image.png        8-bit, opaque, over the background
   --raw image.f32        width × height × 4 float32, little-endian, premultiplied RGBA, top row first, no background
+  --poster image.jpg     or .png: the same picture for <SplatCanvas poster>; prints the JSX that begins with its view
   --renderer gpu         or reference: float64 on the CPU, slow (all but precisions and formats apply)
   --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
