@@ -16,6 +16,8 @@ import { testScene } from './test-scene.ts';
 /** Ends tools that hang. `next build` alone has taken 200 s beside six other jobs on two cores. */
 const TIMEOUT_MS = 1_200_000;
 const scene = { 'scene.ply': encodePly(testScene()) };
+/** A GIF of one pixel, which covers any canvas. */
+const poster = Buffer.from('R0lGODlhAQABAIAAAAD/AAAAACwAAAAAAQABAAACAkQBADs=', 'base64');
 
 /** Calls `use` with a fresh app, and removes it. */
 async function inFreshApp(parts: FreshAppParts, use: (app: FreshApp) => Promise<void>): Promise<void> {
@@ -38,8 +40,9 @@ describe('the packed tarballs in a fresh app show splats that a worker has read'
 
   afterAll(() => browser?.close());
 
-  it.each(APP_KINDS)('$name', async ({ build, shown, pages = [''], headers = {}, ...parts }) => {
-    await inFreshApp({ ...parts, files: scene }, async (app) => {
+  it.each(APP_KINDS)('$name', async (kind) => {
+    const { build, shown, pages = [''], posterPages = [], headers = {}, ...parts } = kind;
+    await inFreshApp({ ...parts, files: { ...scene, 'poster.gif': poster } }, async (app) => {
       for (const [script, ...args] of build) await app.run(script, args);
       // Not every bundler copies it.
       const served = { 'scene.ply': join(app.folder, 'public/scene.ply') };
@@ -50,6 +53,8 @@ describe('the packed tarballs in a fresh app show splats that a worker has read'
       try {
         for (const page of pages) {
           const path = 'folder' in shown ? `${page || 'index'}.html` : page;
+          const html = await (await fetch(host.url + path)).text();
+          expect(html.includes('<img src="/poster.gif"'), 'a poster').toBe(posterPages.includes(page));
           await expectSplats(browser, host.url + path);
         }
       } finally {

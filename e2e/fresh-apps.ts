@@ -9,6 +9,8 @@ export interface AppKind {
   readonly sources: Readonly<Record<string, string>>;
   /** Paths of the pages that show the splats, without `.html`; default the first page alone, ''. */
   readonly pages?: readonly string[];
+  /** Those of `pages` whose HTML, as a server sends it, shows the poster. */
+  readonly posterPages?: readonly string[];
   /** Tools, by their paths from node_modules, with their arguments, one after another. */
   readonly build: readonly (readonly [script: string, ...args: string[]])[];
   /** Folder that any host of static files can serve, or a tool that serves the app. */
@@ -172,7 +174,7 @@ import { SplatCanvas, Splats, useSplats } from '@websplatter/react';
 
 export function View({ src = '/scene.ply' }) {
   return (
-    <SplatCanvas flat>
+    <SplatCanvas poster="/poster.gif" flat>
       <Splats src={src} />
     </SplatCanvas>
   );
@@ -279,6 +281,7 @@ export const APP_KINDS: readonly AppKind[] = [
     manifest: { type: undefined },
     sources: nextSources({ ...STATIC_PAGES, ...nextPages('dynamic/', DYNAMIC) }),
     pages: ['', 'used', 'dynamic', 'dynamic/used'],
+    posterPages: ['', 'dynamic'],
     build: [[NEXT, 'build']],
     shown: { server: NEXT_SERVER },
   },
@@ -288,6 +291,7 @@ export const APP_KINDS: readonly AppKind[] = [
     manifest: { type: undefined },
     sources: nextSources(STATIC_PAGES, STATIC),
     pages: ['', 'used'],
+    posterPages: [''],
     build: [[NEXT, 'build']],
     shown: { folder: 'out' },
   },
@@ -297,6 +301,7 @@ export const APP_KINDS: readonly AppKind[] = [
     manifest: { type: undefined },
     sources: nextSources(nextPages('', DYNAMIC)),
     pages: ['', 'used'],
+    posterPages: [''],
     build: [[NEXT, 'build']],
     shown: { server: NEXT_SERVER },
   },
@@ -306,6 +311,7 @@ export const APP_KINDS: readonly AppKind[] = [
     manifest: { type: undefined },
     sources: nextSources(STATIC_PAGES, STATIC),
     pages: ['', 'used'],
+    posterPages: [''],
     build: [[NEXT, 'build', '--webpack']],
     shown: { folder: 'out' },
   },

@@ -5,6 +5,7 @@ import { renderToString } from 'react-dom/server';
 import { expect, it } from 'vitest';
 import { appHarness } from './harness.ts';
 import { PosterPage } from './poster/poster-page.tsx';
+import { skipRecoveryWaits } from './recovery-waits.ts';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
@@ -153,4 +154,18 @@ it('stays below the words of SplatsFallback where there is no WebGPU', async () 
   expect(y).toBeGreaterThan(160);
   expect(y + height).toBeLessThanOrEqual(320);
   expect(await witnessOf(page)).toEqual({ departures: 0, fades: 0 });
+});
+
+it('comes back, with these words, where no device is to be had any more', async () => {
+  harness.expectProblem(/<SplatCanvas> was lost/);
+  harness.expectProblem(/WebGpuUnavailableError/);
+  const { page, sendSplats } = await openServed({}, skipRecoveryWaits);
+  sendSplats();
+  await posterOf(page).waitFor({ state: 'detached' });
+  await page.evaluate(() => {
+    GPU.prototype.requestAdapter = async () => null;
+    window.served.loseDevice();
+  });
+  await page.getByRole('alert').waitFor();
+  await posterOf(page).waitFor();
 });
