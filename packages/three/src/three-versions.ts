@@ -15,7 +15,7 @@ export function warnOfUntestedThree(revision = REVISION): void {
   if (isTested || isWarned) return;
   isWarned = true;
   console.warn(
-    `@websplatter/three is tested with ${TESTED_RANGE}, and this is r${revision}. If splats are wrong or missing, ` +
+    `This release of @websplatter/three is tested with ${TESTED_RANGE}, and this is r${revision}. If splats are wrong or missing, ` +
       'install one of these, or a newer @websplatter/three.',
   );
 }
