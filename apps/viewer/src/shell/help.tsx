@@ -60,7 +60,10 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
       className="panel help"
       aria-labelledby="help-title"
       data-testid="help"
-      onClose={hide}
+      // The event comes later: by then it may be open again.
+      onClose={({ currentTarget }) => {
+        if (!currentTarget.open) hide();
+      }}
       // The dialog's own padding is none, so that a click on the element itself is one beside it.
       onPointerDown={(event) => event.target === event.currentTarget && hide()}
     >
