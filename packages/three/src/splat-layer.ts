@@ -76,6 +76,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   #outputs: LayerOutputs | null = null;
   #outputsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
+  readonly #precisionErrors = new Map<string, SplatsPrecisionError>();
   /** Renderers that had no engine yet when they first drew this. */
   readonly #awaited = new WeakSet<object>();
 
@@ -238,7 +239,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
           shown.filter((object) => !isRefused(object)),
           engine,
         );
-        for (const notice of notices) this.#report(new SplatsPrecisionError(new Error(notice)));
+        for (const notice of notices) this.#report(this.#precisionError(notice));
         const clouds: Clouds = new Map();
         /**
          * The clouds of the last frame, which stay while others are uploaded and shaders for them
@@ -327,6 +328,13 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     if (error instanceof PassRefusal)
       void import('./pass-errors.ts').then(({ passError }) => this.#report(passError(error.reason)));
     else if (!(error instanceof DestroyedError)) this.#report(error);
+  }
+
+  /** Returns one error for each notice: every frame has the same ones. */
+  #precisionError(notice: string): SplatsPrecisionError {
+    const error = this.#precisionErrors.get(notice) ?? new SplatsPrecisionError(new Error(notice));
+    this.#precisionErrors.set(notice, error);
+    return error;
   }
 
   /**
