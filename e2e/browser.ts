@@ -1,6 +1,7 @@
 import { launchBrowser as launch } from '@websplatter/tools/browser';
 import { PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
+import { withResolvers } from './with-resolvers.ts';
 
 /** `WEBSPLATTER_BROWSER_GPU=1` tests on this machine's GPU; the default is the CPU. */
 export const USES_GPU = process.env.WEBSPLATTER_BROWSER_GPU === '1';
@@ -27,6 +28,16 @@ const WARNING_OF_FIBER = /^THREE\.WebGPURenderer: PCFSoftShadowMap has been remo
 export function consoleProblem(type: string, text: string): string | null {
   const isWarning = type.startsWith('warn') && WEBGPU_WARNING.test(text) && !WARNING_OF_FIBER.test(text);
   return type === 'error' || isWarning ? `console ${type}: ${text}` : null;
+}
+
+/** Holds what a page requests at addresses of `pattern` until the returned function is called. */
+export async function holdRequests(page: Page, pattern: string): Promise<() => void> {
+  const { promise: released, resolve: release } = withResolvers();
+  await page.route(pattern, async (route) => {
+    await released;
+    await route.continue();
+  });
+  return release;
 }
 
 export async function newWatchedPage(browser: Browser, options: BrowserContextOptions): Promise<WatchedPage> {

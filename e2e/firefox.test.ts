@@ -207,21 +207,21 @@ firefoxTest('the viewer shows another mode, and explains a splat', async () => {
 
 firefoxTest('the viewer takes files that are dropped together', async () => {
   const page = await openViewer();
-  await dropFiles(page, ['a.ply', 'b.ply'], encodePly(scene));
+  await dropFiles(page, ['a.ply', 'b.ply'], 'scene.ply');
   await waitForScene(page, 'a.ply and b.ply');
 });
 
-/** Drops files of these names on the picture. */
-async function dropFiles(page: Page, names: readonly string[], bytes: Uint8Array): Promise<void> {
-  const drop = (list: readonly string[], base64: string) => {
+/** Drops files of these names on the picture, each with what the server has at `address`. */
+async function dropFiles(page: Page, names: readonly string[], address: string): Promise<void> {
+  const drop = async (list: readonly string[], from: string) => {
     const dataTransfer = new DataTransfer();
-    const contents = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-    for (const name of list) dataTransfer.items.add(new File([contents], name));
+    const bytes = await (await fetch(from)).arrayBuffer();
+    for (const name of list) dataTransfer.items.add(new File([bytes], name, { lastModified: 1e12 }));
     const target = document.querySelector('[data-testid=viewport]');
     for (const type of ['dragenter', 'dragover', 'drop'])
       target?.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
   };
-  await page.evaluate(drop, names, Buffer.from(bytes).toString('base64'));
+  await page.evaluate(drop, names, address);
 }
 
 firefoxTest(
@@ -236,20 +236,16 @@ firefoxTest(
           for await (const name of (scene as FileSystemDirectoryHandle).keys()) names.push(name);
         return names.sort();
       });
-    const drop = () =>
-      page.evaluate(async () => {
-        const bytes = await (await fetch('large.ply')).arrayBuffer();
+    const drop = async () => {
+      await page.evaluate(() => {
         Object.assign(window, { phases: new Set<string>() });
         const { phases } = window as unknown as { phases: Set<string> };
         new MutationObserver(() => {
           phases.add(document.querySelector('[data-testid=load-phase]')?.textContent ?? '');
         }).observe(document, { childList: true, characterData: true, subtree: true });
-        const dataTransfer = new DataTransfer();
-        dataTransfer.items.add(new File([bytes], 'large.ply', { lastModified: 1e12 }));
-        const target = document.querySelector('[data-testid=viewport]');
-        for (const type of ['dragenter', 'dragover', 'drop'])
-          target?.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
       });
+      await dropFiles(page, ['large.ply'], 'large.ply');
+    };
     const wasArranged = () =>
       page.evaluate(() =>
         (window as unknown as { phases: Set<string> }).phases.has('Arranging for streaming'),

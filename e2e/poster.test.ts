@@ -3,6 +3,7 @@ import type { BrowserContextOptions, Page } from 'playwright-core';
 import { createElement } from 'react';
 import { renderToString } from 'react-dom/server';
 import { expect, it } from 'vitest';
+import { holdRequests } from './browser.ts';
 import { appHarness } from './harness.ts';
 import { PosterPage } from './poster/poster-page.tsx';
 import { skipRecoveryWaits } from './recovery-waits.ts';
@@ -59,14 +60,7 @@ async function openServed(
     const body = (await response.text()).replace('<div id="root">', `$&${served}`);
     await route.fulfill({ body, contentType: 'text/html' });
   });
-  let sendSplats = () => {};
-  const sent = new Promise<void>((resolve) => {
-    sendSplats = resolve;
-  });
-  await page.route('**/a.ply', async (route) => {
-    await sent;
-    await route.continue();
-  });
+  const sendSplats = await holdRequests(page, '**/a.ply');
   await page.goto(harness.server.url);
   return { page, sendSplats };
 }

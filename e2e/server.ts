@@ -4,6 +4,7 @@ import { type Plugin, preview } from 'vite';
 import { inject } from 'vitest';
 import { configFileOf } from './built-apps.ts';
 import { slowScene } from './test-scene.ts';
+import { withResolvers } from './with-resolvers.ts';
 
 /** Sent with every page. A breach of it is logged as an error, and so fails the test. */
 export const CONTENT_SECURITY_POLICY =
@@ -168,13 +169,4 @@ function endlessHeader(splats: number): string {
   for (let i = 0; i < 4; i++) names.push(`rot_${i}`);
   const properties = names.map((name) => `property float ${name}\n`).join('');
   return `ply\nformat binary_little_endian 1.0\nelement vertex ${splats}\n${properties}end_header\n`;
-}
-
-/** Promise.withResolvers, which Node 20 does not have. */
-function withResolvers(): { promise: Promise<void>; resolve: () => void } {
-  let resolve = () => {};
-  const promise = new Promise<void>((settle) => {
-    resolve = settle;
-  });
-  return { promise, resolve };
 }

@@ -7,6 +7,7 @@ import { serveFiles } from '@websplatter/tools/file-server';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { openZipEntry, readZipDirectory } from '../packages/core/src/io/containers/zip.ts';
+import { holdRequests } from './browser.ts';
 import { colorsIn } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
@@ -132,14 +133,7 @@ describe('a scene that is saved as a zip', () => {
 
     const server = await serveFiles(await unpacked(path), { base: '/some/where/' });
     const page = await harness.newPage(WINDOW);
-    let sendScene = () => {};
-    const isHeld = new Promise<void>((resolve) => {
-      sendScene = resolve;
-    });
-    await page.route('**/first.ply', async (route) => {
-      await isHeld;
-      await route.continue();
-    });
+    const sendScene = await holdRequests(page, '**/first.ply');
     await page.goto(`${server.url}index.html`);
     const poster = page.getByTestId('poster');
     await poster.waitFor();

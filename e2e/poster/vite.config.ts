@@ -1,13 +1,5 @@
 import { fileURLToPath } from 'node:url';
-import react from '@vitejs/plugin-react';
-import { defaultClientConditions, defineConfig } from 'vite';
+import config from '../react/vite.config.ts';
 
-export default defineConfig({
-  root: fileURLToPath(new URL('.', import.meta.url)),
-  plugins: [react()],
-  resolve: { conditions: ['@websplatter/source', ...defaultClientConditions] },
-  worker: { format: 'es' },
-  // React mounts twice under StrictMode in its development build alone.
-  define: { 'process.env.NODE_ENV': JSON.stringify('development') },
-  build: { target: 'es2022', minify: false },
-});
+// Built as that page is.
+export default { ...config, root: fileURLToPath(new URL('.', import.meta.url)) };
