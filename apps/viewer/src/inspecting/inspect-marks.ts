@@ -21,8 +21,8 @@ import { rulerLength } from './rulers.ts';
 
 /**
  * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
- * crop, the region that is selected. It follows the camera with each frame. Returns a function that stops
- * this.
+ * crop, the region that is selected. It follows the camera with each frame. Returns a function that
+ * stops this.
  */
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
   const draw = () => {

@@ -57,11 +57,10 @@ const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
 /** One for each length of digits. */
 const PAIR_KEY_BITS = [8, 9] as const;
 /** Sorts of pairs by bin, of layers with few bins, and with so many that two passes are needed. */
-const PAIR_SORTS = WORKGROUP_BYTES.flatMap((workgroupBytes) =>
-  PAIR_KEY_BITS.flatMap((bits) =>
-    BOTH.map((isNarrow) => pairSortShapeFor(bits, { workgroupBytes, isNarrow })),
-  ),
-);
+const PAIR_SORTS = PAIR_KEY_BITS.flatMap((bits) => [
+  ...WORKGROUP_BYTES.map((workgroupBytes) => pairSortShapeFor(bits, { workgroupBytes })),
+  pairSortShapeFor(bits, { isNarrow: true }),
+]);
 
 /** Of one word per ballot, and of several. */
 const BALLOT_DEVICES = [
