@@ -178,9 +178,11 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'stable-scatter',
     file: 'stages/sort-scatter',
-    find: 'let before = word & (bit - 1u);',
-    replace: 'let before = word & 0xffffu & ~((bit << 1u) - 1u);',
+    find: 'for (var index = start; index < end; index++) {\n    let key = keysIn[index];',
+    replace:
+      'for (var step = start; step < end; step++) {\n    let index = start + end - 1u - step;\n    let key = keysIn[index];',
     cases: ['sort-few-distinct-24-bits'],
+    spareOnGpus: 'one thread sorts a block where few run in lockstep',
   },
   {
     remedy: 'compaction-in-storage-order',

@@ -40,30 +40,35 @@ import { useFoundEngine } from './use-splat-engine.ts';
 /** A source that `<Splats>` can show. */
 export type SplatsSource = CacheableSource | SplatData;
 
-/** Props that `<Splats>` has as any object of react-three-fiber. */
-type ObjectProps = Pick<
-  ThreeElement<typeof SplatCloudObject>,
-  | keyof EventHandlers
-  | 'children'
-  | 'depthWrite'
-  | 'dispose'
-  | 'fog'
-  | 'key'
-  | 'layers'
-  | 'matrix'
-  | 'matrixAutoUpdate'
-  | 'name'
-  | 'onUpdate'
-  | 'opacity'
-  | 'position'
-  | 'quaternion'
-  | 'renderOrder'
-  | 'rotation'
-  | 'scale'
-  | 'shDegree'
-  | 'up'
-  | 'userData'
-  | 'visible'
+/**
+ * Props that `<Splats>` has as any object of react-three-fiber. All of them are optional there, but
+ * Pick would require each one where three's types are not found.
+ */
+type ObjectProps = Partial<
+  Pick<
+    ThreeElement<typeof SplatCloudObject>,
+    | keyof EventHandlers
+    | 'children'
+    | 'depthWrite'
+    | 'dispose'
+    | 'fog'
+    | 'key'
+    | 'layers'
+    | 'matrix'
+    | 'matrixAutoUpdate'
+    | 'name'
+    | 'onUpdate'
+    | 'opacity'
+    | 'position'
+    | 'quaternion'
+    | 'renderOrder'
+    | 'rotation'
+    | 'scale'
+    | 'shDegree'
+    | 'up'
+    | 'userData'
+    | 'visible'
+  >
 >;
 
 /** Props of `<Splats>`. */
