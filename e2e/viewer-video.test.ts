@@ -74,9 +74,16 @@ async function play(page: Page, video: Buffer): Promise<Playback> {
     const { videoWidth: widthPx, videoHeight: heightPx, duration } = player;
     const context = new OffscreenCanvas(widthPx, heightPx).getContext('2d')!;
     const shownAt = async (seconds: number) => {
-      const sought = event('seeked');
+      // At `seeked`, a busy browser may still show the frame before.
+      const presented = new Promise<void>((resolve) => {
+        const look: VideoFrameRequestCallback = (_now, { mediaTime }) => {
+          if (Math.abs(mediaTime - seconds) < 0.04) resolve();
+          else player.requestVideoFrameCallback(look);
+        };
+        player.requestVideoFrameCallback(look);
+      });
       player.currentTime = seconds;
-      await sought;
+      await presented;
       context.drawImage(player, 0, 0);
       return { widthPx, heightPx, data: [...context.getImageData(0, 0, widthPx, heightPx).data] };
     };
