@@ -55,7 +55,7 @@ const PACKAGES = [
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   {
     name: 'three',
-    entries: { index: 'src/index.ts', 'own-data': 'src/own-data.ts', xr: 'src/xr.ts' },
+    entries: { index: 'src/index.ts', 'own-data': 'src/own-data.ts', tsl: 'src/tsl.ts', xr: 'src/xr.ts' },
     inputs: [],
     hasDeclarations: true,
   },
@@ -66,6 +66,7 @@ const PACKAGES = [
       components: 'src/components.ts',
       hooks: 'src/hooks.ts',
       'own-data': 'src/own-data.ts',
+      tsl: 'src/tsl.ts',
     },
     inputs: [],
     hasDeclarations: true,

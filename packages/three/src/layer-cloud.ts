@@ -33,6 +33,20 @@ export interface LayerCloud extends Object3D {
   tell(error: unknown): boolean;
 }
 
+/** Where and when a cloud is drawn. */
+export interface FramePlace {
+  readonly renderer: object;
+  readonly scene: Scene;
+  readonly camera: Camera;
+  readonly object: Object3D;
+}
+
+/** A use whose parameters are those of a frame: of three's nodes. */
+export interface FrameUse extends EffectUse {
+  /** Returns the use with the parameters that it has in a frame. */
+  inFrame?(place: FramePlace): EffectUse;
+}
+
 /** A cloud as a frame has it, with what it asks of the whole frame. */
 export type DrawnCloud = CloudInstance & Pick<LayerCloud, 'accuracy' | 'detail'>;
 

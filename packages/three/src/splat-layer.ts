@@ -27,7 +27,7 @@ import {
 } from 'three/webgpu';
 import { adoptRenderer, findSplatEngine, splatDetailOf } from './adopt-renderer.ts';
 import { SplatsPrecisionError } from './errors.ts';
-import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
+import type { DrawnCloud, FrameUse, LayerCloud } from './layer-cloud.ts';
 import { layerDetail } from './layer-detail.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
 import type { LayerOutputs } from './layer-outputs.ts';
@@ -216,8 +216,15 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
       if (renderer.getMRT()) this.#loadOutputs();
       // The present image goes on meanwhile.
       if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
-      const wantedOf = (object: LayerCloud) =>
-        instanceOf(object, engine, object.effectsAt(nowMs, scene, camera));
+      const wantedOf = (object: LayerCloud) => {
+        const place = { renderer, scene, camera, object };
+        const effects = object.effectsAt(nowMs, scene, camera);
+        return instanceOf(
+          object,
+          engine,
+          effects?.map((use: FrameUse) => use.inFrame?.(place) ?? use),
+        );
+      };
       const isReady = (wanted: Clouds, width = widthPx) => {
         const clouds = [...wanted.values()];
         return embedded.prepare({
@@ -367,7 +374,7 @@ function isShown(object: Object3D): boolean {
 function instanceOf(
   object: LayerCloud,
   engine: SplatEngine,
-  effects: CloudInstance['effects'] | null,
+  effects: CloudInstance['effects'],
 ): DrawnCloud | null {
   const cloud = object.uploadedTo(engine);
   if (!cloud || !effects) return null;

@@ -65,7 +65,7 @@ export const PACKAGES: Arrows = {
   /** Scenes that break splat renderers, and the right result of each. */
   hardcases: 'core shaders(tests) node(tests)',
   /** Splats in three.js. */
-  three: 'core',
+  three: 'core node(tests)',
   /** Splats in react-three-fiber. */
   react: 'three core',
   /** Charts and tables of measurements, for the terminal and for pages. */

@@ -1,0 +1,213 @@
+import {
+  perspectiveCamera,
+  type SplatCloud,
+  SplatEngine,
+  type SplatSet,
+  type SplatView,
+} from '@websplatter/core';
+import { type EffectPlace, type EffectUse, tint } from '@websplatter/core/effects';
+import { compareImages, type EffectReference, renderReference } from '@websplatter/core/reference';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { Fn, float, If, Loop, length, mix, mx_noise_float, smoothstep, uniform, vec3 } from 'three/tsl';
+import { Color, Matrix3, Vector3 } from 'three/webgpu';
+import { beforeAll, describe, expect } from 'vitest';
+import {
+  splatColor,
+  splatIndex,
+  splatNode,
+  splatOpacity,
+  splatPosition,
+  splatPositionWorld,
+  splatScale,
+} from './splat-node.ts';
+
+const SIZE = { widthPx: 64, heightPx: 48 };
+const CAMERA = perspectiveCamera({
+  position: [0.4, 0.5, 3],
+  target: [0, 0, 0],
+  fovYDegrees: 45,
+  aspect: 4 / 3,
+});
+const ORIGIN = [100, -50, 7] as const;
+/** Turned about y, doubled, and moved to the camera. */
+const MODEL = [1.6, 0, -1.2, 0, 0, 2, 0, 0, 1.2, 0, 1.6, 0, -168.4, 100, 108.8, 1];
+
+/** A slab of coloured splats around ORIGIN. */
+function slab(): SplatSet {
+  const count = 600;
+  const spread = (i: number, step: number) => ((i * step) % 1) - 0.5;
+  const filled = (length: number, at: (i: number) => number) =>
+    Float32Array.from({ length }, (_, i) => at(i));
+  return {
+    count,
+    origin: ORIGIN,
+    positions: filled(3 * count, (i) => spread(i + 1, [0.618, 0.415, 0.719][i % 3])),
+    logScales: filled(3 * count, (i) => -3.4 + spread(i, 0.317)),
+    rotations: filled(4 * count, (i) => spread(i, 0.233) + (i % 4 === 0 ? 1 : 0)),
+    opacityLogits: filled(count, (i) => 4 * spread(i, 0.531)),
+    colorDc: filled(3 * count, (i) => 2.4 * spread(i, 0.277)),
+    harmonics: { degree: 0, coefficients: new Float32Array(0) },
+    fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
+    dropped: {},
+  };
+}
+
+const SET = slab();
+let cloud: SplatCloud;
+let view: SplatView;
+beforeAll(async () => {
+  const engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'reference' });
+  cloud = engine.add(SET);
+  view = engine.createView();
+});
+
+async function draw(effects: readonly EffectUse[]): Promise<Float32Array> {
+  view.render({ camera: CAMERA, clouds: [{ cloud, modelMatrix: MODEL, effects }], ...SIZE });
+  return (await view.readPixels()).data;
+}
+
+type Twin = (place: EffectPlace) => EffectReference;
+
+/** Decibels of `effects` against float64; `twins` are those of the uses of nodes. */
+async function psnrDb(effects: readonly EffectUse[], twins: readonly Twin[]): Promise<number> {
+  const ofNodes = effects.filter(({ effect }) => effect.name.startsWith('splat-node'));
+  const effectReferences = Object.fromEntries(
+    ofNodes.map(({ effect }, i) => [effect.name, (_: never, place: EffectPlace) => twins[i](place)]),
+  );
+  const clouds = [{ set: SET, modelMatrix: MODEL, effects }];
+  const { data } = renderReference({ clouds, effectReferences, camera: CAMERA, ...SIZE });
+  return compareImages(await draw(effects), data, SIZE).psnrDb;
+}
+
+/** Centre in the cloud's space. */
+function local([x, y, z]: readonly number[], { origin }: EffectPlace): [number, number, number] {
+  return [x + origin[0], y + origin[1], z + origin[2]];
+}
+
+/** Centre in the world. */
+function world(position: readonly number[], place: EffectPlace): [number, number, number] {
+  const [x, y, z] = local(position, place);
+  const m = place.modelMatrix;
+  const at = (row: number) => m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row];
+  return [at(0), at(1), at(2)];
+}
+
+const decoded = (value: number) => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+const encoded = (value: number) => (value <= 0.0031308 ? value * 12.92 : 1.055 * value ** (1 / 2.4) - 0.055);
+const mapped = (color: readonly number[], change: (linear: number, channel: number) => number) =>
+  color.map((value, channel) => encoded(change(decoded(value), channel))) as [number, number, number];
+
+describe('nodes', () => {
+  gpuTest('of a position: wind by a uniform, in local space far from 0', async () => {
+    const phase = uniform(0.7);
+    const height = splatPosition.y.sub(ORIGIN[1]);
+    const wind = splatNode({
+      position: splatPosition.add(vec3(height.mul(6).add(phase).sin().mul(0.2), 0, 0)),
+      reach: { displacement: 0.2 },
+    });
+    const twinAt =
+      (value: number): Twin =>
+      () => ({
+        changeSplat({ position: [x, y, z], ...splat }) {
+          return { ...splat, position: [x + 0.2 * Math.sin(6 * y + value), y, z] };
+        },
+      });
+    expect(await psnrDb([wind], [twinAt(0.7)])).toBeGreaterThan(60);
+    phase.value = 2;
+    expect(await psnrDb([wind], [twinAt(2)])).toBeGreaterThan(60);
+    expect(await psnrDb([wind], [twinAt(0.7)])).toBeLessThan(40);
+  });
+
+  gpuTest('of scale and opacity: a reveal about a point of the world', async () => {
+    const from = uniform(new Vector3(0.2, 0.1, 0));
+    const shown = smoothstep(0, 0.4, float(0.9).sub(length(splatPositionWorld.sub(from))));
+    const reveal = splatNode({ scale: splatScale.mul(shown), opacity: splatOpacity.mul(shown) });
+    const twin: Twin = (place) => ({
+      changeSplat(splat) {
+        const [x, y, z] = world(splat.position, place);
+        const t = Math.min(1, Math.max(0, (0.9 - Math.hypot(x - 0.2, y - 0.1, z)) / 0.4));
+        const factor = t * t * (3 - 2 * t);
+        const [a, b, c] = splat.logScales;
+        const growth = Math.log(factor);
+        return { ...splat, opacity: splat.opacity * factor, logScales: [a + growth, b + growth, c + growth] };
+      },
+    });
+    expect(await psnrDb([reveal], [twin])).toBeGreaterThan(60);
+    expect(await psnrDb([reveal], [() => ({})])).toBeLessThan(40);
+  });
+
+  gpuTest('of a colour: linear light of a lamp, after what moved', async () => {
+    const lamp = uniform(new Vector3(0.5, 0.5, 1));
+    const glow = uniform(new Color().setRGB(1, 0.6, 0.2));
+    const offset = uniform(new Vector3(0.3, 0, 0));
+    const distance = length(splatPositionWorld.sub(lamp));
+    const relight = splatNode({
+      position: splatPosition.add(offset),
+      color: splatColor.mul(mix(vec3(0.1), glow, float(1).div(distance.mul(distance).add(1)))),
+    });
+    const twin: Twin = (place) => ({
+      changeSplat: ({ position: [x, y, z], ...splat }) => ({ ...splat, position: [x + 0.3, y, z] }),
+      changeColor(color, { position }) {
+        const [x, y, z] = world(position, place);
+        const near = 1 / (1 + (x - 0.5) ** 2 + (y - 0.5) ** 2 + (z - 1) ** 2);
+        return mapped(color, (linear, channel) => linear * (0.1 + near * ([1, 0.6, 0.2][channel] - 0.1)));
+      },
+    });
+    expect(await psnrDb([relight], [twin])).toBeGreaterThan(60);
+  });
+
+  gpuTest('with functions, branches, loops and every kind of uniform', async () => {
+    const [least, turns, isOn] = [uniform(-3, 'int'), uniform(4, 'uint'), uniform(true)];
+    const matrix = uniform(new Matrix3().set(0, 1, 0, 1, 0, 0, 0, 0, 1));
+    const faded = Fn(([opacity, index]: [typeof splatOpacity, typeof splatIndex]) => {
+      const result = opacity.toVar();
+      If(index.mod(3).equal(0), () => {
+        Loop(turns, () => {
+          result.mulAssign(0.8);
+        });
+      }).Else(() => {
+        result.mulAssign(float(least).add(3.5));
+      });
+      return result;
+    }).setLayout({
+      name: 'faded',
+      type: 'float',
+      inputs: [
+        { name: 'opacity', type: 'float' },
+        { name: 'index', type: 'uint' },
+      ],
+    });
+    const node = splatNode({
+      opacity: isOn.select(faded(splatOpacity, splatIndex), 0),
+      color: matrix.mul(splatColor),
+    });
+    const twin: Twin = () => ({
+      changeSplat(splat, index) {
+        return { ...splat, opacity: splat.opacity * (index % 3 === 0 ? 0.8 ** 4 : 0.5) };
+      },
+      changeColor: ([red, green, blue]) => [green, red, blue],
+    });
+    expect(await psnrDb([node], [twin])).toBeGreaterThan(60);
+    isOn.value = false;
+    expect(
+      await psnrDb([node], [() => ({ changeSplat: (splat) => ({ ...splat, opacity: 0 }) })]),
+    ).toBeGreaterThan(60);
+  });
+
+  gpuTest('several with functions of the same names, beside other effects', async () => {
+    const noise = mx_noise_float(splatPosition);
+    const [first, second] = [1, 0.5].map((factor) =>
+      splatNode({
+        opacity: splatOpacity.mul(noise.mul(0).add(factor)),
+        color: splatColor.mul(noise.mul(0).add(factor)),
+      }),
+    );
+    const twinOf =
+      (factor: number): Twin =>
+      () => ({
+        changeSplat: (splat) => ({ ...splat, opacity: splat.opacity * factor }),
+        changeColor: (color) => mapped(color, (linear) => linear * factor),
+      });
+    expect(await psnrDb([tint([1, 0.5, 0.8]), first, second], [twinOf(1), twinOf(0.5)])).toBeGreaterThan(60);
+  });
+});

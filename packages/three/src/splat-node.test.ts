@@ -1,0 +1,82 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import {
+  attribute,
+  cameraPosition,
+  float,
+  instanceIndex,
+  positionLocal,
+  texture,
+  time,
+  uniform,
+  uniformArray,
+  vec3,
+} from 'three/tsl';
+import { DataTexture, NodeFrame, PerspectiveCamera, Scene, Vector3 } from 'three/webgpu';
+import { describe, expect, it } from 'vitest';
+import type { FrameUse } from './layer-cloud.ts';
+import { splatColor, splatIndex, splatNode, splatOpacity, splatPosition } from './splat-node.ts';
+
+const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+const PLACE = { modelMatrix: identity, origin: [0, 0, 0], viewMatrix: identity } as const;
+
+describe('splatNode', () => {
+  it('has one program for nodes that are made again, with uniforms of their own', () => {
+    const [a, b] = [0.5, 2].map((value) => splatNode({ opacity: splatOpacity.mul(uniform(value)) }));
+    expect(a.effect).toBe(b.effect);
+    expect([a, b].map((use) => use.valuesAt(PLACE))).toEqual([{ value0: 0.5 }, { value0: 2 }]);
+    expect(splatNode({ opacity: splatOpacity.add(uniform(1)) }).effect).not.toBe(a.effect);
+  });
+
+  it('has hooks and fields only for what its nodes use', () => {
+    const moved = splatNode({ position: splatPosition.mul(2) });
+    expect(moved.effect.hooks).toEqual({ splat: expect.any(String) });
+    expect(moved.valuesAt(PLACE)).toEqual({ origin: [0, 0, 0] });
+    const coloured = splatNode({ color: vec3(float(splatIndex).fract()) });
+    expect(coloured.effect.hooks).toEqual({ color: expect.any(String) });
+    expect(coloured.effect.parameters).toBeNull();
+  });
+
+  it('reaches as far as is said; without limit where positions or scales change', () => {
+    const reach = { displacement: 0.2, growth: 1 };
+    expect(splatNode({ position: splatPosition, reach }).reach).toEqual(reach);
+    expect(splatNode({ position: splatPosition }).reach).toEqual({
+      displacement: Number.POSITIVE_INFINITY,
+      growth: 1,
+    });
+    expect(splatNode({ opacity: float(1) }).reach).toEqual({ displacement: 0, growth: 1 });
+  });
+
+  it('takes time and camera from the frame, and keeps what one frame has', () => {
+    const renderer = { _nodes: { nodeFrame: Object.assign(new NodeFrame(), { time: 3 }) } };
+    const camera = new PerspectiveCamera();
+    camera.position.set(1, 2, 3);
+    camera.updateMatrixWorld();
+    const place = { renderer, scene: new Scene(), camera, object: camera };
+    const node = splatNode({ position: splatPosition.add(cameraPosition.mul(time)) }) as FrameUse;
+    const first = node.inFrame!(place);
+    renderer._nodes.nodeFrame.time = 4;
+    const second = node.inFrame!(place);
+    const [at3, at4] = [first, second].map((use) => Object.values(use.valuesAt(PLACE)!));
+    expect(at3).toEqual(expect.arrayContaining([3, [1, 2, 3]]));
+    expect(at4).toEqual(expect.arrayContaining([4, [1, 2, 3]]));
+    expect(first.effect).toBe(second.effect);
+  });
+
+  it.each<[string, () => unknown, string]>([
+    ['no nodes', () => splatNode({}), 'would change nothing'],
+    ['a texture', () => splatNode({ color: texture(new DataTexture()).rgb }), 'texture'],
+    ['an array', () => splatNode({ color: uniformArray([new Vector3()]).element(0) as never }), 'buffer'],
+    ['an attribute', () => splatNode({ color: attribute('tangent', 'vec3') }), '"tangent"'],
+    ['a mesh’s position', () => splatNode({ position: positionLocal }), '"position"'],
+    ['an index of instances', () => splatNode({ opacity: float(instanceIndex) }), 'instanceIndex'],
+    ['a colour of what moves', () => splatNode({ position: splatColor }), 'splatColor'],
+  ])('refuses %s', (_, make, text) => {
+    expect(make).toThrow(InvalidArgumentError);
+    expect(make).toThrow(text);
+  });
+
+  it('refuses a uniform that is not finite, when a frame asks for it', () => {
+    const use = splatNode({ opacity: splatOpacity.mul(uniform(Number.NaN)) });
+    expect(() => use.valuesAt(PLACE)).toThrow('finite');
+  });
+});

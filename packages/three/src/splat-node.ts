@@ -1,0 +1,274 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import {
+  defineEffect,
+  type EffectFunction,
+  type EffectPlace,
+  type EffectReach,
+  type EffectUse,
+} from '@websplatter/core/effects';
+import { float, nodeObject, vec3 } from 'three/tsl';
+import type { Node } from 'three/webgpu';
+import type { FrameUse } from './layer-cloud.ts';
+import { NodeCompiler, type NodeValue, nodeFrameAt, type Output, SplatInputNode } from './node-bridge.ts';
+
+const input = <Type extends 'vec3' | 'float' | 'uint'>(name: keyof typeof INPUTS, type: Type): Node<Type> =>
+  nodeObject(new SplatInputNode(name, type)) as unknown as Node<Type>;
+
+/** How shaders name inputs, and what has to be there for it. */
+const INPUTS = {
+  splatPosition: { text: '( splat.position + values.origin )', field: 'origin' },
+  splatPositionWorld: { text: '( values.toWorld * vec4f( splat.position, 1.0 ) ).xyz', field: 'toWorld' },
+  splatScale: { text: 'splat.scale' },
+  splatOpacity: { text: 'splat.opacity' },
+  splatColor: { text: 'decodeSrgb( color )' },
+  splatIndex: { text: 'splatIndex' },
+} as const satisfies Record<string, { text: string; field?: keyof typeof PLACES }>;
+
+/** Fields that tell where a cloud stands: positions in shaders are relative to its origin. */
+const PLACES = {
+  origin: { type: 'vec3f', at: ({ origin }: EffectPlace) => origin },
+  toWorld: { type: 'mat4x4f', at: toWorldAt },
+} as const;
+
+/** Centre of the splat in its cloud's space; in `color`, that which `position` has given it. */
+export const splatPosition = /* @__PURE__ */ input('splatPosition', 'vec3');
+/** Centre of the splat in world space; in `color`, that which `position` has given it. */
+export const splatPositionWorld = /* @__PURE__ */ input('splatPositionWorld', 'vec3');
+/** Standard deviation along each of the splat's axes, in its cloud's space. */
+export const splatScale = /* @__PURE__ */ input('splatScale', 'vec3');
+/** Opacity of the splat's centre, 0…1. */
+export const splatOpacity = /* @__PURE__ */ input('splatOpacity', 'float');
+/** Colour as seen from the camera, linear as all of three's colours are; only for `color`. */
+export const splatColor = /* @__PURE__ */ input('splatColor', 'vec3');
+/** A number that the splat has in every frame, as a seed for noise; not its row in the file. */
+export const splatIndex = /* @__PURE__ */ input('splatIndex', 'uint');
+
+/** What becomes of each splat, as nodes of three's; what is left out stays as it is. */
+export interface SplatNodes {
+  /** Centre in the cloud's space. */
+  readonly position?: Node<'vec3'>;
+  /** Standard deviations along the splat's axes in the cloud's space, or one for all of them. */
+  readonly scale?: Node<'vec3'> | Node<'float'>;
+  /** Opacity of the centre, 0…1. */
+  readonly opacity?: Node<'float'>;
+  /** Colour, linear. */
+  readonly color?: Node<'vec3'> | Node<'color'>;
+  /**
+   * How far `position` moves a splat at most, in the cloud's units, and the factor by which `scale`
+   * enlarges one at most: chunks out of sight are left out by it. Default: no limit, so that every
+   * chunk is looked through where there is a `position` or `scale`.
+   */
+  readonly reach?: Partial<EffectReach>;
+}
+
+type FieldType = 'f32' | 'u32' | 'vec2f' | 'vec3f' | 'vec4f' | 'mat3x3f' | 'mat4x4f';
+type Values = Readonly<Record<string, number | readonly number[]>>;
+
+/** By three's types of uniforms. */
+const FIELD_TYPES: Readonly<Record<string, FieldType>> = {
+  float: 'f32',
+  int: 'u32',
+  uint: 'u32',
+  vec2: 'vec2f',
+  vec3: 'vec3f',
+  color: 'vec3f',
+  vec4: 'vec4f',
+  mat3: 'mat3x3f',
+  mat4: 'mat4x4f',
+};
+
+/** Above any growth; finite, as it is multiplied by sizes that may be 0. */
+const ANY_GROWTH = 1e9;
+
+/** Options of a program's uses. */
+interface ProgramOptions {
+  readonly reach: EffectReach;
+  /** @throws InvalidArgumentError for a uniform that is not finite. */
+  readonly read: () => Values;
+}
+
+/** By text: nodes that are made again, as in a render of React, are no new shader. */
+const programs = new Map<string, EffectFunction<ProgramOptions>>();
+
+/**
+ * Makes an effect of three's nodes (TSL). They are compiled into the shaders that project splats;
+ * uniforms and `time` change without compiling again. The effect acts with those of
+ * @websplatter/core/effects, and is passed on like them.
+ *
+ * @throws InvalidArgumentError for no nodes, and for nodes that splats cannot have: textures,
+ *   buffers, attributes of meshes; ThreeInternalsError if three has changed.
+ */
+export function splatNode({ position, scale, opacity, color, reach = {} }: SplatNodes): EffectUse {
+  const move: Output[] = [];
+  if (position)
+    move.push({
+      node: vec3(position),
+      type: 'vec3',
+      assign: (value) => `changed.position = ${value} - values.origin`,
+    });
+  if (scale)
+    move.push({
+      node: vec3(scale as Node<'vec3'>),
+      type: 'vec3',
+      assign: (value) => `changed.scale = max( ${value}, vec3f( 0.0 ) )`,
+    });
+  if (opacity) {
+    // A merged splat has an opacity above 1.
+    const most = 'max( 1.0, splat.opacity )';
+    move.push({
+      node: float(opacity),
+      type: 'float',
+      assign: (value) => `changed.opacity = clamp( ${value}, 0.0, ${most} )`,
+    });
+  }
+  const shade: Output[] = color
+    ? [
+        {
+          node: vec3(color as Node<'vec3'>),
+          type: 'vec3',
+          assign: (value) => `changed = encodeSrgb( ${value} )`,
+        },
+      ]
+    : [];
+  if (move.length + shade.length === 0) {
+    const message = 'splatNode() has no position, scale, opacity or color: it would change nothing.';
+    throw new InvalidArgumentError('nodes', message);
+  }
+
+  const compiler = new NodeCompiler();
+  const places = new Set<keyof typeof PLACES>(position && ['origin']);
+  const textOf = ({ inputName }: SplatInputNode, isColor: boolean) => {
+    const found: { text: string; field?: keyof typeof PLACES } = INPUTS[inputName as keyof typeof INPUTS];
+    if (inputName === 'splatColor' && !isColor) {
+      const message = 'splatColor is found after a splat has its place and opacity: use it in `color` alone.';
+      throw new InvalidArgumentError('splatColor', message);
+    }
+    if (found.field) places.add(found.field);
+    return found.text;
+  };
+  const moved = compiler.compile(move, (node) => textOf(node, false));
+  const shaded = compiler.compile(shade, (node) => textOf(node, true));
+
+  const fields: Record<string, FieldType> = {};
+  for (const name of places) fields[name] = PLACES[name].type;
+  for (const [name, { type }] of compiler.values) fields[name] = FIELD_TYPES[type];
+  const program = programOf(fields, {
+    declarations: [...new Set([...moved.declarations, ...shaded.declarations])].join('\n'),
+    move: move.length > 0 ? moved.statements : null,
+    shade: color ? shaded.statements : null,
+  });
+  const { displacement = position ? Number.POSITIVE_INFINITY : 0 } = reach;
+  const { growth = scale ? ANY_GROWTH : 1 } = reach;
+  const read = () => valuesOf(compiler.values);
+  const useWith = (by: () => Values) => program({ reach: { displacement, growth }, read: by });
+  const use: FrameUse = {
+    ...useWith(read),
+    inFrame(place) {
+      const frame = nodeFrameAt(place);
+      for (const node of compiler.updates) node.update(frame);
+      const values = read();
+      return useWith(() => values);
+    },
+  };
+  return use;
+}
+
+/** Statements of a program's functions; null for a function that is not needed. */
+interface ProgramText {
+  readonly declarations: string;
+  readonly move: string | null;
+  readonly shade: string | null;
+}
+
+function programOf(
+  fields: Readonly<Record<string, FieldType>>,
+  text: ProgramText,
+): EffectFunction<ProgramOptions> {
+  const key = JSON.stringify([fields, text]);
+  const known = programs.get(key);
+  if (known) return known;
+  const number = programs.size + 1;
+  const names = Object.keys(fields);
+  const program = defineEffect<ProgramOptions, Record<string, FieldType>>({
+    name: `splat-node-${number}`,
+    label: 'Nodes of three',
+    about: 'Changes splats by nodes of three’s shading language.',
+    hooks: {
+      ...(text.move !== null && { splat: `moveByNode${number}` }),
+      ...(text.shade !== null && { color: `shadeByNode${number}` }),
+    },
+    wgsl: wgslOf(text, number, names.length > 0),
+    ...(names.length > 0 && { fields }),
+    calledFor: () => 'nodes change what splats are',
+    reach: ({ reach }) => reach,
+    valuesAt: ({ read }, place) => ({
+      ...Object.fromEntries(
+        Object.entries(PLACES).flatMap(([name, { at }]) => (name in fields ? [[name, at(place)]] : [])),
+      ),
+      ...read(),
+    }),
+  });
+  programs.set(key, program);
+  return program;
+}
+
+function wgslOf({ declarations, move, shade }: ProgramText, number: number, hasValues: boolean): string {
+  const struct = `SplatNode${number}`;
+  const parameter = hasValues ? `, parameters: ${struct}` : '';
+  // Functions of nodes take no parameters.
+  const begin = hasValues ? '  values = parameters;\n' : '';
+  const lines = [
+    'import package::lib::packing::Splat;',
+    ...(shade === null ? [] : ['import package::lib::srgb::{decodeSrgb, encodeSrgb};']),
+    ...(hasValues ? [`import parameters::${struct};`, `var<private> values: ${struct};`] : []),
+    declarations,
+  ];
+  if (move !== null)
+    lines.push(
+      `fn moveByNode(splat: Splat, splatIndex: u32${parameter}) -> Splat {`,
+      `${begin}  var changed = splat;${move}`,
+      '  return changed;\n}',
+    );
+  if (shade !== null)
+    lines.push(
+      `fn shadeByNode(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f${parameter}) -> vec3f {`,
+      `${begin}  var changed = color;${shade}`,
+      '  return changed;\n}',
+    );
+  return numbered(lines.join('\n'), number);
+}
+
+/** Adds `number` to the names that `wgsl` declares: one cloud may have several such effects. */
+function numbered(wgsl: string, number: number): string {
+  const declared = [...wgsl.matchAll(/^(?:fn|struct|const|var<private>)\s+(\w+)/gm)].map(([, name]) => name);
+  if (declared.length === 0) return wgsl;
+  const names = new RegExp(`(?<![.\\w])(?:${declared.join('|')})(?!\\w)`, 'g');
+  return wgsl.replace(names, (name) => name + number);
+}
+
+/** Returns what uniforms hold now. */
+function valuesOf(uniforms: ReadonlyMap<string, NodeValue>): Values {
+  const values: Record<string, number | number[]> = {};
+  for (const [name, { node }] of uniforms) {
+    const { value } = node;
+    const numbers = isVector(value) ? value.toArray() : [Number(value)];
+    if (!numbers.every((number) => Number.isFinite(Math.fround(number)))) {
+      const message = `A uniform of splatNode() holds ${numbers.join(', ')}; its values must be finite.`;
+      throw new InvalidArgumentError('uniform', message);
+    }
+    values[name] = numbers.length === 1 ? numbers[0] : numbers;
+  }
+  return values;
+}
+
+/** Whether a uniform's value is one of three's vectors, colours or matrices. */
+function isVector(value: unknown): value is { toArray(): number[] } {
+  return typeof (value as { toArray?: unknown } | null)?.toArray === 'function';
+}
+
+/** Returns the cloud's place in the world about its origin, worked out in float64. */
+function toWorldAt({ modelMatrix, origin: [x, y, z] }: EffectPlace): number[] {
+  const m = Array.from(modelMatrix);
+  const offset = [0, 1, 2].map((row) => m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row]);
+  return [...m.slice(0, 12), ...offset, 1];
+}

@@ -1,0 +1,14 @@
+/**
+ * Effects by three's nodes (`@websplatter/three/tsl`), apart from the rest: pages without them do not
+ * download what compiles them.
+ */
+export {
+  type SplatNodes,
+  splatColor,
+  splatIndex,
+  splatNode,
+  splatOpacity,
+  splatPosition,
+  splatPositionWorld,
+  splatScale,
+} from './splat-node.ts';
