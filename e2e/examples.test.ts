@@ -1,5 +1,7 @@
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
 import { brightness, clip, opacity, tint } from '@websplatter/core/effects';
+import type { EffectReference } from '@websplatter/core/reference';
+import { splatNode, splatOpacity } from '@websplatter/three/tsl';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
@@ -11,6 +13,7 @@ import { appHarness } from './harness.ts';
 import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
 import { slowDisplay } from './slow-display.ts';
+import { decoded, encoded } from './srgb.ts';
 import { testScene } from './test-scene.ts';
 import { splatSet } from './three/splats.ts';
 import type { DrawnCamera } from './viewer-page.ts';
@@ -106,7 +109,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(19);
+    await expect.poll(() => links.count()).toBe(20);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -470,7 +473,51 @@ describe('examples of effects', () => {
     await page.getByRole('slider').fill('0');
     await expect.poll(swayed, SELDOM).toBeLessThan(MIN_PSNR_DB - 10);
   });
+
+  it('nodes do what their references in float64 do', async () => {
+    const { page, psnrWith } = await openWithTestScene('nodes');
+    // Any use of nodes: the reference stands for the page's.
+    const use = splatNode({ opacity: splatOpacity });
+    for (const [name, reference] of Object.entries(NODE_TWINS)) {
+      await page.getByLabel('Effect', { exact: true }).selectOption(name);
+      await page.getByRole('slider').fill('1');
+      const alike = psnrWith({ effects: [use], effectReferences: { [use.effect.name]: () => reference } });
+      await expect.poll(alike, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+      await page.getByRole('slider').fill('0');
+      await expect.poll(alike, SELDOM).toBeLessThan(MIN_PSNR_DB);
+    }
+  });
 });
+
+/** What the example's nodes do to the test scene at the full amount and a time of 0, in float64. */
+const NODE_TWINS: Readonly<Record<string, EffectReference>> = {
+  Wind: {
+    changeSplat({ position: [x, y, z], ...splat }) {
+      return { ...splat, position: [x + 0.2 * Math.sin(6 * x) * smooth((y - 0.3) / 0.4), y, z] };
+    },
+  },
+  Reveal: {
+    changeSplat({ opacity: whole, logScales: [a, b, c], ...splat }) {
+      const shown = smooth((1.5 - Math.hypot(...splat.position)) / 0.4);
+      const growth = Math.log(shown);
+      return { ...splat, opacity: whole * shown, logScales: [a + growth, b + growth, c + growth] };
+    },
+  },
+  Lamp: {
+    changeColor(color, { position: [x, y, z] }) {
+      const near = 0.3 / ((x - 0.45) ** 2 + (y - 0.55) ** 2 + z ** 2 + 0.05);
+      const glow = [0xff, 0xd9, 0xa0].map(decoded);
+      const lit = color.map((value, i) => encoded(decoded(255 * value) * (near * glow[i] + 0.05)));
+      return [lit[0] / 255, lit[1] / 255, lit[2] / 255];
+    },
+  },
+};
+
+/** Hermite interpolation from 0 at 0 to 1 at 1. */
+function smooth(value: number): number {
+  const t = Math.min(1, Math.max(0, value));
+  return t * t * (3 - 2 * t);
+}
 
 /** Share of the pixels that have a given colour, within 2 of 255. */
 function part({ data }: Screenshot, color: readonly number[]): number {

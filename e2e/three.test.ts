@@ -9,6 +9,7 @@ import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
 import { motionErrors } from './motion-reference.ts';
 import { MIN_PSNR_DB } from './reference.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
+import { decoded, encoded } from './srgb.ts';
 import { testScene } from './test-scene.ts';
 import type { CameraShot } from './three/array-cases.ts';
 import type { cases as pageCases } from './three/cases.ts';
@@ -118,17 +119,6 @@ function expectEachPixel(
 
 function rgbaAt({ data }: Pixels, i: number): Rgba {
   return [data[i], data[i + 1], data[i + 2], data[i + 3]];
-}
-
-/** sRGB-encoded 0…255 of linear 0…1. */
-function encoded(linear: number): number {
-  return 255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
-}
-
-/** Linear 0…1 of sRGB-encoded 0…255. */
-function decoded(value: number): number {
-  const part = value / 255;
-  return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
 }
 
 /** White splats of half opacity over a pixel, blended as in training. */
@@ -811,6 +801,10 @@ describe('three 0.187', () => {
   });
 
   describe('effects', () => {
+    test('by nodes shade splats as nodes shade meshes, at one time', async () => {
+      expectOneShade(await run('nodes'));
+    });
+
     test.each([{ near: 1, far: 6 }, { near: 1, far: 6, isNode: true }, { density: 0.3 }])(
       'fog of the scene hides splats as it does meshes: %o',
       async (fog) => {
@@ -920,11 +914,25 @@ describe('three 0.187', () => {
 /** It is installed apart, which `npm run test:full` does. */
 const hasOldest = existsSync(new URL('three/oldest/node_modules/three', import.meta.url));
 
+/** @param images of half opaque splats and a mesh on black, shaded by equal nodes. */
+function expectOneShade(images: readonly Pixels[]): void {
+  const [first, second] = images.map(leftOf);
+  expect(second[0] - first[0], 'a uniform that grew').toBeGreaterThan(20);
+  for (const image of images) {
+    const [red, green, blue] = rightOf(image);
+    expectPixel(leftOf(image), [red / 2, green / 2, blue / 2, 255]);
+  }
+}
+
 describe.runIf(hasOldest || process.env.WEBSPLATTER_FULL)('three 0.185', () => {
   const { run } = threePage('e2e/three/oldest');
 
   test('is what the page runs', async () => {
     expect(await run('revision')).toBe('185');
+  });
+
+  test('nodes that shade splats as they do meshes, at one time', async () => {
+    expectOneShade(await run('nodes'));
   });
 
   test('a renderer that somebody else made', async () => {

@@ -14,6 +14,7 @@ import {
   splatLimits,
 } from '@websplatter/three';
 import { editsOf, makeSplatData } from '@websplatter/three/own-data';
+import { splatColor, splatNode } from '@websplatter/three/tsl';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
 import {
   emissive,
@@ -24,7 +25,9 @@ import {
   pass,
   rangeFogFactor,
   reflector,
+  time,
   uniform,
+  vec3,
   vec4,
 } from 'three/tsl';
 import {
@@ -177,6 +180,24 @@ export const cases = {
     const stage = await newStage(parameters);
     stage.scene.add(rightHalf(wall(0xff0000, 0.5)), wall(0x0000ff, -0.5), splatCloud({}));
     return shot(stage);
+  },
+
+  /** Splats, and a wall before their right half, in a colour that depends on the same time and gain. */
+  nodes: async () => {
+    const stage = await newStage();
+    const gain = uniform(0.5);
+    const shade = vec3(time.mul(1000).fract().mul(0.1).add(gain), 0.25, 0.5);
+    const cloud = splatCloud({});
+    cloud.effects = [splatNode({ color: splatColor.mul(0).add(shade) })];
+    const mesh = rightHalf(wall(0xffffff, 0.5));
+    mesh.material = Object.assign(new MeshBasicNodeMaterial(), { colorNode: shade });
+    stage.scene.add(mesh, cloud);
+    const images = [];
+    for (const value of [0.25, 0.75]) {
+      gain.value = value;
+      images.push(await shot(stage));
+    }
+    return images;
   },
 
   betweenMeshesOrthographic: async (parameters: RendererParameters = {}) => {

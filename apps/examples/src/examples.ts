@@ -100,6 +100,11 @@ const DESCRIPTIONS = [
     title: 'An effect of your own',
     about: 'Wind in twenty lines of WGSL and a list of options, written outside of the packages.',
   },
+  {
+    name: 'nodes',
+    title: 'Effects by nodes',
+    about: 'Wind, a reveal and a lamp in three’s node language, TSL: a few lines each, and no shader.',
+  },
 ] as const;
 
 export interface Example {
