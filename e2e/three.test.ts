@@ -788,6 +788,12 @@ describe('three 0.187', () => {
       expect(await run('stillness')).toEqual({ still: 0, moved: 1 });
     });
 
+    test('are in scenes of glTF that three loads', async () => {
+      const { loaded, expected } = await run('gltf');
+      expectPixel(leftOf(expected), GREY);
+      expectEachPixel(loaded, expected, (pixel) => pixel, 1);
+    });
+
     test('are picked exactly, and hit by rays at about the same place', async () => {
       const { pick, otherCloud, nothing, ray } = await run('pickAndRaycast');
       expect(pick).toMatchObject({ splatIndex: 1, isOwn: true });
@@ -929,6 +935,11 @@ describe.runIf(hasOldest || process.env.WEBSPLATTER_FULL)('three 0.185', () => {
 
   test('is what the page runs', async () => {
     expect(await run('revision')).toBe('185');
+  });
+
+  test('splats in scenes of glTF', async () => {
+    const { loaded, expected } = await run('gltf');
+    expectEachPixel(loaded, expected, (pixel) => pixel, 1);
   });
 
   test('nodes that shade splats as they do meshes, at one time', async () => {

@@ -1,5 +1,6 @@
 import { type AccuracyChoice, encodePly, packCloud } from '@websplatter/core';
 import { antialias, brightness, clip, tint } from '@websplatter/core/effects';
+import { writeSplats } from '@websplatter/core/write';
 import {
   adoptRenderer,
   clipVolumeOf,
@@ -13,8 +14,10 @@ import {
   splatEngineOf,
   splatLimits,
 } from '@websplatter/three';
+import { SplatGltfPlugin } from '@websplatter/three/gltf';
 import { editsOf, makeSplatData } from '@websplatter/three/own-data';
 import { splatColor, splatNode } from '@websplatter/three/tsl';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
 import {
   emissive,
@@ -198,6 +201,20 @@ export const cases = {
       images.push(await shot(stage));
     }
     return images;
+  },
+
+  /** The same splats by three's loader of glTF, and as data. */
+  gltf: async () => {
+    const stage = await newStage();
+    const set = splatSet([{}]);
+    const { buffer } = await writeSplats(set, 'gltf');
+    const loader = new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
+    const { scene } = await loader.parseAsync(buffer as ArrayBuffer, '');
+    stage.scene.add(scene);
+    const loaded = await shot(stage);
+    stage.scene.remove(scene);
+    stage.scene.add(new SplatCloudObjectClass(makeSplatData(set)));
+    return { loaded, expected: await shot(stage) };
   },
 
   betweenMeshesOrthographic: async (parameters: RendererParameters = {}) => {

@@ -55,7 +55,13 @@ const PACKAGES = [
   { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   {
     name: 'three',
-    entries: { index: 'src/index.ts', 'own-data': 'src/own-data.ts', tsl: 'src/tsl.ts', xr: 'src/xr.ts' },
+    entries: {
+      index: 'src/index.ts',
+      gltf: 'src/gltf.ts',
+      'own-data': 'src/own-data.ts',
+      tsl: 'src/tsl.ts',
+      xr: 'src/xr.ts',
+    },
     inputs: [],
     hasDeclarations: true,
   },
@@ -64,6 +70,7 @@ const PACKAGES = [
     entries: {
       index: 'src/index.ts',
       components: 'src/components.ts',
+      gltf: 'src/gltf.ts',
       hooks: 'src/hooks.ts',
       'own-data': 'src/own-data.ts',
       tsl: 'src/tsl.ts',

@@ -1,0 +1,129 @@
+import type { GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
+import { Group, type Object3D } from 'three/webgpu';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+import { SplatLoader } from './splat-loader.ts';
+
+const SPLATTING = 'KHR_gaussian_splatting';
+/** Chunks of a binary glTF: their types, and the multiple of bytes that each fills. */
+const MAGIC = 0x46546c67;
+const JSON_CHUNK = 0x4e4f534a;
+const BINARY_CHUNK = 0x004e4942;
+const CHUNK_ALIGNMENT = 4;
+/** Large enough for every type of component. */
+const VIEW_ALIGNMENT = 8;
+
+/** The parts of a glTF's JSON that place splats. */
+interface GltfJson {
+  readonly asset: object;
+  readonly meshes: readonly GltfMesh[];
+  readonly accessors?: readonly { readonly bufferView?: number }[];
+  readonly bufferViews?: readonly { readonly byteStride?: number }[];
+}
+
+interface GltfMesh {
+  readonly name?: string;
+  primitives: readonly GltfPrimitive[];
+}
+
+interface GltfPrimitive {
+  readonly attributes?: Readonly<Record<string, number>>;
+  readonly extensions?: Readonly<Record<string, object>>;
+}
+
+/**
+ * Shows the splats of glTF files (KHR_gaussian_splatting) that three's GLTFLoader loads: each mesh
+ * that has some becomes a `SplatCloudObject` in its scene, in a Group where it has other geometry,
+ * too. All that core reads of glTF is read.
+ *
+ *     new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
+ *
+ * Loads reject with the errors of `SplatLoader.load`.
+ */
+export class SplatGltfPlugin implements GLTFLoaderPlugin {
+  /** Takes the place of three's own plugin for the extension. */
+  readonly name = SPLATTING;
+  readonly #parser: GLTFParser;
+  readonly #loader: SplatLoader;
+
+  /** @param loader reads the splats: with a renderer, an accuracy or limits of its own. */
+  constructor(parser: GLTFParser, loader = new SplatLoader(parser.options.manager)) {
+    this.#parser = parser;
+    this.#loader = loader;
+  }
+
+  /** Called by three: returns null for a mesh without splats. */
+  loadMesh(index: number): Promise<Group> | null {
+    const { meshes } = this.#parser.json as GltfJson;
+    const isOfSplats = ({ extensions }: GltfPrimitive) => extensions?.[SPLATTING] !== undefined;
+    if (!meshes[index].primitives.some(isOfSplats)) return null;
+    return this.#objectOf(meshes[index], index, isOfSplats) as Promise<Group>;
+  }
+
+  async #objectOf(
+    mesh: GltfMesh,
+    index: number,
+    isOfSplats: (primitive: GltfPrimitive) => boolean,
+  ): Promise<Object3D> {
+    const { primitives } = mesh;
+    const others = primitives.filter((primitive) => !isOfSplats(primitive));
+    // three's own way to load a mesh takes all of its primitives.
+    mesh.primitives = others;
+    const loadsOthers = others.length > 0 ? this.#parser.loadMesh(index) : null;
+    mesh.primitives = primitives;
+    const file = await this.#fileOf(primitives.filter(isOfSplats));
+    const cloud = new SplatCloudObject(await this.#loader.loadAsync(file));
+    cloud.name = mesh.name ?? `mesh_${index}`;
+    this.#parser.associations.set(cloud, { meshes: index });
+    return loadsOthers ? new Group().add(cloud, await loadsOthers) : cloud;
+  }
+
+  /** Makes a binary glTF of nothing but these primitives, with the buffers that three has fetched. */
+  async #fileOf(primitives: readonly GltfPrimitive[]): Promise<Blob> {
+    const json = this.#parser.json as GltfJson;
+    const { accessors = [], bufferViews = [] } = json;
+    const used = new Set(primitives.flatMap((primitive) => viewsOf(primitive, accessors)));
+    const bytes: BlobPart[] = [];
+    const views: object[] = bufferViews.map(() => ({ buffer: 0, byteLength: 1 }));
+    let byteOffset = 0;
+    for (const view of used) {
+      // Decompressed, where the view is compressed.
+      const buffer: ArrayBuffer = await this.#parser.getDependency('bufferView', view);
+      const { byteStride } = bufferViews[view];
+      const padding = -buffer.byteLength & (VIEW_ALIGNMENT - 1);
+      views[view] = { buffer: 0, byteOffset, byteLength: buffer.byteLength, byteStride };
+      bytes.push(buffer, new Uint8Array(padding));
+      byteOffset += buffer.byteLength + padding;
+    }
+    const contents = {
+      asset: json.asset,
+      scene: 0,
+      scenes: [{ nodes: [0] }],
+      nodes: [{ mesh: 0 }],
+      meshes: [{ primitives }],
+      accessors,
+      bufferViews: views,
+      buffers: [{ byteLength: byteOffset }],
+    };
+    const text = new TextEncoder().encode(JSON.stringify(contents));
+    const spaces = new Uint8Array(-text.byteLength & (CHUNK_ALIGNMENT - 1)).fill(0x20);
+    const textBytes = text.byteLength + spaces.byteLength;
+    const head = Uint32Array.of(MAGIC, 2, 28 + textBytes + byteOffset, textBytes, JSON_CHUNK);
+    const parts = [head, text, spaces, Uint32Array.of(byteOffset, BINARY_CHUNK), ...bytes];
+    return new Blob(parts as BlobPart[]);
+  }
+}
+
+/** Views with the attributes of a primitive, and those that its extensions name. */
+function viewsOf(primitive: GltfPrimitive, accessors: NonNullable<GltfJson['accessors']>): number[] {
+  const ofAttributes = Object.values(primitive.attributes ?? {}).flatMap(
+    (accessor) => accessors[accessor]?.bufferView ?? [],
+  );
+  return [...ofAttributes, ...namedViews(primitive.extensions)];
+}
+
+function namedViews(value: unknown): number[] {
+  if (typeof value !== 'object' || value === null) return [];
+  return Object.entries(value).flatMap(([key, each]) =>
+    key === 'bufferView' && typeof each === 'number' ? [each] : namedViews(each),
+  );
+}
