@@ -50,6 +50,18 @@ function image(page: Page): Promise<Screenshot> {
   return screenshot(page.locator('.stage'), '.panel, .view-names { visibility: hidden !important; }');
 }
 
+/** The image once two in a row are alike: temporal effects come to rest after frames. */
+async function settled(page: Page): Promise<Screenshot> {
+  let last = await image(page);
+  const change = async () => {
+    const before = last;
+    last = await image(page);
+    return changedPart(before, last, 2);
+  };
+  await expect.poll(change, SELDOM).toBeLessThan(0.01);
+  return last;
+}
+
 /** Clicks on the canvas until `isDone`. */
 async function clickUntil(page: Page, x: number, y: number, isDone: () => Promise<boolean>): Promise<void> {
   const click = async () => {
@@ -109,7 +121,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(20);
+    await expect.poll(() => links.count()).toBe(24);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -472,6 +484,62 @@ describe('examples of effects', () => {
     await expect.poll(swayed, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('slider').fill('0');
     await expect.poll(swayed, SELDOM).toBeLessThan(MIN_PSNR_DB - 10);
+  });
+
+  it('post-processing focuses on what is near or far, and glows', async () => {
+    const page = await openExample('post-processing', testScene());
+    const slider = (name: string) => page.getByRole('slider', { name });
+    const background = PAGE_COLOR.map((value) => 255 * value);
+    const covered = async () => 1 - part(await image(page), background);
+    await expect.poll(covered, SELDOM).toBeGreaterThan(0.2);
+    await slider('Glow').fill('0');
+    await slider('Focus').fill('0.8');
+    const near = await settled(page);
+    const changed = async () => changedPart(near, await image(page), 2);
+    await slider('Focus').fill('2.2');
+    await expect.poll(changed, SELDOM).toBeGreaterThan(0.05);
+    await slider('Focus').fill('0.8');
+    await expect.poll(changed, SELDOM).toBeLessThan(0.02);
+    await slider('Glow').fill('1');
+    await expect.poll(changed, SELDOM).toBeGreaterThan(0.05);
+  });
+
+  it('detail shows all splats, or fewer', async () => {
+    const { page, psnrWith } = await openWithTestScene('detail');
+    await page.getByRole('slider').fill('0');
+    await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByRole('slider').fill('8');
+    await expect.poll(psnrWith(), SELDOM).toBeLessThan(MIN_PSNR_DB);
+  });
+
+  it('file-drop shows the file that a visitor chooses, or why it cannot', async () => {
+    const page = await harness.newPage(LARGE);
+    await page.goto(`${harness.server.url}?example=file-drop`);
+    await page.getByText('ring.ply: 6,000 splats').waitFor();
+    const choose = (name: string, buffer: Buffer) =>
+      page.getByLabel('A file of splats').setInputFiles({ name, mimeType: '', buffer });
+    await choose('sphere.ply', Buffer.from(encodePly(testScene())));
+    await page.getByText('sphere.ply: 400 splats').waitFor();
+    await choose('readme.txt', Buffer.from('hello'));
+    await page.getByText(/readme\.txt: .* no known format/).waitFor();
+  });
+
+  it('gltf-scene shows a ring of splats around a mesh', async () => {
+    const page = await harness.newPage(SMALL);
+    await page.goto(`${harness.server.url}?example=gltf-scene`);
+    const size = await sizeOf(page);
+    const camera = drawnFrom([1.2, 1.1, 2.6], size);
+    const colorOf = async (point: Vec3) => {
+      const { xPx, yPx } = projected(camera, point, size);
+      return colorAt(await image(page), xPx, yPx);
+    };
+    // Coloured in front of the column, which is grey above it.
+    const spread = async (point: Vec3) => {
+      const color = await colorOf(point);
+      return Math.max(...color) - Math.min(...color);
+    };
+    await expect.poll(() => spread([0.4, 0.1, 0.9]), SELDOM).toBeGreaterThan(100);
+    expect(await spread([0.08, 0.6, 0.14])).toBeLessThan(30);
   });
 
   it('nodes do what their references in float64 do', async () => {

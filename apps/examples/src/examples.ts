@@ -81,6 +81,26 @@ const DESCRIPTIONS = [
     about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
   },
   {
+    name: 'post-processing',
+    title: 'Post-processing',
+    about: 'Depth of field, bloom and temporal antialiasing over splats and meshes, in one image.',
+  },
+  {
+    name: 'detail',
+    title: 'Detail',
+    about: 'A slider from all splats to one in 256: coarser ones stand for those that are left out.',
+  },
+  {
+    name: 'file-drop',
+    title: 'Files of visitors',
+    about: 'A file that is dropped or chosen replaces the scene, and the camera moves to fit it.',
+  },
+  {
+    name: 'gltf-scene',
+    title: 'A glTF scene',
+    about: 'One file with a mesh and splats, loaded by useGLTF and placed by its nodes.',
+  },
+  {
     name: 'own-data',
     title: 'Splats of your own',
     about: 'Splats that code makes of arrays, and gives other places and colours in every frame.',

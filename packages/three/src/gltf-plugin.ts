@@ -1,5 +1,4 @@
-import type { GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
-import { Group, type Object3D } from 'three/webgpu';
+import { Group, type LoadingManager, type Object3D } from 'three/webgpu';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatLoader } from './splat-loader.ts';
 
@@ -11,6 +10,15 @@ const BINARY_CHUNK = 0x004e4942;
 const CHUNK_ALIGNMENT = 4;
 /** Large enough for every type of component. */
 const VIEW_ALIGNMENT = 8;
+
+/** The parser of three's GLTFLoader, or of another that is like it, such as the one that drei has. */
+export interface GltfParser {
+  readonly json: unknown;
+  readonly options: { readonly manager: LoadingManager };
+  readonly associations: { set(object: Object3D, places: object): unknown };
+  getDependency(type: string, index: number): Promise<unknown>;
+  loadMesh(index: number): Promise<Object3D>;
+}
 
 /** The parts of a glTF's JSON that place splats. */
 interface GltfJson {
@@ -39,14 +47,14 @@ interface GltfPrimitive {
  *
  * Loads reject with the errors of `SplatLoader.load`.
  */
-export class SplatGltfPlugin implements GLTFLoaderPlugin {
+export class SplatGltfPlugin {
   /** Takes the place of three's own plugin for the extension. */
   readonly name = SPLATTING;
-  readonly #parser: GLTFParser;
+  readonly #parser: GltfParser;
   readonly #loader: SplatLoader;
 
   /** @param loader reads the splats: with a renderer, an accuracy or limits of its own. */
-  constructor(parser: GLTFParser, loader = new SplatLoader(parser.options.manager)) {
+  constructor(parser: GltfParser, loader = new SplatLoader(parser.options.manager)) {
     this.#parser = parser;
     this.#loader = loader;
   }
@@ -87,7 +95,7 @@ export class SplatGltfPlugin implements GLTFLoaderPlugin {
     let byteOffset = 0;
     for (const view of used) {
       // Decompressed, where the view is compressed.
-      const buffer: ArrayBuffer = await this.#parser.getDependency('bufferView', view);
+      const buffer = (await this.#parser.getDependency('bufferView', view)) as ArrayBuffer;
       const { byteStride } = bufferViews[view];
       const padding = -buffer.byteLength & (VIEW_ALIGNMENT - 1);
       views[view] = { buffer: 0, byteOffset, byteLength: buffer.byteLength, byteStride };

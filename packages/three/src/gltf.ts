@@ -1,2 +1,2 @@
 /** Splats in glTF files that three's GLTFLoader loads (`@websplatter/three/gltf`). */
-export { SplatGltfPlugin } from './gltf-plugin.ts';
+export { type GltfParser, SplatGltfPlugin } from './gltf-plugin.ts';
