@@ -1,20 +1,21 @@
 // Decides which chunks of splats can reach into the image. Reads the chunks' bounds; writes 1 or 0
 // per chunk to chunkOffsets, which a scan then turns into places. One thread per chunk, dispatched
-// per page. With LEVELS the bounds are those of the chunk's cell, and a chunk that the cut does not
+// per page; with INSTANCES, per batch of instances of one page. With LEVELS the bounds are those of the chunk's cell, and a chunk that the cut does not
 // go through is left out: a cell is drawn where its parent's leaves would show, and a chunk of it
 // where one of its links is met.
 import constants::CHUNK_WORKGROUP;
 import layout::View;
-import layout::Page;
+@if(!INSTANCES) import layout::Page;
 @if(!LEVELS) import layout::Chunk;
 @if(LEVELS) import layout::ChunkLinks;
 @if(LEVELS) import layout::LevelCell;
 @if(LEVELS) import constants::NO_CELL;
 import package::lib::chunk_frustum::reachesPast;
 import package::lib::dispatch::linearWorkgroup;
+@if(INSTANCES) import package::lib::instances::{enterInstance, instanceIndex, page, pages};
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<uniform> page: Page;
+@if(!INSTANCES) @group(0) @binding(1) var<uniform> page: Page;
 @if(!LEVELS) @group(0) @binding(2) var<storage, read> chunks: array<Chunk>;
 @group(0) @binding(3) var<storage, read_write> chunkOffsets: array<u32>;
 @if(LEVELS) @group(0) @binding(4) var<storage, read> links: array<ChunkLinks>;
@@ -23,7 +24,10 @@ import package::lib::dispatch::linearWorkgroup;
 
 @compute @workgroup_size(CHUNK_WORKGROUP)
 fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let index = linearWorkgroup(workgroup, view.dispatchRow) * CHUNK_WORKGROUP + lane;
+  @if(!INSTANCES) let index = linearWorkgroup(workgroup, view.dispatchRow) * CHUNK_WORKGROUP + lane;
+  @if(INSTANCES) let chunk = pages[0].chunkStart + linearWorkgroup(workgroup, view.dispatchRow) * CHUNK_WORKGROUP + lane;
+  @if(INSTANCES) enterInstance(chunk);
+  @if(INSTANCES) let index = chunk - page.chunkStart;
   if (index >= page.chunkCount) { return; }
   @if(!LEVELS) let isVisible = isInFrustum(chunks[index]);
   @if(LEVELS) let isVisible = isInCut(index) && isInFrustum(index);
@@ -56,7 +60,9 @@ fn reachesIn(minPosition: vec3f, maxPosition: vec3f, maxScale: f32) -> bool {
   let center = 0.5 * (minPosition + maxPosition);
   let halfExtent = 0.5 * (maxPosition - minPosition);
   for (var i = 0u; i < 6u; i++) {
-    if (!reachesPast(page.frustum[i], page.frustumReach[i].x * maxScale, center, halfExtent)) { return false; }
+    @if(!INSTANCES) if (!reachesPast(page.frustum[i], page.frustumReach[i].x * maxScale, center, halfExtent)) { return false; }
+    @if(INSTANCES) let reach = pages[instanceIndex].frustumReach[i].x * maxScale;
+    @if(INSTANCES) if (!reachesPast(pages[instanceIndex].frustum[i], reach, center, halfExtent)) { return false; }
   }
   return true;
 }

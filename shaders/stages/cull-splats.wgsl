@@ -1,7 +1,7 @@
 // Decides which splats of the visible chunks are drawn. Reads the page's plan, its visible chunks,
 // and its geometry with the ranges of packed log scales; writes a bit per splat, a count per chunk
 // and the range of depths. One workgroup per visible chunk, one thread per splat, dispatched per
-// page. Skips the covariance if opacity or depth alone decides. With NARROW one thread per visible
+// page; with INSTANCES, per batch of instances of one page. Skips the covariance if opacity or depth alone decides. With NARROW one thread per visible
 // chunk, which waits for no other, and at most one workgroup.
 import constants::CHUNK_SPLATS;
 import constants::CULL_WORKGROUP;
@@ -10,11 +10,12 @@ import constants::MASK_WORDS;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
 @if(!GEOMETRY_F32) import layout::Chunk;
 import layout::View;
-import layout::Page;
+@if(!INSTANCES) import layout::Page;
 import layout::PagePlan;
 import package::lib::depth_key::{orderedBits, sortDepth};
 @if(DILATED) import package::lib::dilated_blob::dilatedBlob;
 import package::lib::dispatch::linearWorkgroup;
+@if(INSTANCES) import package::lib::instances::{enterInstance, page, pages};
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
@@ -25,7 +26,7 @@ import package::lib::visible_ellipse::isInDepthRange;
 @if(!FRUSTUM_CULLING) import package::lib::visible_ellipse::screenSplat;
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<uniform> page: Page;
+@if(!INSTANCES) @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleChunks: array<u32>;
 @group(0) @binding(4) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
@@ -47,11 +48,13 @@ const NOT_DRAWN = 0u;
 @if(!NARROW)
 @compute @workgroup_size(CULL_WORKGROUP)
 fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  @if(INSTANCES) page.index = pages[0].index;
   let plan = pagePlans[page.index];
   let slotInPage = linearWorkgroup(workgroup, view.dispatchRow);
   let slot = plan.slotStart + slotInPage;
   let isSlot = slotInPage < plan.slotCount;
   var splatIndex = 0xffffffffu;
+  @if(INSTANCES) if (isSlot) { enterInstance(visibleChunks[slot]); }
   if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
 
   var isCandidate = splatIndex < page.splatCount;
@@ -83,10 +86,12 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 @if(NARROW)
 @compute @workgroup_size(CULL_WORKGROUP)
 fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  @if(INSTANCES) page.index = pages[0].index;
   let plan = pagePlans[page.index];
   let slotInPage = linearWorkgroup(workgroup, view.dispatchRow) * CULL_WORKGROUP + lane;
   if (slotInPage >= plan.slotCount) { return; }
   let slot = plan.slotStart + slotInPage;
+  @if(INSTANCES) enterInstance(visibleChunks[slot]);
   let firstSplat = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS;
   var count = 0u;
   var farthest = 0u;

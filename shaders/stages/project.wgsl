@@ -1,7 +1,8 @@
 // Projects every visible splat: computes its record (centre, axes, depth, colour) and its sort key.
 // Reads the page's plan, the visible splats, the range of depths, the geometry with the ranges of
 // packed log scales, and the spherical harmonics; writes records and keys in the order of
-// visibleSplats. One thread per visible splat, dispatched per page. All splats of a page have the
+// visibleSplats. One thread per visible splat, dispatched per page; with
+// INSTANCES, per batch of instances of one page. All splats of a page have the
 // same degree of spherical harmonics, so it is a condition of linking instead of a branch.
 import constants::CHUNK_SPLATS;
 import constants::MAX_COLOR;
@@ -11,7 +12,7 @@ import constants::SH_WORDS;
 @if(OPACITY_EFFECTS) import effects::changeOpacity;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
 @if(!GEOMETRY_F32) import layout::Chunk;
-import layout::Page;
+@if(!INSTANCES) import layout::Page;
 import layout::PagePlan;
 import layout::SplatRecord;
 import layout::View;
@@ -21,6 +22,7 @@ import package::lib::covariance::screenAxes;
 import package::lib::depth_key::sortDepth;
 @if(DILATED) import package::lib::dilated_blob::dilatedBlob;
 import package::lib::dispatch::linearWorkgroup;
+@if(INSTANCES) import package::lib::instances::{enterInstance, page, pages};
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
@@ -31,7 +33,7 @@ import package::lib::spherical_harmonics::shBasis3;
 import package::lib::visible_ellipse::screenSplat;
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<uniform> page: Page;
+@if(!INSTANCES) @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> pagePlans: array<PagePlan>;
 @group(0) @binding(3) var<storage, read> visibleSplats: array<u32>;
 /// Ordered bits of the farthest and, inverted, of the nearest depth (`sortDepth`). A uniform
@@ -45,10 +47,12 @@ import package::lib::visible_ellipse::screenSplat;
 
 @compute @workgroup_size(PROJECT_WORKGROUP)
 fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  @if(INSTANCES) page.index = pages[0].index;
   let plan = pagePlans[page.index];
   let indexInPage = linearWorkgroup(workgroup, view.dispatchRow) * PROJECT_WORKGROUP + lane;
   if (indexInPage >= plan.visibleCount) { return; }
   let index = plan.visibleStart + indexInPage;
+  @if(INSTANCES) enterInstance(visibleSplats[index] / CHUNK_SPLATS);
   let splatIndex = visibleSplats[index] - page.chunkStart * CHUNK_SPLATS;
 
   @if(!GEOMETRY_F32) let chunk = &chunks[splatIndex / CHUNK_SPLATS];

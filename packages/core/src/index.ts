@@ -83,6 +83,7 @@ export type {
   PrecisionProblem,
   SetAccuracyOptions,
 } from './engine.ts';
+export type { CloudInstances } from './frame/cloud-instances.ts';
 export {
   checkDetail,
   type Detail,

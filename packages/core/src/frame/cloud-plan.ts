@@ -1,3 +1,4 @@
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { type AccuracySettings, DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import type { Camera, Projection } from '../data/camera/camera.ts';
 import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
@@ -11,7 +12,9 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
+import { opacity, tint } from '../gpu/effects/effects.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
+import { type CloudInstances, countInstances, worldMatrices } from './cloud-instances.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
@@ -26,8 +29,15 @@ export interface PlannedUse {
   readonly selectionVersion: number | undefined;
 }
 
+/** A place of a cloud, as the camera sees it. */
+export interface CloudPlace {
+  readonly view: CloudView;
+  /** Sides of the frustum in the cloud's space. */
+  readonly sides: readonly FrustumSide[];
+}
+
 /** One cloud of a frame. */
-export interface CloudPlan {
+export interface CloudPlan extends CloudPlace {
   /** Copy of the caller's instance. */
   readonly instance: CloudInstance;
   /** The cloud's, which edits change. */
@@ -37,13 +47,12 @@ export interface CloudPlan {
   /** Effects that the cloud is drawn with, in the order in which they act. */
   readonly uses: readonly PlannedUse[];
   readonly effects: EffectSet;
-  /** Packed parameters of all effects, as shaders read them. */
+  /** Packed parameters of all effects, as shaders read them; of instances, one after another. */
   readonly parameters: Uint8Array;
   /** How far all effects together move splats, and how much they enlarge them. */
   readonly reach: SplatReach;
-  readonly view: CloudView;
-  /** Sides of the frustum in the cloud's space. */
-  readonly sides: readonly FrustumSide[];
+  /** Places of the cloud's instances; null: the cloud is drawn once, at its own. */
+  readonly places: readonly CloudPlace[] | null;
   /** Why all splats are drawn: see `reasonInFull`. */
   readonly inFull: string | null;
   /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
@@ -79,26 +88,40 @@ export function planCloud(
   const { cloud } = instance;
   const modelMatrix = instance.modelMatrix ? new Float64Array(instance.modelMatrix) : identity4();
   const acting = effectsOf(instance);
-  const place: EffectPlace = { modelMatrix, origin: cloud.origin, viewMatrix: camera.viewMatrix };
+  const effectPlace = (matrix: ArrayLike<number>): EffectPlace => ({
+    modelMatrix: matrix,
+    origin: cloud.origin,
+    viewMatrix: camera.viewMatrix,
+  });
   const reach = reachOf(acting);
-  const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
-  if (![...view.linear, ...view.translation].every(isFiniteF32)) {
-    const message = `${cloud.name}: its place in view space exceeds float32.`;
-    throw new InvalidArgumentError('modelMatrix', message);
-  }
+  const view = viewOf(cloud, modelMatrix, camera, projection);
   const uses = acting.map((use) => ({
     use,
-    values: ownValues(use.valuesAt(place)),
+    values: ownValues(use.valuesAt(effectPlace(modelMatrix))),
     selectionVersion: use.selection?.version,
   }));
   const effects = effectSetOf(acting);
-  const inFull = reasonInFull(cloud, detail, view, accuracy);
+  const inFull = instance.instances
+    ? 'instances are drawn in full'
+    : reasonInFull(cloud, detail, view, accuracy);
   const found = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
   const cut = found ?? (cloud.pool ? FINEST_CUT : null);
   const sightCut = found ?? (cloud.pool && levelCut(cloud.levels, {}, view, projection, reach)) ?? cut;
+  const sidesOf = (seen: CloudView) =>
+    frustumSides(
+      seen,
+      projection,
+      accuracy.alphaCutoff,
+      DILATION_PX2,
+      reach,
+      cut ? LEVEL_CONSTANTS.MOST_OPACITY : 1,
+    );
+  const instances = instance.instances && copiedInstances(instance.instances);
+  const matrices = instances && worldMatrices({ modelMatrix, instances });
   return {
     instance: {
       ...instance,
+      ...(instances && { instances }),
       ...(instance.modelMatrix && { modelMatrix }),
       ...(instance.effects && { effects: [...instance.effects] }),
     },
@@ -106,17 +129,20 @@ export function planCloud(
     modelMatrix,
     uses,
     effects,
-    parameters: packParameters(effects, uses),
+    parameters: packParameters(
+      effects,
+      matrices && instances
+        ? matrices.map((matrix, i) => valuesOfInstance(uses, effectPlace(matrix), instances, i))
+        : [uses],
+    ),
     reach,
     view,
-    sides: frustumSides(
-      view,
-      projection,
-      accuracy.alphaCutoff,
-      DILATION_PX2,
-      reach,
-      cut ? LEVEL_CONSTANTS.MOST_OPACITY : 1,
-    ),
+    sides: sidesOf(view),
+    places:
+      matrices?.map((matrix) => {
+        const seen = viewOf(cloud, matrix, camera, projection);
+        return { view: seen, sides: sidesOf(seen) };
+      }) ?? null,
     inFull,
     cut,
     sightCut,
@@ -125,6 +151,50 @@ export function planCloud(
       cloud.levels?.refinement != null &&
       (!!cloud.editing?.touched.count || uses.some(showsSelection)),
   };
+}
+
+/** @throws InvalidArgumentError naming the cloud, if shaders cannot compute its view coordinates. */
+function viewOf(
+  cloud: SplatCloud,
+  modelMatrix: ArrayLike<number>,
+  camera: Camera,
+  projection: Projection,
+): CloudView {
+  const view = cloudView(camera.viewMatrix, modelMatrix, cloud.origin, projection.isOrthographic);
+  if (view.linear.every(isFiniteF32) && view.translation.every(isFiniteF32)) return view;
+  const message = `${cloud.name}: its place in view space exceeds float32.`;
+  throw new InvalidArgumentError('modelMatrix', message);
+}
+
+/** Callers may write into theirs. */
+function copiedInstances({ modelMatrices, tints, opacities }: CloudInstances): CloudInstances {
+  return {
+    modelMatrices: new Float64Array(modelMatrices),
+    ...(tints && { tints: new Float64Array(tints) }),
+    ...(opacities && { opacities: new Float64Array(opacities) }),
+  };
+}
+
+/** Values of a cloud's effects for one of its instances, with its own opacity and tint. */
+function valuesOfInstance(
+  uses: readonly PlannedUse[],
+  place: EffectPlace,
+  { opacities, tints }: CloudInstances,
+  i: number,
+): Pick<PlannedUse, 'use' | 'values'>[] {
+  return uses.map(({ use }) => {
+    const values = use.valuesAt(place);
+    if (opacities && use.effect === opacity.effect)
+      return { use, values: { factor: (values!.factor as number) * opacities[i] } };
+    if (tints && use.effect === tint.effect) {
+      const color = Array.from(
+        values!.color as ArrayLike<number>,
+        (factor, at) => factor * tints[3 * i + at],
+      );
+      return { use, values: { color } };
+    }
+    return { use, values };
+  });
 }
 
 /** Whether an effect shows a selection of splats. */
@@ -155,6 +225,7 @@ export function cloudShape(
     levels: cut && cloud.levels,
     isTouched,
     effects,
+    instanceCount: instance.instances ? countInstances(instance) : null,
     shDegree: Math.min(shDegree, cloud.shDegree) as ShDegree,
     // Balls merge to blobs that are none.
     isIsotropic: mayBeIsotropic && !cut && isIsotropic(cloud.facts, effects),

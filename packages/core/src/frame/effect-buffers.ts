@@ -1,8 +1,7 @@
-import { roundUp } from '../data/layout/gpu-struct.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
 import { ChunkLevels } from './chunk-levels.ts';
-import { pagesOf, UNIFORM_ALIGNMENT } from './frame-pages.ts';
+import { pagesOf, type UniformRange, uniformBytes } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 import { SelectionBits } from './selection-bits.ts';
@@ -15,8 +14,8 @@ export class EffectBuffers {
   readonly #levels: ChunkLevels;
   #parameters: GPUBuffer | null = null;
   #contents = new Uint8Array(0);
-  /** From one cloud's parameters to the next cloud's. */
-  #strideBytes = 0;
+  /** By page of the frame. */
+  #ranges: readonly UniformRange[] = [];
 
   constructor(memory: GpuMemory, queue: GPUQueue) {
     this.#memory = memory;
@@ -27,10 +26,11 @@ export class EffectBuffers {
 
   /** Makes room for the effects of this shape, and frees the rest. */
   fit(shape: FrameShape): void {
-    this.#selections.fit(shape.clouds, pagesOf(shape));
-    this.#levels.fit(shape.clouds, pagesOf(shape));
-    this.#strideBytes = strideOf(shape);
-    const bytes = this.#strideBytes * shape.clouds.length;
+    const pages = pagesOf(shape);
+    this.#selections.fit(shape.clouds, pages);
+    this.#levels.fit(shape.clouds, pages);
+    this.#ranges = pages.map(({ parameters }) => parameters);
+    const bytes = uniformBytes(this.#ranges);
     if ((this.#parameters?.size ?? 0) === bytes) return;
     if (this.#parameters) this.#memory.destroy(this.#parameters);
     const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
@@ -38,12 +38,12 @@ export class EffectBuffers {
   }
 
   /** Returns the bindings of one page's stages. */
-  bindingsOf(pageIndex: number, cloudIndex: number): Bindings {
+  bindingsOf(pageIndex: number): Bindings {
     const selectedBits = this.#selections.bindingOf(pageIndex);
     const chunkLevels = this.#levels.bindingOf(pageIndex);
-    const size = this.#strideBytes;
+    const range = this.#ranges[pageIndex];
     return {
-      ...(this.#parameters && { effects: { buffer: this.#parameters, offset: cloudIndex * size, size } }),
+      ...(this.#parameters && range.size > 0 && { effects: { buffer: this.#parameters, ...range } }),
       ...(selectedBits && { selectedBits }),
       ...(chunkLevels && { chunkLevels }),
     };
@@ -53,8 +53,16 @@ export class EffectBuffers {
     if (this.#parameters) {
       const { size } = this.#parameters;
       if (this.#contents.length !== size) this.#contents = new Uint8Array(size);
-      for (const [i, { parameters }] of plan.clouds.entries())
-        this.#contents.set(parameters, i * this.#strideBytes);
+      for (const {
+        cloudIndex,
+        instances,
+        parameters: { offset },
+      } of pagesOf(plan.shape)) {
+        const { effects, parameters } = plan.clouds[cloudIndex];
+        const { first, count } = instances ?? { first: 0, count: 1 };
+        const bytes = effects.parameterBytes;
+        this.#contents.set(parameters.subarray(first * bytes, (first + count) * bytes), offset);
+      }
       this.#queue.writeBuffer(this.#parameters, 0, this.#contents);
     }
     this.#selections.write(plan.clouds);
@@ -70,9 +78,4 @@ export class EffectBuffers {
   selectionBytes(cloudIndex: number): number {
     return this.#selections.bytesOf(cloudIndex);
   }
-}
-
-/** Returns 0 if no cloud's effects take parameters. */
-function strideOf({ clouds }: FrameShape): number {
-  return roundUp(Math.max(0, ...clouds.map(({ effects }) => effects.parameterBytes)), UNIFORM_ALIGNMENT);
 }

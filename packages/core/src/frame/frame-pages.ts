@@ -2,41 +2,93 @@ import type { CloudPage } from '../clouds/cloud-planes.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { Page } from '../data/layout/structs.ts';
+import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 
 /** Offsets of uniform bindings are multiples of this many bytes. */
 export const UNIFORM_ALIGNMENT = 256;
-/** Bytes from one `Page` to the next in a frame's uniforms. */
-export const PAGE_STRIDE_BYTES = roundUp(Page.bytes, UNIFORM_ALIGNMENT);
+/** Bytes that a uniform binding may have on every device. */
+const UNIFORM_BINDING_BYTES = 65_536;
 
-/** One page of one of the frame's clouds. */
+/** One page of one of the frame's clouds, or of a batch of one's instances. */
 export interface FramePage extends CloudPage {
   readonly cloudIndex: number;
+  /** First of its instances in the cloud's list, and their number; null without instances. */
+  readonly instances: { readonly first: number; readonly count: number } | null;
   /** First chunk of the page, counting through the frame. */
   readonly chunkStart: number;
+  /** Chunks of all its instances, one after another. */
+  readonly chunkCount: number;
+  /** First splat of the page, counting through the cloud; blobs follow all splats. */
+  readonly splatStart: number;
+  /** Where its `Page`, or those of a batch, lie in the frame's uniforms. */
+  readonly uniform: UniformRange;
+  /** Where its parameters of effects lie among those of the frame. */
+  readonly parameters: UniformRange;
   /** Links of the page's splats; null where all are drawn. */
   readonly links: GPUBuffer | null;
   /** Whether they are blobs, which stand for splats of the pages before. */
   readonly isBlobs: boolean;
 }
 
-/** All pages of a frame's clouds, in the clouds' order. */
+/** Place of a binding in a buffer of uniforms, bytes. */
+export interface UniformRange {
+  readonly offset: number;
+  readonly size: number;
+}
+
+/** Most instances that stages draw together: as many as the least uniform binding has room for. */
+export function batchInstances({ parameterBytes }: EffectSet): number {
+  return Math.floor(UNIFORM_BINDING_BYTES / Math.max(Page.bytes, parameterBytes));
+}
+
+/** All pages of a frame's clouds, in the clouds' order and that of their instances. */
 export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] => {
   let chunkStart = 0;
-  return clouds.flatMap(({ planes, levels }, cloudIndex) => {
+  let [uniformEnd, parametersEnd] = [0, 0];
+  return clouds.flatMap(({ planes, levels, effects, instanceCount }, cloudIndex) => {
+    // A batch has instances of one page, since those of a cloud are drawn one after another.
+    const places = instanceCount === null ? 1 : batchInstances(effects);
+    const perBatch = planes.pages.length === 1 ? places : 1;
     const splats = planes.pages.map((page, i) => ({
       ...page,
       links: levels?.splatLinks[i] ?? null,
       isBlobs: false,
     }));
     const blobs = levels?.blobPages.map((page) => ({ ...page, isBlobs: true })) ?? [];
-    return [...splats, ...blobs].map((page) => {
-      const framePage = { ...page, cloudIndex, chunkStart };
-      chunkStart += page.chunkCount;
-      return framePage;
-    });
+    return Array.from({ length: Math.ceil((instanceCount ?? 1) / perBatch) }, (_, batch) => {
+      const first = batch * perBatch;
+      const count = Math.min(perBatch, (instanceCount ?? 1) - first);
+      let splatStart = 0;
+      return [...splats, ...blobs].map((page): FramePage => {
+        const framePage = {
+          ...page,
+          cloudIndex,
+          instances: instanceCount === null ? null : { first, count },
+          chunkStart,
+          chunkCount: count * page.chunkCount,
+          splatStart,
+          uniform: { offset: uniformEnd, size: Page.bytes * places },
+          parameters: { offset: parametersEnd, size: effects.parameterBytes * places },
+        };
+        chunkStart += framePage.chunkCount;
+        splatStart += page.chunkCount * CHUNK_SPLATS;
+        uniformEnd = endOf(framePage.uniform);
+        parametersEnd = endOf(framePage.parameters);
+        return framePage;
+      });
+    }).flat();
   });
 });
+
+/** Returns the size of a buffer for all of `ranges`. */
+export function uniformBytes(ranges: readonly UniformRange[]): number {
+  return endOf(ranges.at(-1) ?? { offset: 0, size: 0 });
+}
+
+function endOf({ offset, size }: UniformRange): number {
+  return roundUp(offset + size, UNIFORM_ALIGNMENT);
+}
 
 /** Most workgroups that the visible splats of a page can take, at one thread per splat. */
 export function projectWorkgroups(chunkCount: number): number {
@@ -51,6 +103,8 @@ export function totalChunks(pages: readonly FramePage[]): number {
 /** Place of a splat of a frame. */
 export interface FrameSplat {
   readonly cloudIndex: number;
+  /** Index in the list of the cloud's instances; null without one. */
+  readonly instanceIndex: number | null;
   /** Index in storage; for a blob, behind all splats of the cloud: pages of blobs follow theirs. */
   readonly storedIndex: number;
   /** Where the splat is a blob: the page of the cloud's blobs, and the chunk and slot there. */
@@ -61,12 +115,14 @@ export interface FrameSplat {
 export function locateSplat(pages: readonly FramePage[], number: number): FrameSplat {
   const chunk = Math.floor(number / CHUNK_SPLATS);
   const found = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
-  const { cloudIndex } = found;
-  // Only the last page of a cloud may have a partial chunk, so its pages are one run of splats.
-  const { chunkStart } = pages.find((page) => page.cloudIndex === cloudIndex)!;
+  const { cloudIndex, instances, splatStart } = found;
+  const chunkInBatch = chunk - found.chunkStart;
+  const chunksEach = found.chunkCount / (instances?.count ?? 1);
+  const instanceIndex = instances && instances.first + Math.floor(chunkInBatch / chunksEach);
   const blobPages = pages.filter((page) => page.cloudIndex === cloudIndex && page.isBlobs);
   const blob = found.isBlobs
-    ? { page: blobPages.indexOf(found), chunk: chunk - found.chunkStart, slot: number % CHUNK_SPLATS }
+    ? { page: blobPages.indexOf(found), chunk: chunkInBatch, slot: number % CHUNK_SPLATS }
     : null;
-  return { cloudIndex, storedIndex: number - CHUNK_SPLATS * chunkStart, blob };
+  const storedIndex = splatStart + CHUNK_SPLATS * (chunkInBatch % chunksEach) + (number % CHUNK_SPLATS);
+  return { cloudIndex, instanceIndex, storedIndex, blob };
 }

@@ -160,14 +160,16 @@ export class FramePlanner {
     if (!showsClouds(last, request.clouds))
       return last.shape.clouds.some(({ cloud }) => cloud.isPreview) ? last : null;
     const clouds = request.clouds.map((instance, i) => {
-      const { opacity, effects, shDegree } = last.clouds[i].instance;
-      const drawn = last.shape.clouds[i].effects;
-      if (shape.clouds[i].effects === drawn) return { ...instance, shDegree };
+      const { opacity, effects, shDegree, instances } = last.clouds[i].instance;
+      const { effects: drawn, instanceCount } = last.shape.clouds[i];
+      const isInstanced = shape.clouds[i].instanceCount !== null;
+      if (shape.clouds[i].effects === drawn && isInstanced === (instanceCount !== null))
+        return { ...instance, shDegree };
       // A new selection may have turned an effect on since the last frame.
       const before = effects?.filter(
         ({ effect, reason }) => reason === null || drawn.effects.includes(effect),
       );
-      return { ...instance, shDegree, opacity, effects: before };
+      return { ...instance, shDegree, opacity, effects: before, instances };
     });
     const { detail } = last;
     const { sortBy } = last.request;

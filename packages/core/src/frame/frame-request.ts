@@ -10,6 +10,7 @@ import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { checkVector } from '../gpu/effects/option-checks.ts';
+import { type CloudInstances, checkInstances } from './cloud-instances.ts';
 import { checkDetail, type Detail } from './detail.ts';
 
 /** A cloud, its place and how to draw it. */
@@ -17,6 +18,11 @@ export interface CloudInstance {
   readonly cloud: SplatCloud;
   /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
   readonly modelMatrix?: ArrayLike<number>;
+  /**
+   * Where to draw the cloud many times; default once, at `modelMatrix`. Instances are drawn with all
+   * their splats, whatever the frame's `detail`. Not for clouds that stream.
+   */
+  readonly instances?: CloudInstances;
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 the cloud is not drawn. */
   readonly opacity?: number;
   /**
@@ -92,13 +98,14 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   checkVector('background', background, 'the sRGB-encoded colour behind the splats');
   checkKind('clouds', clouds, 'a list');
   for (const instance of clouds) {
-    const { cloud, modelMatrix, shDegree = 3 } = given(instance, {}, 'clouds');
+    const { cloud, modelMatrix, instances, shDegree = 3 } = given(instance, {}, 'clouds');
     given(cloud, CLOUD, 'cloud').checkUsable();
     if (cloud.device !== device) {
       const message = `${cloud.name} is on another GPU device; load it with the engine that draws it.`;
       throw new InvalidArgumentError('clouds', message);
     }
     if (modelMatrix) checkMatrix('modelMatrix', modelMatrix, cloud.name);
+    if (instances) checkInstances(instances, cloud);
     checkDegree('shDegree', shDegree, cloud.name);
   }
   const limitPx = device.limits.maxTextureDimension2D;

@@ -19,6 +19,8 @@ export interface CloudShape {
   /** See `CloudPlan`. */
   readonly isTouched: boolean;
   readonly effects: EffectSet;
+  /** How many times it is drawn together; null: it is drawn once, without instances. */
+  readonly instanceCount: number | null;
   /** Degree of spherical harmonics to evaluate. */
   readonly shDegree: ShDegree;
   /** Whether all splats are spheres, even after effects: shaders then ignore their rotations. */
@@ -79,7 +81,14 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
     a.visibleCapacity === b.visibleCapacity &&
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
     a.clouds.length === b.clouds.length &&
-    a.clouds.every(({ cloud, levels }, i) => cloud === b.clouds[i].cloud && levels === b.clouds[i].levels)
+    a.clouds.every(
+      ({ cloud, levels, instanceCount, effects }, i) =>
+        cloud === b.clouds[i].cloud &&
+        levels === b.clouds[i].levels &&
+        instanceCount === b.clouds[i].instanceCount &&
+        // The size of batches follows from that of parameters.
+        (instanceCount === null || effects === b.clouds[i].effects),
+    )
   );
 }
 

@@ -2,7 +2,8 @@ import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { type DepthConvention, depthMapping } from '../data/camera/depth-convention.ts';
 import type { FrustumSide } from '../data/camera/frustum.ts';
 import { HostDepth, Page, View } from '../data/layout/structs.ts';
-import { PAGE_STRIDE_BYTES, pagesOf } from './frame-pages.ts';
+import type { CloudPlace } from './cloud-plan.ts';
+import { pagesOf } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 
 /** Returns the contents of a frame's `view` buffer. */
@@ -31,44 +32,51 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
 /**
  * Writes the contents of a frame's `pageUniforms` buffer.
  *
- * @param contents PAGE_STRIDE_BYTES per page; reused for every frame, since allocating memory of
+ * @param contents `uniformBytes` of the pages; reused for every frame, since allocating memory of
  *   this size is slow.
  */
 export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayBuffer): void {
-  const pages = pagesOf(shape);
-  const sides = clouds.map((cloud) => ({
-    frustum: fourEach(cloud.sides, ({ normal, offset }, into, at) => {
+  const sides = clouds.map(({ places, ...cloud }) => (places ?? [cloud]).map(packedSides));
+  for (const [index, page] of pagesOf(shape).entries()) {
+    const { cloudIndex, splatCount, uniform, instances } = page;
+    const { first, count } = instances ?? { first: 0, count: 1 };
+    const chunkCount = page.chunkCount / count;
+    // Those behind the last of a batch, which another frame may have had.
+    new Uint8Array(contents, uniform.offset, uniform.size).fill(0, count * Page.bytes);
+    for (let i = 0; i < count; i++) {
+      const { view } = clouds[cloudIndex].places?.[first + i] ?? clouds[cloudIndex];
+      const values = {
+        linear: view.linear,
+        translation: view.translation,
+        camera: view.camera ?? ORIGIN,
+        cameraWeight: view.camera ? 1 : 0,
+        direction: view.direction,
+        ...sides[cloudIndex][first + i],
+        index,
+        chunkStart: page.chunkStart + i * chunkCount,
+        chunkCount,
+        splatCount,
+      };
+      Page.write(contents, values, uniform.offset + i * Page.bytes);
+    }
+  }
+}
+
+const ORIGIN = [0, 0, 0] as const;
+
+function packedSides({ sides }: Pick<CloudPlace, 'sides'>) {
+  return {
+    frustum: fourEach(sides, ({ normal, offset }, into, at) => {
       into[at] = normal[0];
       into[at + 1] = normal[1];
       into[at + 2] = normal[2];
       into[at + 3] = offset;
     }),
-    frustumReach: fourEach(cloud.sides, ({ reach }, into, at) => {
+    frustumReach: fourEach(sides, ({ reach }, into, at) => {
       into[at] = reach;
     }),
-  }));
-  for (let index = 0; index < pages.length; index++) {
-    const { cloudIndex, chunkStart, chunkCount, splatCount } = pages[index];
-    const { view } = clouds[cloudIndex];
-    const { frustum, frustumReach } = sides[cloudIndex];
-    const values = {
-      linear: view.linear,
-      translation: view.translation,
-      camera: view.camera ?? ORIGIN,
-      cameraWeight: view.camera ? 1 : 0,
-      direction: view.direction,
-      frustum,
-      frustumReach,
-      index,
-      chunkStart,
-      chunkCount,
-      splatCount,
-    };
-    Page.write(contents, values, index * PAGE_STRIDE_BYTES);
-  }
+  };
 }
-
-const ORIGIN = [0, 0, 0] as const;
 
 /** Collects four numbers per side. */
 function fourEach(

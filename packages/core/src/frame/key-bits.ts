@@ -2,6 +2,8 @@ import type { Camera } from '../data/camera/camera.ts';
 import { orderedBits, sortDistance } from '../data/layout/depth-key.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
+type SeenCloud = Pick<CloudPlan, 'instance' | 'view' | 'reach'> & Partial<Pick<CloudPlan, 'places'>>;
+
 /**
  * Bounds the number of bits in which the sort keys of a frame can differ, from near, far and the
  * clouds' bounds, which the CPU knows. Depths within a factor of 2^k of each other differ in fewer
@@ -13,13 +15,16 @@ import type { CloudPlan } from './cloud-plan.ts';
  */
 export function keyBitsFor(
   camera: Pick<Camera, 'near' | 'far'>,
-  clouds: readonly Pick<CloudPlan, 'instance' | 'view' | 'reach'>[],
+  clouds: readonly SeenCloud[],
   isByDistance: boolean,
 ): number {
   let farthest = Number.NEGATIVE_INFINITY;
   let nearest = Number.POSITIVE_INFINITY;
-  for (const { instance, view, reach } of clouds) {
-    const { count, origin, bounds } = instance.cloud;
+  const seen = clouds.flatMap(({ instance, reach, view, places }) =>
+    (places ?? [{ view }]).map((place) => ({ cloud: instance.cloud, reach, view: place.view })),
+  );
+  for (const { cloud, reach, view } of seen) {
+    const { count, origin, bounds } = cloud;
     const { linear, translation } = view;
     // A cloud without splats has no bounds.
     if (count === 0) continue;

@@ -203,12 +203,15 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
   const { candidateSplats, visibleSplats, rasterizer, tilePairs } = statistics;
   const layer = layerSize(size, accuracy);
   const imagePixels = size.widthPx * size.heightPx;
-  const splats = clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+  const splatsOf = ({ cloud, instanceCount }: CloudShape) => cloud.count * (instanceCount ?? 1);
+  const splats = clouds.reduce((sum, each) => sum + splatsOf(each), 0);
   const mean = (wordsOf: (cloud: CloudShape) => number) =>
-    clouds.reduce((sum, each) => sum + WORD_BYTES * wordsOf(each) * each.cloud.count, 0) /
-    Math.max(1, splats);
+    clouds.reduce((sum, each) => sum + WORD_BYTES * wordsOf(each) * splatsOf(each), 0) / Math.max(1, splats);
   return {
-    chunks: clouds.reduce((sum, { cloud }) => sum + Math.ceil(cloud.count / CHUNK_SPLATS), 0),
+    chunks: clouds.reduce(
+      (sum, { cloud, instanceCount }) => sum + Math.ceil(cloud.count / CHUNK_SPLATS) * (instanceCount ?? 1),
+      0,
+    ),
     visibleChunks: Math.ceil(candidateSplats / CHUNK_SPLATS),
     candidates: candidateSplats,
     visible: visibleSplats,

@@ -6,6 +6,7 @@ import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { SplatReach } from '../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { stretchBound } from '../data/math/mat4.ts';
+import { countInstances } from './cloud-instances.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
 import { type SidedCloud, splatsInSight } from './splats-in-sight.ts';
@@ -30,14 +31,13 @@ export const FINEST_CUT: LevelCut = { camera: [0, 0, 0], squaredPerDistance: 0, 
 
 type CutCloud = SidedCloud & { readonly cut: LevelCut | null };
 
+type DrawnInstance = Pick<CloudInstance, 'cloud' | 'instances'>;
+
 /** Error of cuts that only a budget limits, before it shifts them. */
 const UNSHIFTED_ERROR_PX = 1;
 
 /** Returns `detail`, or `full` where it limits nothing in a frame of `clouds`. */
-export function neededDetail(
-  detail: FixedDetail,
-  clouds: readonly Pick<CloudInstance, 'cloud'>[],
-): FixedDetail {
+export function neededDetail(detail: FixedDetail, clouds: readonly DrawnInstance[]): FixedDetail {
   if (detail === 'full') return detail;
   const { maxErrorPx, ...budget } = detail;
   if (maxErrorPx) return detail;
@@ -45,8 +45,8 @@ export function neededDetail(
   return maxShare < 1 || maxSplats < countOf(clouds) ? budget : 'full';
 }
 
-function countOf(clouds: readonly Pick<CloudInstance, 'cloud'>[]): number {
-  return clouds.reduce((sum, { cloud }) => sum + cloud.count, 0);
+function countOf(clouds: readonly DrawnInstance[]): number {
+  return clouds.reduce((sum, instance) => sum + instance.cloud.count * countInstances(instance), 0);
 }
 
 /**

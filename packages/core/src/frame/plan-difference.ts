@@ -1,6 +1,7 @@
 import type { Camera } from '../data/camera/camera.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
+import type { CloudInstances } from './cloud-instances.ts';
 import { type CloudPlan, type PlannedUse, showsSelection } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { LevelCut } from './level-cut.ts';
@@ -42,6 +43,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
         isSameValues(cloud.cut, other.cut) &&
         cloud.version === other.version &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
+        isSameLists(cloud.instance.instances, other.instance.instances, ['modelMatrices', 'opacities']) &&
         isSameUses(
           cloud,
           other,
@@ -58,6 +60,7 @@ export function isSameColors(a: readonly CloudPlan[], b: readonly CloudPlan[]): 
     const other = b[i];
     return (
       (cloud.instance.shDegree ?? 3) === (other.instance.shDegree ?? 3) &&
+      isSameLists(cloud.instance.instances, other.instance.instances, ['tints']) &&
       isSameUses(cloud, other, (planned) => !changesOrder(planned))
     );
   });
@@ -83,6 +86,17 @@ function isSameUses(a: CloudPlan, b: CloudPlan, counts: (planned: PlannedUse) =>
       );
     })
   );
+}
+
+function isSameLists(
+  a: CloudInstances | undefined,
+  b: CloudInstances | undefined,
+  names: readonly (keyof CloudInstances)[],
+): boolean {
+  return names.every((name) => {
+    const [own, others] = [a?.[name], b?.[name]];
+    return own && others ? isSameNumbers(own, others) : own === others;
+  });
 }
 
 function isSameValues(

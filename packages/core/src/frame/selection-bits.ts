@@ -1,6 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { selectionsOf, takesSelection } from '../gpu/effects/effect-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -98,11 +97,9 @@ export class SelectionBits {
 
 function slicesOf(clouds: readonly CloudShape[], pages: readonly FramePage[]): (PageSlice | null)[] {
   let byteOffset = 0;
-  return pages.map(({ cloudIndex, chunkStart, splatCount }) => {
+  return pages.map(({ cloudIndex, splatStart, splatCount }) => {
     const { effects } = clouds[cloudIndex];
     if (!takesSelection(effects, ['splat', 'color'])) return null;
-    const first = pages.find((page) => page.cloudIndex === cloudIndex)!;
-    const splatStart = (chunkStart - first.chunkStart) * CHUNK_SPLATS;
     const bytes = 4 * Math.ceil(splatCount / 32);
     const { cloud } = clouds[cloudIndex];
     const selections = selectionsOf(effects);

@@ -1,6 +1,7 @@
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { countInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';
+import type { CloudInstance } from './frame-request.ts';
 import type { CutBudget } from './level-cut.ts';
 import { LEAST_USE } from './recent-peak.ts';
 import { splatsInSight } from './splats-in-sight.ts';
@@ -10,24 +11,25 @@ const ALWAYS_ROOM_FOR = 1 << 18;
 /** Spare room, so that a moving camera does not need larger buffers every frame. */
 const HEADROOM = 1.25;
 
-type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut' | 'isTouched'>>;
+type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut' | 'isTouched' | 'places'>>;
 type SidedCloud = CutCloud & Pick<CloudPlan, 'sides'>;
 
 /** Splats of a cloud that are drawn whatever its budget: no cut is coarser than sixteen blobs. */
 const LEAST_OF_CLOUD = CHUNK_SPLATS;
 
-/** Most splats and blobs of a cloud that are there. */
-function mostOf({ pool, count }: Pick<SplatCloud, 'pool' | 'count'>): number {
-  return pool?.capacity ?? count;
+/** Most splats and blobs of a cloud that are there, in all its places. */
+function mostOf(instance: CloudInstance): number {
+  const { pool, count } = instance.cloud;
+  return (pool?.capacity ?? count) * countInstances(instance);
 }
 
 /** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
 export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget | null = null): number {
-  const total = clouds.reduce((sum, { instance }) => sum + mostOf(instance.cloud), 0);
+  const total = clouds.reduce((sum, { instance }) => sum + mostOf(instance), 0);
   if (budget) {
     const most = clouds.map(({ cut, isTouched, instance }) =>
       // What is touched is drawn besides.
-      cut && !isTouched ? LEAST_OF_CLOUD : mostOf(instance.cloud),
+      cut && !isTouched ? LEAST_OF_CLOUD : mostOf(instance),
     );
     return Math.min(
       total,
@@ -35,7 +37,9 @@ export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget |
     );
   }
   // Beside others, the splats left out might be theirs.
-  return clouds.length === 1 ? Math.min(total, clouds[0].instance.cloud.visibleLimit) : total;
+  return clouds.length === 1 && !clouds[0].instance.instances
+    ? Math.min(total, clouds[0].instance.cloud.visibleLimit)
+    : total;
 }
 
 /**

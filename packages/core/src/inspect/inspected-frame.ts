@@ -12,6 +12,7 @@ import { mortonOrder, permuteSplats } from '../data/packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../data/packing/packed-cloud.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
+import { type CloudInstances, countInstances } from '../frame/cloud-instances.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
 import type { SharedBuffers } from '../frame/frame-part.ts';
@@ -34,6 +35,8 @@ export interface InspectOptions {
   readonly clouds: readonly {
     readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
+    /** As in a frame request; the references know nothing of them. */
+    readonly instances?: CloudInstances;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
     /** As in a frame request. */
@@ -123,7 +126,7 @@ export class InspectedFrame {
       sortDevice: { ...sortDevice, isNarrow: options.isNarrow ?? sortDevice.isNarrow },
     };
     const sizes = {
-      visibleCapacity: packed.reduce((sum, { count }) => sum + count, 0),
+      visibleCapacity: instances.reduce((sum, each) => sum + each.cloud.count * countInstances(each), 0),
       keyBits: options.keyBits ?? accuracy.sortKeyBits,
       shortensKeys: accuracy.sortKeyBits < 32,
     };

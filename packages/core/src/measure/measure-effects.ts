@@ -146,11 +146,16 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
     return comparedWith({ ...whole, request: { ...request, clouds } });
   }
   if (AUTOMATIC_FEATURES.some((feature) => feature.name === name)) return null;
-  const clouds = request.clouds.map(({ opacity, effects = [], ...instance }) => {
+  const clouds = request.clouds.map(({ opacity, effects = [], instances, ...instance }) => {
     const others = effects.filter(({ effect }) => effect.name !== name);
     return {
       ...instance,
       opacity: name === 'opacity' ? undefined : opacity,
+      instances: instances && {
+        ...instances,
+        ...(name === 'opacity' && { opacities: undefined }),
+        ...(name === 'tint' && { tints: undefined }),
+      },
       // Clouds may need it on their own.
       effects: name === 'antialias' ? [...others, antialias(false)] : others,
     };

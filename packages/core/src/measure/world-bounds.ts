@@ -1,11 +1,13 @@
 import type { Bounds } from '../data/packing/packed-cloud.ts';
+import { worldMatrices } from '../frame/cloud-instances.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
 
 /** Returns the bounds of all clouds together, in world space. */
 export function worldBounds(clouds: readonly CloudInstance[]): Bounds {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
-  for (const { cloud, modelMatrix: m } of clouds) {
+  const places = clouds.flatMap((instance) => worldMatrices(instance).map((m) => ({ ...instance, m })));
+  for (const { cloud, m } of places) {
     if (cloud.count === 0) continue;
     const { robustBounds } = cloud;
     for (let corner = 0; corner < 8; corner++) {
@@ -13,7 +15,7 @@ export function worldBounds(clouds: readonly CloudInstance[]): Bounds {
         corner & (1 << axis) ? robustBounds.max[axis] : robustBounds.min[axis],
       );
       for (const axis of [0, 1, 2] as const) {
-        const at = m ? m[axis] * x + m[4 + axis] * y + m[8 + axis] * z + m[12 + axis] : [x, y, z][axis];
+        const at = m[axis] * x + m[4 + axis] * y + m[8 + axis] * z + m[12 + axis];
         min[axis] = Math.min(min[axis], at);
         max[axis] = Math.max(max[axis], at);
       }

@@ -18,6 +18,7 @@ export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
     bindings: ['links', 'thresholds'],
   },
   transform: { conditions: [], bindings: [] },
+  instances: { conditions: ['INSTANCES'], bindings: ['pages'] },
   orthographic: { conditions: ['ORTHOGRAPHIC'], bindings: [] },
   'distance-order': { conditions: ['DISTANCE_ORDER'], bindings: [] },
   'depth-test': {

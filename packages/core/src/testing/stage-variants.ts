@@ -1,5 +1,7 @@
 import { BLOB_PRECISION, type OwnShPrecision } from '../data/packing/precision.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
+import { batchInstances } from '../frame/frame-pages.ts';
+import { NO_EFFECTS } from '../gpu/effects/effect-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { loadVariant } from '../gpu/shaders/link-shader.ts';
 import { averageSamples } from '../gpu/stages/average-samples.ts';
@@ -10,7 +12,7 @@ import { compose } from '../gpu/stages/compose.ts';
 import { composite, compositeInCompute } from '../gpu/stages/composite.ts';
 import { copyWords } from '../gpu/stages/copy-words.ts';
 import { coverPoints } from '../gpu/stages/cover-points.ts';
-import { cullChunks, cullLevels } from '../gpu/stages/cull-chunks.ts';
+import { cullChunks, cullInstances, cullLevels } from '../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../gpu/stages/cut-cells.ts';
 import { cutCount } from '../gpu/stages/cut-count.ts';
@@ -70,6 +72,9 @@ const BALLOT_DEVICES = [
 
 /** One of the kinds of tiles: how they treat merged splats does not depend on it. */
 const STACKED_TILES = { colorTarget: 'rgba16float', depth: null, isExactOrder: true } as const;
+
+/** Of clouds without effects. */
+const BATCH_INSTANCES = batchInstances(NO_EFFECTS);
 
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
 const COMPARES = ['less-equal', 'greater-equal'] as const;
@@ -167,6 +172,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ingestScatter,
     repackGeometry,
     cullLevels,
+    cullInstances(BATCH_INSTANCES),
     cutCells,
     cutSplats,
     shiftCells,
@@ -212,6 +218,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
           stages.push(
             cullSplats(variant),
             cullSplats({ ...variant, isIsotropic: true }),
+            ...BOTH.map((isNarrow) =>
+              cullSplats({ ...variant, batchInstances: BATCH_INSTANCES, sortDevice: { isNarrow } }),
+            ),
             cullSplats({ ...variant, sortDevice: { isNarrow: true } }),
             cullSplats({ ...variant, isStacked: true }),
             cullSplats({ ...variant, isStacked: true, hasLevels: true }),
@@ -247,6 +256,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     const frame = { isOrthographic: false, shortKeyBits: null, maxColor: 65504 } as const;
     stages.push(project({ ...frame, ...precisions, ...degrees, isIsotropic: true }));
     stages.push(project({ ...frame, ...precisions, ...degrees, sortsByDistance: true }));
+    stages.push(project({ ...frame, ...precisions, ...degrees, batchInstances: BATCH_INSTANCES }));
   }
   for (const isOrthographic of BOTH) {
     const frame = { isOrthographic, shortKeyBits: null, maxColor: 65504, isDilated: true } as const;

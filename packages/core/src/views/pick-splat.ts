@@ -25,6 +25,8 @@ export function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition 
 export interface SplatPick {
   /** Index in the frame's list of clouds. */
   readonly cloudIndex: number;
+  /** Index in the list of the cloud's instances; null where it has none. */
+  readonly instanceIndex: number | null;
   readonly cloud: SplatCloud;
   /** Row of the splat in its cloud's file; for a blob, of the first splat that it stands for. */
   readonly splatIndex: number;
@@ -92,7 +94,7 @@ export async function pickSplat(
   if (!found) return null;
   const { splat, ...shares } = found;
   const located = locateSplat(pages, splat);
-  const { cloudIndex, blob } = located;
+  const { cloudIndex, instanceIndex, blob } = located;
   const { cloud, levels } = shape.clouds[cloudIndex];
   // Its rows are known when it has loaded.
   if (cloud.isPreview) return null;
@@ -108,6 +110,7 @@ export async function pickSplat(
   return {
     ...shares,
     cloudIndex,
+    instanceIndex,
     cloud,
     storedIndex,
     splatIndex,

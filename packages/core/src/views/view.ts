@@ -551,7 +551,11 @@ export abstract class View {
 
   async #measure(submittedMs: number): Promise<FrameStatistics | null> {
     const drawn = this.prepared;
-    const loadedSplats = this.shape?.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0) ?? 0;
+    const { clouds = [] } = this.shape ?? {};
+    const loadedSplats = clouds.reduce(
+      (sum, { cloud, instanceCount }) => sum + cloud.count * (instanceCount ?? 1),
+      0,
+    );
     const errorPx = drawn && cutErrorPx(drawn.detail, drawn.clouds);
     const read = () =>
       this.parts.timer.read({ frame: ++this.#frameNumber, loadedSplats, cutErrorPx: errorPx }, submittedMs);

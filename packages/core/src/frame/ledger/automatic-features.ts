@@ -3,6 +3,7 @@ import { depthTest } from './features/depth-test.ts';
 import { depthWrite } from './features/depth-write.ts';
 import { distanceOrder } from './features/distance-order.ts';
 import { harmonics } from './features/harmonics.ts';
+import { instances } from './features/instances.ts';
 import { isotropic } from './features/isotropic.ts';
 import { levels } from './features/levels.ts';
 import { orthographic } from './features/orthographic.ts';
@@ -15,6 +16,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
   isotropic,
   levels,
   transform,
+  instances,
   orthographic,
   distanceOrder,
   depthTest,

@@ -1,13 +1,13 @@
 import { maxColor } from '../../data/accuracy/accuracy.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
-import { CullParameters, Page, PagePlan, SPLAT_RECORDS, View } from '../../data/layout/structs.ts';
+import { CullParameters, PagePlan, SPLAT_RECORDS, View } from '../../data/layout/structs.ts';
 import { BLOB_PRECISION } from '../../data/packing/precision.ts';
 import { antialias } from '../../gpu/effects/antialias/antialias.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
 import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
 import { compactSplats } from '../../gpu/stages/compact-splats.ts';
-import { cullChunks, cullLevels } from '../../gpu/stages/cull-chunks.ts';
+import { cullChunks, cullInstances, cullLevels } from '../../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
 import { countWorkgroups, cutCount } from '../../gpu/stages/cut-count.ts';
@@ -21,11 +21,12 @@ import { project } from '../../gpu/stages/project.ts';
 import { CutBuffers } from '../cut-buffers.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import {
+  batchInstances,
   type FramePage,
-  PAGE_STRIDE_BYTES,
   pagesOf,
   projectWorkgroups,
   totalChunks,
+  uniformBytes,
 } from '../frame-pages.ts';
 import {
   type FramePart,
@@ -40,12 +41,13 @@ import { type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
 import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
 
 /** Names, sizes and usages of the part's buffers; stages bind them by these names. */
-function bufferTable({ accuracy, visibleCapacity }: FrameShape, pageCount: number, chunkCount: number) {
+function bufferTable({ accuracy, visibleCapacity }: FrameShape, pages: readonly FramePage[]) {
+  const [pageCount, chunkCount] = [pages.length, totalChunks(pages)];
   const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
   const record = SPLAT_RECORDS[accuracy.recordPrecision];
   return {
     view: [View.bytes, UNIFORM],
-    pageUniforms: [PAGE_STRIDE_BYTES * pageCount, UNIFORM],
+    pageUniforms: [uniformBytes(pages.map(({ uniform }) => uniform)), UNIFORM],
     cullParameters: [CullParameters.bytes, UNIFORM],
     chunkCount: [4, STORAGE],
     /** Per chunk: 1 if it is visible; after the scan, the number of visible chunks before it. */
@@ -109,9 +111,10 @@ const cloudStages = perShape((shape) =>
   shape.clouds.map((cloud) => {
     const { accuracy, shortensKeys } = shape;
     // Inputs of variants have one name everywhere; planes at hand may differ from the settings'.
-    const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud };
+    const batch = cloud.instanceCount === null ? null : batchInstances(cloud.effects);
+    const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud, batchInstances: batch };
     const stagesOf = (own: typeof variant & { readonly isDilated?: boolean }) => ({
-      cullChunks: cloud.levels ? cullLevels : cullChunks,
+      cullChunks: batch !== null ? cullInstances(batch) : cloud.levels ? cullLevels : cullChunks,
       ...(cloud.levels && shape.isBudgeted && { cutCount: cutCount(own) }),
       cullSplats: cullSplats({ ...own, hasLevels: cloud.levels !== null }),
       project: project({
@@ -180,7 +183,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { shared } = this.#context;
     const pages = pagesOf(shape);
     // The largest buffer of a frame, besides the pairs', whose number is limited.
-    const [bytes, usage] = bufferTable(shape, pages.length, totalChunks(pages)).records;
+    const [bytes, usage] = bufferTable(shape, pages).records;
     this.#memory.check('frame records', bytes, usage);
     return {
       free: () => this.#memory.destroyAll(),
@@ -212,16 +215,16 @@ export class Preprocess implements FramePart<OrderRecording> {
       budget: budget && { plan: pipelines.bindGroup(planCut, budget), shifts: cellGroups(shiftCells) },
       frame: new Map(FRAME_STAGES.map((stage) => [stage, pipelines.bindGroup(stage, buffers)])),
       pages: pagesOf(shape).map((framePage, index) => {
-        const { chunks, geometry, shRest, links, cloudIndex } = framePage;
+        const { chunks, geometry, shRest, links, cloudIndex, instances, uniform } = framePage;
         const stages = stagesOf(shape, framePage);
         const own = {
           ...buffers,
-          page: { buffer: buffers.pageUniforms, offset: index * PAGE_STRIDE_BYTES, size: Page.bytes },
+          [instances ? 'pages' : 'page']: { buffer: buffers.pageUniforms, ...uniform },
           chunks,
           geometry,
           ...(shRest && { shRest }),
           ...(links && this.#cuts.bindingsOf(cloudIndex, links)),
-          ...this.#effects.bindingsOf(index, cloudIndex),
+          ...this.#effects.bindingsOf(index),
         };
         return {
           own,
@@ -239,7 +242,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { queue } = this.#context.device;
     const { view, pageUniforms } = this.#held!.buffers;
     queue.writeBuffer(view, 0, viewUniforms(plan));
-    const bytes = PAGE_STRIDE_BYTES * pagesOf(plan.shape).length;
+    const bytes = pageUniforms.size;
     if (this.#pageContents.byteLength !== bytes) this.#pageContents = new ArrayBuffer(bytes);
     writePageUniforms(plan, this.#pageContents);
     // Deno 2.9 ends at a write of no bytes.
@@ -365,7 +368,7 @@ export class Preprocess implements FramePart<OrderRecording> {
       const options = { label, values, inputCount, maxCount: chunkCount, dispatchRow: shape.dispatchRow };
       return new PrefixScan(device, pipelines, memory, options);
     };
-    const table = Object.entries(bufferTable(shape, pages.length, chunkCount));
+    const table = Object.entries(bufferTable(shape, pages));
     for (const [key, [bytes, usage]] of table) {
       const name = key as BufferName;
       const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;

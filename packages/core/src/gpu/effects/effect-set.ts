@@ -78,17 +78,21 @@ export function geometryEffects(set: EffectSet): EffectSet {
   return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
 }
 
-/** Packs the parameters of one cloud's effects into one struct `Effects`. */
+/** Packs the parameters of one cloud's effects into a struct `Effects` for each place of the cloud. */
 export function packParameters(
   { parameterOffsets, parameterBytes }: EffectSet,
-  uses: readonly { readonly use: EffectUse; readonly values: GpuValues<GpuFields> | null }[],
+  places: readonly (readonly {
+    readonly use: EffectUse;
+    readonly values: GpuValues<GpuFields> | null;
+  }[])[],
 ): Uint8Array {
   if (parameterBytes === 0) return NO_PARAMETERS;
-  const packed = new ArrayBuffer(parameterBytes);
-  for (const { use, values } of uses) {
-    const { effect } = use;
-    effect.parameters?.write(packed, values!, parameterOffsets.get(effect));
-  }
+  const packed = new ArrayBuffer(parameterBytes * places.length);
+  for (const [i, uses] of places.entries())
+    for (const { use, values } of uses) {
+      const { effect } = use;
+      effect.parameters?.write(packed, values!, parameterBytes * i + parameterOffsets.get(effect)!);
+    }
   return new Uint8Array(packed);
 }
 
@@ -160,8 +164,14 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
           ? [`isSelected(splatIndex, ${selecting.indexOf(effect)}u)`]
           : [];
       const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];
-      const own = effect.parameters ? [`effects.${memberOf(effect)}`] : [];
-      return `  changed = ${effect.hooks[hook]}(${['changed', ...passed, ...level, ...selected, ...own].join(', ')});`;
+      const changedBy = (own: string[]) =>
+        `changed = ${effect.hooks[hook]}(${['changed', ...passed, ...level, ...selected, ...own].join(', ')});`;
+      if (!effect.parameters) return `  ${changedBy([])}`;
+      const member = memberOf(effect);
+      return [
+        `  @if(!INSTANCES) ${changedBy([`effects.${member}`])}`,
+        `  @if(INSTANCES) ${changedBy([`effects[instanceIndex].${member}`])}`,
+      ].join('\n');
     });
     functions.push(
       `fn ${name}(${[`unchanged: ${type}`, ...others].join(', ')}) -> ${type} {`,
@@ -176,7 +186,10 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
     members.length > 0
       ? [
           'import parameters::Effects;',
-          `@group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
+          '@if(INSTANCES) import constants::BATCH_INSTANCES;',
+          '@if(INSTANCES) import package::lib::instances::instanceIndex;',
+          `@if(!INSTANCES) @group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
+          `@if(INSTANCES) @group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: array<Effects, BATCH_INSTANCES>;`,
         ]
       : [];
   // The bits of one selection after those of another.

@@ -3,7 +3,7 @@ import { InvalidArgumentError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
 import type { EffectUse, SplatEffect } from './effect.ts';
-import { antialias, EFFECTS, opacity } from './effects.ts';
+import { antialias, EFFECTS, opacity, tint } from './effects.ts';
 
 /** All effects that a caller can request for a cloud, in the order in which they act. */
 export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ Object.values(EFFECTS).map(
@@ -15,6 +15,8 @@ interface EffectSource {
   /** Multiplies every splat's opacity, 0…1; default 1. */
   readonly opacity?: number;
   readonly effects?: readonly EffectUse[];
+  /** Lists of what each instance has of its own. */
+  readonly instances?: { readonly opacities?: ArrayLike<number>; readonly tints?: ArrayLike<number> };
   /** Default: a cloud without known facts. */
   readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
 }
@@ -42,8 +44,18 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
     const message = `The effect ${twice} is used twice for one cloud; use it once, with all its options.`;
     throw new InvalidArgumentError('effects', message);
   }
+  const { opacities, tints } = source.instances ?? {};
+  if (opacities) turnOn(uses, opacity(1));
+  if (tints) turnOn(uses, tint([1, 1, 1]));
   const acting = uses.filter(({ reason }) => reason !== null);
   return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
+}
+
+/** Has an effect act whose parameters differ between instances: `neutral`, or the use in its place. */
+function turnOn(uses: EffectUse[], neutral: EffectUse): void {
+  const at = uses.findIndex(({ effect }) => effect === neutral.effect);
+  const use = { ...(uses[at] ?? neutral), reason: `its instances have a ${neutral.effect.name} each` };
+  uses.splice(at < 0 ? uses.length : at, 1, use);
 }
 
 /** Returns how far all of `uses` together may move splats, and how much they may enlarge them. */

@@ -26,7 +26,7 @@ export function rareSource(stage: keyof typeof RARE_TEXTS): () => Promise<LaterT
   };
 }
 
-/** Returns a function that loads the text of a stage that makes or draws levels of detail. */
+/** Returns a function that loads the text of a stage that makes or draws levels, or draws instances. */
 export function levelSource(stage: keyof typeof LEVEL_TEXTS): () => Promise<LaterTexts> {
   return async () => {
     const [{ LEVEL_TEXTS, LEVEL_LIBRARIES: libraries }, { LEVEL_STRUCTS: structs }] = await Promise.all([

@@ -1,4 +1,5 @@
 import dilatedBlob from '../../../../../shaders/lib/dilated-blob.wgsl?raw';
+import instances from '../../../../../shaders/lib/instances.wgsl?raw';
 import levelLink from '../../../../../shaders/lib/level-link.wgsl?raw';
 import mergedCell from '../../../../../shaders/lib/merged-cell.wgsl?raw';
 import mergedSplat from '../../../../../shaders/lib/merged-splat.wgsl?raw';
@@ -15,7 +16,7 @@ import project from '../../../../../shaders/stages/project.wgsl?raw';
 import touchLinks from '../../../../../shaders/stages/touch-links.wgsl?raw';
 import { PACKING_LIBRARIES } from '../stages/packing-libraries.ts';
 
-/** Texts of the stages that make or draw levels of detail. */
+/** Texts of the stages that make or draw levels of detail, or draw instances. */
 export const LEVEL_TEXTS = {
   'cull-chunks': cullChunks,
   'cull-splats': cullSplats,
@@ -34,6 +35,7 @@ export const LEVEL_TEXTS = {
 export const LEVEL_LIBRARIES = {
   ...PACKING_LIBRARIES,
   'lib/dilated-blob': dilatedBlob,
+  'lib/instances': instances,
   'lib/level-link': levelLink,
   'lib/merged-cell': mergedCell,
   'lib/merged-splat': mergedSplat,

@@ -11,7 +11,7 @@ const files = import.meta.glob<string>(
   [
     '../../../../../shaders/{lib,stages}/*.wgsl',
     '!../../../../../shaders/stages/{average-samples,compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,pick,plan-cut,repack-*,resolve-depth,tile-*,touch-links,upscale}.wgsl',
-    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,layer-rounding,level-link,merged-cell,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
+    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,instances,layer-rounding,level-link,merged-cell,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
 );
@@ -112,6 +112,7 @@ const NO_CONDITIONS: LinkInput['conditions'] = {
   CONTRIBUTIONS: false,
   UPPER: false,
   LEVELS: false,
+  INSTANCES: false,
   DILATED: false,
   SHIFTED: false,
 };

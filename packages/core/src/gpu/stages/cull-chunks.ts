@@ -8,6 +8,16 @@ export const cullChunks: StageDefinition = {
   entryPoint: 'cullChunks',
 };
 
+/** The same for a batch of at most so many instances of a page. */
+export function cullInstances(batchInstances: number): StageDefinition {
+  return {
+    ...cullChunks,
+    source: levelSource('cull-chunks'),
+    conditions: { INSTANCES: true },
+    constants: { BATCH_INSTANCES: batchInstances },
+  };
+}
+
 /** The same for a page with levels, whose chunks are drawn where the cut goes through them. */
 export const cullLevels: StageDefinition = {
   ...cullChunks,

@@ -26,6 +26,8 @@ export interface CullSplatsVariant {
   readonly hasLevels?: boolean;
   /** Whether splats are blobs whose opacity follows dilation; default false. */
   readonly isDilated?: boolean;
+  /** Most instances that are drawn together; null: the page is drawn once. Default null. */
+  readonly batchInstances?: number | null;
   /** Default: any. */
   readonly sortDevice?: Pick<SortDevice, 'isNarrow'>;
 }
@@ -36,10 +38,11 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
   // Colours are not known yet.
   const acting = geometryEffects(effects);
   const isNarrow = variant.sortDevice?.isNarrow === true;
+  const { batchInstances = null } = variant;
   const isPacked = variant.geometryPrecision === 'packed';
   return {
     stage: 'cull-splats',
-    ...(variant.isDilated && { source: levelSource('cull-splats') }),
+    ...((variant.isDilated || batchInstances !== null) && { source: levelSource('cull-splats') }),
     entryPoint: 'cullSplats',
     conditions: {
       NARROW: isNarrow,
@@ -52,12 +55,14 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       STACKED: culling !== 'frustum' && variant.isStacked === true,
       LEVELS: variant.hasLevels === true,
       DILATED: variant.isDilated === true,
+      INSTANCES: batchInstances !== null,
       SPLAT_EFFECTS: hasHook(acting, 'splat'),
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
     },
     effects: acting,
     constants: {
       CULL_WORKGROUP: isNarrow ? NARROW_SUBGROUP : CHUNK_SPLATS,
+      ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }),
       ...(variant.isDilated && { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY }),
     },
   };

@@ -30,16 +30,18 @@ export interface ProjectVariant {
   readonly isIsotropic?: boolean;
   /** Whether splats are blobs whose opacity follows dilation; default false. */
   readonly isDilated?: boolean;
+  /** Most instances that are drawn together; null: the page is drawn once. Default null. */
+  readonly batchInstances?: number | null;
 }
 
 /** Writes the record and the sort key of each visible splat of a page. */
 export function project(variant: ProjectVariant): StageDefinition {
-  const { shDegree, shortKeyBits, effects = NO_EFFECTS } = variant;
+  const { shDegree, shortKeyBits, effects = NO_EFFECTS, batchInstances = null } = variant;
   const isPalette = variant.shPrecision === 'palette';
   const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
   return {
     stage: 'project',
-    ...(variant.isDilated && { source: levelSource('project') }),
+    ...((variant.isDilated || batchInstances !== null) && { source: levelSource('project') }),
     entryPoint: 'project',
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
@@ -56,6 +58,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       SH_PALETTE: isPalette,
       ISOTROPIC: variant.isIsotropic === true,
       DILATED: variant.isDilated === true,
+      INSTANCES: batchInstances !== null,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
       OPACITY_EFFECTS: hasHook(effects, 'opacity'),
       COLOR_EFFECTS: hasHook(effects, 'color'),
@@ -63,6 +66,7 @@ export function project(variant: ProjectVariant): StageDefinition {
     effects,
     constants: {
       MAX_COLOR: variant.maxColor,
+      ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }),
       ...(variant.isDilated && { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY }),
       ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
       ...(shDegree >= 1 && { SH_WORDS: shWordsPerSplat(variant.storedShDegree, shPrecision) }),

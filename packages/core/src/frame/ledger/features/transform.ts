@@ -13,9 +13,9 @@ export const transform: FeatureOfCloud = {
   stages: [],
   calledFor: ({
     cloud: {
-      instance: { modelMatrix },
+      instance: { modelMatrix, instances },
     },
-  }) => (modelMatrix ? describe(modelMatrix) : null),
+  }) => (instances ? 'its instances have a place each' : modelMatrix ? describe(modelMatrix) : null),
   offReason: () => 'it stands where its file puts it',
 };
 

@@ -1,0 +1,25 @@
+// Chooses the page of one instance among those of a batch, which all draw the same splats. Used by
+// the stages of pages with INSTANCES: each thread enters one instance before it reads `page`.
+import constants::BATCH_INSTANCES;
+import layout::Page;
+
+/// Without splats behind the last instance.
+@group(0) @binding(1) var<uniform> pages: array<Page, BATCH_INSTANCES>;
+
+/// Number of the entered instance in its batch.
+var<private> instanceIndex: u32;
+/// Its page but for the frustum: copied arrays would not stay in registers.
+var<private> page: Page;
+
+/// Enters the instance that a chunk of the batch belongs to, counting through the frame.
+fn enterInstance(chunk: u32) {
+  instanceIndex = min((chunk - pages[0].chunkStart) / pages[0].chunkCount, BATCH_INSTANCES - 1u);
+  page.linear = pages[instanceIndex].linear;
+  page.translation = pages[instanceIndex].translation;
+  page.camera = pages[instanceIndex].camera;
+  page.cameraWeight = pages[instanceIndex].cameraWeight;
+  page.direction = pages[instanceIndex].direction;
+  page.chunkStart = pages[instanceIndex].chunkStart;
+  page.chunkCount = pages[instanceIndex].chunkCount;
+  page.splatCount = pages[instanceIndex].splatCount;
+}
