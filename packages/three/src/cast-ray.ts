@@ -21,16 +21,18 @@ import {
 } from 'three/webgpu';
 import type { PlacedData } from './data-edits.ts';
 import type { LayerCloud } from './layer-cloud.ts';
+import type { SplatInstances } from './splat-instances.ts';
 import { engineCamera, layersAround } from './splat-layer.ts';
 
 /** An object that shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
   readonly drawnOpacity: number;
+  readonly instances: SplatInstances | null;
   /** Null where they are not known yet, and the splats not drawn. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
 
-/** Adds the hit of a ray with the splats of `object`, if there is one. */
+/** Adds the hit of a ray with the splats of `object` in each of its places, if there is one. */
 export type CastRay = (object: RayTarget, raycaster: Raycaster, intersects: Intersection[]) => void;
 
 /** The part of its opacity that a splat at a point of the world has, 0…1. */
@@ -85,22 +87,46 @@ async function treeOf({ name, edits, places }: PlacedData, packed: PackedCloud |
   return makeRayTree(await place.cloud);
 }
 
-function castRay(
+function castRay(tree: RayTree, object: RayTarget, raycaster: Raycaster, intersects: Intersection[]): void {
+  const { ray, camera } = raycaster;
+  const view = viewOf(ray, camera);
+  const shownAt = shownBy(object, ray, camera);
+  const { instances, matrixWorld, drawnOpacity } = object;
+  const castAt = (place: RayPlace) => castRayAt(tree, object, place, raycaster, intersects, view, shownAt);
+  if (!instances) castAt({ matrixWorld, opacity: drawnOpacity });
+  else
+    for (let instanceId = 0; instanceId < instances.count; instanceId++)
+      castAt({
+        matrixWorld: instances.getMatrixAt(instanceId, new Matrix4()).premultiply(matrixWorld),
+        opacity: drawnOpacity * instances.getOpacityAt(instanceId),
+        instanceId,
+      });
+}
+
+/** A place where rays meet the splats of an object. */
+interface RayPlace {
+  readonly matrixWorld: Matrix4;
+  readonly opacity: number;
+  /** Of an object with instances. */
+  readonly instanceId?: number;
+}
+
+function castRayAt(
   tree: RayTree,
   object: RayTarget,
-  { ray, near, far, camera }: Raycaster,
+  { matrixWorld, opacity, instanceId }: RayPlace,
+  { ray, near, far }: Raycaster,
   intersects: Intersection[],
+  view: RaysCamera | null,
+  shownAt: ShownAt | undefined,
 ): void {
-  const { matrixWorld, drawnOpacity: opacity } = object;
   if (matrixWorld.determinant() === 0) return;
   const toLocal = new Matrix4().copy(matrixWorld).invert();
   const origin = ray.origin.clone().applyMatrix4(toLocal);
   // As long as one unit of the world is there, so that distances are the world's.
   const direction = ray.origin.clone().add(ray.direction).applyMatrix4(toLocal).sub(origin);
-  const view = viewOf(ray, camera);
-  const shownAt = shownBy(object, ray, camera);
   const point = new Vector3();
-  const hit = tree.cast(origin.toArray(), direction.toArray(), {
+  const found = tree.cast(origin.toArray(), direction.toArray(), {
     near: Math.max(near, view?.near ?? 0),
     far: Math.min(far, view?.far ?? Number.POSITIVE_INFINITY),
     opacity,
@@ -113,9 +139,10 @@ function castRay(
       : undefined,
     shownAt: shownAt && ((x, y, z) => shownAt(point.set(x, y, z).applyMatrix4(matrixWorld))),
   });
-  if (!hit) return;
-  const { distance } = hit;
-  intersects.push({ distance, point: ray.at(distance, new Vector3()), object });
+  if (!found) return;
+  const { distance } = found;
+  const hit = { distance, point: ray.at(distance, new Vector3()), object };
+  intersects.push(instanceId === undefined ? hit : { ...hit, instanceId });
 }
 
 /** Returns the height in physical pixels of the latest image of `object`; undefined if none. */

@@ -10,7 +10,6 @@ import type { Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import type { SplatData } from './splat-data.ts';
-import { withBounds } from './splat-layer.ts';
 
 /**
  * Returns the edits of data, by rows of its file or arrays: always the same. Edits are shown by all
@@ -99,7 +98,7 @@ class EditedData implements DataEdits {
   }
 
   #show(object: SplatCloudObject): void {
-    withBounds(object.geometry, this.#data.robustBounds.clone());
+    object.computeBoundingBox();
     object.requestFrame();
   }
 }

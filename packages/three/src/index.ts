@@ -36,5 +36,6 @@ export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { coverageOf, pickSplat } from './scene-queries.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
 export { type DataOptions, type LoadedCloud, SplatData } from './splat-data.ts';
+export { SplatInstances } from './splat-instances.ts';
 export { SplatLoader } from './splat-loader.ts';
 export { onStageTimings } from './stage-timings.ts';

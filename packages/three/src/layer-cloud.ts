@@ -11,6 +11,7 @@ import type {
 } from '@websplatter/core';
 import type { EffectUse, SplatEffect } from '@websplatter/core/effects';
 import type { Box3, BufferGeometry, Camera, Object3D, Scene } from 'three/webgpu';
+import type { SplatInstances } from './splat-instances.ts';
 
 /** The part of `SplatCloudObject` that a layer knows and uses to draw it. */
 export interface LayerCloud extends Object3D {
@@ -20,6 +21,7 @@ export interface LayerCloud extends Object3D {
   readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;
   readonly detail: Detail | null;
+  readonly instances?: SplatInstances | null;
   /** Empty except for the bounds of the cloud, in its own space. */
   readonly geometry: BufferGeometry;
   readonly worldBounds: Box3;

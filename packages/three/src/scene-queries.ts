@@ -1,6 +1,6 @@
 import type { PointCoverage, PointToCover } from '@websplatter/core';
-import { type Camera, type Object3D, Vector3, type WebGPURenderer } from 'three/webgpu';
-import type { SplatCloudObject, SplatHit } from './splat-cloud-object.ts';
+import type { Camera, Object3D, WebGPURenderer } from 'three/webgpu';
+import { hitOf, type SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
 import { layersAround } from './splat-layer.ts';
 
 /**
@@ -46,10 +46,9 @@ export async function pickSplat(
   const hits = await Promise.all(layersAround(scene).map((layer) => layer.pick(renderer, camera, xPx, yPx)));
   const hit = hits.find(Boolean);
   if (!hit) return null;
-  const { splatIndex, point, depthView, alpha } = hit;
   // Clouds are what layers draw.
   const object = hit.object as unknown as SplatCloudObject;
-  return { object, splatIndex, point: new Vector3(...point), depthView, alpha };
+  return { object, ...hitOf(hit) };
 }
 
 /** Returns the cover of points by clouds that are blended one after the other. */

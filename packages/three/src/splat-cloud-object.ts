@@ -11,6 +11,7 @@ import {
   type ShDegree,
   type SplatCloud,
   type SplatEngine,
+  type SplatPick,
 } from '@websplatter/core';
 import { type EffectUse, type RevealOptions, reveal, type SplatEffect } from '@websplatter/core/effects';
 import {
@@ -29,6 +30,7 @@ import { SplatsPrecisionError, type SplatsStreamError } from './errors.ts';
 import type { CloudLayer } from './layer-cloud.ts';
 import { checkedReveal, isAnimation, type RevealAnimation } from './reveal-animation.ts';
 import type { SplatData } from './splat-data.ts';
+import type { SplatInstances } from './splat-instances.ts';
 import { layerOf, rootOf, type SplatLayer, withBounds } from './splat-layer.ts';
 import { StreamFollower } from './stream-follower.ts';
 
@@ -40,12 +42,21 @@ export interface SplatHit {
   readonly object: SplatCloudObject;
   /** Row of the splat in its file. */
   readonly splatIndex: number;
+  /** Index of the instance that it belongs to, of an object with `instances`. */
+  readonly instanceId?: number;
   /** World space. */
   readonly point: Vector3;
   /** Depth along the camera's line of sight, world units. */
   readonly depthView: number;
   /** The splat's opacity at the pixel, 0…1. */
   readonly alpha: number;
+}
+
+/** @internal Returns a pick in three's terms. */
+export function hitOf(pick: SplatPick): Omit<SplatHit, 'object'> {
+  const { splatIndex, instanceIndex, point, depthView, alpha } = pick;
+  const hit = { splatIndex, point: new Vector3(...point), depthView, alpha };
+  return instanceIndex === null ? hit : { ...hit, instanceId: instanceIndex };
 }
 
 /** Events of a `SplatCloudObject`, besides those of every object. */
@@ -117,6 +128,13 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    */
   detail: Detail | null = null;
   /**
+   * Where to draw the cloud many times, relative to this object; null: once. `raycast` and `pick`
+   * tell which instance they met. Instances share all other properties and edits, and are drawn with
+   * all their splats, whatever the detail. Temporal effects take the object's motion for theirs.
+   * Scenes that stream have none.
+   */
+  instances: SplatInstances | null = null;
+  /**
    * Called once for each error that keeps the cloud from being drawn, or from being drawn as it is
    * now (with invalid options it stays as it was) or as exactly as requested (a
    * SplatsPrecisionError), and each time that parts of a scene that streams
@@ -141,6 +159,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
   #choice: AccuracyChoice | null = null;
+  /** What the bounds were computed from. */
+  #bounded: { instances: SplatInstances | null; version?: number; count?: number } = { instances: null };
   /** Of the splats on the screen, on each engine. */
   readonly #followers = new Map<CloudStream, StreamFollower>();
 
@@ -170,7 +190,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     if (before !== this.#drawn) before?.release(this);
     if (!data) this.#replaceDrawn(null);
     this.#forgetErrors();
-    withBounds(this.geometry, data?.robustBounds.clone() ?? new Box3());
+    this.computeBoundingBox();
     this.requestFrame();
   }
 
@@ -190,6 +210,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   set reveal(given: RevealAnimation | RevealOptions | null) {
     this.#reveal = given && isAnimation(given) ? checkedReveal(given) : given;
     this.#revealBeganMs = null;
+  }
+
+  /** Computes the bounds of data and instances now; frames do when these change. */
+  computeBoundingBox(): void {
+    const { instances } = this;
+    const bounds = this.#data?.robustBounds.clone() ?? new Box3();
+    withBounds(this.geometry, instances ? instances.boundsOf(bounds) : bounds);
+    this.#bounded = { instances, version: instances?.version, count: instances?.count };
   }
 
   /** @internal `opacity` within its range. */
@@ -227,6 +255,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   override updateMatrixWorld(force?: boolean): void {
+    const { instances } = this;
+    const { version, count } = instances ?? {};
+    const { instances: before, version: versionBefore, count: countBefore } = this.#bounded;
+    if (instances !== before || version !== versionBefore || count !== countBefore) this.computeBoundingBox();
     super.updateMatrixWorld(force);
     this.worldBounds.copy(this.geometry.boundingBox!).applyMatrix4(this.matrixWorld);
     const root = rootOf(this);
@@ -259,8 +291,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   async pick(renderer: WebGPURenderer, camera: Camera, xPx: number, yPx: number): Promise<SplatHit | null> {
     const hit = await this.#layer?.pick(renderer, camera, xPx, yPx);
     if (hit?.object !== this || this.#drawn !== this.#data) return null;
-    const { splatIndex, point, depthView, alpha } = hit;
-    return { object: this, splatIndex, point: new Vector3(...point), depthView, alpha };
+    return { object: this, ...hitOf(hit) };
   }
 
   /**
@@ -280,8 +311,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
-    const { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail } = source;
-    const drawn = { opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail };
+    const { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances } = source;
+    const drawn = { opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances };
     return Object.assign(this, { data, ...drawn });
   }
 

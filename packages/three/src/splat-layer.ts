@@ -379,8 +379,10 @@ function instanceOf(
   const cloud = object.uploadedTo(engine);
   if (!cloud || !effects) return null;
   const { drawnOpacity: opacity, shDegree, matrixWorld, accuracy, detail } = object;
+  const instances = object.instances?.drawn();
   // A copy: where the next frame's is refused, the cloud stays where it was.
-  return { cloud, modelMatrix: [...matrixWorld.elements], opacity, shDegree, effects, accuracy, detail };
+  const modelMatrix = [...matrixWorld.elements];
+  return { cloud, modelMatrix, instances, opacity, shDegree, effects, accuracy, detail };
 }
 
 /**

@@ -1,0 +1,93 @@
+import { type CloudInstances, InvalidArgumentError } from '@websplatter/core';
+import { Box3, Color, Matrix4 } from 'three/webgpu';
+import { encodedColor } from './effect-options.ts';
+
+/**
+ * Where a SplatCloudObject is drawn many times, as an InstancedMesh draws a mesh: with one upload and
+ * sorted together with all other splats. Each instance has a matrix, relative to the object, and may
+ * have a colour, which tints its splats, and an opacity; everything else is that of the object.
+ */
+export class SplatInstances {
+  /** Number of instances that are drawn, from the first on: at most that of the constructor. */
+  count: number;
+  /** 16 numbers for each instance, column-major. */
+  readonly matrices: Float32Array;
+  /** Red, green and blue for each instance, linear as three's are; null before `setColorAt`. */
+  colors: Float32Array | null = null;
+  /** A number for each instance; null before `setOpacityAt`. */
+  opacities: Float32Array | null = null;
+  /** Number of times that `needsUpdate` was set. */
+  version = 0;
+
+  /**
+   * @param count most instances; their matrices are the identity.
+   * @throws InvalidArgumentError unless that is a whole number.
+   */
+  constructor(count: number) {
+    if (!(Number.isSafeInteger(count) && count >= 0))
+      throw new InvalidArgumentError('count', `count is ${count}; it must be a number of instances.`);
+    this.count = count;
+    this.matrices = repeated(new Matrix4().elements, count);
+  }
+
+  /** Set it after matrices or `count` have changed: the bounds of objects follow in the next frame. */
+  set needsUpdate(value: boolean) {
+    if (value) this.version++;
+  }
+
+  getMatrixAt(index: number, matrix: Matrix4): Matrix4 {
+    return matrix.fromArray(this.matrices, 16 * index);
+  }
+
+  setMatrixAt(index: number, matrix: Matrix4): void {
+    matrix.toArray(this.matrices, 16 * index);
+  }
+
+  /** White where none was set. */
+  getColorAt(index: number, color: Color): Color {
+    return this.colors ? color.fromArray(this.colors, 3 * index) : color.setRGB(1, 1, 1);
+  }
+
+  /** Tints an instance: multiplies the colours of its splats, both of them sRGB-encoded. */
+  setColorAt(index: number, color: Color): void {
+    this.colors ??= repeated([1, 1, 1], this.matrices.length / 16);
+    color.toArray(this.colors, 3 * index);
+  }
+
+  /** 1 where none was set. */
+  getOpacityAt(index: number): number {
+    return this.opacities?.[index] ?? 1;
+  }
+
+  /** Multiplies the opacity of an instance's splats by 0…1, besides that of the object. */
+  setOpacityAt(index: number, opacity: number): void {
+    this.opacities ??= repeated([1], this.matrices.length / 16);
+    this.opacities[index] = opacity;
+  }
+
+  /** @internal Returns copies for a frame: where it is refused, the last ones are drawn on. */
+  drawn(): CloudInstances {
+    const { count, matrices, colors, opacities } = this;
+    const color = new Color();
+    return {
+      modelMatrices: matrices.slice(0, 16 * count),
+      ...(colors && {
+        tints: Array.from({ length: count }, (_, i) => encodedColor(this.getColorAt(i, color))).flat(),
+      }),
+      ...(opacities && { opacities: opacities.slice(0, count) }),
+    };
+  }
+
+  /** @internal Returns the bounds of all instances of what has the bounds `each`. */
+  boundsOf(each: Box3): Box3 {
+    const [all, box, matrix] = [new Box3(), new Box3(), new Matrix4()];
+    for (let i = 0; i < this.count; i++) all.union(box.copy(each).applyMatrix4(this.getMatrixAt(i, matrix)));
+    return all;
+  }
+}
+
+function repeated(values: ArrayLike<number>, count: number): Float32Array {
+  const array = new Float32Array(count * values.length);
+  for (let i = 0; i < count; i++) array.set(values, i * values.length);
+  return array;
+}
