@@ -10,6 +10,7 @@ export {
   type SplatBoundsProps,
   useSplatBounds,
 } from './splat-bounds.tsx';
+export { SplatInstances, type SplatInstancesProps } from './splat-instances.tsx';
 export { SplatMeasure, type SplatMeasureProps } from './splat-measure.tsx';
 export { SplatStats, type SplatStatsProps } from './splat-stats.tsx';
 export type { PanelCorner } from './timings-panel.ts';

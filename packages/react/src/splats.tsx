@@ -52,6 +52,7 @@ type ObjectProps = Partial<
     | 'depthWrite'
     | 'dispose'
     | 'fog'
+    | 'instances'
     | 'key'
     | 'layers'
     | 'matrix'

@@ -1,8 +1,10 @@
 import { type CanvasProps, type ThreeElements, useLoader } from '@react-three/fiber';
 import type { SceneFiles, Vec3 } from '@websplatter/core';
+import type { SplatInstances } from '@websplatter/three';
 import type { Ref } from 'react';
 import type { Box3, Plane, Sphere } from 'three';
 import { expectTypeOf, it } from 'vitest';
+import type { SplatInstancesProps } from './components.ts';
 import {
   type AccuracyRequest,
   createSplatRenderer,
@@ -47,6 +49,17 @@ it('types the props of a Canvas and of <Splats>', () => {
   ] as const)
     expectTypeOf<SplatsProps>().not.toHaveProperty(own);
   expectTypeOf<null>().toExtend<SplatsProps['dispose']>();
+});
+
+it('types the props of <SplatInstances>', () => {
+  expectTypeOf<SplatInstancesProps['matrices']>().toEqualTypeOf<ArrayLike<number> | undefined>();
+  expectTypeOf<['orange', [number, number, number]]>().toExtend<SplatInstancesProps['tints']>();
+  expectTypeOf<Float32Array>().toExtend<SplatInstancesProps['opacities']>();
+  expectTypeOf<SplatInstancesProps['ref']>().toEqualTypeOf<Ref<SplatCloudObject> | undefined>();
+  expectTypeOf<SplatInstances | null>().toEqualTypeOf<SplatCloudObject['instances']>();
+  for (const own of ['detail', 'instances'] as const)
+    expectTypeOf<SplatInstancesProps>().not.toHaveProperty(own);
+  expectTypeOf<SplatInstances>().toExtend<SplatsProps['instances']>();
 });
 
 it('types every effect’s prop as a property of the object', () => {
