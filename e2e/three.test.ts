@@ -794,6 +794,13 @@ describe('three 0.187', () => {
       expectEachPixel(loaded, expected, (pixel) => pixel, 1);
     });
 
+    test('instances are drawn as objects of their own, and picks and rays tell which one they find', async () => {
+      const { together, apart, ...found } = await run('instances');
+      expect(found).toEqual({ errors: [], picked: 1, met: 1 });
+      expect(together.data.some((value, i) => i % 4 !== 3 && value > 100)).toBe(true);
+      expect(together.data).toEqual(apart.data);
+    });
+
     test('are picked exactly, and hit by rays at about the same place', async () => {
       const { pick, otherCloud, nothing, ray } = await run('pickAndRaycast');
       expect(pick).toMatchObject({ splatIndex: 1, isOwn: true });

@@ -10,6 +10,7 @@ import {
   type SplatCloudObject,
   SplatCloudObject as SplatCloudObjectClass,
   SplatData,
+  SplatInstances,
   SplatLoader,
   splatEngineOf,
   splatLimits,
@@ -46,10 +47,12 @@ import {
   FloatType,
   Fog,
   FogExp2,
+  Group,
   HalfFloatType,
   KeepStencilOp,
   LinearSRGBColorSpace,
   type Material,
+  Matrix4,
   Mesh,
   MeshBasicMaterial,
   MeshBasicNodeMaterial,
@@ -1178,6 +1181,51 @@ export const cases = {
     const without = await meshShot(stage);
     stage.scene.add(splatCloud({ color: [0, 0, 0], opacity: 0.5 }));
     return { without, with: await shot(stage) };
+  },
+
+  /** Pictures of instances and of as many objects, and what was found in the middle of the former. */
+  instances: async () => {
+    const { renderer, scene, camera } = await newStage(BY_TILES);
+    const data = splatData(...manySplats(400));
+    const places = [-1.2, 0, 1.2].map((x, i) =>
+      new Matrix4()
+        .makeRotationY(i)
+        .scale(new Vector3(0.4, 0.5, 0.4))
+        .setPosition(x, 0.1 * i, -0.2 * i),
+    );
+    const colors = ['white', 'orange', '#8080ff'].map((color) => new Color(color));
+    const cloud = new SplatCloudObjectClass(data);
+    const errors = errorsOf(cloud);
+    const instances = new SplatInstances(places.length);
+    for (const [i, place] of places.entries()) {
+      instances.setMatrixAt(i, place);
+      instances.setColorAt(i, colors[i]);
+      instances.setOpacityAt(i, 1 - 0.2 * i);
+    }
+    cloud.instances = instances;
+    const objects = places.map((_, i) => {
+      const object = new SplatCloudObjectClass(data);
+      object.matrixAutoUpdate = false;
+      object.matrix.copy(instances.getMatrixAt(i, new Matrix4()));
+      object.opacity = instances.getOpacityAt(i);
+      object.effects = [tint(encodedColor(instances.getColorAt(i, new Color())))];
+      return object;
+    });
+    const group = new Group();
+    group.rotation.x = 0.3;
+    group.scale.setScalar(1.1);
+    scene.add(group.add(cloud));
+    const together = await shot({ renderer, scene, camera });
+    const middle = SIZE_PX / 2;
+    const hit = await cloud.pick(renderer, camera, middle, middle);
+    await data.prepareRays();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(0, 0), camera);
+    const [ray] = caster.intersectObjects(scene.children);
+    cloud.removeFromParent();
+    group.add(...objects);
+    const apart = await shot({ renderer, scene, camera });
+    return { together, apart, errors, picked: hit?.instanceId, met: ray?.instanceId };
   },
 
   pickAndRaycast: async () => {
