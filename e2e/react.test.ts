@@ -235,7 +235,7 @@ it('draws no frame unless asked, and then one, or one more where a shader has ye
     .evaluate(({ style }) => Object.assign(style, { width: '640px', height: '480px' }));
   await expect.poll(() => overlay.innerText()).toContain('Pre-process');
   const text = await overlay.innerText();
-  for (const row of ['Pre-process', 'Sort', 'Rasterize', 'Frame', 'Wall clock']) {
+  for (const row of ['Pre-process', 'Sort', 'Rasterise', 'Frame', 'Wall clock']) {
     expect(text).toMatch(new RegExp(`${row}\\s+\\d+\\.\\d\\d ms`));
   }
   expect(text).toMatch(/Rasteriser\s+(tiles|quads)\s/);

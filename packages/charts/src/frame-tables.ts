@@ -44,7 +44,7 @@ export function timeRows({ stageMs, gpuMs, wallClockMs }: FrameMeasurement): Tim
     ? [
         { name: 'pre-process', spread: stageMs.preprocess, stage: 'preprocess' },
         { name: 'sort', spread: stageMs.sort, stage: 'sort' },
-        { name: 'rasterize', spread: stageMs.rasterize, stage: 'rasterize' },
+        { name: 'rasterise', spread: stageMs.rasterize, stage: 'rasterize' },
       ]
     : [];
   return [

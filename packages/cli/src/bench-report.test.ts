@@ -76,7 +76,7 @@ copies      400 GB/s read and written
 frame              median ms    P99  P99/median  deviation
 pre-process            1.000  1.250
 sort                   0.500  0.625
-rasterize              2.000  2.500
+rasterise              2.000  2.500
 whole, GPU             4.000  5.000        1.25      5.0 %
 whole, wall clock      5.000  6.250        1.25     20.0 %
 

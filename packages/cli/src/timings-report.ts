@@ -14,7 +14,7 @@ export function timingsReport(options: RenderOptions, rendered: Rendered) {
     source: timings[0]?.source ?? null,
     /** Milliseconds; null for a stage that was not measured by itself. */
     stages: Object.fromEntries(STAGES.map((stage) => [stage, spreadOf(timings.map((each) => each[stage]))])),
-    /** Both times are medians of rasterizing, or of whole frames without timestamps. */
+    /** Both times are medians of rasterising, or of whole frames without timestamps. */
     rasterizer: rendered.rasterizer,
     frames: options.frames,
     warmUpFrames: rendered.warmUpFrames,

@@ -31,7 +31,7 @@ it('shows stages, splats, frames, memory and the source of the times', () => {
     values: {
       'Pre-process': '1.23 ms',
       Sort: '0.50 ms',
-      Rasterize: '12.00 ms',
+      Rasterise: '12.00 ms',
       Frame: '13.73 ms',
       'Wall clock': '15.00 ms',
       Rasteriser: 'quads',
@@ -46,7 +46,7 @@ it('shows stages, splats, frames, memory and the source of the times', () => {
 
 it('labels wall-clock times', () => {
   const { values, note } = wordsFor(statistics(wallClockTimings(20)), engine, before);
-  const unknown = { 'Pre-process': '–', Sort: '–', Rasterize: '–', Frame: '–' };
+  const unknown = { 'Pre-process': '–', Sort: '–', Rasterise: '–', Frame: '–' };
   expect(values).toMatchObject({ ...unknown, 'Wall clock': '20.00 ms' });
   expect(note).toBe('No GPU timestamps here');
 });

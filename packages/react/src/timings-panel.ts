@@ -18,7 +18,7 @@ const VALUE_STYLE = 'margin:0;min-width:9ch;text-align:right';
 const ROWS = [
   'Pre-process',
   'Sort',
-  'Rasterize',
+  'Rasterise',
   'Frame',
   'Wall clock',
   'Rasteriser',
@@ -137,7 +137,7 @@ export function wordsFor(
   const values = {
     'Pre-process': milliseconds(timing.preprocessMs),
     Sort: milliseconds(timing.sortMs),
-    Rasterize: milliseconds(timing.rasterizeMs),
+    Rasterise: milliseconds(timing.rasterizeMs),
     Frame: milliseconds(isMeasuredByGpu ? timing.totalMs : Number.NaN),
     'Wall clock': milliseconds(timing.wallClockMs),
     Rasteriser: rasterizer,

@@ -74,7 +74,7 @@ describe('measured frames', () => {
     expect(framesInWords(measured, 'gpu').rows.map(([name]) => name)).toEqual([
       'Pre-process',
       'Sort',
-      'Rasterize',
+      'Rasterise',
       'Whole frame, GPU',
       'Whole frame, wall clock',
     ]);

@@ -119,7 +119,7 @@ export function framesInWords(measured: FrameMeasurement, kind: 'gpu' | 'softwar
       ? ([
           ['Pre-process', stageMs.preprocess],
           ['Sort', stageMs.sort],
-          ['Rasterize', stageMs.rasterize],
+          ['Rasterise', stageMs.rasterize],
         ] as const)
       : []),
     ...(gpuMs ? [['Whole frame, GPU', gpuMs] as const] : []),
