@@ -216,6 +216,15 @@ const PEERS_REPORT = {
 };
 
 describe('the pages of the lab', () => {
+  it('lead to the licences of the packages in them', async () => {
+    const page = await harness.open('');
+    await page.getByRole('link', { name: 'their licences' }).click();
+    await page.getByText('react-dom').first().waitFor();
+    const text = await page.textContent('body');
+    for (const words of ['scheduler', 'MIT', 'THE SOFTWARE IS PROVIDED "AS IS"'])
+      expect(text).toContain(words);
+  });
+
   it.each([
     ['the first page', '', 'h1'],
     ['the hard cases', '?conformance&cases=scale-unti', '[data-testid=failure]'],

@@ -2,6 +2,7 @@ import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
 import { defaultClientConditions, defineConfig } from 'vite';
 import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
+import { LICENSES_ADDRESS } from '../viewer/src/links/licenses-address.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
@@ -20,5 +21,5 @@ export default defineConfig({
     entries: 'index.html',
     include: ['react', 'react-dom/client', 'react/jsx-dev-runtime'],
   },
-  build: { target: 'es2022' },
+  build: { target: 'es2022', license: { fileName: LICENSES_ADDRESS } },
 });

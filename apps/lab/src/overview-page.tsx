@@ -1,3 +1,4 @@
+import { LICENSES_ADDRESS } from '../../viewer/src/links/licenses-address.ts';
 import { LabPage, PAGES } from './page.tsx';
 
 export default function OverviewPage() {
@@ -17,6 +18,11 @@ export default function OverviewPage() {
           </li>
         ))}
       </ul>
+      {import.meta.env.PROD && (
+        <p>
+          These pages contain packages from npm, unchanged: <a href={LICENSES_ADDRESS}>their licences</a>.
+        </p>
+      )}
     </LabPage>
   );
 }
