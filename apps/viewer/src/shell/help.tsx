@@ -43,7 +43,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
     setQuery('');
     dialog.current?.showModal();
     // On a phone that would bring up its keyboard.
-    if (matchMedia('(pointer: fine)').matches) field.current?.focus();
+    if (!matchMedia('(pointer: coarse)').matches) field.current?.focus();
   }, [isVisible]);
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
