@@ -138,7 +138,7 @@ describe('walking in the viewer', () => {
     expect(await textOf(page, 'travel')).toContain('Flying');
     const streaming = await harness.openViewer(`?url=city.bricks&${CHEAPLY}`, WINDOW);
     await streaming.keyboard.press('b');
-    await waitForNotice(streaming, 'It streams');
+    await waitForNotice(streaming, 'this one streams');
     expect(await streaming.getByTestId('travel').count()).toBe(0);
   });
 });

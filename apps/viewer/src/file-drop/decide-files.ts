@@ -20,7 +20,7 @@ export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
 
 function decideScenes(found: readonly FoundFile[]): FileDropDecision {
   if (found.length === 0)
-    return { opened: [], notice: `There is no file in that. Drop ${READABLE_FORMATS}.` };
+    return { opened: [], notice: `Nothing that was dropped is a file. Drop ${READABLE_FORMATS}.` };
   if (found.length === 1) return { opened: [alone(found[0])], notice: null };
   const leading = leadingFiles(found);
   const isOfSeveral = (file: FoundFile) => leading.some((lead) => file === lead || isCompanion(file, lead));

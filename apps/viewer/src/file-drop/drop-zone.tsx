@@ -72,7 +72,7 @@ export function DropZone({
       const items = [...(event.dataTransfer?.items ?? [])];
       Promise.all([droppedFiles(items).then(decide), droppedHandles(items)]).then(
         ([decision, handles]) => latestOnDrop.current({ ...decision, isAdded, handles }),
-        (error) => latestOnDrop.current({ opened: [], notice: `That cannot be read: ${error}` }),
+        (error) => latestOnDrop.current({ opened: [], notice: `What was dropped cannot be read: ${error}` }),
       );
     });
     return () => listeners.abort();

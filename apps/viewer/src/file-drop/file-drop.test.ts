@@ -111,7 +111,7 @@ describe('dropped files', () => {
     const found = await droppedFiles([{ kind: 'string', getAsFile: () => null }]);
     expect(decideFiles(found)).toMatchObject({
       opened: [],
-      notice: expect.stringMatching(/no file in that. Drop PLY, SPZ, SOG/),
+      notice: expect.stringMatching(/Nothing that was dropped is a file. Drop PLY, SPZ, SOG/),
     });
   });
 });

@@ -160,7 +160,7 @@ describe('HUD', () => {
     it('where the tiles had no room, or the other one is next', () => {
       expect(textWith({ rasterizer: 'quads' })).toMatchObject({
         rasterizer: 'quads',
-        rasterizerReason: 'The lists of the tiles had no room in this frame',
+        rasterizerReason: 'This frame had no room for the lists of its tiles',
       });
       expect(textWith({ rasterizer: 'quads', tilePairs: null }).rasterizerReason).toBe(
         'Tiles are next: they have not been compared yet',

@@ -95,7 +95,8 @@ function otherRasterizer({ rasterizer }: FrameStatistics, { tilesMs, quadsMs }: 
 /** Why the frame was drawn by its rasteriser, or why the next one will be drawn by the other. */
 function rasterizerReason({ rasterizer, tilePairs }: FrameStatistics, report: RasterizerReport): string {
   if (rasterizer === report.rasterizer) return capitalized(report.reason);
-  if (rasterizer === 'quads' && tilePairs !== null) return 'The lists of the tiles had no room in this frame';
+  if (rasterizer === 'quads' && tilePairs !== null)
+    return 'This frame had no room for the lists of its tiles';
   return `${capitalized(report.rasterizer)} are next: ${report.reason}`;
 }
 

@@ -76,7 +76,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
           </TextButton>
         </>
       ) : (
-        <p>A hard case stands as it is.</p>
+        <p>A hard case cannot be moved.</p>
       )}
     </div>
   );

@@ -7,7 +7,7 @@ import { linkTo } from './page-address.ts';
 export function noLink(viewer: Viewer): string {
   return viewer.scenes.newest?.parts.some(({ source }) => source.kind === 'file')
     ? 'This scene is a file of this device: only a file on a server can be linked (?src=…).'
-    : 'Only files on servers can be linked together (?src=…&src=…): this scene has another one.';
+    : 'A link can only have files on servers (?src=…&src=…), and not all of this scene comes from one.';
 }
 
 /** The whole address that shows this picture elsewhere; null if no address can name its files. */
@@ -36,8 +36,8 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
 export async function copyFrame(text: string, store: ViewerStore): Promise<void> {
   try {
     await navigator.clipboard.writeText(text);
-    store.setState({ notice: 'The frame is copied: put it into the HTML of a page.' });
+    store.setState({ notice: 'The frame is copied: paste it into the HTML of a page.' });
   } catch {
-    store.setState({ notice: 'The browser does not let this page copy. Choose the text and copy it.' });
+    store.setState({ notice: 'The browser does not let this page copy. Select the text and copy it.' });
   }
 }

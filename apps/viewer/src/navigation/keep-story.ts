@@ -117,7 +117,7 @@ function keepList<Item>(
   return store.subscribe(follow);
 }
 
-const NO_ROOM = 'The browser has no room for this: it is gone when the page is closed.';
+const NO_ROOM = 'The browser has no room to keep this: it will be lost when the page is closed.';
 
 function linkedItems<Item>(
   { name, parameter, decode }: StoryList<Item>,

@@ -65,7 +65,7 @@ async function filesOf(
       return files.map((bytes, i) => ({ path: paths?.[i] ?? ownPath(bytes, i), bytes }));
     }
     case 'hard-case':
-      throw new PageRefusal('There is no file behind this scene.', '');
+      throw new PageRefusal('This scene does not come from a file.', '');
   }
 }
 

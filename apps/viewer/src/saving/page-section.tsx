@@ -34,7 +34,7 @@ export function PageSection({ store, viewer }: PanelProps) {
             {canSave && isCropped && <strong>The page holds what the crop hides, too. </strong>}
             {canSave
               ? 'The scene in this view: .html is one file, which opens without a server; .zip has files for any web host, which show splats while they arrive.'
-              : 'There is no file behind this scene.'}
+              : 'This scene does not come from a file.'}
           </p>
           <div className="page-kinds">
             {PAGE_KINDS.map((kind) => (

@@ -73,8 +73,8 @@ export function SavePanel({ store, viewer }: PanelProps) {
                   </strong>
                 )}
                 {canSave
-                  ? 'Reads all splats again that are not hidden, without effects, and turns them so that other viewers show them this way up.'
-                  : 'There is no file behind this scene.'}
+                  ? 'Saves all splats that are not hidden, without effects, and turned so that other viewers show them this way up.'
+                  : 'This scene does not come from a file.'}
               </p>
               <TextButton
                 look="primary"

@@ -63,7 +63,7 @@ const KEEP_ABOVE_BYTES = 2 ** 31;
 /** By this part of their radius bounds may change before the camera follows. */
 const FRAMED_CHANGE = 0.1;
 
-const Z_UP_NOTICE = 'This looks like ground whose z axis points up. View and camera (V) turns it.';
+const Z_UP_NOTICE = 'The z axis of this scene seems to point up. View and camera (V) can turn it.';
 
 /** Loads files one by one, as a new scene or into the present one, and knows which to draw. */
 export class Scenes {

@@ -20,13 +20,13 @@ const MODES: readonly Choice<SelectMode>[] = [
   ['subtract', 'Subtract'],
 ];
 const HINTS: Readonly<Record<SelectTool, string>> = {
-  rectangle: 'Drag over the picture: splats count by their centres, however deep.',
-  brush: 'Paint over the picture: splats count by their centres, however deep.',
+  rectangle: 'Drag over the picture to select the splats whose centres are in the rectangle, however deep.',
+  brush: 'Paint over the picture to select the splats whose centres the brush passes, however deep.',
   polygon:
     'Click corners around centres of splats, however deep. Enter, or a click on the first corner, closes the polygon; Backspace takes the last corner back; Escape cancels.',
   sphere:
-    'Drag from a splat as far as the sphere is to reach, or click one to keep the radius: splats count by their centres.',
-  color: 'Click a splat: all of the scene with about its base colour are selected. A drag orbits.',
+    'Drag from a splat to the edge of a sphere around it, or click one to keep the radius. The splats whose centres are in the sphere are selected.',
+  color: 'Click a splat to select all splats with about its base colour, wherever they are. A drag orbits.',
 };
 const COMMON_HINT = 'Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.';
 const BRUSH_PX = { least: 4, most: 120 } as const;

@@ -110,5 +110,5 @@ function useCodec(widthPx: number, heightPx: number, framesPerS: FrameRate): Vid
 function noEncoder(lines: number | null): string {
   if (!('VideoEncoder' in globalThis))
     return 'This browser cannot encode videos: it has no VideoEncoder. Chromium, Firefox and Safari have one in newer versions.';
-  return `This browser encodes neither VP9, AV1 nor VP8 at this size. ${lines === null ? 'A smaller window' : 'A smaller size'} may do.`;
+  return `This browser encodes neither VP9, AV1 nor VP8 at this size. ${lines === null ? 'A smaller window' : 'A smaller size'} may help.`;
 }

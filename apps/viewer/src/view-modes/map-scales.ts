@@ -43,8 +43,7 @@ export function pixelNotes(figures: MapFigures): readonly string[] {
   if (figures.kind !== 'cost') return [];
   const { rasterizer, blendedPart } = figures;
   const most = `${mostAndMean(figures)} at a pixel`;
-  if (rasterizer === 'quads')
-    return [`${most}, all of them blended: quads do not end behind what is opaque.`];
+  if (rasterizer === 'quads') return [`${most}, all of them blended: quads draw what is hidden, too.`];
   return [`${most}; ${formatPart(blendedPart)} of them are blended there, the others miss the pixel.`];
 }
 

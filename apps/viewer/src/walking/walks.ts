@@ -14,7 +14,7 @@ import { standingPlace, Walker } from './walker.ts';
 
 const NO_GROUND = 'There is no ground to walk on near the camera: it flies instead.';
 const LOADING = 'Walking needs the whole scene, which is still loading.';
-const STREAMED = 'Walking needs all splats of the scene. It streams: only those in view are here.';
+const STREAMED = 'Walking needs all splats of a scene, and this one streams: only those in view are here.';
 /** Where ground is looked for ahead of the camera, in heights of the eyes. */
 const AHEAD_EYE_HEIGHTS = Array.from({ length: 100 }, (_, i) => (i + 1) / 2);
 
