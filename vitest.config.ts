@@ -62,11 +62,12 @@ const mockingTests = ['packages', 'apps'].flatMap((room) =>
 );
 const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
 
-const e2e = (name: string, include: string[], exclude: string[] = []) =>
+const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers = 2) =>
   ({
     ...resolvedBy(nodeConditions),
     test: {
       ...common,
+      maxWorkers,
       ...inSharedProcesses,
       name,
       include,
@@ -78,7 +79,7 @@ const e2e = (name: string, include: string[], exclude: string[] = []) =>
 
 const viewerTests = ['e2e/viewer*.test.ts', 'e2e/{accuracy,effects,hard-cases}.test.ts'];
 const hostTests = ['e2e/{react,react-streaming,poster,three,drei,examples}.test.ts'];
-const secondWebGpuTests = ['e2e/{firefox,wgpu}.test.ts'];
+const secondWebGpuTests = ['e2e/{firefox*,wgpu}.test.ts'];
 const smokeTests = ['e2e/smoke/*.test.ts'];
 
 /**
@@ -123,7 +124,8 @@ const groups: TestProjectInlineConfiguration[][] = [
   [{ ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } }],
   [e2e('full:viewer', viewerTests)],
   [e2e('full:hosts', hostTests)],
-  [e2e('full:second-webgpu', secondWebGpuTests)],
+  // One Firefox at a time: lavapipe takes all cores for each.
+  [e2e('full:second-webgpu', secondWebGpuTests, [], 1)],
   [
     e2e(
       'full:packages',

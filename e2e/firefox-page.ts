@@ -11,8 +11,8 @@ export interface FirefoxPage {
   readonly problems: readonly string[];
 }
 
-export function launch(): Promise<Browser> {
-  return launchFirefox({ executablePath: firefox, driverFile: lavapipe });
+export function launch(downloadFolder: string): Promise<Browser> {
+  return launchFirefox({ executablePath: firefox, driverFile: lavapipe, downloadFolder });
 }
 
 /**

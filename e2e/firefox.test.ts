@@ -1,109 +1,44 @@
-// The main paths of the viewer and of React, and hard cases, in Firefox: one browser, a page each.
+// Scenes in the viewer, React, and hard cases, in Firefox: one browser, a page each.
 
-import { mkdtemp, rm, writeFile } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
+import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { pathToFileURL } from 'node:url';
 import { encodePly } from '@websplatter/core';
 import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/hardcases';
-import type { Browser, Page } from '@websplatter/tools/firefox';
+import type { Page } from '@websplatter/tools/firefox';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
-import { afterAll, afterEach, beforeAll, expect } from 'vitest';
-import { adoptStyle, type FirefoxPage, launch, openPage, screenshotOf } from './firefox-page.ts';
+import { expect } from 'vitest';
+import { firefoxHarness } from './firefox-harness.ts';
+import { adoptStyle, screenshotOf } from './firefox-page.ts';
+import { drawnCamera, redraw, waitForScene } from './firefox-viewer.ts';
 import type { CanvasDescription } from './react/main.tsx';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
-import { changedPart, colorsIn } from './screenshot.ts';
-import { firefox, lavapipe, puppeteer, testWith } from './second-webgpu.ts';
-import { type AppServer, startAppServer } from './server.ts';
+import { changedPart } from './screenshot.ts';
+import type { ServedFiles } from './server.ts';
 import { testScene } from './test-scene.ts';
-import {
-  type DrawnCamera,
-  IMAGE_ALONE,
-  isAtRestAfter,
-  loseDeviceOnDemand,
-  noteNotices,
-} from './viewer-page.ts';
+import { type DrawnCamera, IMAGE_ALONE } from './viewer-page.ts';
 
-const firefoxTest = testWith({
-  Firefox: firefox,
-  'lavapipe (mesa-vulkan-drivers)': lavapipe,
-  'puppeteer-core': puppeteer,
-});
-
+const harness = firefoxHarness();
+const { firefoxTest } = harness;
 const scene = testScene();
 /** Enough rows for the GPU to take them. */
 const other = testScene(70_000);
 /** More than a sample has. */
 const large = testScene(240_000);
-const servers: AppServer[] = [];
 const PATIENTLY = { timeout: LONG_PATIENCE_MS };
-let browser: Browser | undefined;
-let folder: string;
-let watched: FirefoxPage[] = [];
-beforeAll(async () => {
-  folder = await mkdtemp(join(tmpdir(), 'websplatter-firefox-'));
-  if (firefox && lavapipe && puppeteer) browser = await launch();
-});
-afterEach(async () => {
-  const pages = watched;
-  watched = [];
-  for (const { page } of pages) await page.close();
-  expect(
-    pages.flatMap(({ problems }) => problems),
-    'what the page complained about',
-  ).toEqual([]);
-});
-afterAll(async () => {
-  await browser?.close();
-  for (const server of servers) await server.close();
-  await rm(folder, { recursive: true, force: true });
-});
 
-/** Serves an app, with a file `scene.ply` and others, and opens its page. */
-async function open(
-  appFolder: string,
-  address = '',
-  files: Readonly<Record<string, Uint8Array>> = {},
-): Promise<Page> {
-  const server = await startAppServer(appFolder, { 'scene.ply': encodePly(scene), ...files });
-  servers.push(server);
-  const opened = await openPage(browser!, `${server.url}${address}`, [loseDeviceOnDemand, noteNotices]);
-  watched.push(opened);
-  return opened.page;
-}
-
-const frameCount = (page: Page) =>
-  page.evaluate(() => Number(document.querySelector('canvas')?.dataset.frames ?? 0));
-
-/** Waits until the picture at rest shows the scene with this title, and nothing is being loaded. */
-async function waitForScene(page: Page, title: string): Promise<void> {
-  // `waitForSelector` observes mutations, and has missed this one where much memory had been freed.
-  await page.waitForFunction(
-    (selector) => document.querySelector(selector) !== null,
-    {},
-    `html[data-state=ready] canvas[data-resting][data-scene=${JSON.stringify(title)}]`,
-  );
-}
-
-/** Changes the viewer's picture in one step, and waits until the new one is at rest. */
-async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
-  await page.waitForFunction(isAtRestAfter, {}, 0);
-  const frames = await frameCount(page);
-  await act();
-  await page.waitForFunction(isAtRestAfter, {}, frames);
-}
+/** Opens an app's page, which has a file `scene.ply` and others. */
+const open = (appFolder: string, address = '', files: ServedFiles = {}): Promise<Page> =>
+  harness.open(appFolder, address, { 'scene.ply': encodePly(scene), ...files });
 
 async function expectViewerAsReference(page: Page, set: typeof scene): Promise<DrawnCamera> {
-  const drawn: DrawnCamera = await page.evaluate(() =>
-    JSON.parse(document.querySelector('canvas')?.dataset.camera ?? 'null'),
-  );
+  const drawn = await drawnCamera(page);
   const shot = await screenshotOf(page, '[data-testid=viewport]');
   expect(psnrAgainstReference(shot, drawn, [set])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   return drawn;
 }
 
 /** The viewer with the scene in it, without panels or figures before the picture. */
-async function openViewer(options = '', files?: Readonly<Record<string, Uint8Array>>): Promise<Page> {
+async function openViewer(options = '', files?: ServedFiles): Promise<Page> {
   const page = await open('apps/viewer', `?file=/scene.ply${options}`, files);
   await waitForScene(page, 'scene.ply');
   await adoptStyle(page, IMAGE_ALONE);
@@ -128,44 +63,6 @@ firefoxTest('the viewer opens a scene, moves about it and is resized', async () 
   expect(resized.projectionMatrix[5] / resized.projectionMatrix[0]).toBeCloseTo(160 / 200);
 });
 
-/** For the page: has the file that it saves next kept, in place of a download. */
-function keepSaved(): Promise<void> {
-  const { createObjectURL } = URL;
-  HTMLAnchorElement.prototype.click = () => {};
-  return new Promise((resolve) => {
-    URL.createObjectURL = (blob: Blob) => {
-      void blob.text().then((text) => {
-        Object.assign(window, { saved: text });
-        resolve();
-      });
-      return createObjectURL(blob);
-    };
-  });
-}
-
-firefoxTest('a scene that is saved as a web page shows the picture of `?noui` from a disk', async () => {
-  const view = 'camera=0,0,0,4,0.5,1.2&accuracy=fast,rasterizer:tiles';
-  const served = await open('apps/viewer', `?file=/scene.ply&${view}`);
-  await waitForScene(served, 'scene.ply');
-  await served.keyboard.press('x');
-  await served.waitForSelector('[data-testid=save-html]');
-  const saved = served.evaluate(keepSaved);
-  await served.evaluate(() => document.querySelector<HTMLElement>('[data-testid=save-html]')?.click());
-  await saved;
-  const text = await served.evaluate(() => (window as unknown as { saved: string }).saved);
-  const path = join(folder, 'scene.html');
-  await writeFile(path, text);
-
-  await served.goto(`${servers.at(-1)!.url}?file=/scene.ply&noui&${view}`);
-  await waitForScene(served, 'scene.ply');
-  const opened = await openPage(browser!, pathToFileURL(path).href);
-  watched.push(opened);
-  await waitForScene(opened.page, 'scene.ply');
-  const shot = await screenshotOf(opened.page, '[data-testid=viewport]');
-  expect(colorsIn(shot)).toBeGreaterThan(1000);
-  expect(shot).toEqual(await screenshotOf(served, '[data-testid=viewport]'));
-});
-
 firefoxTest('the viewer opens panels, and shows the link where there is no clipboard', async () => {
   const page = await openViewer();
   await page.keyboard.press('e');
@@ -178,7 +75,7 @@ firefoxTest('the viewer opens panels, and shows the link where there is no clipb
 
 firefoxTest('the viewer takes a file, and reads it again for another device', async () => {
   const page = await openViewer();
-  const path = join(folder, 'other.ply');
+  const path = join(harness.folder, 'other.ply');
   await writeFile(path, encodePly(other));
   const input = await (await page.$('[data-testid=file-input]'))!.toElement('input');
   await input.uploadFile(path);

@@ -2,7 +2,7 @@ import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
-import type { DecodedImage } from './png.ts';
+import { playbackOf, playVideo } from './play-video.ts';
 import { psnrOf } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
@@ -24,12 +24,6 @@ const ADDRESS = `?src=scene.ply&${CHEAPLY}`;
 const WINDOW = { viewport: { width: 480, height: 320 } };
 /** Two views are 2.5 s apart: 30 frames a second, and the last view. */
 const FRAMES = 76;
-
-interface Playback {
-  readonly durationS: number;
-  readonly first: DecodedImage;
-  readonly last: DecodedImage;
-}
 
 /** Saves two views of the scene; returns their pictures without a panel. */
 async function saveTwoViews(page: Page) {
@@ -53,45 +47,9 @@ async function saveTwoViews(page: Page) {
   return { first, last: await saveView('saved-view-2') };
 }
 
-/** Plays a video in a `<video>` of `page`: its length, and its first and last frames. */
-async function play(page: Page, video: Buffer): Promise<Playback> {
-  const { durationS, frames } = await page.evaluate(async (base64) => {
-    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-    const player = document.createElement('video');
-    const event = (name: string) =>
-      new Promise((resolve, reject) => {
-        player.addEventListener(name, resolve, { once: true });
-        player.addEventListener('error', () => reject(new Error(player.error?.message)), { once: true });
-      });
-    const loaded = event('loadeddata');
-    player.muted = true;
-    player.src = URL.createObjectURL(new Blob([bytes], { type: 'video/webm' }));
-    await loaded;
-    const ended = event('ended');
-    player.playbackRate = 4;
-    await player.play();
-    await ended;
-    const { videoWidth: widthPx, videoHeight: heightPx, duration } = player;
-    const context = new OffscreenCanvas(widthPx, heightPx).getContext('2d')!;
-    const shownAt = async (seconds: number) => {
-      // At `seeked`, a busy browser may still show the frame before.
-      const presented = new Promise<void>((resolve) => {
-        const look: VideoFrameRequestCallback = (_now, { mediaTime }) => {
-          if (Math.abs(mediaTime - seconds) < 0.04) resolve();
-          else player.requestVideoFrameCallback(look);
-        };
-        player.requestVideoFrameCallback(look);
-      });
-      player.currentTime = seconds;
-      await presented;
-      context.drawImage(player, 0, 0);
-      return { widthPx, heightPx, data: [...context.getImageData(0, 0, widthPx, heightPx).data] };
-    };
-    return { durationS: duration, frames: [await shownAt(0.001), await shownAt(duration - 0.001)] };
-  }, video.toString('base64'));
-  const [first, last] = frames.map((each) => ({ ...each, data: Uint8Array.from(each.data) }));
-  return { durationS, first, last };
-}
+/** Plays a video in `page`: its length, and its first and last frames. */
+const play = async (page: Page, video: Buffer) =>
+  playbackOf(await page.evaluate(playVideo, video.toString('base64')));
 
 it('saves the path through saved views as a video that shows them as their pictures do', async () => {
   const page = await openViewer(ADDRESS, WINDOW);

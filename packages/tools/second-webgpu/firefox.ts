@@ -18,10 +18,16 @@ export interface FirefoxOptions {
   readonly executablePath: string;
   /** Description (ICD) of the Vulkan driver that WebGPU uses. */
   readonly driverFile: string;
+  /** Where it saves what pages let it download, without a question. */
+  readonly downloadFolder?: string;
 }
 
 /** Starts a headless Firefox with WebGPU on one Vulkan driver, driven by WebDriver BiDi. */
-export async function launchFirefox({ executablePath, driverFile }: FirefoxOptions): Promise<Browser> {
+export async function launchFirefox({
+  executablePath,
+  driverFile,
+  downloadFolder,
+}: FirefoxOptions): Promise<Browser> {
   // Imported when it is needed: tests that are skipped need no installation of it.
   const { launch } = await import('puppeteer-core');
   return launch({
@@ -37,6 +43,7 @@ export async function launchFirefox({ executablePath, driverFile }: FirefoxOptio
       'gfx.webgpu.ignore-blocklist': true,
       // With smooth steps the number of frames would depend on the machine's speed.
       'ui.prefersReducedMotion': 1,
+      ...(downloadFolder && { 'browser.download.folderList': 2, 'browser.download.dir': downloadFolder }),
     },
   });
 }
