@@ -1,23 +1,53 @@
-import type { ReactNode } from 'react';
+import { useStore } from 'zustand';
+import type { FailureReport } from '../state/failure.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 
-/** A message that stays until it is dismissed. */
-export function MessagePanel(props: {
-  kind: 'error' | 'warning';
-  title: string;
-  children: ReactNode;
-  onDismiss: () => void;
-}) {
-  const { kind, title, children, onDismiss } = props;
+type Message = Pick<FailureReport, 'title' | 'message'> & Partial<FailureReport>;
+
+/** Why the last scene failed to open, or what is wrong with the one shown, until it is dismissed. */
+export function MessagePanel({ store, kind }: { store: ViewerStore; kind: 'error' | 'warning' }) {
+  const name = kind === 'error' ? 'failure' : 'warning';
+  const shown: Message | null = useStore(store, (state) => state[name]);
+  // The live region is always there: some screen readers ignore one that comes with its text.
   return (
-    <section className={`panel message ${kind}`} data-testid={kind}>
-      <Icon name="warning" />
-      <div className="message-text">
-        <h2>{title}</h2>
-        {children}
-      </div>
-      <IconButton icon="close" label={`Dismiss the ${kind}`} testId={`dismiss-${kind}`} onClick={onDismiss} />
-    </section>
+    <div role={kind === 'error' ? 'alert' : 'status'} className="message-slot">
+      {shown && (
+        <section className={`panel message ${kind}`} data-testid={kind}>
+          <Icon name="warning" />
+          <div className="message-text">
+            <h2>{shown.title}</h2>
+            <p className="particulars" data-testid={`${kind}-message`}>
+              {shown.message}
+            </p>
+            {shown.advice && <p>{shown.advice}</p>}
+            {shown.details && (
+              <details className="explained">
+                <summary>Details</summary>
+                <p className="particulars" data-testid="error-details">
+                  {shown.details}
+                </p>
+              </details>
+            )}
+            {shown.links && (
+              <ul className="links">
+                {shown.links.map(({ label, href }) => (
+                  <li key={href}>
+                    <a href={href}>{label}</a>
+                  </li>
+                ))}
+              </ul>
+            )}
+          </div>
+          <IconButton
+            icon="close"
+            label={`Dismiss the ${kind}`}
+            testId={`dismiss-${kind}`}
+            onClick={() => store.setState({ [name]: null })}
+          />
+        </section>
+      )}
+    </div>
   );
 }

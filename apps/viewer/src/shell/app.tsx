@@ -6,10 +6,9 @@ import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
 import type { Measurements } from '../measurement/start-measurements.ts';
-import { FailurePanel } from '../messages/failure-panel.tsx';
 import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
+import { MessagePanel } from '../messages/message-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
-import { WarningPanel } from '../messages/warning-panel.tsx';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -140,8 +139,8 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>
               <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
               <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
-              <WarningPanel store={store} />
-              <FailurePanel store={store} />
+              <MessagePanel store={store} kind="warning" />
+              <MessagePanel store={store} kind="error" />
               <Suspense>{hasErrorMap && <ErrorMapLegend store={store} viewer={viewer} />}</Suspense>
               <Suspense>{hasViewMode && <ModeLegend store={store} viewer={viewer} />}</Suspense>
               <Suspense>

@@ -2,8 +2,8 @@ import { Suspense } from 'react';
 import { useStore } from 'zustand';
 import { DropZone } from '../file-drop/drop-zone.tsx';
 import type { FileDropDecision } from '../file-drop/file-drop.ts';
-import { FailurePanel } from '../messages/failure-panel.tsx';
 import { ThinProgress } from '../messages/load-panel.tsx';
+import { MessagePanel } from '../messages/message-panel.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
 import type { PanelProps } from '../viewer/panel-props.ts';
@@ -28,7 +28,7 @@ export function PlainPicture({
           <div className="overlay-side">
             <div className="messages">
               <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
-              <FailurePanel store={store} />
+              <MessagePanel store={store} kind="error" />
             </div>
           </div>
         </div>
