@@ -12,19 +12,6 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   upload: 'Uploading to the GPU',
 };
 
-interface PanelOptions {
-  readonly store: ViewerStore;
-  readonly onCancel: () => void;
-}
-
-/** How far the loading of a scene has come. */
-export function LoadPanel({ store, onCancel }: PanelOptions) {
-  const load = useStore(store, (state) => state.load);
-  return (
-    load && <ProgressPanel name="load" label={`Opening ${load.title}`} state={load} onCancel={onCancel} />
-  );
-}
-
 /** How far the page has come that has nothing but the picture. */
 export function ThinProgress({ store }: { store: ViewerStore }) {
   const load = useStore(store, (state) => state.load);
@@ -44,26 +31,20 @@ export function ThinProgress({ store }: { store: ViewerStore }) {
   );
 }
 
-/** Progress towards drawing the scene with another accuracy, if that takes a while. */
-export function PreparingPanel({ store, onCancel }: PanelOptions) {
-  const preparing = useStore(store, (state) => state.preparing);
-  if (!preparing) return null;
-  const label = `Preparing ${preparing.title} for another accuracy`;
-  return <ProgressPanel name="preparing" label={label} state={preparing} onCancel={onCancel} />;
-}
-
-function ProgressPanel({
+/** How far the loading of a scene has come, or its preparation for another accuracy. */
+export function LoadPanel({
+  store,
   name,
-  label,
-  state,
   onCancel,
 }: {
-  name: 'load' | 'preparing';
-  label: string;
-  state: LoadState;
-  onCancel: () => void;
+  readonly store: ViewerStore;
+  readonly name: 'load' | 'preparing';
+  readonly onCancel: () => void;
 }) {
+  const state = useStore(store, (all) => all[name]);
+  if (!state) return null;
   const { title, phase } = state;
+  const label = name === 'load' ? `Opening ${title}` : `Preparing ${title} for another accuracy`;
   return (
     <section className={`panel load ${name}`} data-testid={name} aria-label={label}>
       <div className="spread">

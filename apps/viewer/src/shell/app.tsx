@@ -6,7 +6,7 @@ import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../file-drop
 import { filesOf, pickHandles } from '../file-drop/file-handles.ts';
 import { followDrop } from '../file-drop/follow-drop.ts';
 import type { Measurements } from '../measurement/start-measurements.ts';
-import { LoadPanel, PreparingPanel } from '../messages/load-panel.tsx';
+import { LoadPanel } from '../messages/load-panel.tsx';
 import { MessagePanel } from '../messages/message-panel.tsx';
 import { Notice } from '../messages/notice.tsx';
 import { SceneCaption } from '../scene/scene-caption.tsx';
@@ -152,8 +152,8 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
                   />
                 )}
               </Suspense>
-              <PreparingPanel store={store} onCancel={() => viewer.cancelPreparing()} />
-              <LoadPanel store={store} onCancel={() => viewer.scenes.cancelLoad()} />
+              <LoadPanel store={store} name="preparing" onCancel={() => viewer.cancelPreparing()} />
+              <LoadPanel store={store} name="load" onCancel={() => viewer.scenes.cancelLoad()} />
             </div>
             <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
           </div>
