@@ -54,6 +54,8 @@ const READMES: Readonly<Record<string, Examples>> = {
       camera: "import('three/webgpu').PerspectiveCamera",
       cloud: "import('@websplatter/three').SplatCloudObject",
       data: "import('@websplatter/three').SplatData",
+      files: 'File[]',
+      render: '() => void',
       pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",
       min: "import('three').Vector3",
       max: "import('three').Vector3",

@@ -801,6 +801,22 @@ describe('three 0.187', () => {
       expect(together.data).toEqual(apart.data);
     });
 
+    test('of a sequence are shown file by file, no more of them on the GPU than it may hold', async () => {
+      const colors = [
+        [1, 0, 0],
+        [0, 1, 0],
+        [0, 0, 1],
+        [1, 1, 0],
+      ] as const;
+      const { shown, mostHeld, left } = await run('sequence', colors, 6);
+      expect(shown.map(({ frame }) => frame)).toEqual([0, 1, 2, 3, 0, 1]);
+      for (const { frame, image } of shown) {
+        const [r, g, b] = colors[frame].map((value) => 127.5 * value);
+        expectPixel(leftOf(image), [r, g, b, 255]);
+      }
+      expect([mostHeld, left]).toEqual([2, 0]);
+    });
+
     test('are picked exactly, and hit by rays at about the same place', async () => {
       const { pick, otherCloud, nothing, ray } = await run('pickAndRaycast');
       expect(pick).toMatchObject({ splatIndex: 1, isOwn: true });

@@ -17,6 +17,7 @@ import {
 } from '@websplatter/three';
 import { SplatGltfPlugin } from '@websplatter/three/gltf';
 import { editsOf, makeSplatData } from '@websplatter/three/own-data';
+import { SplatSequence } from '@websplatter/three/sequence';
 import { splatColor, splatNode } from '@websplatter/three/tsl';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
@@ -218,6 +219,37 @@ export const cases = {
     stage.scene.remove(scene);
     stage.scene.add(new SplatCloudObjectClass(makeSplatData(set)));
     return { loaded, expected: await shot(stage) };
+  },
+
+  /** Plays files of one colour each in a pool of two; counts clouds at every look. */
+  sequence: async (colors: readonly (readonly [number, number, number])[], frames: number) => {
+    const stage = await newStage();
+    const { renderer, scene } = stage;
+    const fileOf = (color: (typeof colors)[number], i: number) =>
+      new File([encodePly(splatSet([{ color }])) as Uint8Array<ArrayBuffer>], `frame ${i}.ply`);
+    const makeLoader = () => new SplatLoader().detectSupport(renderer);
+    const options = { framesPerS: 20, maxHeldFrames: 2 };
+    const sequence = new SplatSequence(colors.map(fileOf), makeLoader, options);
+    const heldNow = () => {
+      const { clouds } = splatEngineOf(renderer).memory().scene;
+      return clouds.filter(({ name }) => name.startsWith('frame ')).length;
+    };
+    const cloud = new SplatCloudObjectClass();
+    scene.add(cloud);
+    const shown: { frame: number; image: Pixels }[] = [];
+    let mostHeld = 0;
+    while (shown.length < frames) {
+      mostHeld = Math.max(mostHeld, heldNow());
+      if (sequence.data === cloud.data) await nextFrame();
+      else {
+        cloud.data = sequence.data;
+        shown.push({ frame: sequence.frame, image: await shot(stage) });
+      }
+    }
+    sequence.dispose();
+    cloud.dispose();
+    await until(() => heldNow() === 0);
+    return { shown, mostHeld, left: heldNow() };
   },
 
   betweenMeshesOrthographic: async (parameters: RendererParameters = {}) => {

@@ -59,6 +59,7 @@ const PACKAGES = [
       index: 'src/index.ts',
       gltf: 'src/gltf.ts',
       'own-data': 'src/own-data.ts',
+      sequence: 'src/sequence.ts',
       tsl: 'src/tsl.ts',
       xr: 'src/xr.ts',
     },

@@ -62,6 +62,8 @@ export class SplatData {
   isCached = false;
   /** @internal What the splats were packed from, for other precisions. */
   set: SplatSet | null = null;
+  /** @internal Called when users come and go. */
+  onUse: (() => void) | null = null;
   /** @internal Edits that the clouds on all engines follow. */
   edits: DataEdits | null = null;
   /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
@@ -272,6 +274,7 @@ export class SplatData {
       abort.abort();
       if (!(cloud instanceof Promise)) cloud.destroy();
     }
+    this.onUse?.();
   }
 }
 

@@ -1,0 +1,8 @@
+/** Sequences of files, played as frames (`@websplatter/three/sequence`). */
+export {
+  type FrameLoader,
+  inPathOrder,
+  SplatSequence,
+  type SplatSequenceEventMap,
+  type SplatSequenceOptions,
+} from './splat-sequence.ts';

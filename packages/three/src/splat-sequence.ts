@@ -1,0 +1,376 @@
+import { InvalidArgumentError, type SplatSource } from '@websplatter/core';
+import { EventDispatcher } from 'three/webgpu';
+import type { SplatData } from './splat-data.ts';
+import type { SplatLoader } from './splat-loader.ts';
+
+/** One is fetched while the one before is packed. */
+const LOADS_AT_ONCE = 2;
+/** The frame on the screen and the next one. */
+const FEWEST_HELD = 2;
+const DEFAULT_HELD = 4;
+/** Timers are no finer. */
+const MOST_PER_S = 1000;
+/** Part of a frame by which a time may fall short of its beginning, as rounding has it. */
+const TIME_TOLERANCE = 1e-6;
+
+/** Options of a `SplatSequence`. */
+export interface SplatSequenceOptions {
+  /** Above 0, and 1000 at most; default 30. */
+  readonly framesPerS?: number;
+  /** Whether it plays from the beginning; default true. */
+  readonly isPlaying?: boolean;
+  /** Whether the first frame follows the last; default true. */
+  readonly loop?: boolean;
+  /**
+   * Frames that are held, being loaded or still on the screen, together; at least 2, default 4, or
+   * as many as `budgetBytes` has room for.
+   */
+  readonly maxHeldFrames?: number;
+  /**
+   * GPU memory for frames that are held, each as large as the largest so far; two are held in any
+   * case. By default only `maxHeldFrames` counts.
+   */
+  readonly budgetBytes?: number;
+}
+
+/** Loads one frame, and can abort that. */
+export type FrameLoader = Pick<SplatLoader, 'abort' | 'loadAsync'>;
+
+/** A frame in the pool. */
+interface HeldFrame {
+  readonly source: SplatSource;
+  readonly loader: FrameLoader;
+  /** Null while it is loaded. */
+  data: SplatData | null;
+}
+
+/** Events of a `SplatSequence`. */
+export interface SplatSequenceEventMap {
+  /** `data`, `frame` or `isBuffering` has changed. */
+  change: object;
+}
+
+/**
+ * Plays files one after the other, such as a 4D capture with a file for each frame. Holds a few
+ * frames, and loads those that are needed next; a frame on the screen stays until the next one is
+ * drawn. Loads begin once the code that has made the sequence is done.
+ *
+ *     sequence.addEventListener('change', () => { cloud.data = sequence.data; });
+ *
+ * Time passes while frames are there: a late page drops frames to keep in time (`droppedFrames`).
+ * Where the next frame is not there, time stops, the frame before stays, and playback goes on from
+ * it (`isBuffering`). A frame that cannot be read has its time, in which the frame before stays.
+ */
+export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
+  readonly frameCount: number;
+  /**
+   * Receives the SplatFileError, SplatSourceError or GpuLimitError of each source that cannot be
+   * loaded, once, and its first frame; it is not asked for again. Without a listener, errors go to
+   * the console.
+   */
+  onError: ((error: unknown, frame: number) => void) | null = null;
+  readonly #sources: readonly SplatSource[];
+  readonly #makeLoader: () => FrameLoader;
+  readonly #budgetBytes: number | undefined;
+  readonly #maxHeldFrames: number;
+  readonly #pool = new Map<SplatSource, HeldFrame>();
+  /** Let go of, but still on a GPU, or about to end their load. */
+  readonly #leaving = new Set<HeldFrame>();
+  readonly #failed = new Set<SplatSource>();
+  #largestBytes = 0;
+  #framesPerS = 30;
+  #isPlaying: boolean;
+  #loop: boolean;
+  #shown: HeldFrame | null = null;
+  /** What may be on the screen, or about to be, as long as nothing draws `#shown`. */
+  #previous: HeldFrame | null = null;
+  #frame = 0;
+  #droppedFrames = 0;
+  /** The frame whose time it is, and since when. */
+  #current = 0;
+  #currentMs = 0;
+  /** Whether `#current` has to be there for time to go on. */
+  #isAwaited = true;
+  #isDisposed = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  /**
+   * @param sources of the frames, in order. A source that stands for several frames is held once.
+   *   Streams can be read once only.
+   * @param makeLoader makes a loader for each frame: `() => new SplatLoader().detectSupport(renderer)`
+   *   has frames wait in the GPU's memory; without `detectSupport` they wait in the page's, and are
+   *   uploaded when they are first drawn.
+   * @throws InvalidArgumentError for numbers that are out of their range.
+   */
+  constructor(
+    sources: readonly SplatSource[],
+    makeLoader: () => FrameLoader,
+    options: SplatSequenceOptions = {},
+  ) {
+    super();
+    const { framesPerS = 30, isPlaying = true, loop = true, budgetBytes } = options;
+    const { maxHeldFrames = budgetBytes ? Number.POSITIVE_INFINITY : DEFAULT_HELD } = options;
+    check(maxHeldFrames >= FEWEST_HELD, 'maxHeldFrames', maxHeldFrames, `${FEWEST_HELD} or more`);
+    check(budgetBytes === undefined || budgetBytes > 0, 'budgetBytes', budgetBytes, 'above 0');
+    this.#sources = [...sources];
+    this.frameCount = sources.length;
+    this.#makeLoader = makeLoader;
+    this.#budgetBytes = budgetBytes;
+    this.#maxHeldFrames = Math.floor(maxHeldFrames);
+    this.framesPerS = framesPerS;
+    this.#isPlaying = isPlaying;
+    this.#loop = loop;
+    this.#updateSoon();
+  }
+
+  /** The splats to show; null before the first frame is there, and after `dispose`. */
+  get data(): SplatData | null {
+    return this.#shown?.data ?? null;
+  }
+
+  /** Place in the list of the frame that `data` is; 0 before the first. */
+  get frame(): number {
+    return this.#frame;
+  }
+
+  /** Whether time waits for a frame that is not there: after the beginning, a seek, or a stall. */
+  get isBuffering(): boolean {
+    return this.#isAwaited && this.frameCount > 0;
+  }
+
+  /** Frames that were there, but passed over because the page was late. */
+  get droppedFrames(): number {
+    return this.#droppedFrames;
+  }
+
+  /** @throws InvalidArgumentError unless it is above 0, and 1000 at most. */
+  get framesPerS(): number {
+    return this.#framesPerS;
+  }
+
+  set framesPerS(framesPerS: number) {
+    const isRate = framesPerS > 0 && framesPerS <= MOST_PER_S;
+    check(isRate, 'framesPerS', framesPerS, `above 0, and ${MOST_PER_S} at most`);
+    if (framesPerS === this.#framesPerS) return;
+    this.#framesPerS = framesPerS;
+    this.#updateSoon();
+  }
+
+  /** Stays true at the end of a sequence without `loop`, whose last frame stays until a seek. */
+  get isPlaying(): boolean {
+    return this.#isPlaying;
+  }
+
+  set isPlaying(isPlaying: boolean) {
+    if (isPlaying === this.#isPlaying) return;
+    this.#isPlaying = isPlaying;
+    this.#currentMs = performance.now();
+    this.#updateSoon();
+  }
+
+  /** Whether the first frame follows the last. */
+  get loop(): boolean {
+    return this.#loop;
+  }
+
+  set loop(loop: boolean) {
+    if (loop === this.#loop) return;
+    this.#loop = loop;
+    // The last frame may have been there for longer than its time.
+    this.#currentMs = performance.now();
+    this.#updateSoon();
+  }
+
+  /**
+   * Goes to a frame (0…`frameCount` − 1), or to the one at a time in seconds: modulo the sequence's
+   * if it loops, else the nearest. The frame before stays until it is there; playback goes on from
+   * there.
+   *
+   * @throws InvalidArgumentError for a frame that there is none of, and a time that is not finite.
+   */
+  seek(place: { readonly frame: number } | { readonly timeS: number }): void {
+    this.#current = 'frame' in place ? this.#checked(place.frame) : this.#frameAt(place.timeS);
+    this.#isAwaited = true;
+    this.#update();
+  }
+
+  /** Ends playback and loads, and lets go of all frames; those that clouds show stay with them. */
+  dispose(): void {
+    this.#isDisposed = true;
+    clearTimeout(this.#timer);
+    for (const held of [...this.#pool.values()]) this.#drop(held);
+    this.#shown = null;
+    this.#previous = null;
+  }
+
+  #checked(frame: number): number {
+    const isFrame = Number.isInteger(frame) && frame >= 0 && frame < this.frameCount;
+    check(
+      isFrame,
+      'frame',
+      frame,
+      `a whole number from 0 and below ${this.frameCount}, the number of frames`,
+    );
+    return frame;
+  }
+
+  #frameAt(timeS: number): number {
+    check(Number.isFinite(timeS), 'timeS', timeS, 'a finite number of seconds');
+    const count = Math.max(1, this.frameCount);
+    const frame = Math.floor(timeS * this.#framesPerS + TIME_TOLERANCE);
+    return this.#loop ? ((frame % count) + count) % count : Math.min(Math.max(0, frame), count - 1);
+  }
+
+  /** A frame of three may be in the middle of being drawn, and options in the middle of changes. */
+  #updateSoon(): void {
+    queueMicrotask(() => this.#update());
+  }
+
+  #update(): void {
+    if (this.#isDisposed) return;
+    const before = [this.#shown, this.#frame, this.isBuffering];
+    this.#advance(performance.now());
+    this.#hold();
+    clearTimeout(this.#timer);
+    if (this.#isPlaying && !this.#isAwaited && this.#after(this.#current) !== null)
+      this.#timer = setTimeout(() => this.#update(), this.#nextMs - performance.now());
+    if ([this.#shown, this.#frame, this.isBuffering].some((value, i) => value !== before[i]))
+      this.dispatchEvent({ type: 'change' });
+  }
+
+  /** Time at which the current frame gives way. */
+  get #nextMs(): number {
+    return this.#currentMs + 1000 / this.#framesPerS;
+  }
+
+  #after(frame: number): number | null {
+    if (frame + 1 < this.frameCount) return frame + 1;
+    return this.#loop && this.frameCount > 1 ? 0 : null;
+  }
+
+  /** Goes to the frame whose time it is, or to the first before it that is missing. */
+  #advance(nowMs: number): void {
+    let due: number | null = null;
+    if (this.#isAwaited) this.#currentMs = nowMs;
+    for (;;) {
+      const source = this.#sources[this.#current];
+      if (this.#isAwaited && !this.#failed.has(source)) {
+        if (!this.#pool.get(source)?.data) break;
+        if (due !== null) this.#droppedFrames++;
+        due = this.#current;
+      }
+      this.#isAwaited = false;
+      const next = this.#after(this.#current);
+      if (!this.#isPlaying || next === null || nowMs < this.#nextMs) break;
+      this.#currentMs = this.#nextMs;
+      this.#current = next;
+      this.#isAwaited = true;
+    }
+    if (due !== null) this.#show(due);
+  }
+
+  #show(frame: number): void {
+    const held = this.#pool.get(this.#sources[frame])!;
+    if (held !== this.#shown) this.#previous = this.#shown;
+    this.#shown = held;
+    this.#frame = frame;
+  }
+
+  /** Lets go of frames that are not needed now or next, and loads those that are missing. */
+  #hold(): void {
+    if (this.#previous && isInUse(this.#shown!.data!)) this.#previous = null;
+    const limit = this.#limit();
+    const wanted = new Set([this.#shown, this.#previous].flatMap((held) => held?.source ?? []));
+    let at: number | null = this.#current;
+    for (let i = 0; i < this.frameCount && wanted.size < limit && at !== null; i++) {
+      const source = this.#sources[at];
+      if (!this.#failed.has(source)) wanted.add(source);
+      at = this.#after(at);
+    }
+    for (const held of [...this.#pool.values()]) if (!wanted.has(held.source)) this.#drop(held);
+    for (const held of this.#leaving) if (held.data && !isPlaced(held.data)) this.#leaving.delete(held);
+    for (const source of wanted) {
+      if (this.#pool.has(source) || this.#takeBack(source)) continue;
+      const loads = [...this.#pool.values()].filter(({ data }) => !data).length;
+      const hasRoom = this.#pool.size + this.#leaving.size < limit;
+      if (hasRoom && loads < LOADS_AT_ONCE) void this.#load(source);
+    }
+  }
+
+  #limit(): number {
+    if (!this.#budgetBytes) return this.#maxHeldFrames;
+    const sizes = [...this.#pool.values()].flatMap(({ data }) => (data ? bytesOf(data) : []));
+    this.#largestBytes = Math.max(this.#largestBytes, ...sizes);
+    // As few as possible before any size is known.
+    const fitting = this.#largestBytes && Math.floor(this.#budgetBytes / this.#largestBytes);
+    return Math.max(FEWEST_HELD, Math.min(this.#maxHeldFrames, fitting));
+  }
+
+  #drop(held: HeldFrame): void {
+    this.#pool.delete(held.source);
+    this.#leaving.add(held);
+    if (held.data) held.data.dispose();
+    else held.loader.abort();
+  }
+
+  /** Holds a frame again that is still on the screen; returns false if there is none. */
+  #takeBack(source: SplatSource): boolean {
+    for (const held of this.#leaving) {
+      if (held.source !== source || !held.data) continue;
+      held.data.isCached = true;
+      this.#leaving.delete(held);
+      this.#pool.set(source, held);
+      // It may be the one that is awaited.
+      this.#updateSoon();
+      return true;
+    }
+    return false;
+  }
+
+  async #load(source: SplatSource): Promise<void> {
+    const loader = this.#makeLoader();
+    const held: HeldFrame = { source, loader, data: null };
+    this.#pool.set(source, held);
+    const isHeld = () => this.#pool.get(source) === held;
+    try {
+      const data = await loader.loadAsync(source);
+      if (isHeld()) {
+        data.isCached = true;
+        data.onUse = () => this.#updateSoon();
+        held.data = data;
+      } else data.dispose();
+    } catch (error) {
+      if (isHeld()) {
+        this.#pool.delete(source);
+        this.#failed.add(source);
+        if (this.onError) this.onError(error, this.#sources.indexOf(source));
+        else console.error(error);
+      }
+    }
+    if (!held.data) this.#leaving.delete(held);
+    this.#update();
+  }
+}
+
+function check(isRight: boolean, name: string, found: unknown, range: string): void {
+  if (!isRight) throw new InvalidArgumentError(name, `${name} is ${found}; it must be ${range}.`);
+}
+
+function isPlaced({ places }: SplatData): boolean {
+  return [...places].length > 0;
+}
+
+function isInUse(data: SplatData): boolean {
+  return [...data.places].some(({ users }) => [...users.keys()].some((user) => user !== data));
+}
+
+function bytesOf({ places }: SplatData): number[] {
+  return [...places].flatMap(({ cloud }) => (cloud instanceof Promise ? [] : cloud.bytes));
+}
+
+/** Returns the files of a folder in the order of their paths, numbers in them by value. */
+export function inPathOrder(files: Iterable<File>): File[] {
+  const { compare } = new Intl.Collator('en', { numeric: true });
+  const pathOf = ({ webkitRelativePath, name }: File) => webkitRelativePath || name;
+  return [...files].sort((a, b) => compare(pathOf(a), pathOf(b)));
+}
