@@ -186,6 +186,21 @@ it('suspends, loads, and draws as the float64 reference does over any background
   }
 });
 
+it('plays a sequence on demand, without suspending, and frees it', async () => {
+  const sequence = ['a.ply', 'b.ply', 'dots.ply', 'dot.ply'];
+  const page = await openShared({ sequence });
+  // The first frames pass while shaders compile.
+  await waitForLog(page, 'sequence firstframe', 6);
+  const log = await logOf(page);
+  const loads = log.filter((entry) => entry.startsWith('sequence load'));
+  expect(loads).toEqual(loads.map((_, i) => `sequence load ${sequence[i % sequence.length]}`));
+  expect(log.filter((entry) => /suspended|manager/.test(entry))).toEqual([]);
+  const clouds = () => page.evaluate(() => window.page.engine('canvas').memory().scene.clouds.length);
+  expect(await clouds()).toBeLessThanOrEqual(2);
+  await show(page, canvas({ background: 'black', splats: [] }));
+  await expect.poll(clouds).toBe(0);
+});
+
 it('draws no frame unless asked, and then one, or one more where a shader has yet to be compiled', async () => {
   const quiet = canvas({ background: 'black', timings: 'inside' });
   const page = await open(quiet);

@@ -42,6 +42,7 @@ const READMES: Readonly<Record<string, Examples>> = {
       splats: "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>",
       center: "import('three').Vector3",
       radius: 'number',
+      sources: 'string[]',
       ...ARRAYS,
     },
   },

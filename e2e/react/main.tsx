@@ -31,6 +31,7 @@ import {
   useSplatStreams,
   useStageTimings,
 } from '@websplatter/react/hooks';
+import { useSplatSequence } from '@websplatter/react/sequence';
 import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
@@ -85,6 +86,8 @@ export interface CanvasDescription {
   /** Not `flat`: tone-mapped. */
   readonly isToneMapped?: boolean;
   readonly splats: readonly SplatsDescription[];
+  /** Addresses of the frames of a sequence, which plays in a pool of two. */
+  readonly sequence?: readonly string[];
   /** Default true. */
   readonly hasSuspense?: boolean;
   /** Where the overlay stands in the tree; `outside` of `bare` ones alone. */
@@ -187,6 +190,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     accuracy,
     detail,
     dpr = 1,
+    sequence,
     hasSuspense = true,
     antialias,
   } = description;
@@ -209,6 +213,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     const Shown = each.handedOnBy ? HANDED_ON[each.handedOnBy] : OneSplats;
     return <Shown key={each.id} {...each} />;
   });
+  if (sequence) shown.push(<Sequence key="sequence" addresses={sequence} />);
   const clouds = isFitted ? (
     <SplatBounds
       margin={1}
@@ -333,6 +338,11 @@ function OneSplats({
       {...(hasEvents ? events : {})}
     />
   );
+}
+
+function Sequence({ addresses }: { addresses: readonly string[] }): ReactNode {
+  const { data } = useSplatSequence(addresses, { framesPerS: 20, maxHeldFrames: 2 });
+  return <OneSplats id="sequence" src={data ?? ''} />;
 }
 
 function Device(): ReactNode {

@@ -74,6 +74,7 @@ const PACKAGES = [
       gltf: 'src/gltf.ts',
       hooks: 'src/hooks.ts',
       'own-data': 'src/own-data.ts',
+      sequence: 'src/sequence.ts',
       tsl: 'src/tsl.ts',
     },
     inputs: [],

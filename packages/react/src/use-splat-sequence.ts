@@ -1,0 +1,96 @@
+import { checkAccuracy } from '@websplatter/core';
+import { findSplatEngine, type SplatData, SplatLoader } from '@websplatter/three';
+import { SplatSequence, type SplatSequenceOptions } from '@websplatter/three/sequence';
+import { useCallback, useEffect, useRef, useState } from 'react';
+import { LoadingManager } from 'three';
+import type { CacheableSource } from './splat-cache.ts';
+import { useLatest } from './use-latest.ts';
+import { useCanvasRenderer } from './use-renderer.ts';
+import { useSame } from './use-same.ts';
+import type { UseSplatsOptions } from './use-splats.ts';
+
+/** Options of `useSplatSequence`. */
+export interface UseSplatSequenceOptions
+  extends SplatSequenceOptions,
+    Pick<UseSplatsOptions, 'accuracy' | 'sourceOptions'> {
+  /** See `SplatSequence.onError`. */
+  readonly onError?: (error: unknown, frame: number) => void;
+}
+
+/** What a sequence shows. */
+export interface SplatSequenceState {
+  /** For `<Splats src={data}>`; null until the first frame is there. */
+  readonly data: SplatData | null;
+  /** Place in the list of the frame that `data` is; 0 before the first. */
+  readonly frame: number;
+  readonly frameCount: number;
+  /** Whether playback waits for a frame: at the beginning, after a seek, or in a stall. */
+  readonly isBuffering: boolean;
+  /** Frames that were there, but passed over because the page was late. */
+  readonly droppedFrames: number;
+  /** See `SplatSequence.seek`; the same function in every render. */
+  readonly seek: SplatSequence['seek'];
+}
+
+type Shown = Omit<SplatSequenceState, 'frameCount' | 'seek'>;
+
+/**
+ * Plays files one after the other, as `SplatSequence` does, into the GPU memory of the surrounding
+ * Canvas if there is one. Does not suspend; renders again when the frame or `isBuffering` changes.
+ * A list with other sources begins anew, and the last frame of the one before stays until its first
+ * frame is there. `framesPerS`, `isPlaying` and `loop` may change at any time; of the other options,
+ * those at the beginning of a list count. On a server, nothing is read.
+ *
+ * @param sources of the frames, in order: URLs are compared by address, everything else by
+ *   identity.
+ * @throws InvalidArgumentError as SplatSequence does; SplatsUnsupportedRendererError in a Canvas
+ *   whose renderer cannot draw splats.
+ */
+export function useSplatSequence(
+  sources: readonly CacheableSource[],
+  options: UseSplatSequenceOptions = {},
+): SplatSequenceState {
+  const renderer = useCanvasRenderer();
+  if (renderer) findSplatEngine(renderer);
+  if (options.accuracy) checkAccuracy(options.accuracy);
+  const list = useSame(sources.map((source) => (source instanceof URL ? source.href : source)));
+  const latest = useLatest(options);
+  const sequence = useRef<SplatSequence>(null);
+  const [known, setKnown] = useState<{ readonly list: object; readonly shown: Shown } | null>(null);
+  useEffect(() => {
+    // Nothing of an older list may come back.
+    if (list.length === 0) setKnown(null);
+    // Frames come and go too often for progress bars, which follow three's own manager.
+    const manager = new LoadingManager();
+    const { accuracy, sourceOptions = {} } = latest.current;
+    const makeLoader = () => {
+      const loader = new SplatLoader(manager);
+      loader.sourceOptions = sourceOptions;
+      if (accuracy) loader.setAccuracy(accuracy);
+      return renderer ? loader.detectSupport(renderer) : loader;
+    };
+    const made = new SplatSequence(list, makeLoader, latest.current);
+    sequence.current = made;
+    made.onError = (error, frame) => {
+      if (latest.current.onError) latest.current.onError(error, frame);
+      else console.error(error);
+    };
+    made.addEventListener('change', () => {
+      const { data, frame, isBuffering, droppedFrames } = made;
+      setKnown((before) => ({
+        list,
+        shown: { data: data ?? before?.shown.data ?? null, frame, isBuffering, droppedFrames },
+      }));
+    });
+    return () => made.dispose();
+  }, [list, renderer, latest]);
+  const { framesPerS = 30, isPlaying = true, loop = true } = options;
+  useEffect(() => {
+    if (sequence.current) Object.assign(sequence.current, { framesPerS, isPlaying, loop });
+  });
+  const seek = useCallback<SplatSequence['seek']>((place) => sequence.current?.seek(place), []);
+  const frameCount = list.length;
+  if (known?.list === list) return { ...known.shown, frameCount, seek };
+  const data = (frameCount > 0 && known?.shown.data) || null;
+  return { data, frame: 0, frameCount, isBuffering: frameCount > 0, droppedFrames: 0, seek };
+}
