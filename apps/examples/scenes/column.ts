@@ -9,10 +9,8 @@ const SIDES = 24;
 const HEADER_BYTES = 12;
 const CHUNK_HEADER_BYTES = 8;
 
-/** A glTF of a lying ring of splats around a column, which is a mesh. */
-export const columnGlb = await madeColumn();
-
-async function madeColumn(): Promise<Uint8Array> {
+/** Returns a glTF of a lying ring of splats around a column, which is a mesh. */
+export async function columnGlb(): Promise<Uint8Array> {
   const splats = await writeSplats(ring(), 'gltf');
   const view = new DataView(splats.buffer, splats.byteOffset);
   const jsonAt = HEADER_BYTES + CHUNK_HEADER_BYTES;

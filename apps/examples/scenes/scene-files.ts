@@ -7,24 +7,24 @@ import { type Plugin, runnerImport } from 'vite';
 const SCENE_FILES: Readonly<Record<string, () => Promise<Uint8Array>>> = {
   'still-life.sog': () => builtinFile('still-life.sog'),
   'still-life-small.spz': () => builtinFile('still-life-small.spz'),
-  'ring.ply': async () => (await made<typeof import('./ring.ts')>('./ring.ts')).ringPly(),
-  'column.glb': async () => (await made<typeof import('./column.ts')>('./column.ts')).columnGlb,
+  'ring.ply': () => madeFile('ring.ply'),
+  'column.glb': () => madeFile('column.glb'),
 };
 
 function builtinFile(name: string): Promise<Uint8Array> {
   return readFile(createRequire(import.meta.url).resolve(`@websplatter/scenes/files/${name}`));
 }
 
-/** Imports a module that makes a scene by the packages' sources, which need not be built. */
-async function made<Module>(file: string): Promise<Module> {
-  const path = fileURLToPath(new URL(file, import.meta.url));
+/** Makes it by the packages' sources, as the page does: the packages need not be built. */
+async function madeFile(name: string): Promise<Uint8Array> {
+  const path = fileURLToPath(new URL('./made-scenes.ts', import.meta.url));
   const resolve = { conditions: ['@websplatter/source'], noExternal: [/^@websplatter\//] };
-  const { module } = await runnerImport<Module>(path, {
+  const { module } = await runnerImport<typeof import('./made-scenes.ts')>(path, {
     configFile: false,
     logLevel: 'error',
     environments: { inline: { resolve } },
   });
-  return module;
+  return module.madeScenes[name];
 }
 
 /** Serves the scenes as files next to the app, and builds them into it. */

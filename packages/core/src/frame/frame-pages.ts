@@ -6,7 +6,7 @@ import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 
 /** Offsets of uniform bindings are multiples of this many bytes. */
-export const UNIFORM_ALIGNMENT = 256;
+const UNIFORM_ALIGNMENT = 256;
 /** Bytes that a uniform binding may have on every device. */
 const UNIFORM_BINDING_BYTES = 65_536;
 
