@@ -62,6 +62,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Your own data', page: 'recipes/own-data.md' },
       { text: 'drei', page: 'recipes/drei.md' },
       { text: 'Bundlers and the worker', page: 'recipes/bundlers.md' },
+      { text: 'In a worker', page: 'recipes/worker.md' },
       { text: 'Hosting', page: 'recipes/hosting.md' },
     ],
   },
