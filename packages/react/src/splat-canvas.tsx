@@ -43,8 +43,9 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   posterAlt?: string;
 }
 
-const LOST_REPEATEDLY =
-  'The GPU device was lost again and again: the scene may be too large. Reload the page.';
+/** @param told what the browser says of the last loss; empty where it says nothing. */
+const lostRepeatedly = (told: string) =>
+  `The GPU device was lost again and again: the scene may be too large, or the browser ends it for a reason of its own${told && ` (${told})`}. Reload the page.`;
 
 /** Props of the Canvases below a poster. */
 interface CanvasesProps extends Omit<SplatCanvasProps, 'poster' | 'posterAlt'> {
@@ -139,7 +140,7 @@ function Canvases({
           `The GPU device of a <SplatCanvas> was lost (${reason}${message && `: ${message}`}). It asks for another; useSplatDevice() tells how far that is.`,
         );
         picture.end();
-        replace(new WebGpuUnavailableError(LOST_REPEATEDLY));
+        replace(new WebGpuUnavailableError(lostRepeatedly(message)));
       });
       return renderer;
     } catch (error) {

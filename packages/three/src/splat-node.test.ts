@@ -4,14 +4,16 @@ import {
   cameraPosition,
   float,
   instanceIndex,
+  modelWorldMatrixInverse,
   positionLocal,
   texture,
   time,
   uniform,
   uniformArray,
   vec3,
+  vec4,
 } from 'three/tsl';
-import { DataTexture, NodeFrame, PerspectiveCamera, Scene, Vector3 } from 'three/webgpu';
+import { DataTexture, NodeFrame, Object3D, PerspectiveCamera, Scene, Vector3 } from 'three/webgpu';
 import { describe, expect, it } from 'vitest';
 import type { FrameUse } from './layer-cloud.ts';
 import { splatColor, splatIndex, splatNode, splatOpacity, splatPosition } from './splat-node.ts';
@@ -46,6 +48,18 @@ describe('splatNode', () => {
     expect(splatNode({ opacity: float(1) }).reach).toEqual({ displacement: 0, growth: 1 });
   });
 
+  it('knows where its cloud stands', () => {
+    const renderer = { _nodes: { nodeFrame: new NodeFrame() } };
+    const cloud = new Object3D();
+    cloud.position.set(1, 2, 3);
+    cloud.updateMatrixWorld();
+    const offset = modelWorldMatrixInverse.mul(vec4(0, 1, 0, 0)).xyz;
+    const node = splatNode({ position: splatPosition.add(offset) }) as FrameUse;
+    const place = { renderer, scene: new Scene(), camera: new PerspectiveCamera(), object: cloud };
+    const inverse = cloud.matrixWorld.clone().invert().elements;
+    expect(Object.values(node.inFrame!(place).valuesAt(PLACE)!)).toContainEqual(inverse);
+  });
+
   it('takes time and camera from the frame, and keeps what one frame has', () => {
     const renderer = { _nodes: { nodeFrame: Object.assign(new NodeFrame(), { time: 3 }) } };
     const camera = new PerspectiveCamera();
@@ -69,6 +83,9 @@ describe('splatNode', () => {
     ['an attribute', () => splatNode({ color: attribute('tangent', 'vec3') }), '"tangent"'],
     ['a mesh’s position', () => splatNode({ position: positionLocal }), '"position"'],
     ['an index of instances', () => splatNode({ opacity: float(instanceIndex) }), 'instanceIndex'],
+    ['what is no node', () => splatNode({ opacity: 0.5 as never }), 'opacity is no node'],
+    ['a negative reach', () => splatNode({ opacity: float(1), reach: { displacement: -1 } }), 'displacement'],
+    ['nothing', () => splatNode(undefined as never), 'would change nothing'],
     ['a colour of what moves', () => splatNode({ position: splatColor }), 'splatColor'],
   ])('refuses %s', (_, make, text) => {
     expect(make).toThrow(InvalidArgumentError);

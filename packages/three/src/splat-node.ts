@@ -95,10 +95,20 @@ const programs = new Map<string, EffectFunction<ProgramOptions>>();
  * uniforms and `time` change without compiling again. The effect acts with those of
  * @websplatter/core/effects, and is passed on like them.
  *
- * @throws InvalidArgumentError for no nodes, and for nodes that splats cannot have: textures,
- *   buffers, attributes of meshes; ThreeInternalsError if three has changed.
+ * @throws InvalidArgumentError for no nodes, for what is no node, and for nodes that splats cannot
+ *   have: textures, buffers, attributes of meshes; ThreeInternalsError if three has changed.
  */
-export function splatNode({ position, scale, opacity, color, reach = {} }: SplatNodes): EffectUse {
+export function splatNode(nodes: SplatNodes): EffectUse {
+  const { position, scale, opacity, color, reach = {} } = nodes ?? {};
+  for (const [name, node] of Object.entries({ position, scale, opacity, color }))
+    if (node !== undefined && !(node as Partial<Node> | null)?.isNode)
+      throw new InvalidArgumentError(
+        name,
+        `${name} is no node of three's; \`${name}: float(0.5)\` would be one.`,
+      );
+  for (const [name, most] of Object.entries(reach))
+    if (!(most >= 0))
+      throw new InvalidArgumentError(`reach.${name}`, `reach.${name} is ${most}; it must be 0 or more.`);
   const move: Output[] = [];
   if (position)
     move.push({

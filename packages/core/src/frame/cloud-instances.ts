@@ -45,7 +45,7 @@ export function worldMatrices({
 
 const LARGEST_F32 = 3.4028234663852886e38;
 
-/** @throws InvalidArgumentError naming the list, or `instances` for a cloud that streams. */
+/** @internal @throws InvalidArgumentError naming the list, or `instances` for a cloud that streams. */
 export function checkInstances(instances: CloudInstances, { pool, name }: SplatCloud): void {
   const { modelMatrices, tints, opacities } = given(instances, {}, 'instances');
   if (pool) {
