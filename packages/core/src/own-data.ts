@@ -1,8 +1,10 @@
 /**
- * Splats of your own, and edits of any splats (`@websplatter/core/own-data`), apart from the
- * engine: pages that only show files do not download it.
+ * Splats of your own, edits of any splats, and morphs (`@websplatter/core/own-data`), apart from
+ * the engine: pages that only show files do not download it.
  */
 export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
+export { followMorph } from './clouds/cloud-morph.ts';
+export { SplatMorph } from './data/editing/splat-morph.ts';
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 export { packSet } from './data/packing/pack-set.ts';
 export { colorDcOf, colorOf } from './data/splats/color-values.ts';

@@ -36,7 +36,7 @@ export const TIERS: Arrows = {
   'write.ts': 'io data',
   /** Scenes that the browser keeps: the interface of `@websplatter/core/keep`. */
   'keep.ts': 'io',
-  /** Splats from arrays, and edits of splats: the interface of `@websplatter/core/own-data`. */
+  /** Splats from arrays, edits of splats, and morphs: the interface of `@websplatter/core/own-data`. */
   'own-data.ts': 'clouds data',
   /** All workers in one script: the file `@websplatter/core/load-worker`. */
   'load-worker.ts': 'clouds io',

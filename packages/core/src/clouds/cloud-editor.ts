@@ -76,7 +76,10 @@ function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
     throw new SplatSourceError(name, 'only parts of it are there: convert it to another format to edit it.');
   if (isPreview) throw new SplatSourceError(name, 'it is still loading: edit it once it is whole.');
   if (!editing || editing.edits === edits) return;
-  throw new InvalidArgumentError('edits', `${name} follows other edits already; edit those.`);
+  const message = editing.edits
+    ? `${name} follows other edits already; edit those.`
+    : `${name} follows a morph; edit its sets before it is made.`;
+  throw new InvalidArgumentError('edits', message);
 }
 
 /** Reads the finest geometry of a cloud back; null if other planes replaced it meanwhile. */

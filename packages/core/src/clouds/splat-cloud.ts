@@ -75,15 +75,16 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
-/** The hooks that keep a cloud as edited. */
+/** The hooks that keep a cloud as edits or a morph have it. */
 export interface CloudEditing {
-  readonly edits: SplatEdits;
+  /** Null where a morph changes the cloud. */
+  readonly edits: SplatEdits | null;
   /** The cloud as it was uploaded. */
   readonly unedited: { readonly chunks: ArrayBuffer };
   readonly touched: Readonly<TouchedSplats>;
   /** Call before levels are made: they will show the splats as these are edited now. */
   readonly beginLevels: () => void;
-  /** Uploads changes since the last call. Call before frames are planned and planes read. */
+  /** Writes changes since the last call. Call before frames are planned and planes read. */
   readonly flush: () => void;
   /** Reads unedited geometry of `plane`; call the result once the cloud has that, to edit it. */
   readonly rebase: (precision: GeometryPrecision, plane: Plane) => Promise<() => void>;
@@ -128,9 +129,9 @@ export class SplatCloud {
   readonly visibleLimit: number;
   /** Coarser settings taken by the load for lack of memory (`LoadOptions.fit`); null if none. */
   readonly fit: CloudFit | null;
-  /** @internal Whether views keep its last image because this preview's planes are changing. */
+  /** @internal Whether views keep their last image because the cloud's planes are about to change. */
   isHeld = false;
-  /** @internal What edits the cloud; null: nothing does. */
+  /** @internal What edits or morphs the cloud; null: nothing does. */
   editing: CloudEditing | null = null;
   /** @internal Blobs to draw instead of splats that are too small to tell apart; null: none. */
   levels: Levels | null = null;
@@ -138,7 +139,7 @@ export class SplatCloud {
   pool: CloudPool | null;
   /** Brings the parts of its scene that views need to the GPU; null where all is there. */
   stream: CloudStream | null = null;
-  /** @internal Grows whenever edits change what frames show. */
+  /** @internal Grows whenever edits, a morph or a pool change what frames show. */
   version = 0;
   /**
    * @internal Compiles the shaders that draw the cloud once its splats are not round any more, in

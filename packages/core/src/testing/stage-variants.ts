@@ -24,6 +24,8 @@ import { ingestRows } from '../gpu/stages/ingest-rows.ts';
 import { ingestScatter } from '../gpu/stages/ingest-scatter.ts';
 import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
 import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
+import { morphGeometry } from '../gpu/stages/morph-geometry.ts';
+import { morphSh } from '../gpu/stages/morph-sh.ts';
 import { openLeaves } from '../gpu/stages/open-leaves.ts';
 import { pick } from '../gpu/stages/pick.ts';
 import { planCull } from '../gpu/stages/plan-cull.ts';
@@ -171,6 +173,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ingestGather,
     ingestScatter,
     repackGeometry,
+    ...GEOMETRY.map(morphGeometry),
     cullLevels,
     cullInstances(BATCH_INSTANCES),
     cutCells,
@@ -195,6 +198,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       ),
     ]),
     ...DEGREES.slice(1).flatMap((degree) => [
+      ...SH_PRECISIONS.map((precision) => morphSh(degree, precision)),
       repackSh({ degree, from: 'f32', to: 'f16' }),
       repackSh({ degree, from: 'f32', to: 'u8' }),
       repackSh({ degree, from: 'f16', to: 'u8' }),

@@ -7,6 +7,13 @@ export const RepackParameters = gpuStruct('RepackParameters', {
   dispatchRow: 'u32',
 });
 
+/** Splats of a page to blend; begins as RepackParameters does. */
+export const MorphParameters = gpuStruct('MorphParameters', {
+  ...RepackParameters.fields,
+  /** Share of the second page, 0…1. */
+  amount: 'f32',
+});
+
 /** Rows of a file that a dispatch of ingest-rows takes. */
 export const IngestParameters = gpuStruct('IngestParameters', {
   /** Byte offset in a row of each value, by `ROW_SLOT`, four to an element. */
@@ -72,6 +79,7 @@ export const ChunkParameters = gpuStruct('ChunkParameters', {
 /** Structs of the stages that pack splats, which come with those. */
 export const PACKING_STRUCTS: readonly ShaderStruct[] = [
   RepackParameters,
+  MorphParameters,
   IngestParameters,
   MortonParameters,
   PermuteParameters,

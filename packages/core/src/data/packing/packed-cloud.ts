@@ -98,7 +98,7 @@ function precisionOf(harmonics: Harmonics): ShPrecision {
  * Leaves out bands that cannot be seen before it packs the others, so that these get the whole
  * range of a byte and no work is wasted.
  */
-function packedHarmonics(
+export function packedHarmonics(
   { harmonics, count }: SplatSet<Harmonics>,
   { shBandReach: bandReach, trueShDegree }: CloudFacts,
   precision: ShPrecision,
@@ -166,7 +166,8 @@ export function robustBounds(axes: readonly Float32Array[], origin: Vec3): Bound
   return { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] };
 }
 
-function sampledBounds({ count, positions, origin }: SplatColumns): Bounds {
+/** Bounds of most centres, scene space. */
+export function sampledBounds({ count, positions, origin }: SplatColumns): Bounds {
   const samples = boundsSamples(count);
   const axes = [0, 1, 2].map((axis) => Float32Array.from(samples, (i) => positions[3 * i + axis]));
   return robustBounds(axes, origin);

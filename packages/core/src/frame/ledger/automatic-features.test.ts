@@ -18,6 +18,7 @@ const OWN_STAGES: Readonly<Record<string, readonly string[]>> = {
 const BESIDE_FRAMES: readonly string[] = [
   'ingest-rows',
   'repack-sh',
+  'morph-sh',
   'merge-chunks',
   'merge-harmonics',
   'pick',

@@ -10,7 +10,7 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../../shaders/{lib,stages}/*.wgsl',
-    '!../../../../../shaders/stages/{average-samples,compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,pick,plan-cut,repack-*,resolve-depth,tile-*,touch-links,upscale}.wgsl',
+    '!../../../../../shaders/stages/{average-samples,compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,morph-*,pick,plan-cut,repack-*,resolve-depth,tile-*,touch-links,upscale}.wgsl',
     '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,instances,layer-rounding,level-link,merged-cell,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },

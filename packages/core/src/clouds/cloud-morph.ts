@@ -1,0 +1,213 @@
+import type { SplatMorph } from '../data/editing/splat-morph.ts';
+import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
+import { CLOUD, given } from '../data/given.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { MorphParameters } from '../data/layout/packing-structs.ts';
+import type { OwnShPrecision } from '../data/packing/precision.ts';
+import { Pipelines, type StageDefinition } from '../gpu/pipelines.ts';
+import { morphGeometry } from '../gpu/stages/morph-geometry.ts';
+import { morphSh } from '../gpu/stages/morph-sh.ts';
+import { repackGeometry } from '../gpu/stages/repack-geometry.ts';
+import { type RepackShVariant, repackSh } from '../gpu/stages/repack-sh.ts';
+import { CloudPlanes, type Plane } from './cloud-planes.ts';
+import { Dispatches } from './ingest/dispatches.ts';
+import { type CloudEditing, MEMORY_ADVICE, type SplatCloud } from './splat-cloud.ts';
+
+/**
+ * Draws a cloud as `morph` has it, from its next frame on. A change of `morph.amount` writes the
+ * cloud's planes anew on the GPU before the next frame, and uploads nothing; order, picks and rays
+ * that are asked for later follow. Holds the planes of both sets besides the cloud's own, so that
+ * it takes three times the memory of a cloud.
+ *
+ * The cloud's bounds, and those of its chunks, hold both sets and do not change: where splats that
+ * are stored side by side move far apart, frames cull less. The cloud has no levels of detail, so
+ * that frames draw it in full, and cannot be edited.
+ *
+ * @param cloud made of `morph.packed`, by `engine.addPacked`.
+ * @returns when the cloud follows. Until then, views keep their image where the amount is not 0.
+ * @throws InvalidArgumentError for a cloud of other splats, or one with edits; SplatSourceError for
+ *   one that has levels of detail; DestroyedError if the cloud or the engine ends first;
+ *   GpuLimitError if memory is lacking.
+ */
+export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise<void> {
+  given(cloud, CLOUD, 'cloud');
+  given(morph, { packed: 'an object', amount: 'a number' }, 'morph');
+  cloud.checkUsable();
+  const { name, editing } = cloud;
+  if (cloud.fileIndices !== morph.packed.fileIndices)
+    throw new InvalidArgumentError(
+      'cloud',
+      `${name} has other splats than the morph; make it by engine.addPacked(morph.packed).`,
+    );
+  if (editing instanceof CloudMorph) return editing.ready;
+  if (editing) throw new InvalidArgumentError('cloud', `${name} follows edits, so it cannot morph.`);
+  if (cloud.levels)
+    throw new SplatSourceError(
+      name,
+      'it has levels of detail, which cannot morph: call followMorph as soon as it is added.',
+    );
+  const following = new CloudMorph(cloud, morph);
+  cloud.editing = following;
+  await following.ready;
+}
+
+/** A stage that writes planes. */
+interface Step {
+  readonly stage: StageDefinition;
+  /** Planes by the names of its bindings; undefined where the cloud does not hold them. */
+  readonly planes: () => Readonly<Record<string, Plane | undefined>>;
+}
+
+/** Keeps the planes of one cloud as a morph has them. */
+class CloudMorph implements CloudEditing {
+  readonly edits = null;
+  readonly unedited: Pick<SplatCloud, 'chunks'>;
+  readonly touched = { edited: new Uint32Array(), hidden: new Uint32Array(), count: 0, version: 0 };
+  readonly ready: Promise<void>;
+  readonly #cloud: SplatCloud;
+  readonly #morph: SplatMorph;
+  readonly #pipelines: Pipelines;
+  /** Planes of both sets. */
+  readonly #states: readonly CloudPlanes[];
+  readonly #steps: readonly Step[];
+  #isReady = false;
+  #hasEnded = false;
+  /** Amount that the cloud's planes have. */
+  #written = 0;
+
+  constructor(cloud: SplatCloud, morph: SplatMorph) {
+    const { device, name, planes, chunks } = cloud;
+    const { memory } = planes.place;
+    this.unedited = { chunks };
+    this.#cloud = cloud;
+    this.#morph = morph;
+    this.#pipelines = new Pipelines(device);
+    const { result, checked } = memory.guard(`The morph of ${name}`, MEMORY_ADVICE, () => {
+      const first = CloudPlanes.upload(memory, device.limits, morph.packed, `${name} (first)`);
+      try {
+        const second = { ...morph.packed, ...morph.second };
+        return [first, CloudPlanes.upload(memory, device.limits, second, `${name} (second)`)];
+      } catch (error) {
+        first.destroy();
+        throw error;
+      }
+    });
+    this.#states = result;
+    this.#steps = this.#stepsOf(morph);
+    this.ready = this.#prepare(checked);
+  }
+
+  async #prepare(checked: Promise<void> | null): Promise<void> {
+    const cloud = this.#cloud;
+    const { geometry, harmonics } = this.#morph.packed;
+    cloud.isHeld = this.#morph.amount > 0;
+    // Planes that are made for other claims are packed from those that are written.
+    const lease = cloud.hold({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
+    try {
+      const compiled = this.#pipelines.prepare(this.#steps.map(({ stage }) => stage));
+      await Promise.all([checked, cloud.uploaded, compiled, lease.met]);
+      if (!this.#hasEnded) this.#isReady = true;
+      this.#checkUsable();
+    } catch (error) {
+      this.#checkUsable();
+      this.end();
+      lease.release();
+      cloud.editing = null;
+      throw error;
+    } finally {
+      cloud.isHeld = false;
+    }
+  }
+
+  flush(): void {
+    const { amount } = this.#morph;
+    const cloud = this.#cloud;
+    if (amount === this.#written || !this.#isReady || this.#hasEnded) return;
+    this.#written = amount;
+    const { device, planes } = cloud;
+    const dispatchRow = device.limits.maxComputeWorkgroupsPerDimension;
+    const { memory } = planes.place;
+    const dispatches = new Dispatches({ device, pipelines: this.#pipelines, memory, dispatchRow });
+    for (const step of this.#steps) {
+      const bound = Object.entries({ ...step.planes(), chunks: planes.chunksPlane });
+      if (bound.some(([, plane]) => !plane)) continue;
+      for (const [page, { start, end }] of planes.ranges.entries()) {
+        const splatCount = end - start;
+        // Parameters of the stages that repack are the first of these.
+        const parameters = MorphParameters.pack({ splatCount, dispatchRow, amount });
+        const bindings = Object.fromEntries(bound.map(([name, plane]) => [name, plane![page]]));
+        dispatches.add(step.stage, parameters, bindings, Math.ceil(splatCount / CHUNK_SPLATS));
+      }
+    }
+    dispatches.submit('morph');
+    cloud.version++;
+  }
+
+  beginLevels(): void {
+    throw new SplatSourceError(this.#cloud.name, 'it morphs, so it has no levels of detail.');
+  }
+
+  async rebase(): Promise<() => void> {
+    return () => {
+      this.#written = Number.NaN;
+    };
+  }
+
+  end(): void {
+    if (this.#hasEnded) return;
+    this.#hasEnded = true;
+    for (const planes of this.#states) planes.destroy();
+  }
+
+  /** @throws DestroyedError if the cloud or its engine has ended. */
+  #checkUsable(): void {
+    this.#cloud.checkUsable();
+    if (this.#hasEnded) throw new DestroyedError(`The cloud ${this.#cloud.name}`, 'its engine has ended');
+  }
+
+  /** Coarser planes are packed from those that steps before have written. */
+  #stepsOf({ packed: { geometry, harmonics } }: SplatMorph): Step[] {
+    const [first, second] = this.#states;
+    const { planes } = this.#cloud;
+    const { degree } = harmonics;
+    const { precision: ownGeometry } = geometry;
+    const own = harmonics.precision as OwnShPrecision;
+    const steps: Step[] = [
+      {
+        stage: morphGeometry(ownGeometry),
+        planes: () => ({
+          first: first.geometryPlane(ownGeometry),
+          second: second.geometryPlane(ownGeometry),
+          morphed: planes.geometryPlane(ownGeometry),
+        }),
+      },
+    ];
+    if (ownGeometry === 'f32')
+      steps.push({
+        stage: repackGeometry,
+        planes: () => ({ finer: planes.geometryPlane('f32'), coarser: planes.geometryPlane('packed') }),
+      });
+    if (degree === 0) return steps;
+    steps.push({
+      stage: morphSh(degree, own),
+      planes: () => ({
+        first: first.shPlane(own),
+        second: second.shPlane(own),
+        morphed: planes.shPlane(own),
+      }),
+    });
+    for (const to of COARSER_SH[own])
+      steps.push({
+        stage: repackSh({ degree, from: own as RepackShVariant['from'], to }),
+        planes: () => ({ finer: planes.shPlane(own), coarser: planes.shPlane(to) }),
+      });
+    return steps;
+  }
+}
+
+/** Precisions that harmonics can be repacked to. */
+const COARSER_SH: Readonly<Record<OwnShPrecision, readonly RepackShVariant['to'][]>> = {
+  f32: ['f16', 'u8'],
+  f16: ['u8'],
+  u8: [],
+};

@@ -1,0 +1,40 @@
+import type { PackedGeometry } from '../data/packing/geometry.ts';
+import { type UnpackedSplat, unpackSplat } from './packing.ts';
+
+/** Reference of morph-geometry, in float64, before the splats are packed: those of two pages, blended. */
+export function morphGeometry(
+  first: PackedGeometry,
+  second: PackedGeometry,
+  count: number,
+  amount: number,
+): UnpackedSplat[] {
+  return Array.from({ length: count }, (_, i) =>
+    morphSplat(unpackSplat(first, i), unpackSplat(second, i), amount),
+  );
+}
+
+function morphSplat(a: UnpackedSplat, b: UnpackedSplat, amount: number): UnpackedSplat {
+  const blend = (from: number, to: number) => from * (1 - amount) + to * amount;
+  const sign = dot(a.rotation, b.rotation) < 0 ? -1 : 1;
+  const rotation = four((k) => blend(a.rotation[k], sign * b.rotation[k]));
+  const length = Math.sqrt(dot(rotation, rotation));
+  return {
+    position: three((axis) => blend(a.position[axis], b.position[axis])),
+    opacity: blend(a.opacity, b.opacity),
+    rotation: four((k) => rotation[k] / length),
+    scale: three((axis) => Math.exp(blend(Math.log(a.scale[axis]), Math.log(b.scale[axis])))),
+    colorDc: three((channel) => blend(a.colorDc[channel], b.colorDc[channel])),
+  };
+}
+
+function dot(a: readonly number[], b: readonly number[]): number {
+  return a.reduce((sum, value, k) => sum + value * b[k], 0);
+}
+
+function three(of: (k: number) => number): [number, number, number] {
+  return [of(0), of(1), of(2)];
+}
+
+function four(of: (k: number) => number): [number, number, number, number] {
+  return [of(0), of(1), of(2), of(3)];
+}
