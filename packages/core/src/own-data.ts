@@ -4,7 +4,7 @@
  */
 export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
 export { followMorph } from './clouds/cloud-morph.ts';
-export { SplatMorph } from './data/editing/splat-morph.ts';
+export { type MorphState, SplatMorph } from './data/editing/splat-morph.ts';
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 export { packSet } from './data/packing/pack-set.ts';
 export { colorDcOf, colorOf } from './data/splats/color-values.ts';

@@ -6,8 +6,11 @@ export {
   type EditedValues,
   editsOf,
   type MakeSplatDataOptions,
+  type MorphData,
+  makeMorphData,
   makeSplatData,
   type RowRange,
   type SplatArrays,
   SplatEdits,
+  type SplatsInMemory,
 } from '@websplatter/three/own-data';

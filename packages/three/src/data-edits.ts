@@ -15,7 +15,7 @@ export interface PlacedData {
   readonly places: Iterable<Place>;
 }
 
-/** The part of the edits of data that the data know: see own-data.ts. */
+/** The part of the edits of data, or of their morph, that the data know: see own-data.ts. */
 export interface DataEdits {
   /** Grows with every change. */
   readonly version: number;
@@ -29,6 +29,10 @@ export interface DataEdits {
   follow(cloud: SplatCloud, packed?: PackedCloud): Promise<void>;
   /** Uploads the edits that `cloud` follows now instead of before its next frame. */
   flush(cloud: SplatCloud): void;
-  /** Sets `center`, of the splat of a row, to where edits have moved it, if they have. */
-  move(row: number, center: Vector3): void;
+  /**
+   * Sets `center`, of the splat of a row, to where edits have moved it, if they have.
+   *
+   * @param place of the splat in storage.
+   */
+  move(row: number, center: Vector3, place: number): void;
 }

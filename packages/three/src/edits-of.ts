@@ -1,5 +1,5 @@
 import {
-  DestroyedError,
+  InvalidArgumentError,
   type PackedCloud,
   type SplatCloud,
   type SplatSet,
@@ -8,7 +8,7 @@ import {
 import { EDITED, flushEdits, followEdits, SplatEdits } from '@websplatter/core/own-data';
 import type { Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
-import { SplatCloudObject } from './splat-cloud-object.ts';
+import { ChangeAnnouncer, tellObjects } from './shown-data.ts';
 import type { SplatData } from './splat-data.ts';
 
 /**
@@ -16,25 +16,29 @@ import type { SplatData } from './splat-data.ts';
  * objects with these data, on all renderers, also after a lost device, and asks for frames by
  * itself.
  *
- * @throws SplatSourceError for a preview.
+ * @throws SplatSourceError for a preview; InvalidArgumentError for a morph.
  */
 export function editsOf(data: SplatData): SplatEdits {
   if (data.isPreview) throw new SplatSourceError(data.name, 'it is still loading: edit it once it is whole.');
   data.edits ??= new EditedData(data);
-  return (data.edits as EditedData).edits;
+  if (data.edits instanceof EditedData) return data.edits.edits;
+  throw new InvalidArgumentError('data', `${data.name} is a morph; edit its splats before it is made.`);
 }
 
 class EditedData implements DataEdits {
   readonly edits: SplatEdits;
   readonly uneditedBounds: Box3;
   readonly #data: SplatData;
-  #isAnnounced = false;
+  readonly #announcer: ChangeAnnouncer;
 
   constructor(data: SplatData) {
     this.#data = data;
+    this.#announcer = new ChangeAnnouncer(data, (clouds) => {
+      for (const cloud of clouds) this.#bound(cloud);
+    });
     this.edits = new SplatEdits(data.set ? rowsOf(data.set) : undefined);
     this.uneditedBounds = data.bounds.clone();
-    this.edits.follow({ rowsChanged: () => this.#announce() });
+    this.edits.follow({ rowsChanged: () => this.#announcer.announce() });
     for (const { cloud } of data.places) void this.#followOnce(cloud);
   }
 
@@ -49,13 +53,13 @@ class EditedData implements DataEdits {
     try {
       await this.follow(there);
     } catch (error) {
-      if (!(error instanceof DestroyedError || this.#tell(error))) console.error(error);
+      tellObjects(this.#data, error);
     }
   }
 
   async follow(cloud: SplatCloud, packed?: PackedCloud): Promise<void> {
     await followEdits(cloud, this.edits, packed);
-    if (this.edits.version > 0) this.#announce();
+    if (this.edits.version > 0) this.#announcer.announce();
   }
 
   flush(cloud: SplatCloud): void {
@@ -66,28 +70,6 @@ class EditedData implements DataEdits {
     if (this.edits.maskOf(row) & EDITED.positions) center.fromArray(this.edits.valuesOf(row, 'positions'));
   }
 
-  /** Tells objects that show the data; returns false if none of them listens. */
-  #tell(error: unknown): boolean {
-    return this.#objects().reduce((isTold, object) => object.tell(error) || isTold, false);
-  }
-
-  #objects(): SplatCloudObject[] {
-    const users = [...this.#data.places].flatMap((place) => [...place.users.keys()]);
-    return [...new Set(users)].filter((user) => user instanceof SplatCloudObject);
-  }
-
-  /** Once for all changes of a task. */
-  #announce(): void {
-    this.#data.renewRays();
-    if (this.#isAnnounced) return;
-    this.#isAnnounced = true;
-    queueMicrotask(() => {
-      this.#isAnnounced = false;
-      for (const { cloud } of this.#data.places) if (!(cloud instanceof Promise)) this.#bound(cloud);
-      for (const object of this.#objects()) this.#show(object);
-    });
-  }
-
   #bound(cloud: SplatCloud): void {
     flushEdits(cloud);
     const { bounds, robustBounds } = this.#data;
@@ -95,11 +77,6 @@ class EditedData implements DataEdits {
     bounds.max.fromArray(cloud.bounds.max);
     robustBounds.min.fromArray(cloud.robustBounds.min);
     robustBounds.max.fromArray(cloud.robustBounds.max);
-  }
-
-  #show(object: SplatCloudObject): void {
-    object.computeBoundingBox();
-    object.requestFrame();
   }
 }
 

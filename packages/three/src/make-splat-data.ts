@@ -11,7 +11,10 @@ import { colorDcOf, packSet, type SplatArrays, splatsFromArrays } from '@webspla
 import type { BufferAttribute, BufferGeometry } from 'three/webgpu';
 import { SplatData } from './splat-data.ts';
 
-/** Options of `makeSplatData`. */
+/** Splats as arrays, as a set of core's, or as a geometry of three's splat loaders. */
+export type SplatsInMemory = SplatArrays | SplatSet | BufferGeometry;
+
+/** Options of `makeSplatData` and `makeMorphData`. */
 export interface MakeSplatDataOptions {
   /** For messages and labels. Default `splats`. */
   readonly name?: string;
@@ -32,18 +35,18 @@ export interface MakeSplatDataOptions {
  *   value found.
  */
 export function makeSplatData(
-  splats: SplatArrays | SplatSet | BufferGeometry,
+  splats: SplatsInMemory,
   { name = 'splats', accuracy = DEFAULT_ACCURACY }: MakeSplatDataOptions = {},
 ): SplatData {
-  const set =
-    'isBufferGeometry' in splats
-      ? splatsFromArrays(arraysOf(splats))
-      : 'logScales' in splats
-        ? splats
-        : splatsFromArrays(splats);
+  const set = setOf(splats);
   const data = new SplatData(packSet(set, checkAccuracy(accuracy) ?? resolveAccuracy()), name);
   data.set = set;
   return data;
+}
+
+export function setOf(splats: SplatsInMemory): SplatSet {
+  if ('isBufferGeometry' in splats) return splatsFromArrays(arraysOf(splats));
+  return 'logScales' in splats ? splats : splatsFromArrays(splats);
 }
 
 /** Words of three's attributes of each band, which hold four bytes each. */

@@ -1,6 +1,6 @@
 /**
- * Splats of your own, and edits of any splats (`@websplatter/three/own-data`), apart from the rest:
- * pages that only show files do not download it.
+ * Splats of your own, edits of any splats, and morphs (`@websplatter/three/own-data`), apart from
+ * the rest: pages that only show files do not download it.
  */
 export {
   type EditedRows,
@@ -11,4 +11,5 @@ export {
   splatsFromArrays,
 } from '@websplatter/core/own-data';
 export { editsOf } from './edits-of.ts';
-export { type MakeSplatDataOptions, makeSplatData } from './make-splat-data.ts';
+export { type MorphData, makeMorphData } from './make-morph-data.ts';
+export { type MakeSplatDataOptions, makeSplatData, type SplatsInMemory } from './make-splat-data.ts';

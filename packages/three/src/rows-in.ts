@@ -111,7 +111,7 @@ function addRows(
   for (let i = 0; i < words.length / stride; i++) {
     const row = fileIndices[first + i];
     center.fromArray(values, stride * i).add(middle);
-    edits?.move(row, center);
+    edits?.move(row, center, first + i);
     if (volume.containsPoint(center)) rows.push(row);
   }
 }

@@ -93,6 +93,7 @@ class CloudMorph implements CloudEditing {
       }
     });
     this.#states = result;
+    for (const { bytes } of result) cloud.onWritten(bytes);
     this.#steps = this.#stepsOf(morph);
     this.ready = this.#prepare(checked);
   }

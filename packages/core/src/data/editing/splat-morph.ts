@@ -28,7 +28,7 @@ export class SplatMorph {
    * order of the first set, and rows are numbered from 0.
    */
   readonly packed: PackedCloud;
-  /** @internal The second set. */
+  /** The second set, in the same order. */
   readonly second: MorphState;
   #amount = 0;
 

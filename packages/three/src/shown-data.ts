@@ -1,0 +1,43 @@
+import { DestroyedError, type SplatCloud } from '@websplatter/core';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+import type { SplatData } from './splat-data.ts';
+
+/** Objects that show data, on all renderers. */
+export function objectsOf({ places }: SplatData): SplatCloudObject[] {
+  const users = [...places].flatMap((place) => [...place.users.keys()]);
+  return [...new Set(users)].filter((user) => user instanceof SplatCloudObject);
+}
+
+/** Tells objects that show data why a cloud of theirs stays as it is; not where that has ended. */
+export function tellObjects(data: SplatData, error: unknown): void {
+  if (error instanceof DestroyedError) return;
+  const isTold = objectsOf(data).reduce((isTold, object) => object.tell(error) || isTold, false);
+  if (!isTold) console.error(error);
+}
+
+/** Announces changes of data to the objects that show them, once for all changes of a task. */
+export class ChangeAnnouncer {
+  readonly #data: SplatData;
+  readonly #prepare: (clouds: readonly SplatCloud[]) => void;
+  #isAnnounced = false;
+
+  /** @param prepare called before, with the clouds that are there. */
+  constructor(data: SplatData, prepare: (clouds: readonly SplatCloud[]) => void = () => {}) {
+    this.#data = data;
+    this.#prepare = prepare;
+  }
+
+  announce(): void {
+    this.#data.renewRays();
+    if (this.#isAnnounced) return;
+    this.#isAnnounced = true;
+    queueMicrotask(() => {
+      this.#isAnnounced = false;
+      this.#prepare([...this.#data.places].flatMap(({ cloud }) => (cloud instanceof Promise ? [] : cloud)));
+      for (const object of objectsOf(this.#data)) {
+        object.computeBoundingBox();
+        object.requestFrame();
+      }
+    });
+  }
+}
