@@ -573,6 +573,19 @@ describe('three 0.187', () => {
       expect(uploadedBytes).toBe(32);
     });
 
+    test('own splats between two states', async () => {
+      const { end, start, elsewhere, uploadedBytes } = await run('morph');
+      for (const [image, left, right] of [
+        [start, [252, 0, 0, 255], [0, 252, 0, 255]],
+        [end, [0, 252, 0, 255], [252, 0, 0, 255]],
+        [elsewhere, [0, 252, 0, 255], [252, 0, 0, 255]],
+      ] as const) {
+        expectPixel(leftOf(image), left, 4);
+        expectPixel(rightOf(image), right, 4);
+      }
+      expect(uploadedBytes).toBe(0);
+    });
+
     test('the same splats on two canvases', async () => {
       const [black, white] = await run('twoRenderers');
       expectPixel(leftOf(black), GREY);

@@ -16,7 +16,7 @@ import {
   splatLimits,
 } from '@websplatter/three';
 import { SplatGltfPlugin } from '@websplatter/three/gltf';
-import { editsOf, makeSplatData } from '@websplatter/three/own-data';
+import { editsOf, makeMorphData, makeSplatData } from '@websplatter/three/own-data';
 import { SplatSequence } from '@websplatter/three/sequence';
 import { splatColor, splatNode } from '@websplatter/three/tsl';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
@@ -461,6 +461,32 @@ export const cases = {
     const other = await newStage({ antialias: true });
     other.scene.add(new SplatCloudObjectClass(data));
     return { made, edited, recoloured, elsewhere: await shot(other), hits, uploadedBytes };
+  },
+
+  /** Two splats that exchange their places; begins at the end, before anything was drawn. */
+  morph: async () => {
+    const stage = await newStage();
+    const from = {
+      positions: [-0.9, 0, 0, 0.9, 0, 0],
+      scales: [0.3, 0.6, 0.1, 0.3, 0.6, 0.1],
+      colors: [1, 0, 0, 0, 1, 0],
+    };
+    const data = makeMorphData(from, { ...from, positions: [0.9, 0, 0, -0.9, 0, 0] });
+    data.amount = 1;
+    const cloud = new SplatCloudObjectClass(data);
+    stage.scene.add(cloud);
+    const end = await shot(stage);
+    const engine = splatEngineOf(stage.renderer);
+    const before = engine.counters().uploadedBytes;
+    const needed = new Promise((resolve) => cloud.addEventListener('needsframe', resolve));
+    data.amount = 0;
+    await needed;
+    const start = await shot(stage);
+    const uploadedBytes = engine.counters().uploadedBytes - before;
+    const other = await newStage({ antialias: true });
+    other.scene.add(new SplatCloudObjectClass(data));
+    data.amount = 1;
+    return { end, start, elsewhere: await shot(other), uploadedBytes };
   },
 
   twoRenderers: async () => {

@@ -246,6 +246,14 @@ const CALLS: Record<string, Call> = {
   packSet: { args: () => [SET, PRECISION], call: ownData.packSet },
   followEdits: { args: () => [cloud, EDITS(), PACKED], call: ownData.followEdits },
   flushEdits: { args: () => [cloud], call: ownData.flushEdits },
+  'new SplatMorph': {
+    args: () => [SET, SET, PRECISION],
+    call: (...args) => new ownData.SplatMorph(...(args as unknown as [never, never, never])),
+  },
+  followMorph: {
+    args: () => [cloud, new ownData.SplatMorph(SET, SET, PRECISION)],
+    call: ownData.followMorph,
+  },
   'new SplatEdits': { args: () => [20], call: (rows) => new ownData.SplatEdits(rows) },
   'edits.set': {
     args: () => [{ first: 0, count: 1 }, { visible: true }],
