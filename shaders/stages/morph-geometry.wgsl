@@ -37,9 +37,14 @@ fn morphSplat(a: Splat, b: Splat) -> Splat {
     clamp(position, min(a.position, b.position), max(a.position, b.position)),
     blend3(vec3f(a.opacity), vec3f(b.opacity)).x,
     normalize(a.rotation * (1.0 - parameters.amount) + facing * parameters.amount),
-    exp(blend3(log(a.scale), log(b.scale))),
+    exp(blend3(logOf(a.scale), logOf(b.scale))),
     blend3(a.colorDc, b.colorDc),
   );
+}
+
+/// A size that float32 has as 0 has no logarithm: times 0 it would be NaN.
+fn logOf(scale: vec3f) -> vec3f {
+  return log(max(scale, vec3f(1e-37)));
 }
 
 /// Exactly `a` or `b` at either end, which `mix` is not on every device.
