@@ -31,16 +31,17 @@ const LARGE = { viewport: { width: 480, height: 320 } };
 /** Colour of the page behind a canvas in the light theme. */
 const PAGE_COLOR = [0xf4 / 255, 0xf5 / 255, 0xf7 / 255] as const;
 
-/** Opens the page of an example, with `scene` in place of the still life. */
+/** Scenes for which tests have others. */
+const SCENE = /\/(?:still-life\.sog|(?:figures|knot|meadow|terrain)\.ply)$/;
+
+/** Opens the page of an example, with `scene` in place of its own. */
 async function openExample(
   name: string,
   scene: SplatSet | Promise<SplatSet>,
   size: BrowserContextOptions = SMALL,
 ): Promise<Page> {
   const page = await harness.newPage(size);
-  await page.route('**/still-life.sog', async (route) =>
-    route.fulfill({ body: Buffer.from(encodePly(await scene)) }),
-  );
+  await page.route(SCENE, async (route) => route.fulfill({ body: Buffer.from(encodePly(await scene)) }));
   await page.goto(`${harness.server.url}?example=${name}`);
   return page;
 }
@@ -121,7 +122,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(24);
+    await expect.poll(() => links.count()).toBe(26);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -333,7 +334,8 @@ describe('examples of effects', () => {
 
   it('colour takes a tint, a brightness, an opacity and a degree', async () => {
     const { page, psnrWith } = await openWithTestScene('colour');
-    await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    const evening = psnrWith({ effects: [tint([1, 0xb2 / 255, 0x7a / 255])] });
+    await expect.poll(evening, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByLabel('Tint').fill('#ff8000');
     await page.getByLabel('Brightness').fill('1');
     await page.getByLabel('Opacity').fill('0.5');
@@ -440,6 +442,33 @@ describe('examples of effects', () => {
     expect(await covered()).toBeGreaterThan(0.02);
   });
 
+  it('instances draws figures in colours of their own, which move', async () => {
+    const page = await harness.open('?example=instances', SMALL);
+    const greens = async () => {
+      const { data } = await image(page);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i + 1] > data[i] + 50) count++;
+      return count / (data.length / 4);
+    };
+    await expect.poll(greens, SELDOM).toBeGreaterThan(0.02);
+    const still = await image(page);
+    await page.getByLabel('Moving').check();
+    await expect.poll(async () => changedPart(still, await image(page)), SELDOM).toBeGreaterThan(0.05);
+  });
+
+  it('sequence shows the frame that is chosen, and plays on from it', async () => {
+    const page = await harness.open('?example=sequence', SMALL);
+    await page.getByText('1 of 8').waitFor();
+    const first = await settled(page);
+    const changed = async () => changedPart(first, await image(page));
+    await page.getByRole('slider').fill('4');
+    await page.getByText('5 of 8').waitFor();
+    await expect.poll(changed, SELDOM).toBeGreaterThan(0.05);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await page.getByText('1 of 8').waitFor();
+    await page.getByRole('button', { name: 'Pause' }).click();
+  });
+
   it('annotations: labels hide behind splats, and two clicks measure', async () => {
     // A sheet before everything but the table's front.
     const sheet = splatSet([{ opacity: 0.98, position: [0, 0.1, 0.2], scale: [0.5, 0.5, 0.001] }]);
@@ -479,7 +508,7 @@ describe('examples of effects', () => {
   it('wind-sway does what its reference in float64 does', async () => {
     const { page, psnrWith } = await openWithTestScene('wind-sway');
     await page.getByRole('slider').fill('0.2');
-    const effects = [windSway({ amplitude: 0.2, timeS: 0, ground: 0.3, tall: 0.4 })];
+    const effects = [windSway({ amplitude: 0.2, timeS: 0, ground: -0.3, tall: 0.8 })];
     const swayed = psnrWith({ effects, effectReferences: { 'wind-sway': windSwayReference } });
     await expect.poll(swayed, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('slider').fill('0');

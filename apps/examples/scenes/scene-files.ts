@@ -3,12 +3,25 @@ import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
 import { type Plugin, runnerImport } from 'vite';
 
+/** Number of the sequence's files. */
+const WAVE_FRAMES = 8;
+
+const MADE_FILES = [
+  'ring.ply',
+  'column.glb',
+  'knot.ply',
+  'terrain.ply',
+  'meadow.ply',
+  'figure.ply',
+  'figures.ply',
+  ...Array.from({ length: WAVE_FRAMES }, (_, frame) => `wave-${frame}.ply`),
+];
+
 /** The files that the examples show, by name. */
 const SCENE_FILES: Readonly<Record<string, () => Promise<Uint8Array>>> = {
   'still-life.sog': () => builtinFile('still-life.sog'),
   'still-life-small.spz': () => builtinFile('still-life-small.spz'),
-  'ring.ply': () => madeFile('ring.ply'),
-  'column.glb': () => madeFile('column.glb'),
+  ...Object.fromEntries(MADE_FILES.map((name) => [name, () => madeFile(name)])),
 };
 
 function builtinFile(name: string): Promise<Uint8Array> {
@@ -24,7 +37,7 @@ async function madeFile(name: string): Promise<Uint8Array> {
     logLevel: 'error',
     environments: { inline: { resolve } },
   });
-  return module.madeScenes[name];
+  return module.madeScene(name, WAVE_FRAMES);
 }
 
 /** Serves the scenes as files next to the app, and builds them into it. */

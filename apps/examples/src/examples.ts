@@ -18,6 +18,11 @@ const DESCRIPTIONS = [
     about: 'One file twice, each with a transform and an opacity of its own, sorted together splat by splat.',
   },
   {
+    name: 'instances',
+    title: 'Instances',
+    about: 'Hundreds of figures from one upload, each with a place and a tint of its own, sorted as one.',
+  },
+  {
     name: 'picking',
     title: 'Picking',
     about:
@@ -104,6 +109,11 @@ const DESCRIPTIONS = [
     name: 'own-data',
     title: 'Splats of your own',
     about: 'Splats that code makes of arrays, and gives other places and colours in every frame.',
+  },
+  {
+    name: 'sequence',
+    title: 'A sequence',
+    about: 'Files that play one after the other, as a 4D capture does, with a pause and a place to seek.',
   },
   {
     name: 'annotations',

@@ -22,7 +22,7 @@ export default function Accuracy() {
     <>
       <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
-          <Splats src="still-life.sog" accuracy={REQUESTS[request]} onAccuracyChosen={keepChoice} />
+          <Splats src="terrain.ply" accuracy={REQUESTS[request]} onAccuracyChosen={keepChoice} />
         </Suspense>
         <OrbitControls />
       </SplatCanvas>

@@ -4,7 +4,7 @@ import { SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 export default function Colour() {
-  const [tint, setTint] = useState('#ffffff');
+  const [tint, setTint] = useState('#ffb27a');
   const [stops, setStops] = useState(0);
   const [opacity, setOpacity] = useState(1);
   const [shDegree, setShDegree] = useState<ShDegree>(3);

@@ -9,7 +9,7 @@ export default function DemandLoop() {
     <>
       <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
-          <Splats src="still-life.sog" />
+          <Splats src="knot.ply" />
         </Suspense>
         <OrbitControls />
         <FrameCounter counter={counter} />

@@ -15,7 +15,7 @@ import { type Mesh, Vector3 } from 'three/webgpu';
 
 const prefersStillness = matchMedia('(prefers-reduced-motion: reduce)').matches;
 
-const amount = uniform(0.5);
+const amount = uniform(0.7);
 const timeS = uniform(0);
 const lamp = uniform(new Vector3());
 
@@ -45,10 +45,10 @@ const light = color('#ffd9a0')
   .mul(float(0.3).div(distance.mul(distance).add(0.05)));
 const relight = splatNode({ color: splatColor.mul(light.add(0.05)) });
 
-const NODES = { Wind: wind, Reveal: reveal, Lamp: relight } as const;
+const NODES = { Lamp: relight, Wind: wind, Reveal: reveal } as const;
 
 export default function Nodes() {
-  const [name, setName] = useState<keyof typeof NODES>('Wind');
+  const [name, setName] = useState<keyof typeof NODES>('Lamp');
   const [isMoving, setMoving] = useState(!prefersStillness);
   return (
     <>

@@ -11,7 +11,7 @@ export default function Picking() {
   return (
     <>
       <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
-        <Splats ref={splats} src="still-life.sog" onClick={pick} />
+        <Splats ref={splats} src="figures.ply" onClick={pick} />
         {hit && (
           <mesh position={hit.point} renderOrder={1}>
             <sphereGeometry args={[0.012 * hit.depthView]} />

@@ -7,7 +7,7 @@ export default function Selection() {
   const splats = useRef<SplatCloudObject>(null);
   const [selection] = useState(() => new SplatSelection());
   const [color, setColor] = useState('#ff8a00');
-  const [radius, setRadius] = useState(0.1);
+  const [radius, setRadius] = useState(0.2);
   const [count, setCount] = useState(0);
   // The selection is changed in place: the next frame shows it.
   const show = () => {
@@ -27,7 +27,7 @@ export default function Selection() {
         <Suspense>
           <Splats
             ref={splats}
-            src="still-life.sog"
+            src="figures.ply"
             highlight={{ selection, color, strength: 0.75 }}
             onClick={select}
           />

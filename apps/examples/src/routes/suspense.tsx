@@ -30,9 +30,19 @@ export default function WithSuspense() {
 
 function Placeholder() {
   return (
-    <mesh rotation-x={-Math.PI / 2}>
-      <circleGeometry args={[0.6, 48]} />
-      <meshBasicMaterial color="#8a8f99" wireframe />
-    </mesh>
+    <>
+      <mesh rotation-x={-Math.PI / 2}>
+        <circleGeometry args={[0.6, 48]} />
+        <meshBasicMaterial color="#8a8f99" wireframe />
+      </mesh>
+      <mesh position={[-0.2, 0.15, -0.12]}>
+        <cylinderGeometry args={[0.06, 0.1, 0.3, 16, 4, true]} />
+        <meshBasicMaterial color="#2d7dff" wireframe />
+      </mesh>
+      <mesh position={[0.2, 0.09, -0.04]}>
+        <sphereGeometry args={[0.12, 16, 8]} />
+        <meshBasicMaterial color="#ff8a00" wireframe />
+      </mesh>
+    </>
   );
 }

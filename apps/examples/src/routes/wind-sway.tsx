@@ -8,13 +8,13 @@ const prefersStillness = matchMedia('(prefers-reduced-motion: reduce)').matches;
 
 export default function WindSway() {
   const splats = useRef<SplatCloudObject>(null);
-  const [amplitude, setAmplitude] = useState(0.06);
+  const [amplitude, setAmplitude] = useState(0.12);
   const [isMoving, setMoving] = useState(!prefersStillness);
   return (
     <>
       <SplatCanvas flat camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
-          <Splats ref={splats} src="still-life.sog" />
+          <Splats ref={splats} src="meadow.ply" />
         </Suspense>
         <Wind splats={splats} amplitude={amplitude} isMoving={isMoving} />
         <OrbitControls />
@@ -50,7 +50,7 @@ function Wind({ splats, amplitude, isMoving }: WindProps) {
   const timeS = useRef(0);
   useFrame((_state, elapsedS) => {
     if (isMoving) timeS.current += elapsedS;
-    const options = { amplitude, timeS: timeS.current, ground: 0.3, tall: 0.4 };
+    const options = { amplitude, timeS: timeS.current, ground: -0.3, tall: 0.8 };
     if (splats.current) splats.current.effects = [windSway(options)];
   });
   return null;
