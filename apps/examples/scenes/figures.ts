@@ -24,7 +24,7 @@ export const figurePly = (): Uint8Array => encodePly(figures(180, [{ place: [0, 
 export function figuresPly(): Uint8Array {
   const row = Array.from({ length: 7 }, (_, i) => {
     const angle = (i / 6 - 0.5) * 2.2;
-    const place = [0.72 * Math.sin(angle), -0.16, 0.75 - 0.62 * Math.cos(angle)];
+    const place = [0.62 * Math.sin(angle), -0.16, 0.75 - 0.62 * Math.cos(angle)];
     return { place, color: wheel(i / 7, 0.55, 0.38) };
   });
   return encodePly(figures(2_600, row));

@@ -6,134 +6,160 @@ const DESCRIPTIONS = [
     name: 'first-splat',
     title: 'A first splat',
     about: 'A file on the screen in ten lines: a canvas, a renderer, a source.',
+    alt: 'A round table in a meadow, with a vase of pampas grass, a bottle, bread and fruit',
   },
   {
     name: 'mesh-through-splats',
     title: 'A moving mesh',
     about: 'A ball moves through the scene: it hides splats behind it, and splats in front veil it.',
+    alt: 'A red ball that floats before the table of the still life',
   },
   {
     name: 'two-clouds',
     title: 'Two clouds',
     about: 'One file twice, each with a transform and an opacity of its own, sorted together splat by splat.',
+    alt: 'Two rings in rainbow colours, linked as in a chain',
   },
   {
     name: 'instances',
     title: 'Instances',
     about: 'Hundreds of figures from one upload, each with a place and a tint of its own, sorted as one.',
+    alt: 'A field of hundreds of small pawns in all colours, in spirals',
   },
   {
     name: 'picking',
     title: 'Picking',
     about:
       'A click finds the exact splat under it: its row in the file, its depth and a point to put a marker on.',
+    alt: 'Seven pawns in a bow, each of another colour, and a pink marker on one of them',
   },
   {
     name: 'labels',
     title: 'Labels',
     about: 'drei’s Html in the scene: a label disappears while splats lie before it.',
+    alt: 'The still life with labels: one before the vase, one above the table',
   },
   {
     name: 'demand-loop',
     title: 'Drawing on demand',
     about: 'Frames are drawn on request, and none while nothing changes.',
+    alt: 'A trefoil knot with stripes in all colours of the rainbow',
   },
   {
     name: 'suspense',
     title: 'Suspense',
     about: 'A placeholder in the scene while a file is loading, and a progress bar over it.',
+    alt: 'Wireframes of a table, a vase and a bowl, and a progress bar below them',
   },
   {
     name: 'several-views',
     title: 'Several views',
     about: 'One scene from three cameras side by side, each sorted for itself, uploaded once.',
+    alt: 'The still life three times, side by side: from the front, the left and above',
   },
   {
     name: 'accuracy',
     title: 'Accuracy',
     about: 'Settings by name, or an outcome, for which settings are measured, chosen and explained.',
+    alt: 'An island with a snowy mountain in a blue sea',
   },
   {
     name: 'colour',
     title: 'Colour',
     about:
       'Tint, brightness, opacity, how far colours depend on the view, and antialiasing: a prop for each.',
+    alt: 'The still life in the warm light of an orange tint',
   },
   {
     name: 'clip',
     title: 'Clipping',
     about: 'A plane, a sphere or a box cuts the scene off, with a hard or a soft edge.',
+    alt: 'The left half of the still life: the right one is cut off at a soft edge',
   },
   {
     name: 'reveal',
     title: 'Revealing',
     about:
       'The scene appears from a point or from the camera, requests the frames it needs, and comes to rest.',
+    alt: 'The whole island with its snowy mountain, at the end of its reveal',
   },
   {
     name: 'selection',
     title: 'Selecting',
     about: 'A click selects the splats around it, by their rows in the file, and they are highlighted.',
+    alt: 'Seven pawns in a bow: what lies near one of them is highlighted in orange',
   },
   {
     name: 'fog',
     title: 'Fog',
     about: 'The fog of the three.js scene hides splats as it does meshes.',
+    alt: 'The still life in fog, and red balls that fade with the distance',
   },
   {
     name: 'depth-write',
     title: 'Writing depth',
     about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
+    alt: 'A blue ring around the vase of the still life, which hides its far side',
   },
   {
     name: 'post-processing',
     title: 'Post-processing',
     about: 'Depth of field, bloom and temporal antialiasing over splats and meshes, in one image.',
+    alt: 'A glowing ball on the table, before a background out of focus',
   },
   {
     name: 'detail',
     title: 'Detail',
     about: 'A slider from all splats to one in 256: coarser ones stand for those that are left out.',
+    alt: 'The still life in coarse, blurred splats',
   },
   {
     name: 'file-drop',
     title: 'Files of visitors',
     about: 'A file that is dropped or chosen replaces the scene, and the camera moves to fit it.',
+    alt: 'A ring in rainbow colours, from the front',
   },
   {
     name: 'gltf-scene',
     title: 'A glTF scene',
     about: 'One file with a mesh and splats, loaded by useGLTF and placed by its nodes.',
+    alt: 'A grey column through a lying ring in rainbow colours',
   },
   {
     name: 'own-data',
     title: 'Splats of your own',
     about: 'Splats that code makes of arrays, and gives other places and colours in every frame.',
+    alt: 'A flower of thousands of dots in spirals, orange in the middle and blue outside',
   },
   {
     name: 'sequence',
     title: 'A sequence',
     about: 'Files that play one after the other, as a 4D capture does, with a pause and a place to seek.',
+    alt: 'A ring in rainbow colours that waves up and down',
   },
   {
     name: 'annotations',
     title: 'Labels and distances',
     about: 'Labels hide where splats cover their points, and two clicks measure how far it is between them.',
+    alt: 'The still life with labels at the bowl and the table, and a line between two points, 63.5 cm long',
   },
   {
     name: 'colliders',
     title: 'Physics',
     about: 'Balls fall on a coarse mesh that a worker makes of the splats.',
+    alt: 'The still life, onto whose table balls can fall',
   },
   {
     name: 'wind-sway',
     title: 'An effect of your own',
     about: 'Wind in twenty lines of WGSL and a list of options, written outside of the packages.',
+    alt: 'Red, yellow, blue and white flowers that bend in the wind',
   },
   {
     name: 'nodes',
     title: 'Effects by nodes',
     about: 'Wind, a reveal and a lamp in three’s node language, TSL: a few lines each, and no shader.',
+    alt: 'The still life in the dark, lit by a small lamp above the table',
   },
 ] as const;
 
@@ -142,6 +168,8 @@ export interface Example {
   readonly name: string;
   readonly title: string;
   readonly about: string;
+  /** Says what its picture, thumbnails/NAME.jpg, shows at rest. */
+  readonly alt: string;
   readonly Component: LazyExoticComponent<ComponentType>;
   readonly loadSource: () => Promise<string>;
 }

@@ -1,5 +1,12 @@
 import { EXAMPLES } from './examples.ts';
 
+// As files: policies of pages may forbid images in the text of scripts.
+const pictures = import.meta.glob<string>('../thumbnails/*.jpg', {
+  query: '?no-inline',
+  import: 'default',
+  eager: true,
+});
+
 /** `missing`: the example that the address names, if it does not exist. */
 export function IndexPage({ missing }: { missing: string | null }) {
   return (
@@ -10,9 +17,16 @@ export function IndexPage({ missing }: { missing: string | null }) {
         {missing !== null && <p role="alert">There is no example “{missing}”. Choose one of these:</p>}
       </header>
       <ol>
-        {EXAMPLES.map(({ name, title, about }) => (
+        {EXAMPLES.map(({ name, title, about, alt }) => (
           <li key={name} className="index-entry">
             <a href={`?example=${name}`}>
+              <img
+                src={pictures[`../thumbnails/${name}.jpg`]}
+                alt={alt}
+                width={480}
+                height={320}
+                loading="lazy"
+              />
               <h2>{title}</h2>
               <p>{about}</p>
             </a>

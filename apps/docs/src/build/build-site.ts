@@ -100,8 +100,9 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
     [...pages.keys(), ...apiPages].filter((page) => page !== 'index.md'),
     contents.sections,
   );
-  checkImages(images, root);
-  return { pages, images: new Set([FRONT_IMAGE, ...images]), contents };
+  const allImages = new Set([FRONT_IMAGE, ...examples.map(({ picture }) => picture), ...images]);
+  checkImages(allImages, root);
+  return { pages, images: allImages, contents };
 }
 
 function write(path: string, text: string): void {

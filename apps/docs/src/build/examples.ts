@@ -3,12 +3,16 @@ import { basename, join, posix } from 'node:path';
 import { EXAMPLES } from '../../../examples/src/examples.ts';
 import type { SourceFiles } from '../playground/compile.ts';
 import { DocsError } from './markdown.ts';
+import { siteImage } from './pages.ts';
 
 /** An example with the files that a reader may edit. */
 export interface EditableExample {
   readonly name: string;
   readonly title: string;
   readonly about: string;
+  /** Path of its picture in the repository, and what that shows. */
+  readonly picture: string;
+  readonly alt: string;
   /** The module to run first, then those that it imports by relative paths. */
   readonly files: SourceFiles;
 }
@@ -16,14 +20,14 @@ export interface EditableExample {
 /** The examples of apps/examples, in the order of its index page, and this site's own. */
 export function editableExamples(root: string): EditableExample[] {
   const routes = join(root, 'apps/examples/src');
-  const ofApp = EXAMPLES.map(({ name, title, about }) => ({
-    name,
-    title,
-    about,
+  const ofApp = EXAMPLES.map(({ name, title, about, alt }) => ({
+    ...{ name, title, about, alt },
+    picture: `apps/examples/thumbnails/${name}.jpg`,
     files: withImports(routes, `routes/${name}.tsx`),
   }));
   const own = OWN_EXAMPLES.map((example) => ({
     ...example,
+    picture: `apps/docs/thumbnails/${example.name}.jpg`,
     files: withImports(join(root, 'apps/docs/src/examples'), `${example.name}.ts`),
   }));
   return [...ofApp, ...own];
@@ -35,11 +39,13 @@ const OWN_EXAMPLES = [
     name: 'three-scene',
     title: 'Without React: three.js',
     about: 'A renderer, a scene and a cloud, in three.js alone.',
+    alt: 'A small blue ball that floats above the table of the still life',
   },
   {
     name: 'plain-engine',
     title: 'Without three.js: the engine',
     about: 'A canvas, an engine and a view, without a framework.',
+    alt: 'The still life from the front: a table in a meadow, with a vase, a bottle, bread and fruit',
   },
 ] as const;
 
@@ -84,10 +90,15 @@ export function examplePage({ name, title, about, files }: EditableExample): str
 /** The page that leads to all examples. */
 export function examplesIndex(examples: readonly EditableExample[]): string {
   return [
+    '---\nlayout: doc\naside: false\npageClass: wide\n---',
     '# Examples',
     'Each shows one thing. Change its source and press Run, or <kbd>Ctrl</kbd> <kbd>Enter</kbd>: it runs in a frame of its own, ' +
       'which can reach neither this page nor its server.',
-    ...examples.map(({ name, title, about }) => `- [${title}](./${name}.md): ${about}`),
-    '',
+    `<ul class="ws-cards">\n${examples.map(card).join('\n')}\n</ul>\n`,
   ].join('\n\n');
+}
+
+function card({ name, title, about, picture, alt }: EditableExample): string {
+  const image = `<img src="${siteImage(picture)}" alt="${alt}" width="480" height="320" loading="lazy">`;
+  return `<li><a href="./${name}.html">${image}<span class="title">${title}</span><span>${about}</span></a></li>`;
 }

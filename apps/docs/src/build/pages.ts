@@ -3,6 +3,9 @@ import { posix } from 'node:path';
 import { REPOSITORY_PAGES } from './contents.ts';
 import { DocsError, headingsOf, mapLinks, resolveLink, sectionOf } from './markdown.ts';
 
+/** Address, within the site, of an image of the repository. */
+export const siteImage = (path: string): string => `/images/${posix.basename(path)}`;
+
 /** Reads a file of the repository, e.g. `docs/effects.md`. */
 export type ReadRepository = (path: string) => string;
 
@@ -42,7 +45,7 @@ export function assemblePages(
       if (link === null) return target;
       if (isImage) {
         images.add(link.path);
-        return `/images/${posix.basename(link.path)}`;
+        return siteImage(link.path);
       }
       const home = REPOSITORY_PAGES[link.path];
       if (home === undefined) return null;

@@ -1,0 +1,133 @@
+// `npm run examples:pictures`: takes the pictures of the examples that index pages show, by
+// SwiftShader, into apps/examples/thumbnails. `-- fog clip` takes those of these examples alone.
+import { mkdtempSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { basename, join } from 'node:path';
+import { ensureChromium, ensureInstalled, fail, repositoryRoot } from './setup.mjs';
+
+const SIZE = { width: 480, height: 320 };
+const MAX_BYTES = 16_000;
+const MAX_QUALITY = 80;
+/** An empty page has about 2 kB. */
+const MIN_BYTES = 4_000;
+const MAX_ACTIONS = 5;
+/** After that many, a picture is of something that never comes to rest. */
+const MAX_SHOTS = 10;
+const MAX_EMPTY_SHOTS = 200;
+
+/** The page's button, which pictures do not show. */
+const press = (page) => page.evaluate(() => document.querySelector('.panel button').click());
+
+/** What visitors do first, where the scene alone does not tell what an example is about. */
+const ACTIONS = {
+  annotations: async (page) => {
+    for (const xPx of [142, 320]) {
+      await page.mouse.click(xPx, 184);
+      await page.waitForTimeout(3_000);
+    }
+  },
+  colliders: async (page) => {
+    for (let ball = 0; ball < 12; ball++) await press(page);
+  },
+  picking: ({ mouse }) => mouse.click(302, 150),
+  reveal: async (page) => {
+    // In slow motion, of which the picture is a moment.
+    await page.evaluate(() => {
+      const now = performance.now.bind(performance);
+      const beginMs = now();
+      performance.now = () => beginMs + 0.03 * (now() - beginMs);
+    });
+    await press(page);
+    // New shaders take a while, in which the picture stays.
+    await page.waitForTimeout(6_000);
+  },
+  selection: ({ mouse }) => mouse.click(174, 180),
+};
+
+const app = join(repositoryRoot, 'apps/examples');
+const docs = join(repositoryRoot, 'apps/docs');
+const ofApp = readdirSync(join(app, 'src/routes')).map((file) => basename(file, '.tsx'));
+const ofDocs = readdirSync(join(docs, 'src/examples')).map((file) => basename(file, '.ts'));
+const names = [...ofApp, ...ofDocs];
+const chosen = process.argv.slice(2);
+const unknown = chosen.find((name) => !names.includes(name));
+if (unknown) fail(`There is no example “${unknown}”: choose of ${names.join(', ')}.`);
+
+ensureInstalled('apps/examples', 'apps/docs');
+const executablePath = ensureChromium();
+const { build, preview, runnerImport } = await import('vite');
+const launcher = join(repositoryRoot, 'packages/tools/src/browser.ts');
+const { module } = await runnerImport(launcher, { configFile: false, logLevel: 'error' });
+const outDir = mkdtempSync(join(tmpdir(), 'websplatter-examples-'));
+const common = { configFile: join(app, 'vite.config.ts'), logLevel: 'error', build: { outDir } };
+await build(common);
+const rolldownOptions = {
+  input: ofDocs.map((name) => join(docs, `src/examples/${name}.ts`)),
+  output: { entryFileNames: '[name].js' },
+};
+await build({ ...common, build: { outDir, emptyOutDir: false, rolldownOptions } });
+const server = await preview({ ...common, preview: { host: '127.0.0.1', port: 0 } });
+const browser = await module.launchBrowser({ executablePath, usesGpu: false });
+try {
+  for (const name of chosen.length > 0 ? chosen : names) {
+    const page = await browser.newPage({ viewport: SIZE, reducedMotion: 'reduce' });
+    await page.addInitScript(showStageAlone);
+    // The scene's placeholder and the progress bar are what this one is about.
+    if (name === 'suspense') await page.route('**/still-life.sog', () => {});
+    const isOfDocs = ofDocs.includes(name);
+    await page.route(`**/${name}.html`, (route) =>
+      route.fulfill({ body: pageOf(name), contentType: 'text/html' }),
+    );
+    await page.goto(server.resolvedUrls.local[0] + (isOfDocs ? `${name}.html` : `?example=${name}`));
+    const first = await pictureAtRest(page);
+    let bytes = first;
+    // Rays miss splats for a moment after the first picture.
+    for (let i = 0; i < MAX_ACTIONS && name in ACTIONS && bytes.equals(first); i++) {
+      await ACTIONS[name](page);
+      bytes = await pictureAtRest(page);
+    }
+    writeFileSync(join(isOfDocs ? docs : app, 'thumbnails', `${name}.jpg`), bytes);
+    console.log(`${name}: ${bytes.length.toLocaleString('en')} bytes`);
+    await page.close();
+  }
+} finally {
+  await browser.close();
+  await server.close();
+  rmSync(outDir, { recursive: true });
+}
+
+/** A page that an example of the docs has for itself. */
+function pageOf(name) {
+  return `<!doctype html>
+    <style>
+      html, body { height: 100%; margin: 0; background: #f4f5f7; }
+      canvas { display: block; width: 100%; height: 100%; }
+    </style>
+    <body><script type="module" src="./${name}.js"></script>`;
+}
+
+/** Runs in the page. */
+function showStageAlone() {
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(`
+    .example { grid-template-rows: 100% !important; }
+    .example-bar, .panel:not(:has(progress)) { display: none !important; }
+  `);
+  document.adoptedStyleSheets.push(sheet);
+}
+
+/** Returns a picture that is as good as its size allows. */
+async function pictureAtRest(page) {
+  const shot = (quality) => page.screenshot({ type: 'jpeg', quality, timeout: 0 });
+  let last = Buffer.alloc(0);
+  let before;
+  for (let empty = 0, shots = 0; shots < MAX_SHOTS && !(shots > 1 && last.equals(before)); ) {
+    await page.waitForTimeout(500);
+    before = last;
+    last = await shot(MAX_QUALITY);
+    if (last.length >= MIN_BYTES) shots++;
+    else if (empty++ > MAX_EMPTY_SHOTS) throw new Error(`${page.url()} draws nothing.`);
+  }
+  for (let quality = MAX_QUALITY - 5; last.length > MAX_BYTES; quality -= 5) last = await shot(quality);
+  return last;
+}
