@@ -127,7 +127,10 @@ describe('the documentation site', () => {
 
   it('draws an example, which is edited, and runs again by Ctrl+Enter', async () => {
     const { page, problems } = await open('examples/plain-engine.html');
+    const poster = page.locator('.ws-poster');
+    await poster.waitFor();
     await running(page);
+    await poster.waitFor({ state: 'hidden' });
     await expect.poll(() => colorsOf(page)).toBeGreaterThan(1000);
     await edit(page, 'document.body.style.background = "rgb(250, 0, 0)";');
     await page.keyboard.press('Control+Enter');

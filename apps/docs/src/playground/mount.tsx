@@ -9,15 +9,15 @@ export function hostWorker(url: string): void {
   setWorkerUrl(url);
 }
 
-/** Shows `Component` on the whole page, or without WebGPU a sentence about that. */
-export function mount(Component: ComponentType): void {
+/** Shows `Component` on the whole page, or without WebGPU a sentence about that, and calls `onSaid`. */
+export function mount(Component: ComponentType, onSaid: () => void): void {
   createRoot(
     document.body.appendChild(Object.assign(document.createElement('main'), { className: 'stage' })),
   ).render(
     <StrictMode>
       <SplatsFallback
         fallback={(error) => (
-          <p className="unavailable" role="alert">
+          <p ref={onSaid} className="unavailable" role="alert">
             {error.message}
           </p>
         )}

@@ -8,6 +8,7 @@ import type { Playground } from './playground.ts';
 export function definePlayground(kitUrl: URL): void {
   if (customElements.get('ws-playground')) return;
   const kit = new KitFiles(kitUrl);
+  const images = new URL('../images/', kitUrl);
   customElements.define(
     'ws-playground',
     class extends HTMLElement {
@@ -36,7 +37,8 @@ export function definePlayground(kitUrl: URL): void {
         const paths = this.getAttribute('paths')!.split(' ');
         const files = Object.fromEntries(paths.map((path, i) => [path, texts[i]]));
         this.classList.add('is-live');
-        this.#playground = new Playground(this, this.getAttribute('name')!, files, kit);
+        const name = this.getAttribute('name')!;
+        this.#playground = new Playground(this, name, files, kit, new URL(`${name}.jpg`, images));
         await this.#playground.run();
       }
     },

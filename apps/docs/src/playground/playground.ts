@@ -15,13 +15,16 @@ export class Playground {
   readonly #paths: readonly string[];
   #path: string;
 
-  /** @param title of the example, for screen readers */
-  constructor(parent: HTMLElement, title: string, files: SourceFiles, kit: KitFiles) {
+  /**
+   * @param title of the example, for screen readers
+   * @param poster address of the picture that stands there until the first run draws
+   */
+  constructor(parent: HTMLElement, title: string, files: SourceFiles, kit: KitFiles, poster: URL) {
     this.#files = files;
     this.#kit = kit;
     this.#paths = Object.keys(files);
     this.#path = this.#paths[0];
-    this.#parts = makeParts(parent, title, this.#paths);
+    this.#parts = makeParts(parent, title, this.#paths, poster);
     const { code, run, reset, tabs, goTo } = this.#parts;
     this.#editor = new SourceEditor(code, this.#path, files[this.#path], () => void this.run());
     this.#frame = new ExampleFrame(kit, `What the example “${title}” draws`, (report) => this.#tell(report));
@@ -42,11 +45,12 @@ export class Playground {
   /** Runs the editor's text. Problems are told beside it. */
   async run(): Promise<void> {
     this.#clearProblem();
-    this.#say('Loading …');
+    this.#say('Compiling …');
     const files = { ...this.#files, ...this.#editor.texts() };
     try {
       const { entries } = await this.#kit.manifest();
       const compiled = compile(files, new Set(Object.keys(entries)));
+      this.#say('Loading …');
       this.#frame.setDark(document.documentElement.classList.contains('dark'));
       await this.#frame.run(this.#parts.stage, compiled, Object.values(files).join('\n'));
     } catch (error) {
@@ -77,11 +81,12 @@ export class Playground {
   }
 
   #tell(report: RunReport): void {
+    const { poster, problem, message, goTo } = this.#parts;
+    poster.hidden ||= report.kind !== 'running';
     if (report.kind !== 'problem') {
-      if (report.kind === 'running' && this.#parts.problem.hidden) this.#say('Running');
+      if (report.kind === 'running' && problem.hidden) this.#say('Running');
       return;
     }
-    const { problem, message, goTo } = this.#parts;
     // The others follow from the first problem.
     if (!problem.hidden) return;
     this.#say('');
@@ -105,12 +110,17 @@ export class Playground {
 
   #say(text: string): void {
     this.#parts.status.textContent = text;
+    // The first picture takes a while after the code has begun.
+    this.#parts.badge.textContent = text === 'Running' ? 'Loading …' : text;
   }
 }
 
 interface Parts {
   readonly root: HTMLElement;
   readonly stage: HTMLElement;
+  /** Covers the stage until the first run draws; the badge on it says what that waits for. */
+  readonly poster: HTMLElement;
+  readonly badge: HTMLElement;
   readonly code: HTMLElement;
   readonly tabs: readonly HTMLButtonElement[];
   readonly run: HTMLButtonElement;
@@ -121,10 +131,15 @@ interface Parts {
   readonly goTo: HTMLButtonElement;
 }
 
-function makeParts(parent: HTMLElement, title: string, paths: readonly string[]): Parts {
+function makeParts(parent: HTMLElement, title: string, paths: readonly string[], posterUrl: URL): Parts {
   const root = element('section', 'ws-live');
   root.setAttribute('aria-label', `Example: ${title}`);
-  const stage = element('div', 'ws-stage');
+  const image = Object.assign(document.createElement('img'), { src: posterUrl.href, alt: '' });
+  const badge = element('span', 'ws-badge');
+  const poster = element('div', 'ws-poster', image, badge);
+  // The status says the same.
+  poster.setAttribute('aria-hidden', 'true');
+  const stage = element('div', 'ws-stage', poster);
   const tabs = paths.map((path) => button(basename(path), 'ws-tab'));
   const files = element('div', 'ws-tabs', ...tabs);
   const status = element('p', 'ws-status');
@@ -140,7 +155,7 @@ function makeParts(parent: HTMLElement, title: string, paths: readonly string[])
   const code = element('div', 'ws-code');
   root.append(stage, element('div', 'ws-bar', files, status, reset, run), problem, code);
   parent.append(root);
-  return { root, stage, code, tabs, run, reset, status, problem, message, goTo };
+  return { root, stage, poster, badge, code, tabs, run, reset, status, problem, message, goTo };
 }
 
 function element(name: string, className: string, ...children: HTMLElement[]): HTMLElement {

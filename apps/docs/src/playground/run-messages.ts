@@ -18,6 +18,8 @@ export type RunReport =
   | { readonly kind: 'ready' }
   /** The modules have run, and a component, if there is one, is on the page. */
   | { readonly kind: 'running' }
+  /** A canvas shows something, or a sentence says why none does. */
+  | { readonly kind: 'drawn' }
   /** `line` counts from 1; null where the reason is in none of the example's files. */
   | {
       readonly kind: 'problem';

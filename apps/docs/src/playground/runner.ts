@@ -22,6 +22,7 @@ async function run({ kit, entries, modules, entry, loadWorker, scenes }: RunMess
     'text/javascript',
   );
   allowWorkersFromMemory();
+  reportFirstPicture();
 
   const imports: Record<string, string> = {};
   for (const [file, text] of Object.entries(kit))
@@ -37,7 +38,7 @@ async function run({ kit, entries, modules, entry, loadWorker, scenes }: RunMess
   const { mount, hostWorker } = await import(/* @vite-ignore */ MOUNT_ENTRY);
   hostWorker(workerUrl);
   const { default: component } = await import(/* @vite-ignore */ entry);
-  if (typeof component === 'function') mount(component);
+  if (typeof component === 'function') mount(component, reportDrawn);
   report({ kind: 'running' });
 }
 
@@ -69,6 +70,35 @@ function allowWorkersFromMemory(): void {
       super(url, String(url).startsWith('blob:') ? { ...options, type: 'classic' } : options);
     }
   };
+}
+
+function reportDrawn(): void {
+  report({ kind: 'drawn' });
+}
+
+/** Reports, once, that a canvas shows more than one colour. */
+function reportFirstPicture(): void {
+  // Where there is no WebGPU, examples say so themselves.
+  if (!('GPUCanvasContext' in globalThis)) return;
+  const { prototype } = GPUCanvasContext;
+  const { getCurrentTexture } = prototype;
+  prototype.getCurrentTexture = function (this: GPUCanvasContext) {
+    // After the code that draws, and before the browser takes the texture.
+    queueMicrotask(() => {
+      if (prototype.getCurrentTexture === getCurrentTexture || !hasColors(this.canvas)) return;
+      prototype.getCurrentTexture = getCurrentTexture;
+      reportDrawn();
+    });
+    return getCurrentTexture.call(this);
+  };
+}
+
+function hasColors(canvas: CanvasImageSource): boolean {
+  const sidePx = 16;
+  const context = new OffscreenCanvas(sidePx, sidePx).getContext('2d')!;
+  context.drawImage(canvas, 0, 0, sidePx, sidePx);
+  const { data } = context.getImageData(0, 0, sidePx, sidePx);
+  return new Uint32Array(data.buffer).some((pixel, _, [first]) => pixel !== first);
 }
 
 function reportProblem(error: unknown): void {
