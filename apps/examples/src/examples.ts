@@ -147,7 +147,7 @@ const DESCRIPTIONS = [
     name: 'colliders',
     title: 'Physics',
     about: 'Balls fall on a coarse mesh that a worker makes of the splats.',
-    alt: 'The still life, onto whose table balls can fall',
+    alt: 'Eight orange balls that have come to rest on the table of the still life',
   },
   {
     name: 'wind-sway',
