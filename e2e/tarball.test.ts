@@ -94,7 +94,7 @@ import type { SplatsProps } from '@websplatter/react';
 type Own =
   | 'src' | 'sourceOptions' | 'budgetBytes' | 'fallback' | 'accuracy' | 'detail'
   | 'onLoad' | 'onProgress' | 'onFirstFrame' | 'onComplete' | 'onAccuracyChosen' | 'onError' | 'onDeviceLost'
-  | 'opacity' | 'shDegree' | 'depthWrite' | 'fog' | 'effects'
+  | 'opacity' | 'shDegree' | 'depthWrite' | 'fog' | 'effects' | 'instances'
   | 'antialias' | 'brightness' | 'clip' | 'highlight' | 'reveal' | 'tint';
 type OfAnyObject =
   | keyof EventHandlers | 'onUpdate' | 'children' | 'dispose' | 'key' | 'name' | 'ref' | 'userData'
