@@ -3,7 +3,7 @@ import { SplatCloudObject } from './splat-cloud-object.ts';
 import type { SplatData } from './splat-data.ts';
 
 /** Objects that show data, on all renderers. */
-export function objectsOf({ places }: SplatData): SplatCloudObject[] {
+function objectsOf({ places }: SplatData): SplatCloudObject[] {
   const users = [...places].flatMap((place) => [...place.users.keys()]);
   return [...new Set(users)].filter((user) => user instanceof SplatCloudObject);
 }
