@@ -36,13 +36,13 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
  *   this size is slow.
  */
 export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayBuffer): void {
-  const sides = clouds.map(({ places, ...cloud }) => (places ?? [cloud]).map(packedSides));
+  const sides = clouds.map((cloud) => (cloud.places ?? [cloud]).map(packedSides));
   for (const [index, page] of pagesOf(shape).entries()) {
     const { cloudIndex, splatCount, uniform, instances } = page;
     const { first, count } = instances ?? { first: 0, count: 1 };
     const chunkCount = page.chunkCount / count;
     // Those behind the last of a batch, which another frame may have had.
-    new Uint8Array(contents, uniform.offset, uniform.size).fill(0, count * Page.bytes);
+    if (instances) new Uint8Array(contents, uniform.offset, uniform.size).fill(0, count * Page.bytes);
     for (let i = 0; i < count; i++) {
       const { view } = clouds[cloudIndex].places?.[first + i] ?? clouds[cloudIndex];
       const values = {
