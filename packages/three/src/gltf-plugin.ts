@@ -62,16 +62,11 @@ export class SplatGltfPlugin {
   /** Called by three: returns null for a mesh without splats. */
   loadMesh(index: number): Promise<Group> | null {
     const { meshes } = this.#parser.json as GltfJson;
-    const isOfSplats = ({ extensions }: GltfPrimitive) => extensions?.[SPLATTING] !== undefined;
     if (!meshes[index].primitives.some(isOfSplats)) return null;
-    return this.#objectOf(meshes[index], index, isOfSplats) as Promise<Group>;
+    return this.#objectOf(meshes[index], index) as Promise<Group>;
   }
 
-  async #objectOf(
-    mesh: GltfMesh,
-    index: number,
-    isOfSplats: (primitive: GltfPrimitive) => boolean,
-  ): Promise<Object3D> {
+  async #objectOf(mesh: GltfMesh, index: number): Promise<Object3D> {
     const { primitives } = mesh;
     const others = primitives.filter((primitive) => !isOfSplats(primitive));
     // three's own way to load a mesh takes all of its primitives.
@@ -119,6 +114,10 @@ export class SplatGltfPlugin {
     const parts = [head, text, spaces, Uint32Array.of(byteOffset, BINARY_CHUNK), ...bytes];
     return new Blob(parts as BlobPart[]);
   }
+}
+
+function isOfSplats({ extensions }: GltfPrimitive): boolean {
+  return extensions?.[SPLATTING] !== undefined;
 }
 
 /** Views with the attributes of a primitive, and those that its extensions name. */

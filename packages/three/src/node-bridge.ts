@@ -23,10 +23,24 @@ export class SplatInputNode extends Node {
   }
 }
 
+/** WGSL types of uniforms in a struct of parameters, by three's types; its booleans are `uint`. */
+const FIELD_TYPES = {
+  float: 'f32',
+  int: 'u32',
+  uint: 'u32',
+  vec2: 'vec2f',
+  vec3: 'vec3f',
+  color: 'vec3f',
+  vec4: 'vec4f',
+  mat3: 'mat3x3f',
+  mat4: 'mat4x4f',
+} as const;
+
+export type FieldType = (typeof FIELD_TYPES)[keyof typeof FIELD_TYPES];
+
 /** A uniform of the nodes, as the struct of parameters has it. */
 export interface NodeValue {
-  /** three's type, such as `vec3`. */
-  readonly type: string;
+  readonly type: FieldType;
   readonly node: { readonly value: unknown };
 }
 
@@ -63,8 +77,6 @@ const NO_RENDERER = {
 };
 
 const STAGE = 'compute';
-/** three's types of uniforms that a struct of parameters can hold; its booleans are `uint`. */
-const VALUE_TYPES = new Set(['float', 'int', 'uint', 'vec2', 'vec3', 'vec4', 'color', 'mat3', 'mat4']);
 
 /** A variable or uniform of a builder. */
 interface NamedProperty {
@@ -76,9 +88,9 @@ interface NamedProperty {
 /** Compiles nodes into statements of a function, which read uniforms of `values`. */
 class FlowBuilder extends WGSLNodeBuilder {
   readonly textOf: (input: SplatInputNode) => string;
-  readonly #nameOf: (node: object, type: string) => string;
+  readonly #nameOf: (node: object, type: FieldType) => string;
 
-  constructor(textOf: FlowBuilder['textOf'], nameOf: (node: object, type: string) => string) {
+  constructor(textOf: FlowBuilder['textOf'], nameOf: (node: object, type: FieldType) => string) {
     super(null as never, NO_RENDERER as never);
     // Nodes ask whether there are several.
     Object.assign(this, { camera: new Camera() });
@@ -88,7 +100,8 @@ class FlowBuilder extends WGSLNodeBuilder {
 
   /** @throws InvalidArgumentError for what a struct of numbers cannot hold. */
   getUniformFromNode(node: object, type: string): object {
-    if (VALUE_TYPES.has(type)) return { isNodeUniform: true, name: this.#nameOf(node, type), type };
+    const fieldType: FieldType | undefined = FIELD_TYPES[type as keyof typeof FIELD_TYPES];
+    if (fieldType) return { isNodeUniform: true, name: this.#nameOf(node, fieldType), type };
     const message = `The nodes of splatNode() use a ${type}; they can use numbers, vectors, colours and matrices.`;
     throw new InvalidArgumentError('nodes', message);
   }
@@ -186,7 +199,7 @@ export class NodeCompiler {
     };
   }
 
-  #nameOf(node: object, type: string): string {
+  #nameOf(node: object, type: FieldType): string {
     let name = this.#names.get(node);
     if (name === undefined) {
       name = `value${this.#names.size}`;

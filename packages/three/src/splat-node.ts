@@ -9,7 +9,14 @@ import {
 import { float, nodeObject, vec3 } from 'three/tsl';
 import type { Node } from 'three/webgpu';
 import type { FrameUse } from './layer-cloud.ts';
-import { NodeCompiler, type NodeValue, nodeFrameAt, type Output, SplatInputNode } from './node-bridge.ts';
+import {
+  type FieldType,
+  NodeCompiler,
+  type NodeValue,
+  nodeFrameAt,
+  type Output,
+  SplatInputNode,
+} from './node-bridge.ts';
 
 const input = <Type extends 'vec3' | 'float' | 'uint'>(name: keyof typeof INPUTS, type: Type): Node<Type> =>
   nodeObject(new SplatInputNode(name, type)) as unknown as Node<Type>;
@@ -61,21 +68,7 @@ export interface SplatNodes {
   readonly reach?: Partial<EffectReach>;
 }
 
-type FieldType = 'f32' | 'u32' | 'vec2f' | 'vec3f' | 'vec4f' | 'mat3x3f' | 'mat4x4f';
 type Values = Readonly<Record<string, number | readonly number[]>>;
-
-/** By three's types of uniforms. */
-const FIELD_TYPES: Readonly<Record<string, FieldType>> = {
-  float: 'f32',
-  int: 'u32',
-  uint: 'u32',
-  vec2: 'vec2f',
-  vec3: 'vec3f',
-  color: 'vec3f',
-  vec4: 'vec4f',
-  mat3: 'mat3x3f',
-  mat4: 'mat4x4f',
-};
 
 /** Above any growth; finite, as it is multiplied by sizes that may be 0. */
 const ANY_GROWTH = 1e9;
@@ -161,7 +154,7 @@ export function splatNode(nodes: SplatNodes): EffectUse {
 
   const fields: Record<string, FieldType> = {};
   for (const name of places) fields[name] = PLACES[name].type;
-  for (const [name, { type }] of compiler.values) fields[name] = FIELD_TYPES[type];
+  for (const [name, { type }] of compiler.values) fields[name] = type;
   const program = programOf(fields, {
     declarations: [...new Set([...moved.declarations, ...shaded.declarations])].join('\n'),
     move: move.length > 0 ? moved.statements : null,
