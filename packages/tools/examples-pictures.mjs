@@ -30,17 +30,6 @@ const ACTIONS = {
     for (let ball = 0; ball < 12; ball++) await press(page);
   },
   picking: ({ mouse }) => mouse.click(302, 150),
-  reveal: async (page) => {
-    // In slow motion, of which the picture is a moment.
-    await page.evaluate(() => {
-      const now = performance.now.bind(performance);
-      const beginMs = now();
-      performance.now = () => beginMs + 0.03 * (now() - beginMs);
-    });
-    await press(page);
-    // New shaders take a while, in which the picture stays.
-    await page.waitForTimeout(6_000);
-  },
   selection: ({ mouse }) => mouse.click(174, 180),
 };
 
