@@ -10,7 +10,7 @@ import { windSway } from '../apps/examples/src/effects/wind-sway.ts';
 import { windSwayReference } from '../apps/examples/src/effects/wind-sway-reference.ts';
 import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
-import { MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
+import { drawnBy, MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
 import { slowDisplay } from './slow-display.ts';
 import { decoded, encoded } from './srgb.ts';
@@ -84,14 +84,7 @@ function drawnFrom(
 ): DrawnCamera {
   const aspect = widthPx / heightPx;
   const camera = perspectiveCamera({ position, target, fovYDegrees, aspect, near, far });
-  return {
-    viewMatrix: Array.from(camera.viewMatrix),
-    projectionMatrix: Array.from(camera.projectionMatrix),
-    near,
-    far,
-    modelMatrices: [null],
-    background: [...PAGE_COLOR],
-  };
+  return drawnBy(camera, [...PAGE_COLOR]);
 }
 
 interface CameraOptions {

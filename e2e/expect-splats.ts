@@ -2,7 +2,7 @@ import { perspectiveCamera } from '@websplatter/core';
 import type { Browser, Page } from 'playwright-core';
 import { expect } from 'vitest';
 import { newWatchedPage } from './browser.ts';
-import { MIN_PSNR_DB, referenceImage } from './reference.ts';
+import { drawnBy, MIN_PSNR_DB, referenceImage } from './reference.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 import { slowDisplay } from './slow-display.ts';
 import { testScene } from './test-scene.ts';
@@ -35,15 +35,7 @@ function referenceOfCanvas(): ReturnType<typeof referenceImage> {
     near: 0.1,
     far: 1000,
   });
-  const drawn = {
-    viewMatrix: Array.from(camera.viewMatrix),
-    projectionMatrix: Array.from(camera.projectionMatrix),
-    near: 0.1,
-    far: 1000,
-    modelMatrices: [null],
-    background: [1, 1, 1] as [number, number, number],
-  };
-  return referenceImage(drawn, [testScene()], { widthPx: 480, heightPx: 320 });
+  return referenceImage(drawnBy(camera, [1, 1, 1]), [testScene()], { widthPx: 480, heightPx: 320 });
 }
 
 /** State of a page that does not show its scene, for the one who reads why a test failed. */

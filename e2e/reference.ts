@@ -1,4 +1,4 @@
-import { cameraFromMatrices, type Harmonics, type SplatSet } from '@websplatter/core';
+import { type Camera, cameraFromMatrices, type Harmonics, type SplatSet } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import {
   compareImages,
@@ -23,6 +23,19 @@ export interface ReferenceEffects {
   /** References of the page's own effects. */
   readonly effectReferences?: Readonly<Record<string, ReferenceFunction>>;
   readonly settings?: ReferenceFrame['settings'];
+}
+
+/** What a page reports that draws one cloud, without a transform, by `camera` over `background`. */
+export function drawnBy(camera: Camera, background: DrawnCamera['background']): DrawnCamera {
+  const { viewMatrix, projectionMatrix, near, far } = camera;
+  return {
+    viewMatrix: Array.from(viewMatrix),
+    projectionMatrix: Array.from(projectionMatrix),
+    near,
+    far,
+    modelMatrices: [null],
+    background,
+  };
 }
 
 /**

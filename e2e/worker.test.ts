@@ -1,10 +1,9 @@
 import { encodePly, perspectiveCamera } from '@websplatter/core';
 import { expect, it } from 'vitest';
 import { appHarness } from './harness.ts';
-import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { drawnBy, MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
-import type { DrawnCamera } from './viewer-page.ts';
 
 const harness = appHarness('e2e/worker', { 'a.ply': encodePly(testScene()) });
 
@@ -19,13 +18,6 @@ it('a worker loads splats and draws them on the canvas of its page', async () =>
     fovYDegrees: 50,
     aspect: widthPx / heightPx,
   });
-  const drawn: DrawnCamera = {
-    viewMatrix: Array.from(camera.viewMatrix),
-    projectionMatrix: Array.from(camera.projectionMatrix),
-    near: camera.near,
-    far: camera.far,
-    modelMatrices: [null],
-    background: [0, 0, 0],
-  };
+  const drawn = drawnBy(camera, [0, 0, 0]);
   expect(psnrAgainstReference(shot, drawn, [testScene()])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
 });
