@@ -55,6 +55,8 @@ const READMES: Readonly<Record<string, Examples>> = {
       camera: "import('three/webgpu').PerspectiveCamera",
       cloud: "import('@websplatter/three').SplatCloudObject",
       data: "import('@websplatter/three').SplatData",
+      calm: "import('@websplatter/three/own-data').SplatsInMemory",
+      smiling: "import('@websplatter/three/own-data').SplatsInMemory",
       files: 'File[]',
       render: '() => void',
       pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",

@@ -18,6 +18,14 @@ const MAX_EMPTY_SHOTS = 200;
 /** The page's button, which pictures do not show. */
 const press = (page) => page.evaluate(() => document.querySelector('.panel button').click());
 
+/** Moves the page's slider. */
+const slide = (page, value) => page.locator('.panel input[type=range]').evaluate(moveTo, value);
+
+function moveTo(slider, value) {
+  slider.value = value;
+  slider.dispatchEvent(new Event('input', { bubbles: true }));
+}
+
 /** What visitors do first, where the scene alone does not tell what an example is about. */
 const ACTIONS = {
   annotations: async (page) => {
@@ -29,6 +37,7 @@ const ACTIONS = {
   colliders: async (page) => {
     for (let ball = 0; ball < 12; ball++) await press(page);
   },
+  morph: (page) => slide(page, '0.58'),
   picking: ({ mouse }) => mouse.click(302, 150),
   selection: ({ mouse }) => mouse.click(174, 180),
 };
