@@ -115,7 +115,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(26);
+    await expect.poll(() => links.count()).toBe(27);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -447,6 +447,23 @@ describe('examples of effects', () => {
     const still = await image(page);
     await page.getByLabel('Moving').check();
     await expect.poll(async () => changedPart(still, await image(page)), SELDOM).toBeGreaterThan(0.05);
+  });
+
+  it('morph unrolls a globe into a map, which is wider, and moves by itself', async () => {
+    const page = await harness.open('?example=morph', SMALL);
+    const background = PAGE_COLOR.map((value) => 255 * value);
+    const coveredWidth = async () => {
+      const shot = await image(page);
+      const isCovered = (xPx: number) => part(columnsOf(shot, xPx, 1), background) < 0.9;
+      return Array.from({ length: shot.widthPx }, (_, xPx) => xPx).filter(isCovered).length / shot.widthPx;
+    };
+    await expect.poll(coveredWidth, SELDOM).toBeGreaterThan(0.3);
+    const globe = await coveredWidth();
+    await page.getByRole('slider').fill('1');
+    await expect.poll(coveredWidth, SELDOM).toBeGreaterThan(1.3 * globe);
+    const map = await image(page);
+    await page.getByLabel('Moving').check();
+    await expect.poll(async () => changedPart(map, await image(page)), SELDOM).toBeGreaterThan(0.05);
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

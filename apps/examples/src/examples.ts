@@ -132,6 +132,12 @@ const DESCRIPTIONS = [
     alt: 'A flower of thousands of dots in spirals, orange in the middle and blue outside',
   },
   {
+    name: 'morph',
+    title: 'A morph',
+    about: 'A globe that unrolls into its map: two clouds, and a number that goes from one to the other.',
+    alt: 'A globe with seas and continents, half unrolled into a map',
+  },
+  {
     name: 'sequence',
     title: 'A sequence',
     about: 'Files that play one after the other, as a 4D capture does, with a pause and a place to seek.',
