@@ -32,6 +32,8 @@ const FRAMES = 10_000;
 const TIME_LIMIT_MS = 1_800_000;
 /** Frames of a cloud, which then goes, whatever it is doing. */
 const CLOUD_FRAMES = 100;
+/** Frames after which the server is down until a cloud has failed to load. */
+const DOWN_FRAMES = 1000;
 /** Frames between two looks at what the GPU draws. */
 const LOOK_FRAMES = 50;
 /** Frames that are submitted before one is waited for. */
@@ -58,6 +60,7 @@ function unsteadyServer(files: Readonly<Record<string, Uint8Array<ArrayBuffer>>>
   const server = {
     faults,
     isSteady: false,
+    isDown: false,
     fetch: async (url: string, { headers, signal }: RequestInit) => {
       const fault = server.isSteady
         ? undefined
@@ -65,7 +68,7 @@ function unsteadyServer(files: Readonly<Record<string, Uint8Array<ArrayBuffer>>>
       if (fault) faults[fault]++;
       for (let task = 0; fault === 'late' && task < 40; task++) await nextTask();
       signal?.throwIfAborted();
-      if (fault === 'gone') throw new TypeError('fetch failed');
+      if (server.isDown || fault === 'gone') throw new TypeError('fetch failed');
       if (fault === 'refused') return new Response(null, { status: 503 });
       const bytes = files[new URL(url).pathname.slice(1)];
       const from = Number(/^bytes=(\d+)-/.exec(new Headers(headers).get('range') ?? '')?.[1] ?? 0);
@@ -122,6 +125,7 @@ gpuTest(
         } catch (error) {
           expect(error).toBeInstanceOf(SplatSourceError);
           failedLoads++;
+          server.isDown = false;
         }
     };
     const cameraAt = (angle: number, height: number) =>
@@ -160,6 +164,7 @@ gpuTest(
       if (frame % CLOUD_FRAMES === 0) {
         changes += moments();
         shown.cloud.destroy();
+        server.isDown = frame % DOWN_FRAMES === 0;
         shown = await load();
         const { scene } = shown;
         moments = watchCuts(shown.cloud, (...cut) => expectOneLevel(scene, ...cut));
@@ -187,7 +192,8 @@ gpuTest(
       expect(count, COUNTED[i].name).toBeLessThan(early!.objects[i] + LEFT_OBJECTS);
     expect(getEventListeners(page, 'online')).toHaveLength(1);
     expect(changes).toBeGreaterThan(FRAMES / 10);
-    expect(Math.min(retries, failedLoads, ...Object.values(server.faults))).toBeGreaterThan(0);
+    expect(failedLoads).toBeGreaterThanOrEqual(FRAMES / DOWN_FRAMES);
+    expect(Math.min(retries, ...Object.values(server.faults))).toBeGreaterThan(0);
     expect(end.pool).toEqual(early!.pool);
     expect(end.frameBytes).toBeLessThanOrEqual(early!.frameBytes);
     expect(await restOf(await load())).toEqual(last);
