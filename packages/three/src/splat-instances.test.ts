@@ -41,7 +41,12 @@ describe('instances', () => {
     instances.setOpacityAt(0, 0.5);
     const { modelMatrices, tints, opacities } = instances.drawn();
     expect(Array.from(modelMatrices)).toEqual([...new Matrix4().elements, ...at(5).elements]);
-    expect(tints).toEqual([1, 1, 1, ...[0.2, 0.4, 0.6].map((value) => expect.closeTo(value, 4))]);
+    expect(Array.from(tints!)).toEqual([
+      1,
+      1,
+      1,
+      ...[0.2, 0.4, 0.6].map((value) => expect.closeTo(value, 4)),
+    ]);
     expect(opacities).toEqual(Float32Array.of(0.5, 1));
     instances.setMatrixAt(1, at(6));
     expect(modelMatrices[28]).toBe(5);

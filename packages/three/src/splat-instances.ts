@@ -1,6 +1,5 @@
 import { type CloudInstances, InvalidArgumentError } from '@websplatter/core';
-import { Box3, Color, Matrix4 } from 'three/webgpu';
-import { encodedColor } from './effect-options.ts';
+import { Box3, Color, Matrix4, SRGBColorSpace } from 'three/webgpu';
 
 /**
  * Where a SplatCloudObject is drawn many times, as an InstancedMesh draws a mesh: with one upload and
@@ -68,12 +67,9 @@ export class SplatInstances {
   /** @internal Returns copies for a frame: where it is refused, the last ones are drawn on. */
   drawn(): CloudInstances {
     const { count, matrices, colors, opacities } = this;
-    const color = new Color();
     return {
       modelMatrices: matrices.slice(0, 16 * count),
-      ...(colors && {
-        tints: Array.from({ length: count }, (_, i) => encodedColor(this.getColorAt(i, color))).flat(),
-      }),
+      ...(colors && { tints: encodedColors(colors, count) }),
       ...(opacities && { opacities: opacities.slice(0, count) }),
     };
   }
@@ -84,6 +80,17 @@ export class SplatInstances {
     for (let i = 0; i < this.count; i++) all.union(box.copy(each).applyMatrix4(this.getMatrixAt(i, matrix)));
     return all;
   }
+}
+
+/** sRGB-encodes so many colours, which takes each frame a moment: no object for each. */
+function encodedColors(colors: Float32Array, count: number): Float32Array {
+  const encoded = new Float32Array(3 * count);
+  const [color, rgb] = [new Color(), new Color()];
+  for (let i = 0; i < count; i++) {
+    color.fromArray(colors, 3 * i).getRGB(rgb, SRGBColorSpace);
+    encoded.set([rgb.r, rgb.g, rgb.b], 3 * i);
+  }
+  return encoded;
 }
 
 function repeated(values: ArrayLike<number>, count: number): Float32Array {

@@ -38,10 +38,15 @@ export function worldMatrices({
 }): ArrayLike<number>[] {
   if (!instances) return [modelMatrix];
   const matrices = new Float64Array(instances.modelMatrices);
-  return Array.from({ length: countInstances({ instances }) }, (_, i) =>
-    multiply4(modelMatrix, matrices.subarray(16 * i, 16 * i + 16)),
-  );
+  return Array.from({ length: countInstances({ instances }) }, (_, i) => {
+    const own = matrices.subarray(16 * i, 16 * i + 16);
+    placed.set(own);
+    return multiply4(modelMatrix, placed, own);
+  });
 }
+
+/** Scratch memory. */
+const placed = new Float64Array(16);
 
 const LARGEST_F32 = 3.4028234663852886e38;
 
@@ -61,14 +66,10 @@ export function checkInstances(instances: CloudInstances, { pool, name }: SplatC
     range: readonly [number, number],
     rule: string,
   ) => {
-    let [smallest, largest] = [0, 0];
-    // NaN where one of the numbers is.
-    for (let i = 0; i < list?.length; i++) {
-      smallest = Math.min(smallest, list[i]);
-      largest = Math.max(largest, list[i]);
-    }
-    const isWhole = Number.isInteger(count) && list.length === each * count;
-    if (isWhole && smallest >= range[0] && largest <= range[1]) return;
+    let isValid = Number.isInteger(count) && list.length === each * count;
+    // NaN is in no range.
+    for (let i = 0; isValid && i < list.length; i++) isValid = list[i] >= range[0] && list[i] <= range[1];
+    if (isValid) return;
     throw wrongArgument(`instances.${argument}`, list, `a list of ${each} ${rule} for each instance`, name);
   };
   const { MAX_VALUE } = Number;

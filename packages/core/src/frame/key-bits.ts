@@ -44,12 +44,13 @@ export function keyBitsFor(
         high += Math.max(weight * from, weight * to);
         magnitude += Math.abs(weight) * Math.max(Math.abs(from), Math.abs(to));
       }
-      const moved = reach.displacement * Math.hypot(linear[row], linear[row + 3], linear[row + 6]);
+      const moved =
+        reach.displacement && reach.displacement * Math.hypot(linear[row], linear[row + 3], linear[row + 6]);
       // The GPU's coordinates are float32, computed from float32 terms about the cloud's origin.
       const rounding = 1e-5 * magnitude;
       low -= moved + rounding;
       high += moved + rounding;
-      farthestCorner = Math.hypot(farthestCorner, Math.max(-low, high));
+      if (isByDistance) farthestCorner = Math.hypot(farthestCorner, Math.max(-low, high));
     }
     // No distance is less than the depth.
     nearest = Math.min(nearest, low);

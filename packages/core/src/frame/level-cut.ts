@@ -5,7 +5,7 @@ import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
 import type { SplatReach } from '../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
-import { stretchBound } from '../data/math/mat4.ts';
+import { type Mat3, stretchBound } from '../data/math/mat4.ts';
 import { countInstances } from './cloud-instances.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
@@ -126,7 +126,7 @@ function squared(value: number): number {
 }
 
 /** How much a linear map stretches lengths, at most and at least. Exact where that is the same. */
-function scaleRange(linear: Float64Array, inverse: Float64Array): { largest: number; smallest: number } {
+function scaleRange(linear: Mat3, inverse: Mat3): { largest: number; smallest: number } {
   const lengths = [0, 3, 6].map((at) => Math.hypot(linear[at], linear[at + 1], linear[at + 2]));
   const scale = Math.max(...lengths);
   const dot = (i: number, j: number) =>

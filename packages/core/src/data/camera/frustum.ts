@@ -55,37 +55,36 @@ export function frustumSides(
     normal[axis] = sign;
     if (!isOrthographic) normal[2] = least;
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
-    return toCloudSpace(view, normal, isOrthographic ? -least : 0, reach);
+    return sideOf(view, normal, isOrthographic ? -least : 0, reach, moved);
   };
-  const sides: FrustumSide[] = [
+  return [
     side(0, 1),
     side(0, -1),
     side(1, 1),
     side(1, -1),
-    toCloudSpace(view, [0, 0, -1], -near, 0),
+    sideOf(view, [0, 0, -1], -near, 0, moved),
     // For an infinite view everything is inside.
     far === Number.POSITIVE_INFINITY
       ? { normal: [0, 0, 0], offset: 0, reach: 0 }
-      : toCloudSpace(view, [0, 0, 1], far, 0),
+      : sideOf(view, [0, 0, 1], far, 0, moved),
   ];
-  return sides.map(({ normal, offset, reach }) => ({
-    normal,
-    offset: offset + moved.displacement * Math.hypot(normal[0], normal[1], normal[2]),
-    reach: reach * moved.growth,
-  }));
 }
 
-function toCloudSpace(
+/** @param n normal in view space. */
+function sideOf(
   { linear, translation }: CloudView,
   n: readonly number[],
   offset: number,
   reach: number,
+  { displacement, growth }: SplatReach,
 ): FrustumSide {
-  const along = (column: number) =>
-    n[0] * linear[column] + n[1] * linear[column + 1] + n[2] * linear[column + 2];
+  const x = n[0] * linear[0] + n[1] * linear[1] + n[2] * linear[2];
+  const y = n[0] * linear[3] + n[1] * linear[4] + n[2] * linear[5];
+  const z = n[0] * linear[6] + n[1] * linear[7] + n[2] * linear[8];
+  const moved = displacement === 0 ? 0 : displacement * Math.hypot(x, y, z);
   return {
-    normal: [along(0), along(3), along(6)],
-    offset: n[0] * translation[0] + n[1] * translation[1] + n[2] * translation[2] + offset,
-    reach,
+    normal: [x, y, z],
+    offset: n[0] * translation[0] + n[1] * translation[1] + n[2] * translation[2] + offset + moved,
+    reach: reach * growth,
   };
 }

@@ -31,7 +31,7 @@ function covarianceOf({ rotations, logScales }: ReadSet, index: number): number[
 }
 
 /** M·Σ·Mᵀ. */
-function moved(covariance: readonly number[], m: Float64Array): number[] {
+function moved(covariance: readonly number[], m: ArrayLike<number>): number[] {
   return Array.from({ length: 9 }, (_, i) => {
     const [r, c] = [i % 3, Math.floor(i / 3)];
     let sum = 0;
@@ -58,7 +58,7 @@ function colorAlong({ harmonics }: ReadSet, index: number, direction: readonly n
 }
 
 /** Compares splats placed by a node with the same unplaced, as the specification says of M. */
-function expectPlaced(placed: ReadSet, plain: ReadSet, matrix: Mat4, axes: Float64Array): void {
+function expectPlaced(placed: ReadSet, plain: ReadSet, matrix: Mat4, axes: ArrayLike<number>): void {
   const m = linearPart(matrix);
   const largest = Math.max(...m.map(Math.abs));
   for (let i = 0; i < plain.count; i++) {
