@@ -19,6 +19,7 @@ fn enterInstance(chunk: u32) {
   page.camera = pages[instanceIndex].camera;
   page.cameraWeight = pages[instanceIndex].cameraWeight;
   page.direction = pages[instanceIndex].direction;
+  page.cellStart = pages[instanceIndex].cellStart;
   page.chunkStart = pages[instanceIndex].chunkStart;
   page.chunkCount = pages[instanceIndex].chunkCount;
   page.splatCount = pages[instanceIndex].splatCount;

@@ -1,8 +1,8 @@
 // Decides which chunks of splats can reach into the image. Reads the chunks' bounds; writes 1 or 0
 // per chunk to chunkOffsets, which a scan then turns into places. One thread per chunk, dispatched
-// per page; with INSTANCES, per batch of instances of one page. With LEVELS the bounds are those of the chunk's cell, and a chunk that the cut does not
-// go through is left out: a cell is drawn where its parent's leaves would show, and a chunk of it
-// where one of its links is met.
+// per page; with INSTANCES, per batch of instances of one page. With LEVELS the bounds are those of
+// the chunk's cell, and a chunk that the cut does not go through is left out: a cell is drawn where
+// its parent's leaves would show, and a chunk of it where one of its links is met.
 import constants::CHUNK_WORKGROUP;
 import layout::View;
 @if(!INSTANCES) import layout::Page;
@@ -36,9 +36,10 @@ fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 
 @if(LEVELS)
 fn isInCut(index: u32) -> bool {
-  let limit = thresholds[links[index].cell];
+  let limit = thresholds[page.cellStart + links[index].cell];
   let parent = cells[links[index].cell].parent;
-  let isDrawn = parent == NO_CELL || thresholds[min(parent, arrayLength(&thresholds) - 1u)] < links[index].cellError;
+  let above = page.cellStart + min(parent, arrayLength(&cells) - 1u);
+  let isDrawn = parent == NO_CELL || thresholds[above] < links[index].cellError;
   return isDrawn && links[index].leastError <= limit && limit < links[index].largestParentError;
 }
 

@@ -2,7 +2,7 @@
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
 // sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
-// per splat, dispatched per page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is
+// per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is
 // drawn. With NARROW each thread takes chunks of its own.
 //
 // Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
@@ -19,16 +19,17 @@ import constants::SHIFT_NONE;
 import layout::ChunkLinks;
 import layout::CutPlan;
 import layout::LevelCell;
-import layout::Page;
+@if(!INSTANCES) import layout::Page;
 import layout::View;
 import package::lib::chunk_frustum::reachesPast;
 import package::lib::dispatch::linearWorkgroup;
+@if(INSTANCES) import package::lib::instances::{enterInstance, instanceIndex, page, pages};
 import package::lib::level_link::{errorOf, isAlwaysDrawn, parentErrorOf};
 @if(!FRUSTUM_CULLING) import package::lib::packing::GEOMETRY_VECTORS;
 @if(!FRUSTUM_CULLING) import package::lib::packing::unpackSplat;
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<uniform> page: Page;
+@if(!INSTANCES) @group(0) @binding(1) var<uniform> page: Page;
 @group(0) @binding(2) var<storage, read> links: array<ChunkLinks>;
 @group(0) @binding(3) var<storage, read> cells: array<LevelCell>;
 @group(0) @binding(4) var<storage, read> thresholds: array<u32>;
@@ -49,6 +50,7 @@ struct Head {
   /// From this shift on, the cell above is drawn instead.
   closed: i32,
   chunk: u32,
+  @if(INSTANCES) instanceIndex: u32,
   /// Whether links are to be read, and whether all of the cell is in sight.
   isCounted: bool,
   isWhole: bool,
@@ -74,7 +76,7 @@ fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
 @if(!NARROW)
 fn countTogether(index: u32, lane: u32) {
   let first = index * COUNTED_CHUNKS;
-  if (lane < COUNTED_CHUNKS && first + lane < page.chunkCount) {
+  if (lane < COUNTED_CHUNKS) {
     let head = headOf(first + lane);
     if (head.isCounted) { heads[atomicAdd(&headCount, 1u)] = head; }
   }
@@ -91,9 +93,7 @@ fn countTogether(index: u32, lane: u32) {
 @if(NARROW)
 fn countAlone(index: u32, lane: u32) {
   for (var i = lane; i < COUNTED_CHUNKS; i += COUNT_WORKGROUP) {
-    let chunk = index * COUNTED_CHUNKS + i;
-    if (chunk >= page.chunkCount) { break; }
-    let head = headOf(chunk);
+    let head = headOf(index * COUNTED_CHUNKS + i);
     if (!head.isCounted) { continue; }
     var inFirst = 0u;
     let nodes = select(CHUNK_SPLATS, head.pairs, head.isWhole && head.isBlobs);
@@ -114,14 +114,20 @@ fn addChange(index: u32, bin: u32, by: u32) {
 }
 
 /// Finds what a chunk's splats have in common; counts all splats of a cell in sight at once.
-fn headOf(chunk: u32) -> Head {
-  let cell = cells[links[chunk].cell];
+/// Nothing is to be counted behind the last chunk.
+fn headOf(place: u32) -> Head {
   var head: Head;
+  @if(!INSTANCES) let chunk = place;
+  @if(INSTANCES) enterInstance(pages[0].chunkStart + place);
+  @if(INSTANCES) let chunk = pages[0].chunkStart + place - page.chunkStart;
+  if (chunk >= page.chunkCount) { return head; }
+  let cell = cells[links[chunk].cell];
   head.chunk = chunk;
-  head.zero = SHIFT_NONE - i32(thresholds[links[chunk].cell]);
+  @if(INSTANCES) head.instanceIndex = instanceIndex;
+  head.zero = SHIFT_NONE - i32(thresholds[page.cellStart + links[chunk].cell]);
   head.closed = NEVER;
   if (cell.parent != NO_CELL) {
-    head.closed = shiftTo(links[chunk].cellError, SHIFT_NONE - i32(thresholds[cell.parent]));
+    head.closed = shiftTo(links[chunk].cellError, SHIFT_NONE - i32(thresholds[page.cellStart + cell.parent]));
   }
   head.isBlobs = links[chunk].count > 0u;
   head.pairs = links[chunk].pairs;
@@ -144,6 +150,7 @@ fn headOf(chunk: u32) -> Head {
 
 /// Counts one splat or blob; returns what is to be added to the first bin.
 fn countNode(head: Head, lane: u32) -> u32 {
+  @if(INSTANCES) instanceIndex = head.instanceIndex;
   let link = links[head.chunk].links[lane];
   if (link == 0u || isAlwaysDrawn(link)) { return 0u; }
   let start = binOf(shiftTo(errorOf(link), head.zero));
@@ -174,11 +181,16 @@ fn binOf(shift: i32) -> u32 {
   return (beyond + cutPlan.step - 1u) / cutPlan.step;
 }
 
+@if(!INSTANCES) fn sideOf(i: u32) -> vec4f { return page.frustum[i]; }
+@if(INSTANCES) fn sideOf(i: u32) -> vec4f { return pages[instanceIndex].frustum[i]; }
+@if(!INSTANCES) fn reachAcross(i: u32) -> f32 { return page.frustumReach[i].x; }
+@if(INSTANCES) fn reachAcross(i: u32) -> f32 { return pages[instanceIndex].frustumReach[i].x; }
+
 /// Whether splats in a box, none larger than about `maxScale`, can reach into the image.
 fn reachesIn(center: vec3f, halfExtent: vec3f, maxScale: f32) -> bool {
   for (var i = 0u; i < 6u; i++) {
-    let reach = page.frustumReach[i].x * 1.001 * maxScale;
-    if (!reachesPast(page.frustum[i], reach, center, halfExtent)) { return false; }
+    let reach = reachAcross(i) * 1.001 * maxScale;
+    if (!reachesPast(sideOf(i), reach, center, halfExtent)) { return false; }
   }
   return true;
 }
@@ -186,7 +198,7 @@ fn reachesIn(center: vec3f, halfExtent: vec3f, maxScale: f32) -> bool {
 /// Whether all centres in a box are in the frustum.
 fn isWithin(center: vec3f, halfExtent: vec3f) -> bool {
   for (var i = 0u; i < 6u; i++) {
-    let side = page.frustum[i];
+    let side = sideOf(i);
     if (dot(side.xyz, center) + side.w < dot(abs(side.xyz), halfExtent)) { return false; }
   }
   return true;

@@ -7,7 +7,7 @@ import { colorInEngine, type SplatColor } from './effect-props.ts';
 import { Splats, type SplatsProps } from './splats.tsx';
 
 /** Props of `<SplatInstances>`: those of `<Splats>`, which all instances share, and lists. */
-export interface SplatInstancesProps extends Omit<SplatsProps, 'detail' | 'instances'> {
+export interface SplatInstancesProps extends Omit<SplatsProps, 'instances'> {
   /**
    * Number of instances; default: as many as `matrices` has. Another number makes all of them anew.
    */

@@ -122,16 +122,15 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
    * light by less than about `{ maxErrorPx: 0.5 }`, or where more than `{ maxSplats: 1e6 }` are in
    * sight; null: the renderer's detail, which is `full` unless `createSplatRenderer` was told
-   * otherwise. All clouds in view with the same `renderOrder`
-   * share one frame, which has the finest detail that any of them asks for. The old image stays
-   * until the clouds' levels are made.
+   * otherwise. All clouds in view with the same `renderOrder` share one frame, which has the finest
+   * detail that any of them asks for. The old image stays until the clouds' levels are made.
    */
   detail: Detail | null = null;
   /**
    * Where to draw the cloud many times, relative to this object; null: once. `raycast` and `pick`
-   * tell which instance they met. Instances share all other properties and edits, and are drawn with
-   * all their splats, whatever the detail. Temporal effects take the object's motion for theirs.
-   * Scenes that stream have none.
+   * tell which instance they met. Instances share all other properties and edits; each is drawn in
+   * the level that `detail` and its distance ask for. Temporal effects take the object's motion for
+   * theirs. Scenes that stream have none.
    */
   instances: SplatInstances | null = null;
   /**

@@ -99,6 +99,26 @@ describe('the level that effects are told', () => {
     cloud.destroy();
   });
 
+  gpuTest('is that of each of the instances, of one and of several batches', async () => {
+    const cloud = engine.add(set);
+    await cloud.makeLevels();
+    const view = engine.createView();
+    const at = (z: number) => [...new Array(12).keys()].map((i) => Number(i % 5 === 0)).concat(0, 0, z, 1);
+    const rangeOf = async (places: number[], maxErrorPx: number) => {
+      const instances = { modelMatrices: places.flatMap(at) };
+      const clouds = [{ cloud, instances, effects: [levelShown()] }];
+      view.render({ ...REQUEST, clouds, detail: { maxErrorPx } });
+      return (await shownBy(view)).range;
+    };
+    const one = (await levelsOf(cloud, { maxErrorPx: 2 })).range;
+    expect(await rangeOf([0], 2)).toEqual(one);
+    // The other one is behind the camera.
+    expect(await rangeOf([100, 0], 2)).toEqual(one);
+    expect(await rangeOf([...new Array(250).fill(100), 0], 2)).toEqual(one);
+    expect(await rangeOf([0, -0.5], 1e6)).toEqual([3, 3]);
+    for (const each of [view, cloud]) each.destroy();
+  });
+
   gpuTest('tells what stands for bricks that are missing, until they are there', async () => {
     const scene = brickSceneOf(set);
     const { when, give } = signalOf();

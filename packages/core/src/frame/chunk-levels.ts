@@ -26,9 +26,12 @@ export class ChunkLevels {
       const { cloud, effects, levels } = clouds[page.cloudIndex];
       const before = pages.slice(0, pages.indexOf(page));
       const alike = before.filter(
-        (each) => each.cloudIndex === page.cloudIndex && each.isBlobs === page.isBlobs,
+        (each) =>
+          each.cloudIndex === page.cloudIndex &&
+          each.batchIndex === page.batchIndex &&
+          each.isBlobs === page.isBlobs,
       );
-      const firstCell = alike.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
+      const firstCell = alike.reduce((sum, { chunksEach }) => sum + chunksEach, 0);
       return hasLevels(effects) ? { cloud, levels, page, firstCell } : null;
     });
     const bytes = this.#pages.some(Boolean) ? CHUNK_LEVEL_BYTES * pages.length : 0;
@@ -68,7 +71,7 @@ interface ChunksOfPage {
 function levelsOf({ cloud, levels, page, firstCell }: ChunksOfPage): number[] {
   if (!levels) return [];
   const lacking = cloud.stream?.lackingCells() ?? new Set();
-  return Array.from({ length: page.chunkCount }, (_, chunk) => {
+  return Array.from({ length: page.chunksEach }, (_, chunk) => {
     const upper = firstCell + chunk - levels.chunkCells;
     const isUpper = upper >= 0;
     const cell = isUpper ? levels.chunkCells + Math.floor(upper / UPPER_CHUNKS) : firstCell + chunk;

@@ -1,19 +1,25 @@
 import { gpuTest, shareBlendingDevice, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, test } from 'vitest';
+import { followEdits } from '../clouds/cloud-editor.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { multiply4 } from '../data/math/mat4.ts';
+import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { SplatSelection } from '../data/splats/splat-selection.ts';
 import { clip, fog, highlight, opacity, tint } from '../gpu/effects/effects.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
+import { drawMeasured } from '../measure/measured-frames.ts';
 import { compareImages } from '../reference/compare-images.ts';
 import { renderReference } from '../reference/render.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import { type CloudInstances, checkInstances } from './cloud-instances.ts';
+import type { Detail } from './detail.ts';
+import type { CloudInstance } from './frame-request.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
+const isFull = process.env.WEBSPLATTER_FULL === '1';
 const { perspective, orthographic } = testCameras(SIZE.widthPx / SIZE.heightPx);
 const SET = randomSplats({ count: 700, shDegree: 3 });
 const OTHER = randomSplats({ count: 300, shDegree: 1, seed: 2 });
@@ -226,6 +232,67 @@ describe('instances in a view', () => {
     for (const each of [view, others]) each.destroy();
     cloud.destroy();
   });
+
+  /** Faint and small, so that blobs stand for many. */
+  const MANY = randomSplats({
+    count: 3000,
+    seed: 5,
+    shDegree: 1,
+    logScales: [-6, -4],
+    opacityLogits: [-3, -1],
+  });
+
+  interface CutCase {
+    readonly detail: Detail;
+    readonly count?: number;
+    /** Whether some splats are edited, and others selected. */
+    readonly isTouched?: boolean;
+  }
+  const CUTS: Readonly<Record<string, CutCase>> = {
+    errors: { detail: { maxErrorPx: 1 } },
+    'a budget': { detail: { maxSplats: 6000 } },
+    'a share, and errors at most, around what is edited and selected': {
+      detail: { maxShare: 0.3, maxErrorPx: 4 },
+      isTouched: true,
+    },
+    ...(isFull && { 'errors, in several batches': { detail: { maxErrorPx: 2 }, count: 250 } }),
+  };
+  for (const [name, { detail, count = 9, isTouched }] of Object.entries(CUTS)) {
+    gpuTest(`are cut by ${name}, each as a cloud of its own`, async () => {
+      const cloud = engine.add(MANY);
+      await cloud.makeLevels();
+      const edits = new SplatEdits();
+      if (isTouched) await followEdits(cloud, edits);
+      edits.set([7, 500, 1200], { colors: [1, 0, 0] });
+      const effects = isTouched
+        ? [highlight({ selection: selected(3, 900), color: [0, 1, 0], strength: 1 })]
+        : [];
+      const instances = { modelMatrices: grid(count).flat(), opacities: opacitiesOf(count) };
+      const draw = async (clouds: CloudInstance[]) => {
+        const view = engine.createView();
+        const frame = { camera: perspective, ...SIZE, clouds, detail };
+        const statistics = await drawMeasured(engine, view, frame);
+        const { data } = await view.readPixels();
+        const levels = view.effects().filter((feature) => feature.name === 'levels');
+        const picks = [];
+        for (let xPx = 4; xPx < SIZE.widthPx; xPx += 8) picks.push(await view.pick(xPx, 34));
+        view.destroy();
+        const places = picks.map((pick) => pick && (pick.instanceIndex ?? pick.cloudIndex));
+        const found = picks.map((pick) => pick && { ...pick, cloudIndex: 0, instanceIndex: 0 });
+        const isCut = levels.length > 0 && levels.every(({ isOn }) => isOn);
+        return { data, drawn: statistics.visibleSplats, places, found, isCut };
+      };
+      const together = await draw([{ cloud, effects, instances }]);
+      const apart = await draw(
+        separately({ set: MANY, effects, instances }).map(({ set: _, ...placed }) => ({ ...placed, cloud })),
+      );
+      expect(together).toEqual(apart);
+      expect(together.isCut).toBe(true);
+      expect(together.drawn).toBeLessThan((MANY.count * count) / 2);
+      expect(new Set(together.places).size).toBeGreaterThan(2);
+      cloud.destroy();
+    });
+  }
 
   gpuTest('are drawn again when a list changes, and only then', async () => {
     const view = engine.createView();

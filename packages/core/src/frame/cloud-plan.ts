@@ -29,11 +29,13 @@ export interface PlannedUse {
   readonly selectionVersion: number | undefined;
 }
 
-/** A place of a cloud, as the camera sees it. */
+/** A place of a cloud, as the camera sees it, and what of the cloud is drawn there. */
 export interface CloudPlace {
   readonly view: CloudView;
   /** Sides of the frustum in the cloud's space. */
   readonly sides: readonly FrustumSide[];
+  /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
+  readonly cut: LevelCut | null;
 }
 
 /** One cloud of a frame. */
@@ -55,8 +57,6 @@ export interface CloudPlan extends CloudPlace {
   readonly places: readonly CloudPlace[] | null;
   /** Why all splats are drawn: see `reasonInFull`. */
   readonly inFull: string | null;
-  /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
-  readonly cut: LevelCut | null;
   /** By which a stream ranks what is missing: the cut, or that of one pixel where no error is allowed. */
   readonly sightCut: LevelCut | null;
   /** Whether the cut is refined, so that edited and selected splats are drawn one by one. */
@@ -101,10 +101,10 @@ export function planCloud(
     selectionVersion: use.selection?.version,
   }));
   const effects = effectSetOf(acting);
-  const inFull = instance.instances
-    ? 'instances are drawn in full'
-    : reasonInFull(cloud, detail, view, accuracy);
-  const found = inFull === null ? levelCut(cloud.levels, detail, view, projection, reach) : null;
+  const inFull = reasonInFull(instance, detail, view, accuracy);
+  const cutAt = (seen: CloudView) =>
+    inFull === null ? levelCut(cloud.levels, detail, seen, projection, reach) : null;
+  const found = cutAt(view);
   const cut = found ?? (cloud.pool ? FINEST_CUT : null);
   const sightCut = found ?? (cloud.pool && levelCut(cloud.levels, {}, view, projection, reach)) ?? cut;
   const sidesOf = (seen: CloudView) =>
@@ -141,7 +141,7 @@ export function planCloud(
     places:
       matrices?.map((matrix) => {
         const seen = viewOf(cloud, matrix, camera, projection);
-        return { view: seen, sides: sidesOf(seen) };
+        return { view: seen, sides: sidesOf(seen), cut: cut && cutAt(seen) };
       }) ?? null,
     inFull,
     cut,
@@ -169,10 +169,15 @@ function viewOf(
 /** Callers may write into theirs. */
 function copiedInstances({ modelMatrices, tints, opacities }: CloudInstances): CloudInstances {
   return {
-    modelMatrices: new Float64Array(modelMatrices),
-    ...(tints && { tints: new Float64Array(tints) }),
-    ...(opacities && { opacities: new Float64Array(opacities) }),
+    modelMatrices: copied(modelMatrices),
+    ...(tints && { tints: copied(tints) }),
+    ...(opacities && { opacities: copied(opacities) }),
   };
+}
+
+/** Float32Arrays stay such, which three has: to convert them takes longer than all else. */
+function copied(list: ArrayLike<number>): ArrayLike<number> {
+  return list instanceof Float32Array ? list.slice() : new Float64Array(list);
 }
 
 /** Values of a cloud's effects for one of its instances, with its own opacity and tint. */

@@ -1,17 +1,22 @@
 import type { Levels } from '../clouds/levels.ts';
 import type { TouchedLinks } from '../clouds/touched-links.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
+import { roundUp } from '../data/layout/gpu-struct.ts';
 import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
-import { pagesOf } from './frame-pages.ts';
+import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage, pagesOf } from './frame-pages.ts';
 import type { PartContext } from './frame-part.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
+import { FINEST_CUT } from './level-cut.ts';
 
-/** The buffers of the cut through one cloud's levels. */
+/** The buffers of the cuts through one cloud's levels. */
 interface Cut {
   readonly levels: Levels;
-  readonly parameters: GPUBuffer;
-  /** A word per cell. */
+  readonly batches: readonly Batch[];
+  /** A `CutParameters` for each instance, batch by batch. */
+  readonly cuts: GPUBuffer;
+  /** A word for each cell of each instance, batch by batch. */
   readonly thresholds: GPUBuffer;
   /** Null where nothing is edited or selected. */
   touched: TouchedLinks | null;
@@ -34,11 +39,13 @@ export class CutBuffers {
   /** Makes room for the cuts of this shape, and frees the rest. */
   fit({ clouds, isBudgeted, dispatchRow }: FrameShape): void {
     if (isBudgeted !== (this.#budget !== null)) this.#fitBudget();
-    const kept = clouds.map(({ levels }, i) =>
-      levels === (this.#cuts[i]?.levels ?? null) ? this.#cuts[i] : null,
-    );
+    const batches = clouds.map(batchesOf);
+    const kept = clouds.map(({ levels }, i) => {
+      const cut = this.#cuts[i];
+      return cut && cut.levels === levels && isSameBatches(cut.batches, batches[i]) ? cut : null;
+    });
     for (const [i, cut] of this.#cuts.entries()) if (cut && cut !== kept[i]) this.#destroy(cut);
-    this.#cuts = clouds.map(({ levels }, i) => kept[i] ?? (levels && this.#make(levels)));
+    this.#cuts = clouds.map(({ levels }, i) => kept[i] ?? (levels && this.#make(levels, batches[i])));
     for (const [i, { isTouched }] of clouds.entries()) {
       const cut = this.#cuts[i];
       if (!cut || isTouched === (cut.touched !== null)) continue;
@@ -47,16 +54,32 @@ export class CutBuffers {
     }
   }
 
-  /** Returns the bindings of a cloud's cut, of a page with `links`; null without one. */
-  bindingsOf(cloudIndex: number, links: GPUBuffer | null = null): Bindings | null {
+  /** Returns the bindings of each batch of a cloud, and its number of thresholds; none without a cut. */
+  batchesOf(cloudIndex: number): { readonly own: Bindings; readonly thresholdCount: number }[] {
     const cut = this.#cuts[cloudIndex];
-    if (!cut) return null;
-    const { levels, parameters, thresholds, touched } = cut;
+    if (!cut) return [];
+    return cut.batches.map(({ count }, batch) => ({
+      own: this.#bindingsOf(cut, batch),
+      thresholdCount: count * cut.levels.cellCount,
+    }));
+  }
+
+  /** Returns the bindings of a page's cut; null without one. */
+  bindingsOf({ cloudIndex, batchIndex, links }: FramePage): Bindings | null {
+    const cut = this.#cuts[cloudIndex];
+    if (!cut || !links) return null;
+    return { ...this.#bindingsOf(cut, batchIndex), links: cut.touched?.of(links) ?? links };
+  }
+
+  #bindingsOf({ levels, batches, cuts, thresholds, touched }: Cut, batch: number): Bindings {
+    const { count, places } = batches[batch];
+    const cutsSize = CutParameters.bytes * places;
+    const cells = (touched ?? levels).cells;
+    const offset = batch * thresholdStride(levels, batches);
     return {
-      parameters,
-      cells: (touched ?? levels).cells,
-      thresholds,
-      ...(links && { links: touched?.of(links) ?? links }),
+      cuts: { buffer: cuts, offset: batch * roundUp(cutsSize, BINDING_ALIGNMENT), size: cutsSize },
+      cells,
+      thresholds: { buffer: thresholds, offset, size: 4 * levels.cellCount * count },
       ...this.#budget,
     };
   }
@@ -76,9 +99,21 @@ export class CutBuffers {
     }
     for (const [i, cut] of this.#cuts.entries()) {
       if (!cut) continue;
-      const { cellCount } = cut.levels;
-      const values = { ...clouds[i].cut!, cellCount, dispatchRow: shape.dispatchRow };
-      queue.writeBuffer(cut.parameters, 0, CutParameters.pack(values));
+      const { batches, cuts, levels } = cut;
+      const contents = new ArrayBuffer(cuts.size);
+      const stride = cuts.size / batches.length;
+      for (const [batch, { first, count }] of batches.entries()) {
+        for (let instance = 0; instance < count; instance++) {
+          const { places, cut: own } = clouds[i];
+          const values = {
+            ...(places ? (places[first + instance].cut ?? FINEST_CUT) : own!),
+            cellCount: levels.cellCount,
+            dispatchRow: shape.dispatchRow,
+          };
+          CutParameters.write(contents, values, batch * stride + instance * CutParameters.bytes);
+        }
+      }
+      queue.writeBuffer(cuts, 0, contents);
       cut.touched?.update(
         clouds[i],
         pages.filter((_, page) => pagesOf(shape)[page].cloudIndex === i),
@@ -99,20 +134,33 @@ export class CutBuffers {
         };
   }
 
-  #make(levels: Levels): Cut {
+  #make(levels: Levels, batches: readonly Batch[]): Cut {
     const { STORAGE, UNIFORM, COPY_DST, COPY_SRC } = GPUBufferUsage;
     const { memory } = this.#context;
+    const cutBytes = batches.length * roundUp(CutParameters.bytes * batches[0].places, BINDING_ALIGNMENT);
+    const thresholdBytes = batches.length * thresholdStride(levels, batches);
     return {
       levels,
-      parameters: memory.createBuffer('frame cut', CutParameters.bytes, UNIFORM | COPY_DST),
-      thresholds: memory.createBuffer('frame thresholds', 4 * levels.cellCount, STORAGE | COPY_SRC),
+      batches,
+      cuts: memory.createBuffer('frame cut', cutBytes, UNIFORM | COPY_DST),
+      thresholds: memory.createBuffer('frame thresholds', thresholdBytes, STORAGE | COPY_SRC),
       touched: null,
     };
   }
 
-  #destroy({ parameters, thresholds, touched }: Cut): void {
-    this.#context.memory.destroy(parameters);
+  #destroy({ cuts, thresholds, touched }: Cut): void {
+    this.#context.memory.destroy(cuts);
     this.#context.memory.destroy(thresholds);
     touched?.destroy();
   }
+}
+
+/** Bytes from the thresholds of one batch to those of the next: the first has the most instances. */
+function thresholdStride({ cellCount }: Levels, batches: readonly Batch[]): number {
+  const bytes = 4 * cellCount * batches[0].count;
+  return batches.length === 1 ? bytes : roundUp(bytes, BINDING_ALIGNMENT);
+}
+
+function isSameBatches(a: readonly Batch[], b: readonly Batch[]): boolean {
+  return a.length === b.length && a.every((batch, i) => hasSameFields(batch, b[i]));
 }

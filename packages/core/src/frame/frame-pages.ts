@@ -3,21 +3,24 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { Page } from '../data/layout/structs.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
-import { type FrameShape, perShape } from './frame-shape.ts';
+import { type CloudShape, type FrameShape, perShape } from './frame-shape.ts';
 
-/** Offsets of uniform bindings are multiples of this many bytes. */
-const UNIFORM_ALIGNMENT = 256;
+/** Offsets of bindings are multiples of this many bytes on every device. */
+export const BINDING_ALIGNMENT = 256;
 /** Bytes that a uniform binding may have on every device. */
 const UNIFORM_BINDING_BYTES = 65_536;
 
 /** One page of one of the frame's clouds, or of a batch of one's instances. */
 export interface FramePage extends CloudPage {
   readonly cloudIndex: number;
+  /** Index of its batch among those of the cloud. */
+  readonly batchIndex: number;
   /** First of its instances in the cloud's list, and their number; null without instances. */
   readonly instances: { readonly first: number; readonly count: number } | null;
   /** First chunk of the page, counting through the frame. */
   readonly chunkStart: number;
-  /** Chunks of all its instances, one after another. */
+  /** Chunks of each of its instances, and of all of them, one after another. */
+  readonly chunksEach: number;
   readonly chunkCount: number;
   /** First splat of the page, counting through the cloud; blobs follow all splats. */
   readonly splatStart: number;
@@ -42,30 +45,49 @@ export function batchInstances({ parameterBytes }: EffectSet): number {
   return Math.floor(UNIFORM_BINDING_BYTES / Math.max(Page.bytes, parameterBytes));
 }
 
+/** Instances of a cloud that stages draw together. */
+export interface Batch {
+  /** In the cloud's list. */
+  readonly first: number;
+  readonly count: number;
+  /** Number of instances that its bindings have room for. */
+  readonly places: number;
+}
+
+/** All batches of a cloud; one of a single place for a cloud without instances. */
+export function batchesOf({ planes, effects, instanceCount }: CloudShape): Batch[] {
+  if (instanceCount === null) return [{ first: 0, count: 1, places: 1 }];
+  const places = batchInstances(effects);
+  // A batch has instances of one page, since those of a cloud are drawn one after another.
+  const each = planes.pages.length === 1 ? places : 1;
+  return Array.from({ length: Math.ceil(instanceCount / each) }, (_, batch) => {
+    const first = batch * each;
+    return { first, count: Math.min(each, instanceCount - first), places };
+  });
+}
+
 /** All pages of a frame's clouds, in the clouds' order and that of their instances. */
 export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] => {
   let chunkStart = 0;
   let [uniformEnd, parametersEnd] = [0, 0];
-  return clouds.flatMap(({ planes, levels, effects, instanceCount }, cloudIndex) => {
-    // A batch has instances of one page, since those of a cloud are drawn one after another.
-    const places = instanceCount === null ? 1 : batchInstances(effects);
-    const perBatch = planes.pages.length === 1 ? places : 1;
+  return clouds.flatMap((cloud, cloudIndex) => {
+    const { planes, levels, effects, instanceCount } = cloud;
     const splats = planes.pages.map((page, i) => ({
       ...page,
       links: levels?.splatLinks[i] ?? null,
       isBlobs: false,
     }));
     const blobs = levels?.blobPages.map((page) => ({ ...page, isBlobs: true })) ?? [];
-    return Array.from({ length: Math.ceil((instanceCount ?? 1) / perBatch) }, (_, batch) => {
-      const first = batch * perBatch;
-      const count = Math.min(perBatch, (instanceCount ?? 1) - first);
+    return batchesOf(cloud).flatMap(({ first, count, places }, batchIndex) => {
       let splatStart = 0;
       return [...splats, ...blobs].map((page): FramePage => {
         const framePage = {
           ...page,
           cloudIndex,
+          batchIndex,
           instances: instanceCount === null ? null : { first, count },
           chunkStart,
+          chunksEach: page.chunkCount,
           chunkCount: count * page.chunkCount,
           splatStart,
           uniform: { offset: uniformEnd, size: Page.bytes * places },
@@ -77,7 +99,7 @@ export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] =
         parametersEnd = endOf(framePage.parameters);
         return framePage;
       });
-    }).flat();
+    });
   });
 });
 
@@ -87,7 +109,7 @@ export function uniformBytes(ranges: readonly UniformRange[]): number {
 }
 
 function endOf({ offset, size }: UniformRange): number {
-  return roundUp(offset + size, UNIFORM_ALIGNMENT);
+  return roundUp(offset + size, BINDING_ALIGNMENT);
 }
 
 /** Most workgroups that the visible splats of a page can take, at one thread per splat. */
@@ -115,14 +137,15 @@ export interface FrameSplat {
 export function locateSplat(pages: readonly FramePage[], number: number): FrameSplat {
   const chunk = Math.floor(number / CHUNK_SPLATS);
   const found = pages.findLast(({ chunkStart }) => chunkStart <= chunk)!;
-  const { cloudIndex, instances, splatStart } = found;
+  const { cloudIndex, instances, chunksEach, splatStart } = found;
   const chunkInBatch = chunk - found.chunkStart;
-  const chunksEach = found.chunkCount / (instances?.count ?? 1);
   const instanceIndex = instances && instances.first + Math.floor(chunkInBatch / chunksEach);
-  const blobPages = pages.filter((page) => page.cloudIndex === cloudIndex && page.isBlobs);
-  const blob = found.isBlobs
-    ? { page: blobPages.indexOf(found), chunk: chunkInBatch, slot: number % CHUNK_SPLATS }
-    : null;
-  const storedIndex = splatStart + CHUNK_SPLATS * (chunkInBatch % chunksEach) + (number % CHUNK_SPLATS);
+  const chunkInPage = chunkInBatch % chunksEach;
+  const slot = number % CHUNK_SPLATS;
+  const isOfBatch = (page: FramePage) =>
+    page.cloudIndex === cloudIndex && page.batchIndex === found.batchIndex;
+  const blobPages = pages.filter((page) => isOfBatch(page) && page.isBlobs);
+  const blob = found.isBlobs ? { page: blobPages.indexOf(found), chunk: chunkInPage, slot } : null;
+  const storedIndex = splatStart + CHUNK_SPLATS * chunkInPage + slot;
   return { cloudIndex, instanceIndex, storedIndex, blob };
 }

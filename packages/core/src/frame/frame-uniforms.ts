@@ -1,9 +1,10 @@
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { type DepthConvention, depthMapping } from '../data/camera/depth-convention.ts';
 import type { FrustumSide } from '../data/camera/frustum.ts';
+import type { GpuValues } from '../data/layout/gpu-struct.ts';
 import { HostDepth, Page, View } from '../data/layout/structs.ts';
 import type { CloudPlace } from './cloud-plan.ts';
-import { pagesOf } from './frame-pages.ts';
+import { type FramePage, pagesOf } from './frame-pages.ts';
 import type { FramePlan } from './frame-plan.ts';
 
 /** Returns the contents of a frame's `view` buffer. */
@@ -36,35 +37,55 @@ export function hostDepthUniform({ camera }: FramePlan, mapping: DepthConvention
  *   this size is slow.
  */
 export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayBuffer): void {
-  const sides = clouds.map((cloud) => (cloud.places ?? [cloud]).map(packedSides));
+  const bytes = new Uint8Array(contents);
+  const words = new Uint32Array(contents);
+  let first: FramePage | null = null;
   for (const [index, page] of pagesOf(shape).entries()) {
-    const { cloudIndex, splatCount, uniform, instances } = page;
-    const { first, count } = instances ?? { first: 0, count: 1 };
-    const chunkCount = page.chunkCount / count;
-    // Those behind the last of a batch, which another frame may have had.
-    if (instances) new Uint8Array(contents, uniform.offset, uniform.size).fill(0, count * Page.bytes);
+    const { cloudIndex, batchIndex, uniform, instances, chunksEach } = page;
+    const cloud = clouds[cloudIndex];
+    const cellCount = shape.clouds[cloudIndex].levels?.cellCount ?? 0;
+    const count = instances?.count ?? 1;
+    if (first?.cloudIndex === cloudIndex && first.batchIndex === batchIndex) {
+      bytes.copyWithin(uniform.offset, first.uniform.offset, first.uniform.offset + uniform.size);
+    } else {
+      first = page;
+      for (let i = 0; i < count; i++) {
+        const place = instances ? cloud.places![instances.first + i] : cloud;
+        Page.write(contents, placeValues(place, i * cellCount), uniform.offset + i * Page.bytes);
+      }
+      // Those behind the last of a batch, which another frame may have had.
+      bytes.fill(0, uniform.offset + count * Page.bytes, uniform.offset + uniform.size);
+    }
     for (let i = 0; i < count; i++) {
-      const { view } = clouds[cloudIndex].places?.[first + i] ?? clouds[cloudIndex];
-      const values = {
-        linear: view.linear,
-        translation: view.translation,
-        camera: view.camera ?? ORIGIN,
-        cameraWeight: view.camera ? 1 : 0,
-        direction: view.direction,
-        ...sides[cloudIndex][first + i],
-        index,
-        chunkStart: page.chunkStart + i * chunkCount,
-        chunkCount,
-        splatCount,
-      };
-      Page.write(contents, values, uniform.offset + i * Page.bytes);
+      const start = (uniform.offset + i * Page.bytes) / 4;
+      words[start + Page.offsets.index / 4] = index;
+      words[start + Page.offsets.chunkStart / 4] = page.chunkStart + i * chunksEach;
+      words[start + Page.offsets.chunkCount / 4] = chunksEach;
+      words[start + Page.offsets.splatCount / 4] = page.splatCount;
     }
   }
 }
 
+/** Fields that all pages of a place have in common; the others are 0. */
+function placeValues({ view, sides }: CloudPlace, cellStart: number): GpuValues<typeof Page.fields> {
+  return {
+    linear: view.linear,
+    translation: view.translation,
+    camera: view.camera ?? ORIGIN,
+    cameraWeight: view.camera ? 1 : 0,
+    direction: view.direction,
+    cellStart,
+    ...packedSides(sides),
+    index: 0,
+    chunkStart: 0,
+    chunkCount: 0,
+    splatCount: 0,
+  };
+}
+
 const ORIGIN = [0, 0, 0] as const;
 
-function packedSides({ sides }: Pick<CloudPlace, 'sides'>) {
+function packedSides(sides: readonly FrustumSide[]) {
   return {
     frustum: fourEach(sides, ({ normal, offset }, into, at) => {
       into[at] = normal[0];

@@ -1,5 +1,4 @@
 import type { Levels } from '../clouds/levels.ts';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
@@ -54,7 +53,7 @@ function countOf(clouds: readonly DrawnInstance[]): number {
  * the cloud's levels, which are to be made if there are none.
  */
 export function reasonInFull(
-  cloud: SplatCloud,
+  { cloud, instances }: DrawnInstance,
   detail: FixedDetail,
   { inverse }: CloudView,
   { recordPrecision }: Pick<AccuracySettings, 'recordPrecision'>,
@@ -64,6 +63,7 @@ export function reasonInFull(
   if (detail === 'full') return 'full detail is asked for';
   if (cloud.isPreview) return 'the cloud is loading';
   if (cloud.count === 0) return 'the cloud has no splats';
+  if (countInstances({ instances }) === 0) return 'the cloud has no instances';
   if (recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
   if (!inverse) return 'the cloud has no extent';
   return cloud.levelsLack?.message ?? null;

@@ -29,7 +29,7 @@ export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget |
   if (budget) {
     const most = clouds.map(({ cut, isTouched, instance }) =>
       // What is touched is drawn besides.
-      cut && !isTouched ? LEAST_OF_CLOUD : mostOf(instance),
+      cut && !isTouched ? LEAST_OF_CLOUD * countInstances(instance) : mostOf(instance),
     );
     return Math.min(
       total,

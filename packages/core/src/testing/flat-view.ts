@@ -25,6 +25,12 @@ export function packFlatView({ size: { widthPx, heightPx }, alphaCutoff, dispatc
   });
 }
 
+/** Contents of several structs, one after another. */
+export function joined(structs: readonly ArrayBuffer[]): ArrayBuffer {
+  const bytes = structs.flatMap((struct) => [...new Uint8Array(struct)]);
+  return Uint8Array.from(bytes).buffer;
+}
+
 /**
  * Packs a `Page` for stages of levels, which read no more of it than its chunks and, of cut-count,
  * the frustum.
@@ -36,6 +42,7 @@ export function packFlatPage(
   chunkCount: number,
   side: readonly number[],
   splatCount = chunkCount * CHUNK_SPLATS,
+  cellStart = 0,
 ) {
   return Page.pack({
     linear: new Array(9).fill(0),
@@ -43,6 +50,7 @@ export function packFlatPage(
     camera: [0, 0, 0],
     cameraWeight: 0,
     direction: [0, 0, 0],
+    cellStart,
     frustum: Array.from({ length: 24 }, (_, i) => side[i % 4]),
     frustumReach: new Array(24).fill(0),
     index: 0,

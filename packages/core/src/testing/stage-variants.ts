@@ -12,7 +12,7 @@ import { compose } from '../gpu/stages/compose.ts';
 import { composite, compositeInCompute } from '../gpu/stages/composite.ts';
 import { copyWords } from '../gpu/stages/copy-words.ts';
 import { coverPoints } from '../gpu/stages/cover-points.ts';
-import { cullChunks, cullInstances, cullLevels } from '../gpu/stages/cull-chunks.ts';
+import { cullChunks } from '../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../gpu/stages/cut-cells.ts';
 import { cutCount } from '../gpu/stages/cut-count.ts';
@@ -102,7 +102,7 @@ const TILE_DEPTHS: readonly (RasterizeDepth | null)[] = DEPTHS.flatMap((depth) =
 /** All stages, in every variant that a frame may run, with their texts. */
 export function allStageVariants(): Promise<StageDefinition[]> {
   const stages: StageDefinition[] = [
-    cullChunks,
+    cullChunks(),
     compactChunks,
     compactSplats,
     copyWords,
@@ -174,14 +174,17 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ingestScatter,
     repackGeometry,
     ...GEOMETRY.map(morphGeometry),
-    cullLevels,
-    cullInstances(BATCH_INSTANCES),
-    cutCells,
-    cutSplats,
-    shiftCells,
+    cullChunks({ hasLevels: true }),
+    ...BOTH.map((hasLevels) => cullChunks({ hasLevels, batchInstances: BATCH_INSTANCES })),
+    ...[1, BATCH_INSTANCES].flatMap((places) => [cutCells(places), shiftCells(places)]),
+    ...[null, BATCH_INSTANCES].map(cutSplats),
     ...GEOMETRY.flatMap((geometryPrecision) =>
       (['bounding-box', 'frustum'] as const).flatMap((culling) =>
-        [false, true].map((isNarrow) => cutCount({ geometryPrecision, culling, sortDevice: { isNarrow } })),
+        BOTH.flatMap((isNarrow) =>
+          [null, BATCH_INSTANCES].map((batchInstances) =>
+            cutCount({ geometryPrecision, culling, batchInstances, sortDevice: { isNarrow } }),
+          ),
+        ),
       ),
     ),
     planCut,
@@ -225,6 +228,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
             ...BOTH.map((isNarrow) =>
               cullSplats({ ...variant, batchInstances: BATCH_INSTANCES, sortDevice: { isNarrow } }),
             ),
+            cullSplats({ ...variant, isStacked: true, hasLevels: true, batchInstances: BATCH_INSTANCES }),
             cullSplats({ ...variant, sortDevice: { isNarrow: true } }),
             cullSplats({ ...variant, isStacked: true }),
             cullSplats({ ...variant, isStacked: true, hasLevels: true }),

@@ -26,6 +26,8 @@ export const Page = gpuStruct('Page', {
   /** 1 if viewing directions start at the camera, 0 if they are all `direction`. */
   cameraWeight: 'f32',
   direction: 'vec3f',
+  /** First of the thresholds of its cells, where a cut through levels is drawn. */
+  cellStart: 'u32',
   /** Left, right, bottom, top, near, far in cloud space: in if dot(xyz, point) + w ≥ 0. */
   frustum: 'array<vec4f, 6>',
   /** x: how far a splat reaches across the side, per unit of its largest standard deviation. */

@@ -7,7 +7,7 @@ import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
 import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
 import { compactSplats } from '../../gpu/stages/compact-splats.ts';
-import { cullChunks, cullInstances, cullLevels } from '../../gpu/stages/cull-chunks.ts';
+import { cullChunks } from '../../gpu/stages/cull-chunks.ts';
 import { cullSplats } from '../../gpu/stages/cull-splats.ts';
 import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
 import { countWorkgroups, cutCount } from '../../gpu/stages/cut-count.ts';
@@ -87,11 +87,18 @@ interface Held {
 /** Stages that run once in a frame. */
 const FRAME_STAGES = [compactChunks, planCull, planProject, compactSplats] as const;
 
+/** A dispatch over the cells of one batch of a cloud's instances. */
+interface CellDispatch {
+  readonly stage: StageDefinition;
+  readonly group: GPUBindGroup;
+  readonly thresholdCount: number;
+}
+
 interface Groups {
-  /** By cloud; null for clouds without a cut. */
-  readonly cuts: readonly (GPUBindGroup | null)[];
+  /** Of all clouds with a cut. */
+  readonly cuts: readonly CellDispatch[];
   /** Of the frame's budget; null without one. */
-  readonly budget: { readonly plan: GPUBindGroup; readonly shifts: readonly (GPUBindGroup | null)[] } | null;
+  readonly budget: { readonly plan: GPUBindGroup; readonly shifts: readonly CellDispatch[] } | null;
   readonly frame: ReadonlyMap<StageDefinition, GPUBindGroup>;
   readonly pages: readonly {
     /** The bindings of all these. */
@@ -113,10 +120,17 @@ const cloudStages = perShape((shape) =>
     // Inputs of variants have one name everywhere; planes at hand may differ from the settings'.
     const batch = cloud.instanceCount === null ? null : batchInstances(cloud.effects);
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud, batchInstances: batch };
+    const hasLevels = cloud.levels !== null;
+    const isBudgeted = hasLevels && shape.isBudgeted;
+    const cuts = {
+      ...(hasLevels && { cutCells: cutCells(batch ?? 1), cutSplats: cutSplats(batch) }),
+      ...(isBudgeted && { shiftCells: shiftCells(batch ?? 1) }),
+    };
     const stagesOf = (own: typeof variant & { readonly isDilated?: boolean }) => ({
-      cullChunks: batch !== null ? cullInstances(batch) : cloud.levels ? cullLevels : cullChunks,
-      ...(cloud.levels && shape.isBudgeted && { cutCount: cutCount(own) }),
-      cullSplats: cullSplats({ ...own, hasLevels: cloud.levels !== null }),
+      ...cuts,
+      cullChunks: cullChunks({ hasLevels, batchInstances: batch }),
+      ...(isBudgeted && { cutCount: cutCount(own) }),
+      cullSplats: cullSplats({ ...own, hasLevels }),
       project: project({
         ...own,
         shortKeyBits: shortensKeys ? accuracy.sortKeyBits : null,
@@ -159,12 +173,11 @@ export class Preprocess implements FramePart<OrderRecording> {
     const clouds = cloudStages(shape).flatMap(({ splats, blobs }) =>
       [...new Set([splats, blobs])].flatMap((own) => Object.values<CompiledStage>(own)),
     );
-    const cuts = shape.clouds.some(({ levels }) => levels) ? [cutCells, cutSplats] : [];
     const touched = shape.clouds.flatMap(({ isTouched, levels }) =>
       isTouched ? levels!.refinement!.stages : [],
     );
-    const budget = shape.isBudgeted ? [planCut, shiftCells] : [];
-    return [...FRAME_STAGES, ...cuts, ...touched, ...budget, ...prefixScanStages, ...clouds];
+    const budget = shape.isBudgeted ? [planCut] : [];
+    return [...FRAME_STAGES, ...touched, ...budget, ...prefixScanStages, ...clouds];
   }
 
   /** Bytes of the levels of one cloud's chunks. */
@@ -204,18 +217,23 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { buffers } = shared;
     this.#effects.fit(shape);
     this.#cuts.fit(shape);
-    const cellGroups = (stage: StageDefinition) =>
-      shape.clouds.map((_, i) => {
-        const bindings = this.#cuts.bindingsOf(i);
-        return bindings && pipelines.bindGroup(stage, bindings);
-      });
+    const cellDispatches = (name: 'cutCells' | 'shiftCells') =>
+      shape.clouds.flatMap((_, i) =>
+        this.#cuts.batchesOf(i).map(({ own, thresholdCount }): CellDispatch => {
+          const stage = cloudStages(shape)[i].splats[name]!;
+          return { stage, group: pipelines.bindGroup(stage, own), thresholdCount };
+        }),
+      );
     const budget = this.#cuts.budgetBindings;
     this.#groups = {
-      cuts: cellGroups(cutCells),
-      budget: budget && { plan: pipelines.bindGroup(planCut, budget), shifts: cellGroups(shiftCells) },
+      cuts: cellDispatches('cutCells'),
+      budget: budget && {
+        plan: pipelines.bindGroup(planCut, budget),
+        shifts: cellDispatches('shiftCells'),
+      },
       frame: new Map(FRAME_STAGES.map((stage) => [stage, pipelines.bindGroup(stage, buffers)])),
       pages: pagesOf(shape).map((framePage, index) => {
-        const { chunks, geometry, shRest, links, cloudIndex, instances, uniform } = framePage;
+        const { chunks, geometry, shRest, instances, uniform } = framePage;
         const stages = stagesOf(shape, framePage);
         const own = {
           ...buffers,
@@ -223,13 +241,13 @@ export class Preprocess implements FramePart<OrderRecording> {
           chunks,
           geometry,
           ...(shRest && { shRest }),
-          ...(links && this.#cuts.bindingsOf(cloudIndex, links)),
+          ...this.#cuts.bindingsOf(framePage),
           ...this.#effects.bindingsOf(index),
         };
         return {
           own,
           cullChunks: pipelines.bindGroup(stages.cullChunks, own),
-          cutSplats: links && pipelines.bindGroup(cutSplats, own),
+          cutSplats: stages.cutSplats ? pipelines.bindGroup(stages.cutSplats, own) : null,
           cutCount: stages.cutCount ? pipelines.bindGroup(stages.cutCount, own) : null,
           cullSplats: pipelines.bindGroup(stages.cullSplats, own),
           project: pipelines.bindGroup(stages.project, own),
@@ -280,17 +298,16 @@ export class Preprocess implements FramePart<OrderRecording> {
     // At least one workgroup: Dawn warns about empty dispatches.
     const chunkWorkgroups = (chunks: number) =>
       dispatchSize(Math.max(1, Math.ceil(chunks / SHADER_CONSTANTS.CHUNK_WORKGROUP)), shape.dispatchRow);
-    const overCells = (stage: StageDefinition, own: Groups['cuts']) => {
-      for (const [i, { levels }] of shape.clouds.entries()) {
-        if (!levels) continue;
-        useCompute(pass, this.#context.pipelines, stage, own[i]!);
-        pass.dispatchWorkgroups(...chunkWorkgroups(levels.cellCount));
+    const overCells = (dispatches: readonly CellDispatch[]) => {
+      for (const { stage, group, thresholdCount } of dispatches) {
+        useCompute(pass, this.#context.pipelines, stage, group);
+        pass.dispatchWorkgroups(...chunkWorkgroups(thresholdCount));
       }
     };
-    overCells(cutCells, groups.cuts);
+    overCells(groups.cuts);
     if (groups.budget) {
       for (const _ of ['by steps', 'by codes']) this.#recordBudget(pass, shape, pages, groups.budget.plan);
-      overCells(shiftCells, groups.budget.shifts);
+      overCells(groups.budget.shifts);
     }
     let stage: StageDefinition | null = null;
     for (const [index, framePage] of pages.entries()) {
@@ -308,10 +325,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     for (const [index, framePage] of pages.entries()) {
       const { chunkCount } = framePage;
       const indirect = { buffer: buffers.cullDispatches, offset: 12 * index };
-      const cut = groups.pages[index].cutSplats;
+      const cut = stagesOf(shape, framePage).cutSplats;
       if (cut) {
-        stage = this.#usePipeline(pass, cutSplats, stage);
-        pass.setBindGroup(0, cut);
+        stage = this.#usePipeline(pass, cut, stage);
+        pass.setBindGroup(0, groups.pages[index].cutSplats);
         dispatchWithin(pass, cutWorkgroups(chunkCount), shape, indirect);
       }
       stage = this.#usePipeline(pass, stagesOf(shape, framePage).cullSplats, stage);

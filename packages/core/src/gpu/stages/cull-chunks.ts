@@ -1,27 +1,25 @@
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
+import type { CullSplatsVariant } from './cull-splats.ts';
 
-/** Tests each chunk of a page against the frustum. */
-export const cullChunks: StageDefinition = {
-  stage: 'cull-chunks',
-  entryPoint: 'cullChunks',
-};
-
-/** The same for a batch of at most so many instances of a page. */
-export function cullInstances(batchInstances: number): StageDefinition {
+/**
+ * Tests each chunk of a page, or of all instances of a page, against the frustum; with levels, also
+ * whether the cut goes through it.
+ */
+export function cullChunks({
+  hasLevels = false,
+  batchInstances = null,
+}: Pick<CullSplatsVariant, 'hasLevels' | 'batchInstances'> = {}): StageDefinition {
+  const isInstanced = batchInstances !== null;
   return {
-    ...cullChunks,
-    source: levelSource('cull-chunks'),
-    conditions: { INSTANCES: true },
-    constants: { BATCH_INSTANCES: batchInstances },
+    stage: 'cull-chunks',
+    ...((hasLevels || isInstanced) && { source: levelSource('cull-chunks') }),
+    entryPoint: 'cullChunks',
+    conditions: { LEVELS: hasLevels, INSTANCES: isInstanced },
+    constants: {
+      ...(hasLevels && LEVEL_CONSTANTS),
+      ...(isInstanced && { BATCH_INSTANCES: batchInstances }),
+    },
   };
 }
-
-/** The same for a page with levels, whose chunks are drawn where the cut goes through them. */
-export const cullLevels: StageDefinition = {
-  ...cullChunks,
-  source: levelSource('cull-chunks'),
-  conditions: { LEVELS: true },
-  constants: LEVEL_CONSTANTS,
-};

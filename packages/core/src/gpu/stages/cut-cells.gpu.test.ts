@@ -35,18 +35,24 @@ function nestedCells(count: number, size: number): Cell[] {
   return cells;
 }
 
-async function thresholdsOf(cells: readonly Cell[], values: CutValues): Promise<Uint32Array> {
+/** Thresholds of all cells for each of the cuts in turn. */
+async function thresholdsOf(cells: readonly Cell[], cuts: readonly CutValues[]): Promise<Uint32Array> {
   const contents = new ArrayBuffer(cells.length * LevelCell.bytes);
   for (const [i, { min, max, parent }] of cells.entries())
     LevelCell.write(contents, { minPosition: min, maxPosition: max, parent }, i * LevelCell.bytes);
-  const thresholds = gpu.storage([], 4 * cells.length);
-  const parameters = CutParameters.pack({ ...values, cellCount: cells.length, dispatchRow: DISPATCH_ROW });
+  const count = cells.length * cuts.length;
+  const thresholds = gpu.storage([], 4 * count);
+  const parameters = new ArrayBuffer(CutParameters.bytes * cuts.length);
+  for (const [i, cut] of cuts.entries()) {
+    const values = { ...cut, cellCount: cells.length, dispatchRow: DISPATCH_ROW };
+    CutParameters.write(parameters, values, i * CutParameters.bytes);
+  }
   const bindings = {
-    parameters: gpu.uniform(parameters),
+    cuts: gpu.uniform(parameters),
     cells: gpu.storage(new Uint32Array(contents)),
     thresholds,
   };
-  await gpu.run(cutCells, bindings, dispatchSize(Math.ceil(cells.length / 64), DISPATCH_ROW));
+  await gpu.run(cutCells(cuts.length), bindings, dispatchSize(Math.ceil(count / 64), DISPATCH_ROW));
   return gpu.read(thresholds);
 }
 
@@ -65,7 +71,7 @@ describe('cut-cells', () => {
     for (const size of [1e-6, 10, 1e9]) {
       gpuTest(`${name}, ${size} units: as the reference, and no parent above its children`, async () => {
         const cells = nestedCells(1000, size);
-        const thresholds = await thresholdsOf(cells, values);
+        const thresholds = await thresholdsOf(cells, [values]);
         for (const [i, cell] of cells.entries()) {
           // Rounding of float32 may cross a step. The farthest distances are clamped.
           const expected = Math.min(
@@ -80,4 +86,12 @@ describe('cut-cells', () => {
       });
     }
   }
+
+  gpuTest('of several instances: those of each as by itself, one after another', async () => {
+    const cells = nestedCells(150, 10);
+    const all = Object.values(cuts);
+    const apart = await Promise.all(all.map(async (cut) => [...(await thresholdsOf(cells, [cut]))]));
+    expect([...(await thresholdsOf(cells, all))]).toEqual(apart.flat());
+    expect(new Set(apart.map(String)).size).toBeGreaterThan(4);
+  });
 });

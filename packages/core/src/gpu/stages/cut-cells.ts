@@ -2,13 +2,17 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 
-/** Finds the threshold of each cell of a cloud. */
-export const cutCells: StageDefinition = {
-  stage: 'cut-cells',
-  source: levelSource('cut-cells'),
-  entryPoint: 'cutCells',
-  constants: LEVEL_CONSTANTS,
-};
+/** Finds the threshold of each cell of a cloud, for each of at most so many instances. */
+export function cutCells(batchInstances = 1): StageDefinition {
+  return {
+    stage: 'cut-cells',
+    source: levelSource('cut-cells'),
+    entryPoint: 'cutCells',
+    constants: { ...LEVEL_CONSTANTS, BATCH_INSTANCES: batchInstances },
+  };
+}
 
 /** The same, shifted as the frame's budget asks. */
-export const shiftCells: StageDefinition = { ...cutCells, conditions: { SHIFTED: true } };
+export function shiftCells(batchInstances = 1): StageDefinition {
+  return { ...cutCells(batchInstances), conditions: { SHIFTED: true } };
+}

@@ -2,11 +2,11 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { ChunkLinks, CutPlan, LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
-import { Chunk } from '../../data/layout/structs.ts';
+import { Chunk, Page } from '../../data/layout/structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type CountedChunk, cutCount as reference } from '../../reference/cut-count.ts';
 import { touchCell } from '../../reference/touch-links.ts';
-import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
+import { joined, packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { Pipelines } from '../pipelines.ts';
@@ -21,6 +21,10 @@ const CHUNKS = 2 * CELLS;
 /** Splats of the last chunk. */
 const LAST_COUNT = 100;
 const gpu = testGpu();
+
+/** A half-space: what is above y = -10. */
+const ABOVE = [0, 1, 0, 10];
+const EVERYWHERE = [0, 0, 0, 1];
 
 interface RandomChunk {
   readonly links: readonly number[];
@@ -104,6 +108,7 @@ async function countsOf(
   step: number,
   variant: Parameters<typeof cutCount>[0],
   pipelines?: Pipelines,
+  instances = [{ side: ABOVE, limits: 0 }],
 ) {
   const contents = new ArrayBuffer(CELLS * LevelCell.bytes);
   const words = GEOMETRY_WORDS[variant.geometryPrecision];
@@ -127,16 +132,17 @@ async function countsOf(
   );
   expect(linkWords.length).toBe(CHUNKS * ChunkLinks.words);
   const splatCount = (CHUNKS - 1) * CHUNK_SPLATS + LAST_COUNT;
+  const pages = instances.map(({ side }, i) => packFlatPage(CHUNKS * i, CHUNKS, side, splatCount, CELLS * i));
+  const behind = [new ArrayBuffer(Page.bytes * ((variant.batchInstances ?? 1) - pages.length))];
   const cutCounts = gpu.storage([], 4 * CUT_BINS * CUT_COPIES);
   const bindings = {
     view: gpu.uniform(
       packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: DISPATCH_ROW }),
     ),
-    // All sides are the half-space above y = -10.
-    page: gpu.uniform(packFlatPage(0, CHUNKS, [0, 1, 0, 10], splatCount)),
+    [variant.batchInstances ? 'pages' : 'page']: gpu.uniform(joined([...pages, ...behind])),
     links: gpu.storage(linkWords),
     cells: gpu.storage(new Uint32Array(contents)),
-    thresholds: gpu.storage(cells.map(({ limit }) => limit)),
+    thresholds: gpu.storage(instances.flatMap(({ limits }) => cells.map(({ limit }) => limit + limits))),
     cutPlan: gpu.storage(new Uint32Array(CutPlan.pack({ base, step, shift: 0, budget: 0 }))),
     cutCounts,
     geometry: gpu.storage(new Uint32Array(geometry.buffer)),
@@ -145,7 +151,7 @@ async function countsOf(
   await gpu.run(
     cutCount(variant),
     bindings,
-    dispatchSize(countWorkgroups(CHUNKS, variant.sortDevice) + 1, DISPATCH_ROW),
+    dispatchSize(countWorkgroups(CHUNKS * instances.length, variant.sortDevice) + 1, DISPATCH_ROW),
     pipelines,
   );
   const changes = await gpu.read(cutCounts);
@@ -195,6 +201,34 @@ describe('cut-count', () => {
         },
       );
     }
+  }
+
+  for (const isNarrow of [false, true]) {
+    gpuTest(`of several instances${isNarrow ? ', on a CPU' : ''}: the sum of what each draws`, async () => {
+      const variant = {
+        geometryPrecision: 'packed',
+        culling: 'bounding-box',
+        batchInstances: 5,
+        sortDevice: { isNarrow },
+      } as const;
+      const instances = [
+        { side: ABOVE, limits: 0 },
+        { side: EVERYWHERE, limits: 70 },
+        { side: ABOVE, limits: 300 },
+      ];
+      const farther = (counted: readonly CountedChunk[], by: number) =>
+        counted.map(({ limit, parentLimit, ...chunk }) => ({
+          ...chunk,
+          limit: limit + by,
+          parentLimit: parentLimit === null ? null : parentLimit + by,
+        }));
+      const everywhere = countedIf(() => true);
+      const counted = instances.flatMap(({ side, limits }) =>
+        farther(side === ABOVE ? inSight : everywhere, limits),
+      );
+      const expected = Array.from({ length: CUT_BINS }, (_, bin) => reference(counted, SHIFT_STEP * bin));
+      expect(await countsOf(cells, 0, SHIFT_STEP, variant, undefined, instances)).toEqual(expected);
+    });
   }
 
   for (const [find, replace] of [

@@ -18,8 +18,9 @@ function countedChunks({ isNarrow }: CountingDevice): number {
 export function cutCount({
   geometryPrecision,
   culling,
+  batchInstances = null,
   sortDevice,
-}: Pick<CullSplatsVariant, 'geometryPrecision' | 'culling'> & {
+}: Pick<CullSplatsVariant, 'geometryPrecision' | 'culling' | 'batchInstances'> & {
   readonly sortDevice: CountingDevice;
 }): StageDefinition {
   return {
@@ -30,9 +31,11 @@ export function cutCount({
       GEOMETRY_F32: geometryPrecision === 'f32',
       FRUSTUM_CULLING: culling === 'frustum',
       NARROW: sortDevice.isNarrow,
+      INSTANCES: batchInstances !== null,
     },
     constants: {
       ...LEVEL_CONSTANTS,
+      ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }),
       COUNTED_CHUNKS: countedChunks(sortDevice),
       COUNT_WORKGROUP: sortDevice.isNarrow ? NARROW_SUBGROUP : CHUNK_SPLATS,
     },

@@ -4,7 +4,7 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { PagePlan } from '../../data/layout/structs.ts';
 import { cutSplats as reference } from '../../reference/cut-splats.ts';
-import { packFlatPage, packFlatView } from '../../testing/flat-view.ts';
+import { joined, packFlatPage, packFlatView } from '../../testing/flat-view.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { cutSplats } from './cut-splats.ts';
@@ -16,7 +16,10 @@ const CHUNKS = 9;
 const CHUNK_START = 5;
 const SLOT_START = 2;
 
-gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and for no other', async () => {
+const TITLE = 'cut-splats: a bit for each splat or blob that the cut goes through, and for no other';
+
+/** @param instances how many times the page is drawn; null: once, without instances. */
+async function expectBits(instances: number | null): Promise<void> {
   const random = seededRandom(3);
   const below = (end: number) => Math.floor(random() * end);
   const links = Array.from({ length: CHUNKS }, () =>
@@ -26,15 +29,20 @@ gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and
     }),
   );
   const cells = Array.from({ length: CHUNKS }, (_, i) => CHUNKS - 1 - i);
-  const thresholds = Array.from({ length: CHUNKS }, () => below(40));
+  const count = instances ?? 1;
+  const thresholds = Array.from({ length: count * CHUNKS }, () => below(40));
   const words = links.flatMap((own, chunk) => [cells[chunk], 0, 0, 0, 0, 0, 0, 0, ...own]);
   expect(words.length).toBe(CHUNKS * ChunkLinks.words);
-  const visible = [0, 2, 3, 7, 8];
-  const plan = { chunkStart: CHUNK_START, chunkEnd: CHUNK_START + CHUNKS, visibleStart: 0, visibleCount: 0 };
+  const visible = [0, 2, 3, 7, 8, 11, 17, 19].filter((chunk) => chunk < count * CHUNKS);
+  const chunkEnd = CHUNK_START + count * CHUNKS;
+  const plan = { chunkStart: CHUNK_START, chunkEnd, visibleStart: 0, visibleCount: 0 };
+  const pages = Array.from({ length: count }, (_, i) =>
+    packFlatPage(CHUNK_START + i * CHUNKS, CHUNKS, [0, 0, 0, 0], undefined, i * CHUNKS),
+  );
   const masks = gpu.storage([], 4 * MASK_WORDS * (SLOT_START + visible.length));
   const bindings = {
     view: gpu.uniform(packFlatView({ size: { widthPx: 1, heightPx: 1 }, alphaCutoff: 0, dispatchRow: 2 })),
-    page: gpu.uniform(packFlatPage(CHUNK_START, CHUNKS, [0, 0, 0, 0])),
+    [instances === null ? 'page' : 'pages']: gpu.uniform(joined(pages)),
     pagePlans: gpu.storage(
       new Uint32Array(PagePlan.pack({ ...plan, slotStart: SLOT_START, slotCount: visible.length })),
     ),
@@ -44,10 +52,12 @@ gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and
     visibilityMasks: masks,
   };
   // A workgroup more than there are visible chunks.
-  await gpu.run(cutSplats, bindings, [2, 3, 1]);
+  await gpu.run(cutSplats(instances), bindings, [2, 3, 1]);
   const bits = await gpu.read(masks);
   for (const [i, chunk] of visible.entries()) {
-    const expected = reference(links[chunk], thresholds[cells[chunk]]);
+    const place = Math.floor(chunk / CHUNKS);
+    const limit = thresholds[place * CHUNKS + cells[chunk % CHUNKS]];
+    const expected = reference(links[chunk % CHUNKS], limit);
     const drawn = expected.map((_, lane) => {
       const word = bits[(SLOT_START + i) * MASK_WORDS + Math.floor(lane / 32)];
       return ((word >>> (lane % 32)) & 1) === 1;
@@ -55,4 +65,7 @@ gpuTest('cut-splats: a bit for each splat or blob that the cut goes through, and
     expect(drawn, `chunk ${chunk}`).toEqual(expected);
   }
   expect(bits.subarray(0, SLOT_START * MASK_WORDS)).toEqual(new Uint32Array(SLOT_START * MASK_WORDS));
-});
+}
+
+gpuTest(TITLE, () => expectBits(null));
+gpuTest(`${TITLE}, in each of several instances`, () => expectBits(3));

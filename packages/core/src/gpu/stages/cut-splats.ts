@@ -2,13 +2,20 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 
-/** Tells which splats or blobs of a page's visible chunks the cut goes through. */
-export const cutSplats: StageDefinition = {
-  stage: 'cut-splats',
-  source: levelSource('cut-splats'),
-  entryPoint: 'cutSplats',
-  constants: LEVEL_CONSTANTS,
-};
+/**
+ * Tells which splats or blobs of a page's visible chunks the cut goes through.
+ *
+ * @param batchInstances most instances that are drawn together; null: the page is drawn once.
+ */
+export function cutSplats(batchInstances: number | null = null): StageDefinition {
+  return {
+    stage: 'cut-splats',
+    source: levelSource('cut-splats'),
+    entryPoint: 'cutSplats',
+    conditions: { INSTANCES: batchInstances !== null },
+    constants: { ...LEVEL_CONSTANTS, ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }) },
+  };
+}
 
 /** Most workgroups for a page of so many chunks, all of which are visible. */
 export function cutWorkgroups(chunkCount: number): number {
