@@ -153,6 +153,24 @@ describe('minPsnrDb', () => {
     view.destroy();
   });
 
+  gpuTest('is kept by instances, near ones and far ones together', async () => {
+    const at = (x: number, z: number) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, 0, z, 1];
+    const instances = { modelMatrices: [at(0, 0), at(-4, -8), at(6, -20), at(1, 1e3)].flat() };
+    const request = {
+      camera: camera(8),
+      ...SIZE,
+      clouds: [{ cloud, instances, effects: [antialias(true)] }],
+    };
+    const [view, full] = [engine.createView(), engine.createView()];
+    view.render({ ...request, detail: { minPsnrDb: 35 } });
+    await view.whenComplete();
+    expect(view.detail!.drawn).not.toBe('full');
+    full.render({ ...request, accuracy: 'reference' });
+    const [actual, expected] = [await view.readPixels(), await full.readPixels()];
+    expect(compareImages(actual.data, expected.data, SIZE).psnrDb).toBeGreaterThan(34.5);
+    for (const each of [view, full]) each.destroy();
+  });
+
   gpuTest('is not measured where nothing can be cut, and nothing is concluded from that', async () => {
     // Flat, without any extent along z.
     const modelMatrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1];
