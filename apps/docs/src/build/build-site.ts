@@ -3,7 +3,7 @@ import { basename, dirname, join, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
 import { type BuiltFiles, linkProblems } from './check-links.ts';
-import { editableExamples, examplePage, examplesIndex, packagesOf } from './examples.ts';
+import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
 import { type SiteContents, siteContents } from './site-contents.ts';
@@ -86,7 +86,12 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   const examples = editableExamples(root);
   const entries = apiEntries(root);
   const folder = join(docs, 'pages');
-  const own = new Map(filesIn(folder).map((path) => [relative(folder, path), readFileSync(path, 'utf8')]));
+  const own = new Map(
+    filesIn(folder).map((path) => {
+      const page = relative(folder, path);
+      return [page, withPictures(readFileSync(path, 'utf8'), page, examples)];
+    }),
+  );
   own.set('examples/index.md', examplesIndex(examples));
   for (const example of examples) own.set(`examples/${example.name}.md`, examplePage(example));
   const { pages, images } = assemblePages(

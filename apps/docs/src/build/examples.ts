@@ -94,11 +94,44 @@ export function examplesIndex(examples: readonly EditableExample[]): string {
     '# Examples',
     'Each shows one thing. Change its source and press Run, or <kbd>Ctrl</kbd> <kbd>Enter</kbd>: it runs in a frame of its own, ' +
       'which can reach neither this page nor its server.',
-    `<ul class="ws-cards">\n${examples.map(card).join('\n')}\n</ul>\n`,
+    cards('ws-cards', examples, ({ name, title, about }) => [
+      `./${name}.html`,
+      `<span class="title">${title}</span><span>${about}</span>`,
+    ]),
   ].join('\n\n');
 }
 
-function card({ name, title, about, picture, alt }: EditableExample): string {
-  const image = `<img src="${siteImage(picture)}" alt="${alt}" width="480" height="320" loading="lazy">`;
-  return `<li><a href="./${name}.html">${image}<span class="title">${title}</span><span>${about}</span></a></li>`;
+/**
+ * Puts pictures of examples, which lead to these, in place of each line `<!-- examples NAMES -->`.
+ *
+ * @param page path of the text in the site.
+ * @throws DocsError for an example that there is none of.
+ */
+export function withPictures(text: string, page: string, examples: readonly EditableExample[]): string {
+  return text.replace(/^<!-- examples (.+) -->$/gm, (_, names: string) => {
+    const shown = names.split(' ').map((name) => {
+      const example = examples.find((each) => each.name === name);
+      if (!example) throw new DocsError(`${page} shows the example ${name}, which does not exist.`);
+      return example;
+    });
+    return cards('ws-cards small', shown, ({ name, title }) => [
+      posix.relative(posix.dirname(page), `examples/${name}.html`),
+      `<span class="title">${title}</span>`,
+    ]);
+  });
+}
+
+/** @param contentOf address of an example's page, and what stands below its picture. */
+function cards(
+  className: string,
+  examples: readonly EditableExample[],
+  contentOf: (example: EditableExample) => readonly [address: string, text: string],
+): string {
+  const items = examples.map((example) => {
+    const [address, text] = contentOf(example);
+    const { picture, alt } = example;
+    const image = `<img src="${siteImage(picture)}" alt="${alt}" width="480" height="320" loading="lazy">`;
+    return `<li><a href="${address}">${image}${text}</a></li>`;
+  });
+  return `<ul class="${className}">\n${items.join('\n')}\n</ul>\n`;
 }
