@@ -27,7 +27,8 @@ fn dilatedBlob(view: View, linear: mat3x3f, translation: vec3f, words: array<vec
 /// dilated splats over its own dilated area. `sums` are those of its splats; `deviationPx` is the
 /// dilation's standard deviation in pixels and `pxPerUnit` the size of the cloud's unit there.
 fn dilatedOpacity(opacity: f32, area: f32, rim: f32, sums: vec2f, deviationPx: f32, pxPerUnit: f32) -> f32 {
-  let dilation = deviationPx / pxPerUnit;
+  // A unit has no size where the cloud has no extent. Squares stay within float32's range.
+  let dilation = deviationPx / max(pxPerUnit, 1e-15);
   let light = opacity * area + dilation * (sums.x + dilation * sums.y);
   return light / (area + dilation * (rim + dilation));
 }

@@ -2,8 +2,9 @@
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
 // sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
-// per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With FRUSTUM_CULLING all of a chunk in sight counts, as it is
-// drawn. With NARROW each thread takes chunks of its own.
+// per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With
+// FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn. With NARROW each thread takes
+// chunks of its own.
 //
 // Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
 // drawn, as both end there: no link of a splat is read, and of blobs only the own error.

@@ -39,14 +39,35 @@ export function countChunksInFrustum(buffer: ArrayBuffer, sides: readonly Frustu
   return count;
 }
 
-function boundGroups(chunks: Float32Array): Float32Array {
-  const groups = new Float32Array(WORDS * Math.ceil(chunks.length / (WORDS * GROUP_CHUNKS)));
+/** Bounds of all splats, as `Chunk` structs, with the largest scale of a blob at SCALE, by the same. */
+const knownWhole = new WeakMap<ArrayBuffer, Float32Array>();
+
+/**
+ * Whether any splat of a cloud may reach into a frustum, or any blob that stands for some of them.
+ *
+ * @param buffer as for `countChunksInFrustum`.
+ */
+export function mayReachIntoFrustum(buffer: ArrayBuffer, sides: readonly FrustumSide[]): boolean {
+  let whole = knownWhole.get(buffer);
+  if (!whole) {
+    const chunks = new Float32Array(buffer);
+    whole = boundGroups(chunks, chunks.length / WORDS);
+    const extents = [0, 1, 2].map((axis) => whole![MAX + axis] - whole![MIN + axis]);
+    // The variance of a blob is that of its centres, and at most that of the largest splat besides.
+    whole[SCALE] = Math.hypot(0.5 * Math.hypot(...extents), whole[SCALE]);
+    knownWhole.set(buffer, whole);
+  }
+  return isInside(sides, whole, 0, whole[SCALE]) !== false;
+}
+
+function boundGroups(chunks: Float32Array, groupChunks = GROUP_CHUNKS): Float32Array {
+  const groups = new Float32Array(WORDS * Math.ceil(chunks.length / WORDS / groupChunks));
   for (let from = 0; from < chunks.length; from++) {
     const word = from % WORDS;
     const chunk = (from - word) / WORDS;
-    const to = WORDS * Math.floor(chunk / GROUP_CHUNKS) + word;
+    const to = WORDS * Math.floor(chunk / groupChunks) + word;
     const isLow = word >= MIN && word < MIN + 3;
-    const isFirst = chunk % GROUP_CHUNKS === 0;
+    const isFirst = chunk % groupChunks === 0;
     const value = word === SCALE ? maxScaleOf(chunks, chunk) : chunks[from];
     groups[to] = isFirst ? value : (isLow ? Math.min : Math.max)(groups[to], value);
   }

@@ -188,6 +188,12 @@ describe('instances of a cloud', () => {
       { first: 215, count: 215 },
       { first: 430, count: 70 },
     ]);
+    // Of several pages, batches have one instance, and bindings no room for more.
+    const paged = { ...instanced({ set: SET }, {}, 2), splatsPerPage: 256 };
+    const { parts } = await InspectedFrame.draw(device, { camera: perspective, ...SIZE, clouds: [paged] });
+    expect(parts.pages.map(({ instances, uniform }) => [instances?.first, uniform.size])).toEqual(
+      [0, 0, 0, 1, 1, 1].map((first) => [first, 304]),
+    );
     device.destroy();
   });
 });
@@ -294,6 +300,30 @@ describe('instances in a view', () => {
     });
   }
 
+  gpuTest('without an extent take no budget from others, and their blobs are finite', async () => {
+    const cloud = engine.add(MANY);
+    const shown = grid(9).flat();
+    const point = (x: number) => [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, x, 0.4, -1, 1];
+    const pane = (x: number) => [0.3, 0, 0, 0, 0, 0.3, 0, 0, 0, 0, 0, 0, x, -0.4, -1, 1];
+    const hidden = [-0.6, -0.3, 0, 0.3, 0.6].flatMap((x) => [...point(x), ...pane(x)]);
+    const draw = async (modelMatrices: number[]) => {
+      const view = engine.createView();
+      const clouds = [{ cloud, instances: { modelMatrices } }];
+      const frame = { camera: perspective, ...SIZE, clouds, detail: { maxSplats: 9000 } };
+      const { cutErrorPx, visibleSplats } = await drawMeasured(engine, view, frame);
+      const { data } = await view.readPixels();
+      view.destroy();
+      expect(data.every(Number.isFinite)).toBe(true);
+      return { cutErrorPx: cutErrorPx!, visibleSplats };
+    };
+    const alone = await draw(shown);
+    const beside = await draw([...shown, ...hidden]);
+    expect(alone.visibleSplats).toBeGreaterThan(6000);
+    expect(beside.visibleSplats).toBeGreaterThan(6000);
+    expect(beside.cutErrorPx).toBeLessThan(1.5 * alone.cutErrorPx);
+    cloud.destroy();
+  });
+
   gpuTest('are drawn again when a list changes, and only then', async () => {
     const view = engine.createView();
     const cloud = engine.add(OTHER);
@@ -340,6 +370,13 @@ describe('instances in a view', () => {
     const city = { name: 'city', pool: {} } as SplatCloud;
     const error = /^city streams, and a cloud that streams has no instances/;
     expect(() => checkInstances({ modelMatrices: grid(1)[0] }, city)).toThrow(error);
+  });
+
+  test('of more splats than a frame numbers are refused', () => {
+    const city = { name: 'city', count: 1e6, pool: null } as SplatCloud;
+    const error = /^2001 instances of city have 2001384192 splats, .* a frame numbers 2000000000/;
+    expect(() => checkInstances({ modelMatrices: new Float32Array(16 * 2001) }, city)).toThrow(error);
+    expect(() => checkInstances({ modelMatrices: new Float32Array(16 * 1999) }, city)).not.toThrow();
   });
 
   gpuTest('are refused where lists do not fit together', async () => {

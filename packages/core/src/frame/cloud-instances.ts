@@ -1,7 +1,9 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import { given, wrongArgument } from '../data/given.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { identity4, multiply4 } from '../data/math/mat4.ts';
+import { chunkCountOf } from '../data/packing/chunks.ts';
 
 /**
  * Places in which a frame draws one cloud many times, with one upload and as many dispatches as for
@@ -11,7 +13,7 @@ export interface CloudInstances {
   /**
    * 16 numbers for each instance, column-major, read in float64: from the scene to the space that
    * `CloudInstance.modelMatrix` brings to the world. Their order is that in which equal depths are
-   * drawn.
+   * drawn, blobs after splats.
    */
   readonly modelMatrices: ArrayLike<number>;
   /**
@@ -50,8 +52,18 @@ const placed = new Float64Array(16);
 
 const LARGEST_F32 = 3.4028234663852886e38;
 
-/** @internal @throws InvalidArgumentError naming the list, or `instances` for a cloud that streams. */
-export function checkInstances(instances: CloudInstances, { pool, name }: SplatCloud): void {
+/**
+ * Most splats of all instances of a cloud: with as many slots for blobs, and some, they are numbered
+ * by 32 bits.
+ */
+const MOST_SPLATS = 2e9;
+
+/**
+ * @internal
+ * @throws InvalidArgumentError naming the list, or `instances` for a cloud that streams and for too
+ *   many splats.
+ */
+export function checkInstances(instances: CloudInstances, { pool, name, count: splats }: SplatCloud): void {
   const { modelMatrices, tints, opacities } = given(instances, {}, 'instances');
   if (pool) {
     const message = `${name} streams, and a cloud that streams has no instances; load it whole, or draw it once.`;
@@ -72,6 +84,11 @@ export function checkInstances(instances: CloudInstances, { pool, name }: SplatC
     if (isValid) return;
     throw wrongArgument(`instances.${argument}`, list, `a list of ${each} ${rule} for each instance`, name);
   };
+  const slots = CHUNK_SPLATS * chunkCountOf(splats) * count;
+  if (slots > MOST_SPLATS) {
+    const message = `${count} instances of ${name} have ${slots} splats, whole chunks of ${CHUNK_SPLATS} counted; a frame numbers ${MOST_SPLATS}.`;
+    throw new InvalidArgumentError('instances', message);
+  }
   const { MAX_VALUE } = Number;
   check('modelMatrices', modelMatrices, 16, [-MAX_VALUE, MAX_VALUE], 'finite numbers');
   if (tints) check('tints', tints, 3, [0, LARGEST_F32], 'finite numbers, 0 or more,');

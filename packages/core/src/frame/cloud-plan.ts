@@ -18,7 +18,7 @@ import { type CloudInstances, countInstances, worldMatrices } from './cloud-inst
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
 import type { CloudShape } from './frame-shape.ts';
-import { FINEST_CUT, type LevelCut, levelCut, reasonInFull } from './level-cut.ts';
+import { FINEST_CUT, type LevelCut, levelCut, nearestDepth, reasonInFull } from './level-cut.ts';
 
 /** One effect of one cloud in one frame. */
 export interface PlannedUse {
@@ -102,8 +102,11 @@ export function planCloud(
   }));
   const effects = effectSetOf(acting);
   const inFull = reasonInFull(instance, detail, view, accuracy);
-  const cutAt = (seen: CloudView) =>
-    inFull === null ? levelCut(cloud.levels, detail, seen, projection, reach) : null;
+  const cutAt = (seen: CloudView) => {
+    if (inFull !== null) return null;
+    const depth = seen.inverse ? 0 : nearestDepth(cloud, seen);
+    return levelCut(cloud.levels, detail, seen, projection, reach, depth);
+  };
   const found = cutAt(view);
   const cut = found ?? (cloud.pool ? FINEST_CUT : null);
   const sightCut = found ?? (cloud.pool && levelCut(cloud.levels, {}, view, projection, reach)) ?? cut;
@@ -175,7 +178,7 @@ function copiedInstances({ modelMatrices, tints, opacities }: CloudInstances): C
   };
 }
 
-/** Float32Arrays stay such, which three has: to convert them takes longer than all else. */
+/** Float32Arrays stay such, which three has: conversion is slow. */
 function copied(list: ArrayLike<number>): ArrayLike<number> {
   return list instanceof Float32Array ? list.slice() : new Float64Array(list);
 }

@@ -8,7 +8,6 @@ import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage, pagesOf } fro
 import type { PartContext } from './frame-part.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
-import { FINEST_CUT } from './level-cut.ts';
 
 /** The buffers of the cuts through one cloud's levels. */
 interface Cut {
@@ -73,12 +72,10 @@ export class CutBuffers {
 
   #bindingsOf({ levels, batches, cuts, thresholds, touched }: Cut, batch: number): Bindings {
     const { count, places } = batches[batch];
-    const cutsSize = CutParameters.bytes * places;
-    const cells = (touched ?? levels).cells;
     const offset = batch * thresholdStride(levels, batches);
     return {
-      cuts: { buffer: cuts, offset: batch * roundUp(cutsSize, BINDING_ALIGNMENT), size: cutsSize },
-      cells,
+      cuts: { buffer: cuts, offset: batch * cutStride(batches), size: CutParameters.bytes * places },
+      cells: (touched ?? levels).cells,
       thresholds: { buffer: thresholds, offset, size: 4 * levels.cellCount * count },
       ...this.#budget,
     };
@@ -101,12 +98,12 @@ export class CutBuffers {
       if (!cut) continue;
       const { batches, cuts, levels } = cut;
       const contents = new ArrayBuffer(cuts.size);
-      const stride = cuts.size / batches.length;
+      const stride = cutStride(batches);
       for (const [batch, { first, count }] of batches.entries()) {
         for (let instance = 0; instance < count; instance++) {
           const { places, cut: own } = clouds[i];
           const values = {
-            ...(places ? (places[first + instance].cut ?? FINEST_CUT) : own!),
+            ...(places ? places[first + instance].cut! : own!),
             cellCount: levels.cellCount,
             dispatchRow: shape.dispatchRow,
           };
@@ -137,12 +134,12 @@ export class CutBuffers {
   #make(levels: Levels, batches: readonly Batch[]): Cut {
     const { STORAGE, UNIFORM, COPY_DST, COPY_SRC } = GPUBufferUsage;
     const { memory } = this.#context;
-    const cutBytes = batches.length * roundUp(CutParameters.bytes * batches[0].places, BINDING_ALIGNMENT);
+    const cutBytes = batches.length * cutStride(batches);
     const thresholdBytes = batches.length * thresholdStride(levels, batches);
     return {
       levels,
       batches,
-      cuts: memory.createBuffer('frame cut', cutBytes, UNIFORM | COPY_DST),
+      cuts: memory.createBuffer('frame cuts', cutBytes, UNIFORM | COPY_DST),
       thresholds: memory.createBuffer('frame thresholds', thresholdBytes, STORAGE | COPY_SRC),
       touched: null,
     };
@@ -153,6 +150,11 @@ export class CutBuffers {
     this.#context.memory.destroy(thresholds);
     touched?.destroy();
   }
+}
+
+/** Bytes from the parameters of one batch to those of the next. */
+function cutStride([{ places }]: readonly Batch[]): number {
+  return roundUp(CutParameters.bytes * places, BINDING_ALIGNMENT);
 }
 
 /** Bytes from the thresholds of one batch to those of the next: the first has the most instances. */

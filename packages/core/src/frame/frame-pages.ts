@@ -40,9 +40,15 @@ export interface UniformRange {
   readonly size: number;
 }
 
-/** Most instances that stages draw together: as many as the least uniform binding has room for. */
-export function batchInstances({ parameterBytes }: EffectSet): number {
+/** Most instances that the least uniform binding has room for. */
+export function instancesPerBinding({ parameterBytes }: EffectSet): number {
   return Math.floor(UNIFORM_BINDING_BYTES / Math.max(Page.bytes, parameterBytes));
+}
+
+/** Most instances of a cloud that stages draw together. */
+export function batchInstances({ planes, effects }: CloudShape): number {
+  // Of one page, since splats of a cloud are drawn one after another.
+  return planes.pages.length === 1 ? instancesPerBinding(effects) : 1;
 }
 
 /** Instances of a cloud that stages draw together. */
@@ -55,14 +61,13 @@ export interface Batch {
 }
 
 /** All batches of a cloud; one of a single place for a cloud without instances. */
-export function batchesOf({ planes, effects, instanceCount }: CloudShape): Batch[] {
+export function batchesOf(cloud: CloudShape): Batch[] {
+  const { instanceCount } = cloud;
   if (instanceCount === null) return [{ first: 0, count: 1, places: 1 }];
-  const places = batchInstances(effects);
-  // A batch has instances of one page, since those of a cloud are drawn one after another.
-  const each = planes.pages.length === 1 ? places : 1;
-  return Array.from({ length: Math.ceil(instanceCount / each) }, (_, batch) => {
-    const first = batch * each;
-    return { first, count: Math.min(each, instanceCount - first), places };
+  const places = batchInstances(cloud);
+  return Array.from({ length: Math.ceil(instanceCount / places) }, (_, batch) => {
+    const first = batch * places;
+    return { first, count: Math.min(places, instanceCount - first), places };
   });
 }
 

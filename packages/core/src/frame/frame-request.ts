@@ -19,8 +19,8 @@ export interface CloudInstance {
   /** Scene to world, 16 numbers, column-major, read in float64; default the identity. */
   readonly modelMatrix?: ArrayLike<number>;
   /**
-   * Where to draw the cloud many times; default once, at `modelMatrix`. Instances are drawn with all
-   * their splats, whatever the frame's `detail`. Not for clouds that stream.
+   * Where to draw the cloud many times; default once, at `modelMatrix`. With the frame's `detail`,
+   * each is drawn in the level that its distance asks for. Not for clouds that stream.
    */
   readonly instances?: CloudInstances;
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 the cloud is not drawn. */

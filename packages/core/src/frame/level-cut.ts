@@ -1,4 +1,5 @@
 import type { Levels } from '../clouds/levels.ts';
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
@@ -93,8 +94,10 @@ export function cutErrorPx(detail: FixedDetail, clouds: readonly Pick<CutCloud, 
 }
 
 /**
- * Returns the cut that moves no light by more than `detail` allows, in the middle of the image;
- * null for full detail, for clouds without levels, and where the cloud has no place in space.
+ * Returns the cut that moves no light by more than `detail` allows, in the middle of the image; null
+ * for full detail and for clouds without levels.
+ *
+ * @param nearestDepth of all splats, for a place where the cloud has no extent, and so no distances.
  */
 export function levelCut(
   levels: Levels | null,
@@ -102,22 +105,30 @@ export function levelCut(
   { linear, inverse, camera }: CloudView,
   { isOrthographic, focalPx, near }: Projection,
   { displacement, growth }: SplatReach,
+  nearestDepth = 0,
 ): LevelCut | null {
-  if (!levels || detail === 'full' || !inverse) return null;
-  const { largest, smallest } = scaleRange(linear, inverse);
+  if (!levels || detail === 'full') return null;
   const { maxErrorPx = UNSHIFTED_ERROR_PX } = detail;
+  const { largest, smallest } = scaleRange(linear, inverse);
   const radians = maxErrorPx / Math.max(Math.abs(focalPx[0]), Math.abs(focalPx[1])) / growth / largest;
-  if (!camera)
-    return isOrthographic
-      ? { camera: [0, 0, 0], squaredPerDistance: 0, leastSquared: squared(radians), margin: 0 }
-      : null;
   return {
-    camera,
-    squaredPerDistance: squared(radians * smallest),
+    camera: camera ?? [0, 0, 0],
+    squaredPerDistance: camera ? squared(radians * smallest) : 0,
     // Chunks around the camera are at no distance, but what is nearer than this is not drawn.
-    leastSquared: squared(radians * near),
-    margin: displacement,
+    leastSquared: squared(isOrthographic ? radians : radians * Math.max(near, nearestDepth)),
+    margin: camera ? displacement : 0,
   };
+}
+
+/** Returns the least depth of the bounds of a cloud's splats, which may be behind the camera. */
+export function nearestDepth(
+  { bounds: { min, max }, origin }: Pick<SplatCloud, 'bounds' | 'origin'>,
+  { linear, translation }: CloudView,
+): number {
+  return [0, 1, 2].reduce((depth, axis) => {
+    const weight = -linear[3 * axis + 2];
+    return depth + weight * ((weight > 0 ? min : max)[axis] - origin[axis]);
+  }, -translation[2]);
 }
 
 /** Within float32's range. */
@@ -126,13 +137,20 @@ function squared(value: number): number {
 }
 
 /** How much a linear map stretches lengths, at most and at least. Exact where that is the same. */
-function scaleRange(linear: Mat3, inverse: Mat3): { largest: number; smallest: number } {
-  const lengths = [0, 3, 6].map((at) => Math.hypot(linear[at], linear[at + 1], linear[at + 2]));
-  const scale = Math.max(...lengths);
-  const dot = (i: number, j: number) =>
-    linear[i] * linear[j] + linear[i + 1] * linear[j + 1] + linear[i + 2] * linear[j + 2];
-  const slant = Math.max(Math.abs(dot(0, 3)), Math.abs(dot(0, 6)), Math.abs(dot(3, 6)));
-  const isUniform = slant <= 1e-5 * scale ** 2 && Math.min(...lengths) >= (1 - 1e-5) * scale;
-  if (isUniform) return { largest: scale, smallest: scale };
-  return { largest: stretchBound(linear), smallest: 1 / stretchBound(inverse) };
+function scaleRange(linear: Mat3, inverse: Mat3 | null): { largest: number; smallest: number } {
+  const [a, b, c] = [dot(linear, 0, 0), dot(linear, 3, 3), dot(linear, 6, 6)];
+  const largest2 = Math.max(a, b, c);
+  const slant = Math.max(
+    Math.abs(dot(linear, 0, 3)),
+    Math.abs(dot(linear, 0, 6)),
+    Math.abs(dot(linear, 3, 6)),
+  );
+  const isUniform = slant <= 1e-5 * largest2 && Math.min(a, b, c) >= (1 - 2e-5) * largest2;
+  if (isUniform && inverse) return { largest: Math.sqrt(largest2), smallest: Math.sqrt(largest2) };
+  return { largest: stretchBound(linear), smallest: inverse ? 1 / stretchBound(inverse) : 0 };
+}
+
+/** Product of two columns, which begin at these places. */
+function dot(m: Mat3, i: number, j: number): number {
+  return m[i] * m[j] + m[i + 1] * m[j + 1] + m[i + 2] * m[j + 2];
 }

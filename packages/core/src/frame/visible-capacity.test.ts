@@ -71,6 +71,25 @@ describe('mostVisibleSplats', () => {
     expect(mostDrawnSplats(both, budget)).toBe(5000 + 256 + set.count);
   });
 
+  test('is that of the places of a cut in which anything is in sight', () => {
+    const cut = { camera: [0, 0, 0], squaredPerDistance: 1, leastSquared: 0, margin: 0 } as const;
+    const away = perspectiveCamera({ position: [0, 0, 9], target: [0, 0, 0], fovYDegrees: 50, aspect: 1 });
+    const at = (z: number) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, z, 1];
+    const placed = (matrices: number[][]) => ({
+      ...cloudsOf(away)[0],
+      cut,
+      instance: { cloud, instances: { modelMatrices: matrices.flat() } },
+      places: matrices.map((matrix) => ({ ...cloudsOf(away, matrix)[0], cut })),
+    });
+    const places = [at(0), at(60), at(-20), at(40)] as const;
+    const seen = placed([...places]) as unknown as Parameters<typeof mostVisibleSplats>[0][number];
+    expect(mostVisibleSplats([seen])).toBe(2 * set.count);
+    expect(mostVisibleSplats([{ ...seen, isTouched: true }], { splats: 10, leastShift: 0 })).toBe(
+      2 * set.count,
+    );
+    expect(mostVisibleSplats([seen], { splats: 300_000, leastShift: 0 })).toBe(300_000 + 4 * 256);
+  });
+
   test('is all splats for small scenes', () => {
     const small = packed(randomSplats({ count: 1000, shDegree: 0 }));
     const [planned] = cloudsOf(CAMERA);

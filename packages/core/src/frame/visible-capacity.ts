@@ -1,4 +1,5 @@
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { mayReachIntoFrustum } from './chunk-groups.ts';
 import { countInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { CloudInstance } from './frame-request.ts';
@@ -14,8 +15,8 @@ const HEADROOM = 1.25;
 type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut' | 'isTouched' | 'places'>>;
 type SidedCloud = CutCloud & Pick<CloudPlan, 'sides'>;
 
-/** Splats of a cloud that are drawn whatever its budget: no cut is coarser than sixteen blobs. */
-const LEAST_OF_CLOUD = CHUNK_SPLATS;
+/** Splats of a cloud's place that are drawn whatever the budget: no cut is coarser than sixteen blobs. */
+const LEAST_OF_PLACE = CHUNK_SPLATS;
 
 /** Most splats and blobs of a cloud that are there, in all its places. */
 function mostOf(instance: CloudInstance): number {
@@ -29,7 +30,7 @@ export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget |
   if (budget) {
     const most = clouds.map(({ cut, isTouched, instance }) =>
       // What is touched is drawn besides.
-      cut && !isTouched ? LEAST_OF_CLOUD * countInstances(instance) : mostOf(instance),
+      cut && !isTouched ? LEAST_OF_PLACE * countInstances(instance) : mostOf(instance),
     );
     return Math.min(
       total,
@@ -49,9 +50,20 @@ export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget |
  */
 export function mostVisibleSplats(clouds: readonly SidedCloud[], budget: CutBudget | null = null): number {
   const total = mostDrawnSplats(clouds, budget);
-  // Blobs may reach into the image where none of their splats does.
-  if (total <= ALWAYS_ROOM_FOR || clouds.some(({ cut }) => cut)) return total;
-  return Math.min(total, splatsInSight(clouds));
+  if (total <= ALWAYS_ROOM_FOR) return total;
+  const seen = clouds.map((cloud) => (cloud.cut ? mostOfCut(cloud) : splatsInSight([cloud])));
+  return Math.min(
+    total,
+    seen.reduce((sum, count) => sum + count, 0),
+  );
+}
+
+/** Most splats and blobs of a cloud's cuts: all, in places of which anything is in sight. */
+function mostOfCut({ instance, places }: SidedCloud): number {
+  const { cloud } = instance;
+  // Blobs of edited splats may be where these were.
+  if (!places || cloud.editing) return mostOf(instance);
+  return cloud.count * places.filter(({ sides }) => mayReachIntoFrustum(cloud.chunks, sides)).length;
 }
 
 /**

@@ -1,6 +1,6 @@
 import { BLOB_PRECISION, type OwnShPrecision } from '../data/packing/precision.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
-import { batchInstances } from '../frame/frame-pages.ts';
+import { instancesPerBinding } from '../frame/frame-pages.ts';
 import { NO_EFFECTS } from '../gpu/effects/effect-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { loadVariant } from '../gpu/shaders/link-shader.ts';
@@ -76,7 +76,7 @@ const BALLOT_DEVICES = [
 const STACKED_TILES = { colorTarget: 'rgba16float', depth: null, isExactOrder: true } as const;
 
 /** Of clouds without effects. */
-const BATCH_INSTANCES = batchInstances(NO_EFFECTS);
+const BATCH_INSTANCES = instancesPerBinding(NO_EFFECTS);
 
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
 const COMPARES = ['less-equal', 'greater-equal'] as const;
@@ -228,11 +228,14 @@ export function allStageVariants(): Promise<StageDefinition[]> {
             ...BOTH.map((isNarrow) =>
               cullSplats({ ...variant, batchInstances: BATCH_INSTANCES, sortDevice: { isNarrow } }),
             ),
-            cullSplats({ ...variant, isStacked: true, hasLevels: true, batchInstances: BATCH_INSTANCES }),
             cullSplats({ ...variant, sortDevice: { isNarrow: true } }),
             cullSplats({ ...variant, isStacked: true }),
-            cullSplats({ ...variant, isStacked: true, hasLevels: true }),
-            cullSplats({ ...variant, isStacked: true, hasLevels: true, sortDevice: { isNarrow: true } }),
+            ...[null, BATCH_INSTANCES].flatMap((batchInstances) =>
+              BOTH.map((isNarrow) => {
+                const cut = { isStacked: true, hasLevels: true, batchInstances };
+                return cullSplats({ ...variant, ...cut, sortDevice: { isNarrow } });
+              }),
+            ),
             ...(isOrthographic ? [] : [cullSplats({ ...variant, sortsByDistance: true })]),
           );
         }
@@ -269,10 +272,13 @@ export function allStageVariants(): Promise<StageDefinition[]> {
   for (const isOrthographic of BOTH) {
     const frame = { isOrthographic, shortKeyBits: null, maxColor: 65504, isDilated: true } as const;
     const culled = { extent: 'opacity', culling: 'bounding-box', hasLevels: true, isStacked: true } as const;
-    stages.push(cullSplats({ ...frame, ...culled, ...BLOB_PRECISION }));
-    for (const degree of DEGREES) {
-      const degrees = { storedShDegree: degree, shDegree: degree };
-      stages.push(project({ ...frame, ...BLOB_PRECISION, ...degrees, recordPrecision: 'f16' }));
+    for (const batchInstances of [null, BATCH_INSTANCES]) {
+      const blobs = { ...frame, ...BLOB_PRECISION, batchInstances };
+      stages.push(cullSplats({ ...blobs, ...culled }));
+      for (const degree of DEGREES) {
+        const degrees = { storedShDegree: degree, shDegree: degree };
+        stages.push(project({ ...blobs, ...degrees, recordPrecision: 'f16' }));
+      }
     }
   }
   for (const shortKeyBits of SHORT_KEYS) {

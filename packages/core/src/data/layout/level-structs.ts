@@ -32,7 +32,7 @@ export const MergeParameters = gpuStruct('MergeParameters', {
   dispatchRow: 'u32',
 });
 
-/** What the cut of one cloud needs, for one view. */
+/** What the cut of one cloud needs, or of one of its instances, for one view. */
 export const CutParameters = gpuStruct('CutParameters', {
   /** The camera in cloud space, about the cloud's origin. */
   camera: 'vec3f',

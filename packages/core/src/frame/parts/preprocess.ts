@@ -118,7 +118,7 @@ const cloudStages = perShape((shape) =>
   shape.clouds.map((cloud) => {
     const { accuracy, shortensKeys } = shape;
     // Inputs of variants have one name everywhere; planes at hand may differ from the settings'.
-    const batch = cloud.instanceCount === null ? null : batchInstances(cloud.effects);
+    const batch = cloud.instanceCount === null ? null : batchInstances(cloud);
     const variant = { ...accuracy, ...shape, ...cloud.planes, ...cloud, batchInstances: batch };
     const hasLevels = cloud.levels !== null;
     const isBudgeted = hasLevels && shape.isBudgeted;
@@ -195,9 +195,10 @@ export class Preprocess implements FramePart<OrderRecording> {
     if (held && hasSameBuffers(held.shape, shape)) return null;
     const { shared } = this.#context;
     const pages = pagesOf(shape);
-    // The largest buffer of a frame, besides the pairs', whose number is limited.
-    const [bytes, usage] = bufferTable(shape, pages).records;
-    this.#memory.check('frame records', bytes, usage);
+    // The largest buffers of a frame, besides the pairs', whose number is limited.
+    const table = bufferTable(shape, pages);
+    for (const name of ['records', 'visibilityMasks'] as const)
+      this.#memory.check(`frame ${name}`, ...table[name]);
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
