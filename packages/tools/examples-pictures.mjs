@@ -8,8 +8,9 @@ import { ensureChromium, ensureInstalled, fail, repositoryRoot } from './setup.m
 const SIZE = { width: 480, height: 320 };
 const MAX_BYTES = 16_000;
 const MAX_QUALITY = 80;
-/** An empty page has about 2 kB. */
+/** An empty page has about 2 kB, and a panel 5 kB more. */
 const MIN_BYTES = 4_000;
+const MIN_BYTES_WITH_PANEL = 8_000;
 const MAX_ACTIONS = 5;
 /** After that many, a picture is of something that never comes to rest. */
 const MAX_SHOTS = 10;
@@ -42,6 +43,9 @@ const ACTIONS = {
   selection: ({ mouse }) => mouse.click(174, 180),
 };
 
+/** Examples that are about what their panel offers. */
+const WITH_PANEL = ['accuracy', 'demand-loop', 'file-drop'];
+
 const app = join(repositoryRoot, 'apps/examples');
 const docs = join(repositoryRoot, 'apps/docs');
 const ofApp = readdirSync(join(app, 'src/routes')).map((file) => basename(file, '.tsx'));
@@ -69,7 +73,8 @@ const browser = await module.launchBrowser({ executablePath, usesGpu: false });
 try {
   for (const name of chosen.length > 0 ? chosen : names) {
     const page = await browser.newPage({ viewport: SIZE, reducedMotion: 'reduce' });
-    await page.addInitScript(showStageAlone);
+    const hasPanel = WITH_PANEL.includes(name);
+    await page.addInitScript(showStageAlone, hasPanel);
     // The scene's placeholder and the progress bar are what this one is about.
     if (name === 'suspense') await page.route('**/still-life.sog', () => {});
     const isOfDocs = ofDocs.includes(name);
@@ -77,12 +82,13 @@ try {
       route.fulfill({ body: pageOf(name), contentType: 'text/html' }),
     );
     await page.goto(server.resolvedUrls.local[0] + (isOfDocs ? `${name}.html` : `?example=${name}`));
-    const first = await pictureAtRest(page);
+    const minBytes = hasPanel ? MIN_BYTES_WITH_PANEL : MIN_BYTES;
+    const first = await pictureAtRest(page, minBytes);
     let bytes = first;
     // Rays miss splats for a moment after the first picture.
     for (let i = 0; i < MAX_ACTIONS && name in ACTIONS && bytes.equals(first); i++) {
       await ACTIONS[name](page);
-      bytes = await pictureAtRest(page);
+      bytes = await pictureAtRest(page, minBytes);
     }
     writeFileSync(join(isOfDocs ? docs : app, 'thumbnails', `${name}.jpg`), bytes);
     console.log(`${name}: ${bytes.length.toLocaleString('en')} bytes`);
@@ -105,17 +111,17 @@ function pageOf(name) {
 }
 
 /** Runs in the page. */
-function showStageAlone() {
+function showStageAlone(hasPanel) {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(`
     .example { grid-template-rows: 100% !important; }
-    .example-bar, .panel:not(:has(progress)) { display: none !important; }
+    .example-bar${hasPanel ? '' : ', .panel:not(:has(progress))'} { display: none !important; }
   `);
   document.adoptedStyleSheets.push(sheet);
 }
 
 /** Returns a picture that is as good as its size allows. */
-async function pictureAtRest(page) {
+async function pictureAtRest(page, minBytes) {
   const shot = (quality) => page.screenshot({ type: 'jpeg', quality, timeout: 0 });
   let last = Buffer.alloc(0);
   let before;
@@ -123,7 +129,7 @@ async function pictureAtRest(page) {
     await page.waitForTimeout(500);
     before = last;
     last = await shot(MAX_QUALITY);
-    if (last.length >= MIN_BYTES) shots++;
+    if (last.length >= minBytes) shots++;
     else if (empty++ > MAX_EMPTY_SHOTS) throw new Error(`${page.url()} draws nothing.`);
   }
   for (let quality = MAX_QUALITY - 5; last.length > MAX_BYTES; quality -= 5) last = await shot(quality);

@@ -43,7 +43,7 @@ const DESCRIPTIONS = [
     name: 'demand-loop',
     title: 'Drawing on demand',
     about: 'Frames are drawn on request, and none while nothing changes.',
-    alt: 'A trefoil knot with stripes in all colours of the rainbow',
+    alt: 'A trefoil knot in rainbow colours, the number of frames drawn, and a button for one more',
   },
   {
     name: 'suspense',
@@ -61,7 +61,7 @@ const DESCRIPTIONS = [
     name: 'accuracy',
     title: 'Accuracy',
     about: 'Settings by name, or an outcome, for which settings are measured, chosen and explained.',
-    alt: 'An island with a snowy mountain in a blue sea',
+    alt: 'An island with a snowy mountain, and a list of accuracies below it',
   },
   {
     name: 'colour',
@@ -117,7 +117,7 @@ const DESCRIPTIONS = [
     name: 'file-drop',
     title: 'Files of visitors',
     about: 'A file that is dropped or chosen replaces the scene, and the camera moves to fit it.',
-    alt: 'A ring in rainbow colours, from the front',
+    alt: 'A ring in rainbow colours, and a button below it that chooses a file',
   },
   {
     name: 'gltf-scene',
