@@ -99,9 +99,9 @@ export class CutBuffers {
       const { batches, cuts, levels } = cut;
       const contents = new ArrayBuffer(cuts.size);
       const stride = cutStride(batches);
+      const { places, cut: own } = clouds[i];
       for (const [batch, { first, count }] of batches.entries()) {
         for (let instance = 0; instance < count; instance++) {
-          const { places, cut: own } = clouds[i];
           const values = {
             ...(places ? places[first + instance].cut! : own!),
             cellCount: levels.cellCount,

@@ -97,7 +97,7 @@ export function cutErrorPx(detail: FixedDetail, clouds: readonly Pick<CutCloud, 
  * Returns the cut that moves no light by more than `detail` allows, in the middle of the image; null
  * for full detail and for clouds without levels.
  *
- * @param nearestDepth of all splats, for a place where the cloud has no extent, and so no distances.
+ * @param leastDepth of all splats, for a place where the cloud has no extent, and so no distances.
  */
 export function levelCut(
   levels: Levels | null,
@@ -105,7 +105,7 @@ export function levelCut(
   { linear, inverse, camera }: CloudView,
   { isOrthographic, focalPx, near }: Projection,
   { displacement, growth }: SplatReach,
-  nearestDepth = 0,
+  leastDepth = 0,
 ): LevelCut | null {
   if (!levels || detail === 'full') return null;
   const { maxErrorPx = UNSHIFTED_ERROR_PX } = detail;
@@ -115,7 +115,7 @@ export function levelCut(
     camera: camera ?? [0, 0, 0],
     squaredPerDistance: camera ? squared(radians * smallest) : 0,
     // Chunks around the camera are at no distance, but what is nearer than this is not drawn.
-    leastSquared: squared(isOrthographic ? radians : radians * Math.max(near, nearestDepth)),
+    leastSquared: squared(isOrthographic ? radians : radians * Math.max(near, leastDepth)),
     margin: camera ? displacement : 0,
   };
 }
