@@ -1,7 +1,7 @@
 // Blends two pages of geometry, splat by splat: positions, opacities and base colours linearly,
 // sizes geometrically, rotations along the shorter arc. Reads both and writes a third page, all
-// stored alike: packed log scales have the ranges of the chunks, which hold those of both. One
-// thread per splat.
+// stored alike: packed log scales have the ranges of the chunks, which hold those of both. At 0 and
+// 1 it copies, since logarithms and packing again may be a step off. One thread per splat.
 import constants::CHUNK_SPLATS;
 import layout::Chunk;
 import layout::MorphParameters;
@@ -21,6 +21,14 @@ import package::lib::packing::unpackSplat;
 fn morphGeometry(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_SPLATS + lane;
   if (index >= parameters.splatCount) { return; }
+  if (parameters.amount == 0.0) {
+    morphed[index] = first[index];
+    return;
+  }
+  if (parameters.amount == 1.0) {
+    morphed[index] = second[index];
+    return;
+  }
   @if(GEOMETRY_F32) morphed[index] = storeSplat(morphSplat(unpackSplat(first[index]), unpackSplat(second[index])));
   @if(!GEOMETRY_F32) let chunk = &chunks[index / CHUNK_SPLATS];
   @if(!GEOMETRY_F32) let range = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
@@ -47,7 +55,6 @@ fn logOf(scale: vec3f) -> vec3f {
   return log(max(scale, vec3f(1e-37)));
 }
 
-/// Exactly `a` or `b` at either end, which `mix` is not on every device.
 fn blend3(a: vec3f, b: vec3f) -> vec3f {
   return a * (1.0 - parameters.amount) + b * parameters.amount;
 }

@@ -92,6 +92,10 @@ describe('morph-geometry', () => {
         expect(errorOf(made, reference(...states, COUNT, amount))).toBeLessThan(1);
       });
     }
+    gpuTest(`is either set at its end, bit for bit, ${precision}`, async () => {
+      for (const [amount, { words }] of states.entries())
+        expect((await morphOnGpu(states, amount)).words).toEqual(words);
+    });
     gpuTest(`keeps centres within the bounds of both, ${precision}`, async () => {
       const made = await morphOnGpu(states, 0.7);
       for (let i = 0; i < COUNT; i++) {
