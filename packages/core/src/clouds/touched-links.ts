@@ -1,6 +1,6 @@
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { GpuValues } from '../data/layout/gpu-struct.ts';
-import { MergeParameters } from '../data/layout/level-structs.ts';
+import { ChunkLinks, MergeParameters } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
 import { touchLinks, touchUpperLinks } from '../gpu/stages/touch-links.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
@@ -60,6 +60,8 @@ export class TouchedLinks {
   readonly #context: DispatchContext;
   readonly #levels: LinkedLevels;
   readonly #copies = new Map<GPUBuffer, GPUBuffer>();
+  /** Of all levels above the chunks'; room for one chunk, which nothing reads, where there is none. */
+  readonly #upperLinks: GPUBuffer;
   /** By page of the cloud. */
   readonly #bits: readonly { readonly editedBits: GPUBuffer; readonly hiddenBits: GPUBuffer }[];
   /** What the links were made of; null: they hold nothing yet. */
@@ -74,6 +76,10 @@ export class TouchedLinks {
     const { splatLinks, blobPages } = levels;
     for (const links of [...splatLinks, ...blobPages.map((page) => page.links)])
       this.#copies.set(links, buffer('links', links.size));
+    const hasUpper = blobPages.length > splatLinks.length;
+    this.#upperLinks = hasUpper
+      ? this.of(blobPages.at(-1)!.links)
+      : buffer('links of no level', 4 * ChunkLinks.words);
     this.#bits = splatLinks.map((_, i) => ({
       editedBits: buffer('edits', MASK_BYTES * blobPages[i].chunkCount),
       hiddenBits: buffer('hidden splats', MASK_BYTES * blobPages[i].chunkCount),
@@ -97,6 +103,7 @@ export class TouchedLinks {
     if (this.#made?.chunks === chunks && this.#made.versions === versions) return;
     const { queue } = this.#context.device;
     const { splatLinks, blobPages, ranges } = this.#levels;
+    const upperLinks = this.#upperLinks;
     if (this.#made?.chunks !== chunks) {
       // Blobs stay where splats were.
       const cells = cellsOf(new Float32Array(this.#levels.chunks), new Float32Array(chunks));
@@ -104,7 +111,6 @@ export class TouchedLinks {
     }
     this.#made = { chunks, versions };
     const { dispatchRow } = this.#context;
-    const upperLinks = this.of(blobPages.at(-1)!.links);
     const dispatches = new Dispatches(this.#context);
     for (const { start, end, page, parameters } of ranges) {
       const packed = MergeParameters.pack({ ...parameters, firstCell: start, endCell: end, dispatchRow });

@@ -381,6 +381,23 @@ describe('frames with less than full detail', () => {
       });
     }
 
+    gpuTest('all of a cloud of one chunk: as full detail draws them, bit for bit', async () => {
+      const cloud = engine.add(randomSplats({ count: 200, seed: 8, shDegree: 1 }));
+      const edits = new SplatEdits();
+      await cloud.makeLevels();
+      await followEdits(cloud, edits);
+      edits.set({ first: 0, count: 100 }, { colors: [1, 0, 0] });
+      const effects = [show(selectionOf(Array.from({ length: 100 }, (_, i) => 100 + i)))];
+      const view = engine.createView();
+      const draw = async (detail: Detail) => {
+        view.render({ camera: camera(6), clouds: [{ cloud, effects }], ...SIZE, detail });
+        return (await view.readPixels()).data;
+      };
+      expect(await draw({ maxErrorPx: 100 })).toEqual(await draw('full'));
+      view.destroy();
+      cloud.destroy();
+    });
+
     gpuTest('once they are not, frames are as before, bit for bit, and memory is freed', async () => {
       const edited = engine.add(faint);
       const [edits, selection] = [new SplatEdits(), new SplatSelection()];
