@@ -4,6 +4,7 @@ import {
   type AccuracyPreset,
   type Camera,
   type CloudInstance,
+  type CloudInstances,
   type CloudPrecision,
   encodePly,
   type FixedDetail,
@@ -12,33 +13,66 @@ import {
   orthographicCamera,
   perspectiveCamera,
   type ShDegree,
+  type SortBy,
   type SplatCloud,
   type SplatEngine,
   type SplatSet,
   type Vec3,
 } from '@websplatter/core';
-import { antialias, brightness, clip, type EffectUse, fog, reveal, tint } from '@websplatter/core/effects';
+import {
+  antialias,
+  brightness,
+  clip,
+  type EffectUse,
+  fog,
+  highlight,
+  reveal,
+  SplatSelection,
+  tint,
+} from '@websplatter/core/effects';
+import {
+  type EditedValues,
+  flushEdits,
+  followEdits,
+  followMorph,
+  type RowRange,
+  SplatEdits,
+  SplatMorph,
+} from '@websplatter/core/own-data';
 import { ordinarySplats, resized, splatsOf, withRandomSh } from '../make-splats.ts';
 import type { Chance } from './chance.ts';
+
+/** What may be done to a cloud. Missing values take edits of these rows back. */
+export type CloudChange =
+  | { readonly precision: CloudPrecision }
+  | { readonly rows: RowRange; readonly values?: EditedValues }
+  | 'levels';
 
 /** Everything that a cloud is made from. */
 export interface CloudRecipe {
   readonly set: SplatSet;
-  /** Whether its splats come from the bytes of a PLY, or from memory. */
-  readonly isFile: boolean;
-  /** Precisions in order: planes made from others may differ by a step from those of a file. */
-  readonly precisions: readonly CloudPrecision[];
-  /** How many of these there were when its levels of detail were made; null if it has none. */
-  readonly levelsAfter: number | null;
+  /** Whether its splats come from the bytes of a PLY, from memory, or are between two sets. */
+  readonly source: 'file' | 'memory' | SplatMorph;
+  readonly precision: CloudPrecision;
+  /**
+   * In order: planes made from others may differ by a step from those of a file, and levels are
+   * made of the planes at hand.
+   */
+  readonly changes: readonly CloudChange[];
+}
+
+/** A cloud and the edits that it follows once there are some. */
+export interface EditableCloud {
+  cloud: SplatCloud;
+  edits: SplatEdits;
 }
 
 /** How a cloud is drawn. */
 export type Placing = Omit<CloudInstance, 'cloud'>;
 
 /** A cloud of the scene. */
-export interface SoakCloud {
+export interface SoakCloud extends EditableCloud {
   recipe: CloudRecipe;
-  cloud: SplatCloud;
   placing: Placing;
 }
 
@@ -48,6 +82,7 @@ export interface SoakView {
   readonly size: { readonly widthPx: number; readonly heightPx: number };
   accuracy: Accuracy;
   detail: FixedDetail;
+  sortBy: SortBy;
   background: Vec3;
 }
 
@@ -57,12 +92,21 @@ const RASTERIZERS: readonly FrameRasterizer[] = ['tiles', 'quads'];
 const SCENE_REACH = 6;
 
 export function randomRecipe(chance: Chance): CloudRecipe {
+  const copies = chance.whole(1, 6);
+  const set = randomSet(chance, copies);
+  const source = chance.weighted([
+    { weight: 4, of: () => 'file' as const },
+    { weight: 4, of: () => 'memory' as const },
+    { weight: 1, of: () => new SplatMorph(set, randomSet(chance, copies), randomPrecision(chance)) },
+  ]);
+  return { set, source: source.of(), precision: randomPrecision(chance), changes: [] };
+}
+
+function randomSet(chance: Chance, copies: number): SplatSet {
   const seed = chance.whole(1, 1e6);
   const shDegree = chance.of(DEGREES);
-  const copies = chance.whole(1, 6);
   const splats = Array.from({ length: copies }, (_, i) => resized(ordinarySplats(seed + i), 1 + 0.1 * i));
-  const set = splatsOf(withRandomSh(splats.flat(), shDegree, 0.2), { shDegree });
-  return { set, isFile: chance.happens(0.5), precisions: [randomPrecision(chance)], levelsAfter: null };
+  return splatsOf(withRandomSh(splats.flat(), shDegree, 0.2), { shDegree });
 }
 
 export function randomPrecision(chance: Chance): CloudPrecision {
@@ -72,28 +116,85 @@ export function randomPrecision(chance: Chance): CloudPrecision {
   };
 }
 
-/** Makes the cloud, with its planes remade as often as they were before, and levels of the same. */
+/** Makes the cloud, and changes it as often as it was changed before. */
 export async function makeCloud(
   engine: SplatEngine,
-  { set, isFile, precisions, levelsAfter }: CloudRecipe,
+  recipe: CloudRecipe,
+  signal?: AbortSignal,
+): Promise<EditableCloud> {
+  const cloud = await makeUnchanged(engine, recipe, signal);
+  const item = { cloud, edits: new SplatEdits(recipe.set.count) };
+  for (const change of recipe.changes) await changeCloud(engine, item, change, signal);
+  return item;
+}
+
+async function makeUnchanged(
+  engine: SplatEngine,
+  { set, source, precision }: CloudRecipe,
   signal?: AbortSignal,
 ): Promise<SplatCloud> {
-  const cloud = isFile
-    ? await engine.load(new Blob([encodePly(set)]), { precision: precisions[0], signal, name: 'soak.ply' })
-    : engine.add(set, { name: 'soak' });
-  for (const [i, precision] of precisions.entries()) {
-    if (i > 0 || !isFile) await engine.requestPrecision(cloud, precision, { signal });
-    if (i + 1 === levelsAfter) await cloud.makeLevels();
-  }
+  if (source === 'file')
+    return engine.load(new Blob([encodePly(set)]), { precision, signal, name: 'soak.ply' });
+  const isMorph = source !== 'memory';
+  const cloud = isMorph ? engine.addPacked(source.packed) : engine.add(set, { name: 'soak' });
+  if (isMorph) await followMorph(cloud, source);
+  else await engine.requestPrecision(cloud, precision, { signal });
   return cloud;
+}
+
+export async function changeCloud(
+  engine: SplatEngine,
+  { cloud, edits }: EditableCloud,
+  change: CloudChange,
+  signal?: AbortSignal,
+): Promise<void> {
+  if (change === 'levels') await cloud.makeLevels();
+  else if ('precision' in change) await engine.requestPrecision(cloud, change.precision, { signal });
+  else {
+    await followEdits(cloud, edits);
+    if (change.values) edits.set(change.rows, change.values);
+    else edits.clear(change.rows);
+  }
+  // As if a frame came between two changes: edits may differ by a step that are uploaded later.
+  flushEdits(cloud);
+}
+
+/** Values for some successive rows, all the same, or none, which takes edits back. */
+export function randomEdit(chance: Chance, { count: splats }: SplatSet): CloudChange {
+  const first = chance.whole(0, splats - 1);
+  const rows = { first, count: chance.whole(1, Math.min(40, splats - first)) };
+  if (chance.happens(0.15)) return { rows };
+  const [x, y, z] = chance.vector(1);
+  const value = <Value>(probability: number, make: () => Value) =>
+    chance.happens(probability) ? make() : undefined;
+  const values = {
+    positions: value(0.4, () => chance.vector(3)),
+    scales: value(0.4, () => [0, 1, 2].map(() => Math.exp(chance.within(-5, 0)))),
+    rotations: value(0.4, () => [x, y, z, 1]),
+    opacities: value(0.4, () => [chance.within(0, 1)]),
+    colors: value(0.4, () => chance.vector(1)),
+    visible: value(0.3, () => chance.happens(0.5)),
+  };
+  return { rows, values };
 }
 
 export function randomPlacing(chance: Chance): Placing {
   return {
     modelMatrix: randomModelMatrix(chance),
+    instances: chance.happens(0.3) ? randomInstances(chance) : undefined,
     opacity: chance.happens(0.8) ? 1 : chance.within(0, 1),
     shDegree: chance.of(DEGREES),
     effects: randomEffects(chance),
+  };
+}
+
+/** From none to a dozen. */
+function randomInstances(chance: Chance): CloudInstances {
+  const places = Array.from({ length: chance.whole(0, 12) }, () => randomModelMatrix(chance));
+  return {
+    modelMatrices: places.flat(),
+    tints: chance.happens(0.5) ? places.flatMap(() => chance.vector(1).map(Math.abs)) : undefined,
+    opacities: chance.happens(0.5) ? places.map(() => chance.within(0, 1)) : undefined,
   };
 }
 
@@ -112,11 +213,18 @@ export function randomEffects(chance: Chance): EffectUse[] {
     () => tint([chance.within(0, 1), chance.within(0, 1), chance.within(0, 1)]),
     () => brightness(chance.within(0, 2)),
     () => antialias(),
+    () => highlight({ selection: randomSelection(chance), color: [1, 0.5, 0], strength: 0.5 }),
     () => fog({ color: [0.5, 0.6, 0.7], near: chance.within(0, 4), far: chance.within(5, 20) }),
     () => clip({ volumes: [{ shape: 'sphere', center: chance.vector(2), radius: chance.within(0.5, 6) }] }),
     () => reveal({ from: chance.vector(2), radius: chance.within(0, 8), softEdge: chance.within(0, 2) }),
   ];
   return possible.filter(() => chance.happens(0.15)).map((make) => make());
+}
+
+function randomSelection(chance: Chance): SplatSelection {
+  const selection = new SplatSelection();
+  selection.add(Array.from({ length: chance.whole(0, 50) }, () => chance.whole(0, 500)));
+  return selection;
 }
 
 export function randomAccuracy(chance: Chance): Accuracy {
@@ -170,6 +278,7 @@ export function requestOf(
     ...view.size,
     accuracy: view.accuracy,
     detail: view.detail,
+    sortBy: view.sortBy,
     background: view.background,
   };
 }

@@ -1,14 +1,18 @@
 import { adapterLabel, SplatEngine, type SplatView, WebSplatterError } from '@websplatter/core';
 import { describePixel } from '@websplatter/core/inspect';
+import { SplatMorph } from '@websplatter/core/own-data';
 import { WatchedDevice } from '../run-device.ts';
 import { firstDifference } from '../run-images.ts';
 import { Chance } from './chance.ts';
 import {
+  type CloudChange,
   type CloudRecipe,
+  changeCloud,
   makeCloud,
   randomAccuracy,
   randomCamera,
   randomDetail,
+  randomEdit,
   randomEffects,
   randomPlacing,
   randomPrecision,
@@ -103,6 +107,13 @@ const STEPS: readonly Step[] = [
     },
   },
   {
+    name: 'sort',
+    weight: 2,
+    run: (soak, chance) => {
+      soak.shown.sortBy = chance.of(['auto', 'depth', 'distance'] as const);
+    },
+  },
+  {
     name: 'background',
     weight: 2,
     run: (soak, chance) => {
@@ -118,7 +129,18 @@ const STEPS: readonly Step[] = [
   { name: 'add', weight: 6, run: (soak, chance) => soak.add(chance) },
   { name: 'remove', weight: 4, run: (soak, chance) => soak.remove(chance) },
   { name: 'abort a load', weight: 3, run: (soak, chance) => soak.abortLoad(chance) },
-  { name: 'precision', weight: 4, run: (soak, chance) => soak.requestPrecision(chance) },
+  {
+    name: 'precision',
+    weight: 4,
+    run: (soak, chance) => soak.change(chance, () => ({ precision: randomPrecision(chance) })),
+  },
+  {
+    name: 'edit',
+    weight: 8,
+    run: (soak, chance) => soak.change(chance, ({ set }) => randomEdit(chance, set)),
+  },
+  { name: 'levels', weight: 2, run: (soak, chance) => soak.change(chance, () => 'levels') },
+  { name: 'morph', weight: 4, run: (soak, chance) => soak.morph(chance) },
   { name: 'pick', weight: 2, run: (soak, chance) => soak.pick(chance) },
   { name: 'new view', weight: 2, run: (soak) => soak.renewView() },
   { name: 'clear', weight: 1, run: (soak) => soak.clear() },
@@ -171,6 +193,15 @@ export async function soak(options: SoakOptions): Promise<SoakReport> {
   }
 }
 
+interface Seen {
+  readonly picture: Float32Array;
+  /** As JSON. */
+  readonly picks: string;
+}
+
+/** Where pictures are compared by picks too, from the lower left to the upper right. */
+const PICKED_PARTS = [0.25, 0.5, 0.7];
+
 /** One soak under way. */
 class Soak {
   readonly failures: string[] = [];
@@ -207,6 +238,7 @@ class Soak {
       size: randomSize(chance),
       accuracy: randomAccuracy(chance),
       detail: 'full',
+      sortBy: 'auto',
       background: [0, 0, 0],
     };
     return new Soak(options, watched, await engineOn(watched), shown);
@@ -234,22 +266,22 @@ class Soak {
     await this.#takeErrors();
   }
 
-  /** Compares the picture with that of an engine that was made for it. */
+  /** Compares the picture, and picks in it, with those of an engine that was made for it. */
   async compare(): Promise<void> {
     const { accuracy } = this.shown;
     // The choice between the rasterisers follows times, which no two engines share.
     const isAuto = typeof accuracy === 'object' && accuracy.rasterizer === 'auto';
     if (isAuto) this.shown.accuracy = { ...accuracy, rasterizer: 'tiles' };
     try {
-      this.#view.render(requestOf(this.shown, this.#clouds));
-      const { data } = await this.#view.readPixels();
-      const fresh = await this.#freshPicture();
-      this.#options.doctor?.(fresh);
-      const at = firstDifference(data, fresh);
+      const seen = await this.#see(this.#view, this.#clouds);
+      const fresh = await this.#seeAfresh();
+      this.#options.doctor?.(fresh.picture);
+      const at = firstDifference(seen.picture, fresh.picture);
       if (at >= 0) {
         const pixel = describePixel(this.shown.size.widthPx, at);
-        this.#fail(`${pixel}: got ${data[at]}, a fresh engine ${fresh[at]}`);
-      }
+        this.#fail(`${pixel}: got ${seen.picture[at]}, a fresh engine ${fresh.picture[at]}`);
+      } else if (seen.picks !== fresh.picks)
+        this.#fail(`picks are ${seen.picks}, of a fresh engine ${fresh.picks}`);
       this.pictures++;
     } catch (error) {
       this.#fail(`while comparing: ${describe(error)}`);
@@ -299,7 +331,7 @@ class Soak {
     if (this.#clouds.length === MOST_CLOUDS) this.remove(chance);
     const recipe = randomRecipe(chance);
     const placing = randomPlacing(chance);
-    this.#clouds.push({ recipe, placing, cloud: await makeCloud(this.#engine, recipe) });
+    this.#clouds.push({ recipe, placing, ...(await makeCloud(this.#engine, recipe)) });
   }
 
   remove(chance: Chance): void {
@@ -310,26 +342,26 @@ class Soak {
 
   /** Begins a load and calls it off at some moment. */
   async abortLoad(chance: Chance): Promise<void> {
-    const recipe: CloudRecipe = { ...randomRecipe(chance), isFile: true };
+    const recipe: CloudRecipe = { ...randomRecipe(chance), source: 'file' };
     const controller = new AbortController();
     const loading = makeCloud(this.#engine, recipe, controller.signal);
     const turns = chance.whole(0, 8);
     loading.catch(() => {});
     for (let turn = 0; turn < turns; turn++) await nextTask();
     controller.abort();
-    const cloud = await loading.catch((error) => {
+    const made = await loading.catch((error) => {
       if (error !== controller.signal.reason) throw error;
       return null;
     });
-    cloud?.destroy();
+    made?.cloud.destroy();
   }
 
-  async requestPrecision(chance: Chance): Promise<void> {
-    const precision = randomPrecision(chance);
-    if (this.#clouds.length === 0) return;
-    const item = chance.of(this.#clouds);
-    await this.#engine.requestPrecision(item.cloud, precision);
-    item.recipe = { ...item.recipe, precisions: [...item.recipe.precisions, precision] };
+  /** Changes a cloud that no morph writes. */
+  async change(chance: Chance, changeOf: (recipe: CloudRecipe) => CloudChange): Promise<void> {
+    const items = this.#clouds.filter(({ recipe }) => !isMorph(recipe));
+    if (items.length === 0) return;
+    const item = chance.of(items);
+    await this.#change(item, changeOf(item.recipe));
   }
 
   async pick(chance: Chance): Promise<void> {
@@ -337,6 +369,12 @@ class Soak {
     const [x, y] = [chance.within(0, 1), chance.within(0, 1)];
     this.#view.render(requestOf(this.shown, this.#clouds));
     await this.#view.pick(Math.floor(x * widthPx), Math.floor(y * heightPx));
+  }
+
+  /** Clouds of the same morph, here and in a fresh engine, show its amount. */
+  morph(chance: Chance): void {
+    for (const { recipe } of this.#clouds)
+      if (isMorph(recipe)) recipe.source.amount = chance.of([0, 1, chance.within(0, 1)]);
   }
 
   renewView(): void {
@@ -388,28 +426,41 @@ class Soak {
     this.#watched = await WatchedDevice.request(this.#options.gpu);
     this.#engine = await engineOn(this.#watched);
     this.#view = this.#engine.createView();
-    for (const item of this.#clouds) item.cloud = await makeCloud(this.#engine, item.recipe);
+    for (const item of this.#clouds) Object.assign(item, await makeCloud(this.#engine, item.recipe));
   }
 
   /** Makes levels here, and not when a view needs them: they are made of the planes at hand. */
   async #makeLevels(): Promise<void> {
-    for (const item of this.#clouds) {
-      if (item.recipe.levelsAfter !== null) continue;
-      await item.cloud.makeLevels();
-      item.recipe = { ...item.recipe, levelsAfter: item.recipe.precisions.length };
-    }
+    for (const item of this.#clouds)
+      if (!isMorph(item.recipe) && !item.recipe.changes.includes('levels'))
+        await this.#change(item, 'levels');
   }
 
-  async #freshPicture(): Promise<Float32Array> {
+  async #change(item: SoakCloud, change: CloudChange): Promise<void> {
+    await changeCloud(this.#engine, item, change);
+    item.recipe = { ...item.recipe, changes: [...item.recipe.changes, change] };
+  }
+
+  async #see(view: SplatView, clouds: readonly Pick<SoakCloud, 'cloud' | 'placing'>[]): Promise<Seen> {
+    const { widthPx, heightPx } = this.shown.size;
+    view.render(requestOf(this.shown, clouds));
+    const { data: picture } = await view.readPixels();
+    const picks: unknown[] = [];
+    for (const part of PICKED_PARTS) {
+      const pick = await view.pick(Math.floor(part * widthPx), Math.floor((1 - part) * heightPx));
+      picks.push({ ...pick, cloud: undefined });
+    }
+    return { picture, picks: JSON.stringify(picks) };
+  }
+
+  async #seeAfresh(): Promise<Seen> {
     const engine = await engineOn(this.#watched);
     const clouds = await Promise.all(
-      this.#clouds.map(async ({ recipe, placing }) => ({ placing, cloud: await makeCloud(engine, recipe) })),
+      this.#clouds.map(async ({ recipe, placing }) => ({ placing, ...(await makeCloud(engine, recipe)) })),
     );
-    const view = engine.createView();
-    view.render(requestOf(this.shown, clouds));
-    const { data } = await view.readPixels();
+    const seen = await this.#see(engine.createView(), clouds);
     engine.destroy();
-    return data;
+    return seen;
   }
 
   async #takeErrors(): Promise<void> {
@@ -423,6 +474,10 @@ class Soak {
 
 function engineOn({ device }: WatchedDevice): Promise<SplatEngine> {
   return SplatEngine.create({ device, ingestMinRows: INGEST_MIN_ROWS });
+}
+
+function isMorph(recipe: CloudRecipe): recipe is CloudRecipe & { readonly source: SplatMorph } {
+  return recipe.source instanceof SplatMorph;
 }
 
 function describe(error: unknown): string {
