@@ -51,7 +51,7 @@ export type CloudChange =
 /** Everything that a cloud is made from. */
 export interface CloudRecipe {
   readonly set: SplatSet;
-  /** Whether its splats come from the bytes of a PLY, from memory, or are between two sets. */
+  /** The splats come from the bytes of a PLY or from memory, or lie between two sets. */
   readonly source: 'file' | 'memory' | SplatMorph;
   readonly precision: CloudPrecision;
   /**
@@ -135,10 +135,13 @@ async function makeUnchanged(
 ): Promise<SplatCloud> {
   if (source === 'file')
     return engine.load(new Blob([encodePly(set)]), { precision, signal, name: 'soak.ply' });
-  const isMorph = source !== 'memory';
-  const cloud = isMorph ? engine.addPacked(source.packed) : engine.add(set, { name: 'soak' });
-  if (isMorph) await followMorph(cloud, source);
-  else await engine.requestPrecision(cloud, precision, { signal });
+  if (source === 'memory') {
+    const cloud = engine.add(set, { name: 'soak' });
+    await engine.requestPrecision(cloud, precision, { signal });
+    return cloud;
+  }
+  const cloud = engine.addPacked(source.packed);
+  await followMorph(cloud, source);
   return cloud;
 }
 

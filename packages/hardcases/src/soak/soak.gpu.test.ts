@@ -5,7 +5,7 @@ import { soak } from './soak.ts';
 
 /** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */
 const gpu = { requestAdapter: async () => (await createNodeGpu()).adapter };
-const FRAMES = process.env.WEBSPLATTER_FULL === '1' ? 2000 : 150;
+const FRAMES = process.env.WEBSPLATTER_FULL === '1' ? 1000 : 150;
 /** Another one soaks otherwise: WEBSPLATTER_SEED=7. */
 const seed = Number(process.env.WEBSPLATTER_SEED ?? 1);
 
