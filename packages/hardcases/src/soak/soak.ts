@@ -142,6 +142,7 @@ const STEPS: readonly Step[] = [
   { name: 'levels', weight: 2, run: (soak, chance) => soak.change(chance, () => 'levels') },
   { name: 'morph', weight: 4, run: (soak, chance) => soak.morph(chance) },
   { name: 'pick', weight: 2, run: (soak, chance) => soak.pick(chance) },
+  { name: 'other view', weight: 6, run: (soak) => soak.swapViews() },
   { name: 'new view', weight: 2, run: (soak) => soak.renewView() },
   { name: 'clear', weight: 1, run: (soak) => soak.clear() },
   { name: 'lose the device', weight: 2, run: (soak, chance) => soak.loseDevice(chance) },
@@ -212,6 +213,8 @@ class Soak {
   #watched: WatchedDevice;
   #engine: SplatEngine;
   #view: SplatView;
+  /** Another view of the same clouds, which steps change and compare once it takes the first one's place. */
+  #beside: { view: SplatView; shown: SoakView };
   #clouds: SoakCloud[] = [];
   #frame = 0;
   #stepName = 'start';
@@ -220,7 +223,12 @@ class Soak {
   readonly #bytesAtStart: number;
   #bytesAtRest: number;
 
-  private constructor(options: SoakOptions, watched: WatchedDevice, engine: SplatEngine, shown: SoakView) {
+  private constructor(
+    options: SoakOptions,
+    watched: WatchedDevice,
+    engine: SplatEngine,
+    [shown, beside]: readonly SoakView[],
+  ) {
     this.#options = options;
     this.#watched = watched;
     this.#engine = engine;
@@ -228,19 +236,22 @@ class Soak {
     this.#bytesAtRest = this.#bytesAtStart;
     this.#view = engine.createView();
     this.shown = shown;
+    this.#beside = { view: engine.createView(), shown: beside };
     this.adapterLabel = adapterLabel(watched.device.adapterInfo);
   }
 
   static async start(options: SoakOptions, chance: Chance): Promise<Soak> {
     const watched = await WatchedDevice.request(options.gpu);
-    const shown: SoakView = {
-      camera: randomCamera(chance),
-      size: randomSize(chance),
-      accuracy: randomAccuracy(chance),
-      detail: 'full',
-      sortBy: 'auto',
-      background: [0, 0, 0],
-    };
+    const shown = [0, 1].map(
+      (): SoakView => ({
+        camera: randomCamera(chance),
+        size: randomSize(chance),
+        accuracy: randomAccuracy(chance),
+        detail: 'full',
+        sortBy: 'auto',
+        background: [0, 0, 0],
+      }),
+    );
     return new Soak(options, watched, await engineOn(watched), shown);
   }
 
@@ -254,8 +265,10 @@ class Soak {
     this.#stepName = step.name;
     try {
       await step.run(this, chance);
-      if (this.shown.detail !== 'full') await this.#makeLevels();
+      const { view, shown } = this.#beside;
+      if (this.shown.detail !== 'full' || shown.detail !== 'full') await this.#makeLevels();
       this.#view.render(requestOf(this.shown, this.#clouds));
+      if (chance.happens(0.3)) view.render(requestOf(shown, this.#clouds));
       // As in a page, frames mostly follow one another before shaders of the last are compiled.
       if (chance.happens(0.3)) await this.#view.whenDrawn();
       await this.#watched.device.queue.onSubmittedWorkDone();
@@ -377,19 +390,32 @@ class Soak {
       if (isMorph(recipe)) recipe.source.amount = chance.of([0, 1, chance.within(0, 1)]);
   }
 
+  swapViews(): void {
+    const { view, shown } = this.#beside;
+    this.#beside = { view: this.#view, shown: this.shown };
+    this.#view = view;
+    this.shown = shown;
+  }
+
   renewView(): void {
     this.#view.destroy();
     this.#view = this.#engine.createView();
   }
 
+  #createViews(): void {
+    this.#view = this.#engine.createView();
+    this.#beside.view = this.#engine.createView();
+  }
+
   async clear(): Promise<void> {
     await this.#free();
-    this.#view = this.#engine.createView();
+    this.#createViews();
   }
 
   /** Frees everything, and checks that the engine is back where it started. */
   async #free(): Promise<void> {
     this.#view.destroy();
+    this.#beside.view.destroy();
     for (const { cloud } of this.#clouds.splice(0)) cloud.destroy();
     await this.#watched.device.queue.onSubmittedWorkDone();
     this.#bytesAtRest = this.#engine.memory().totalBytes;
@@ -425,7 +451,7 @@ class Soak {
     await this.#takeErrors();
     this.#watched = await WatchedDevice.request(this.#options.gpu);
     this.#engine = await engineOn(this.#watched);
-    this.#view = this.#engine.createView();
+    this.#createViews();
     for (const item of this.#clouds) Object.assign(item, await makeCloud(this.#engine, item.recipe));
   }
 
