@@ -1,9 +1,12 @@
+import { collectGarbage } from '@websplatter/node/collect-garbage';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
+import { followEdits } from './clouds/cloud-editor.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
 import { perspectiveCamera } from './data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError } from './data/errors.ts';
+import { SplatEdits } from './data/splats/splat-edits.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import { deviceWith } from './testing/device-with.ts';
 import { prepared } from './testing/prepared.ts';
@@ -110,6 +113,35 @@ gpuTest('a value that is no source is refused by name', async () => {
   engine.destroy();
 });
 
+describe('an engine', () => {
+  gpuTest('that is held keeps nothing that was destroyed', async () => {
+    const engine = await newEngine();
+    const frame = { camera: cameraAt(0), ...SIZE };
+    const made = async () => {
+      const view = engine.createView();
+      const clouds = [engine.add(SET), await engine.load(new Blob([ROWS])), await engine.load(ROWS.slice())];
+      const edits = new SplatEdits();
+      await followEdits(clouds[0], edits);
+      edits.set({ first: 0, count: 3 }, { colors: [1, 0, 0] });
+      await clouds[1].makeLevels();
+      await engine.requestPrecision(clouds[1], { geometryPrecision: 'f32', shPrecision: 'f32' });
+      for (const detail of ['full', { maxErrorPx: 1 }] as const) {
+        view.render({ ...frame, clouds: clouds.map((cloud) => ({ cloud })), detail });
+        await view.readPixels();
+        await view.pick(20, 20);
+      }
+      await view.whenComplete();
+      view.destroy();
+      for (const cloud of clouds) cloud.destroy();
+      return [view, ...clouds, edits].map((each) => new WeakRef<object>(each));
+    };
+    const left = await made();
+    await collectGarbage();
+    expect(left.filter((each) => each.deref() !== undefined)).toEqual([]);
+    engine.destroy();
+  });
+});
+
 describe('the end of an engine', () => {
   gpuTest.each(['engine', 'device'] as const)('ends what it loads: %s', async (end) => {
     const own = await createTestDevice();
@@ -138,6 +170,18 @@ describe('the end of an engine', () => {
     expect(ended.memory()).toMatchObject({ totalBytes: 0, scene: { totalBytes: 0, clouds: [] } });
     cloud.destroy();
     other.destroy();
+  });
+
+  gpuTest('leaves nothing of it in memory, though its device is held', async () => {
+    const drawn = async () => {
+      const engine = await newEngine();
+      await imageOf(engine);
+      engine.destroy();
+      return new WeakRef(engine);
+    };
+    const ended = await drawn();
+    await collectGarbage();
+    expect(ended.deref()).toBeUndefined();
   });
 
   gpuTest('leaves the commands that a host has recorded valid', async () => {

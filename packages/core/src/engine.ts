@@ -197,6 +197,22 @@ export interface PrecisionProblem {
   readonly error: Error;
 }
 
+/** What an engine does when its device is lost. */
+interface OnLoss {
+  react: ((because: string) => void) | null;
+}
+
+/**
+ * Returns `device.lost`, after the reaction to it. Devices keep what waits for their loss as long as
+ * they live, and a device may outlive many engines: this must keep no engine.
+ */
+function lossOf(device: GPUDevice, onLoss: OnLoss): Promise<GPUDeviceLostInfo> {
+  return device.lost.then((info) => {
+    onLoss.react?.(`the GPU device was lost (${info.message || info.reason})`);
+    return info;
+  });
+}
+
 /** Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`. */
 export class SplatEngine {
   readonly device: GPUDevice;
@@ -227,6 +243,7 @@ export class SplatEngine {
   #destroyedBecause: string | null = null;
   /** Aborts when the engine or its device ends. */
   readonly #ended = new AbortController();
+  readonly #onLoss: OnLoss = { react: null };
 
   /** @internal Use `SplatEngine.create`, which checks the options. */
   constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
@@ -252,11 +269,11 @@ export class SplatEngine {
       adopt: (choice, clouds) => this.#adopt(choice, clouds),
     });
     this.#takeAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
-    this.lost = device.lost.then((info) => {
-      this.#destroyedBecause ??= `the GPU device was lost (${info.message || info.reason})`;
+    this.#onLoss.react = (because) => {
+      this.#destroyedBecause ??= because;
       this.#stopWork(this.#destroyedBecause);
-      return info;
-    });
+    };
+    this.lost = lossOf(device, this.#onLoss);
   }
 
   /**
@@ -508,6 +525,7 @@ export class SplatEngine {
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#destroyedBecause = 'the engine was destroyed';
+    this.#onLoss.react = null;
     this.#stopWork(this.#destroyedBecause);
     for (const view of [...this.#views]) view.destroy();
     for (const cloud of [...this.#clouds]) cloud.end('its engine was destroyed');

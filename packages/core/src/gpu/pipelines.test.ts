@@ -1,5 +1,4 @@
-import { setFlagsFromString } from 'node:v8';
-import { runInNewContext } from 'node:vm';
+import { collectGarbage } from '@websplatter/node/collect-garbage';
 import { beforeAll, describe, expect, test, vi } from 'vitest';
 import { zeroCounters } from './engine-counters.ts';
 import { MAX_KEPT_PIPELINES, Pipelines, type StageDefinition } from './pipelines.ts';
@@ -39,16 +38,6 @@ function variants(count: number): StageDefinition[] {
     entryPoint: 'main',
     constants: { SETTING },
   }));
-}
-
-async function collectGarbage(): Promise<void> {
-  setFlagsFromString('--expose-gc');
-  const gc = runInNewContext('gc') as () => void;
-  for (let i = 0; i < 3; i++) {
-    // Objects that were looked at stay until the task ends.
-    await new Promise((resolve) => setTimeout(resolve));
-    gc();
-  }
 }
 
 describe('Pipelines', () => {
