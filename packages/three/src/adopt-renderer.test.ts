@@ -1,4 +1,5 @@
 import { CodeUnavailableError, InvalidArgumentError, SplatEngine } from '@websplatter/core';
+import { collectGarbage } from '@websplatter/node/collect-garbage';
 import { beforeEach, describe, expect, test, vi } from 'vitest';
 import {
   adoptRenderer,
@@ -213,4 +214,18 @@ describe('a renderer that cannot draw splats', () => {
     await expect(adoptRenderer(renderer)).rejects.toThrow(/compatibility mode alone/);
     expect(create).not.toHaveBeenCalled();
   });
+});
+
+test('a renderer leaves memory though its device lives', async () => {
+  const { engine } = engineWithEnd();
+  const attached = () => {
+    const { renderer } = foreignRenderer();
+    attachEngine(renderer as never, engine, 'full');
+    onDeviceLost(renderer, () => renderer);
+    return new WeakRef(renderer);
+  };
+  const left = attached();
+  await collectGarbage();
+  expect(left.deref()).toBeUndefined();
+  expect(engine.lost).toBeInstanceOf(Promise);
 });

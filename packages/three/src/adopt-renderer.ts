@@ -116,9 +116,7 @@ export function attachEngine(
   const take = (made: SplatEngine) => {
     state.engine = made;
     if (state.isDisposed) made.destroy();
-    void made.lost.then((info) => {
-      if (!state.isDisposed) for (const listener of [...state.lostListeners]) listener(info);
-    });
+    void made.lost.then(listenersOf(state));
     return made;
   };
   state.detail = detail;
@@ -128,6 +126,15 @@ export function attachEngine(
     state.failure = { error };
   });
   return state;
+}
+
+/** Returns what tells the listeners of a renderer; it may wait longer than the renderer lives, and must not keep it. */
+function listenersOf(state: RendererState): (info: GPUDeviceLostInfo) => void {
+  const held = new WeakRef(state);
+  return (info) => {
+    const { isDisposed, lostListeners } = held.deref() ?? { isDisposed: true, lostListeners: [] };
+    if (!isDisposed) for (const listener of [...lostListeners]) listener(info);
+  };
 }
 
 function newState(renderer: WebGPURenderer): RendererState {

@@ -5,8 +5,10 @@ import {
   GpuLimitError,
   packCloud,
   type SplatCloud,
+  type SplatEngine,
   SplatSourceError,
 } from '@websplatter/core';
+import { collectGarbage } from '@websplatter/node/collect-garbage';
 import { Box3, Sphere, Vector3 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { rowsIn } from './rows-in.ts';
@@ -49,6 +51,24 @@ describe('data', () => {
     const lacking = data.acquire(engine, {});
     await expect.poll(() => data.acquire(engine, {})).not.toBe(lacking);
     expect(data.acquire(engine, {})).toBe(cloud);
+  });
+
+  test('leave neither themselves nor their cloud in memory, though the engine lives', async () => {
+    const uploaded = Promise.resolve();
+    const engine = {
+      lost: new Promise(() => {}),
+      addPacked: () => ({ uploaded, destroy: () => {} }),
+    } as unknown as SplatEngine;
+    const used = async () => {
+      const [data, user] = [splatDataAt([0, 0, 0]), {}];
+      const cloud = await data.acquire(engine, user);
+      data.release(user);
+      return [data, cloud].map((each) => new WeakRef<object>(each));
+    };
+    const left = await used();
+    await collectGarbage();
+    expect(left.map((each) => each.deref())).toEqual([undefined, undefined]);
+    expect(engine.lost).toBeInstanceOf(Promise);
   });
 
   test('whose splats are sought on a GPU without memory for that says so', async () => {

@@ -253,9 +253,7 @@ export class SplatData {
     const claimed = { ...this.#precision, engineAccuracy: engine.accuracy, met: Promise.resolve() };
     const upload: Upload = { cloud: bring(signal), abort, users: new Map(), lease: null, claimed };
     this.#uploads.set(engine, upload);
-    const uploads = new WeakRef(this.#uploads);
-    // An engine lives longer than most of its data, and must not keep them.
-    const forget = () => signal.aborted || uploads.deref()?.delete(engine);
+    const forget = forgetting(this.#uploads, engine, upload);
     void engine.lost.then(forget);
     Promise.resolve(upload.cloud)
       .then((cloud) => {
@@ -276,6 +274,18 @@ export class SplatData {
     }
     this.onUse?.();
   }
+}
+
+/**
+ * Returns what deletes an upload. It keeps nothing in memory: it may wait for the loss of a device,
+ * which lives longer than most engines, and they longer than most data.
+ */
+function forgetting(uploads: Map<SplatEngine, Upload>, engine: SplatEngine, upload: Upload): () => void {
+  const [from, key, value] = [new WeakRef(uploads), new WeakRef(engine), new WeakRef(upload)];
+  return () => {
+    const [map, of, forgotten] = [from.deref(), key.deref(), value.deref()];
+    if (map && of && forgotten && map.get(of) === forgotten) map.delete(of);
+  };
 }
 
 /** Claims `precision`; then releases the cloud's own lease, so that the users alone decide. */
