@@ -203,8 +203,8 @@ interface OnLoss {
 }
 
 /**
- * Returns `device.lost`, after the reaction to it. Devices keep what waits for their loss as long as
- * they live, and a device may outlive many engines: this must keep no engine.
+ * Returns `device.lost`, after the reaction to it. A device keeps in memory all that waits for its
+ * loss, and may outlive many engines: those that have ended take their reaction away.
  */
 function lossOf(device: GPUDevice, onLoss: OnLoss): Promise<GPUDeviceLostInfo> {
   return device.lost.then((info) => {

@@ -128,7 +128,10 @@ export function attachEngine(
   return state;
 }
 
-/** Returns what tells the listeners of a renderer; it may wait longer than the renderer lives, and must not keep it. */
+/**
+ * Returns a function that tells the listeners of a renderer. It may wait for longer than the renderer
+ * lives, and does not keep it in memory.
+ */
 function listenersOf(state: RendererState): (info: GPUDeviceLostInfo) => void {
   const held = new WeakRef(state);
   return (info) => {

@@ -277,8 +277,8 @@ export class SplatData {
 }
 
 /**
- * Returns what deletes an upload. It keeps nothing in memory: it may wait for the loss of a device,
- * which lives longer than most engines, and they longer than most data.
+ * Returns a function that deletes an upload. It keeps none of these in memory: it may wait for the
+ * loss of a device, which lives longer than most engines, and these live longer than most data.
  */
 function forgetting(uploads: Map<SplatEngine, Upload>, engine: SplatEngine, upload: Upload): () => void {
   const [from, key, value] = [new WeakRef(uploads), new WeakRef(engine), new WeakRef(upload)];

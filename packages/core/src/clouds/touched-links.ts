@@ -60,7 +60,7 @@ export class TouchedLinks {
   readonly #context: DispatchContext;
   readonly #levels: LinkedLevels;
   readonly #copies = new Map<GPUBuffer, GPUBuffer>();
-  /** Of all levels above the chunks'; room for one chunk, which nothing reads, where there is none. */
+  /** Of all levels above the chunks'. Where there is none: of one chunk, which nothing reads. */
   readonly #upperLinks: GPUBuffer;
   /** By page of the cloud. */
   readonly #bits: readonly { readonly editedBits: GPUBuffer; readonly hiddenBits: GPUBuffer }[];

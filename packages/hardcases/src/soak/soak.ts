@@ -213,7 +213,7 @@ class Soak {
   #watched: WatchedDevice;
   #engine: SplatEngine;
   #view: SplatView;
-  /** Another view of the same clouds, which steps change and compare once it takes the first one's place. */
+  /** Another view of the same clouds: steps change and compare it once it takes the first one's place. */
   #beside: { view: SplatView; shown: SoakView };
   #clouds: SoakCloud[] = [];
   #frame = 0;
