@@ -243,7 +243,9 @@ export class SplatEngine {
   #destroyedBecause: string | null = null;
   /** Aborts when the engine or its device ends. */
   readonly #ended = new AbortController();
-  readonly #onLoss: OnLoss = { react: null };
+  readonly #onLoss: OnLoss = {
+    react: (because) => this.#stopWork(because),
+  };
 
   /** @internal Use `SplatEngine.create`, which checks the options. */
   constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
@@ -269,10 +271,6 @@ export class SplatEngine {
       adopt: (choice, clouds) => this.#adopt(choice, clouds),
     });
     this.#takeAccuracy(options.accuracy ?? DEFAULT_ACCURACY);
-    this.#onLoss.react = (because) => {
-      this.#destroyedBecause ??= because;
-      this.#stopWork(this.#destroyedBecause);
-    };
     this.lost = lossOf(device, this.#onLoss);
   }
 
@@ -524,9 +522,8 @@ export class SplatEngine {
   /** Frees everything that the engine made, including the device if it made that. */
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
-    this.#destroyedBecause = 'the engine was destroyed';
     this.#onLoss.react = null;
-    this.#stopWork(this.#destroyedBecause);
+    this.#stopWork('the engine was destroyed');
     for (const view of [...this.#views]) view.destroy();
     for (const cloud of [...this.#clouds]) cloud.end('its engine was destroyed');
     // A host submits what embedded views have recorded before it yields to microtasks.
@@ -704,6 +701,7 @@ export class SplatEngine {
   }
 
   #stopWork(because: string): void {
+    this.#destroyedBecause = because;
     this.#ended.abort(new DestroyedError('This engine', because));
     for (const { leases, editing } of this.#clouds) {
       leases.end(new DestroyedError('This request', because));

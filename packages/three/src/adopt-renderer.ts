@@ -1,6 +1,7 @@
 import { type AccuracyRequest, type Detail, InvalidArgumentError, SplatEngine } from '@websplatter/core';
 import type { WebGPURenderer } from 'three/webgpu';
 import { SplatsUnsupportedRendererError } from './errors.ts';
+import { type LossListener, tellOfLoss } from './tell-of-loss.ts';
 import { deviceOf, hasWebGpuBackend, isWebGlForced } from './three-bridge.ts';
 import { warnOfUntestedThree } from './three-versions.ts';
 
@@ -14,7 +15,7 @@ export interface AdoptRendererOptions {
   readonly streamBudgetBytes?: number;
 }
 
-interface RendererState {
+interface RendererState extends LossListener {
   /** Null until it is made. */
   engine: SplatEngine | null;
   making: Promise<SplatEngine>;
@@ -116,7 +117,7 @@ export function attachEngine(
   const take = (made: SplatEngine) => {
     state.engine = made;
     if (state.isDisposed) made.destroy();
-    void made.lost.then(listenersOf(state));
+    tellOfLoss(made, state);
     return made;
   };
   state.detail = detail;
@@ -128,18 +129,6 @@ export function attachEngine(
   return state;
 }
 
-/**
- * Returns a function that tells the listeners of a renderer. It may wait for longer than the renderer
- * lives, and does not keep it in memory.
- */
-function listenersOf(state: RendererState): (info: GPUDeviceLostInfo) => void {
-  const held = new WeakRef(state);
-  return (info) => {
-    const { isDisposed, lostListeners } = held.deref() ?? { isDisposed: true, lostListeners: [] };
-    if (!isDisposed) for (const listener of [...lostListeners]) listener(info);
-  };
-}
-
 function newState(renderer: WebGPURenderer): RendererState {
   warnOfUntestedThree();
   const state: RendererState = {
@@ -148,6 +137,9 @@ function newState(renderer: WebGPURenderer): RendererState {
     failure: null,
     detail: 'full',
     lostListeners: new Set(),
+    onLost: (info) => {
+      if (!state.isDisposed) for (const listener of [...state.lostListeners]) listener(info);
+    },
     isDisposed: false,
   };
   states.set(renderer, state);

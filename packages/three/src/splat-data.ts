@@ -13,9 +13,10 @@ import {
 import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 'three/webgpu';
 import type { CastRay, RayTarget } from './cast-ray.ts';
 import type { DataEdits, Place } from './data-edits.ts';
+import { type LossListener, tellOfLoss } from './tell-of-loss.ts';
 
 /** The splats on one engine. */
-interface Upload {
+interface Upload extends LossListener {
   /** A promise while they are being read again. */
   cloud: SplatCloud | Promise<SplatCloud>;
   /** Ends the reading. */
@@ -249,12 +250,18 @@ export class SplatData {
 
   #place(engine: SplatEngine, bring: (signal: AbortSignal) => Upload['cloud']): Upload {
     const abort = new AbortController();
-    const { signal } = abort;
     const claimed = { ...this.#precision, engineAccuracy: engine.accuracy, met: Promise.resolve() };
-    const upload: Upload = { cloud: bring(signal), abort, users: new Map(), lease: null, claimed };
+    const forget = () => abort.signal.aborted || this.#uploads.delete(engine);
+    const upload: Upload = {
+      cloud: bring(abort.signal),
+      abort,
+      onLost: forget,
+      users: new Map(),
+      lease: null,
+      claimed,
+    };
     this.#uploads.set(engine, upload);
-    const forget = forgetting(this.#uploads, engine, upload);
-    void engine.lost.then(forget);
+    tellOfLoss(engine, upload);
     Promise.resolve(upload.cloud)
       .then((cloud) => {
         upload.cloud = cloud;
@@ -274,18 +281,6 @@ export class SplatData {
     }
     this.onUse?.();
   }
-}
-
-/**
- * Returns a function that deletes an upload. It keeps none of these in memory: it may wait for the
- * loss of a device, which lives longer than most engines, and these live longer than most data.
- */
-function forgetting(uploads: Map<SplatEngine, Upload>, engine: SplatEngine, upload: Upload): () => void {
-  const [from, key, value] = [new WeakRef(uploads), new WeakRef(engine), new WeakRef(upload)];
-  return () => {
-    const [map, of, forgotten] = [from.deref(), key.deref(), value.deref()];
-    if (map && of && forgotten && map.get(of) === forgotten) map.delete(of);
-  };
 }
 
 /** Claims `precision`; then releases the cloud's own lease, so that the users alone decide. */

@@ -17,7 +17,7 @@ import { manifestProblems } from './manifests.mjs';
 import { scriptSizes } from './script-sizes.mjs';
 
 /** Most gzip bytes of the viewer's scripts: before asking for a GPU, for the first picture, all. */
-const VIEWER_LIMITS = { start: 125_000, initial: 190_100, all: 420_500 };
+const VIEWER_LIMITS = { start: 125_000, initial: 190_100, all: 420_600 };
 
 /**
  * Not counted among all of them: the hard cases, pages in place of the viewer, which it never

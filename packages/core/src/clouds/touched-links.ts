@@ -1,6 +1,6 @@
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { GpuValues } from '../data/layout/gpu-struct.ts';
-import { ChunkLinks, MergeParameters } from '../data/layout/level-structs.ts';
+import { MergeParameters } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
 import { touchLinks, touchUpperLinks } from '../gpu/stages/touch-links.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
@@ -60,7 +60,7 @@ export class TouchedLinks {
   readonly #context: DispatchContext;
   readonly #levels: LinkedLevels;
   readonly #copies = new Map<GPUBuffer, GPUBuffer>();
-  /** Of all levels above the chunks'. Where there is none: of one chunk, which nothing reads. */
+  /** Of all levels above the chunks'; read by nothing where there is none. */
   readonly #upperLinks: GPUBuffer;
   /** By page of the cloud. */
   readonly #bits: readonly { readonly editedBits: GPUBuffer; readonly hiddenBits: GPUBuffer }[];
@@ -76,10 +76,8 @@ export class TouchedLinks {
     const { splatLinks, blobPages } = levels;
     for (const links of [...splatLinks, ...blobPages.map((page) => page.links)])
       this.#copies.set(links, buffer('links', links.size));
-    const hasUpper = blobPages.length > splatLinks.length;
-    this.#upperLinks = hasUpper
-      ? this.of(blobPages.at(-1)!.links)
-      : buffer('links of no level', 4 * ChunkLinks.words);
+    const upper = blobPages.at(splatLinks.length);
+    this.#upperLinks = upper ? this.of(upper.links) : buffer('links', splatLinks[0].size);
     this.#bits = splatLinks.map((_, i) => ({
       editedBits: buffer('edits', MASK_BYTES * blobPages[i].chunkCount),
       hiddenBits: buffer('hidden splats', MASK_BYTES * blobPages[i].chunkCount),
