@@ -18,6 +18,7 @@ fn enterInstance(chunk: u32) {
   page.translation = pages[instanceIndex].translation;
   page.camera = pages[instanceIndex].camera;
   page.cameraWeight = pages[instanceIndex].cameraWeight;
+  page.sight = pages[instanceIndex].sight;
   page.direction = pages[instanceIndex].direction;
   page.cellStart = pages[instanceIndex].cellStart;
   page.chunkStart = pages[instanceIndex].chunkStart;

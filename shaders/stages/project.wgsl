@@ -108,11 +108,13 @@ fn packAxis(unit: vec2f, lengthPx: f32) -> u32 {
   return pack2x16float(axisPx);
 }
 
-/// Unit vector in the cloud's space from the camera to the splat; +z for singular model matrices.
+/// Unit vector along which harmonics are evaluated, from the camera to the splat: that in the world,
+/// turned back by the rotation of the cloud; +z for singular model matrices.
 @if(SH_1)
 fn viewDirection(position: vec3f) -> vec3f {
   // A camera infinitely far away has weight 0: all directions are page.direction.
-  let toward = (position - page.camera) * page.cameraWeight + page.direction * (1.0 - page.cameraWeight);
+  let fromCamera = page.sight * (position - page.camera);
+  let toward = fromCamera * page.cameraWeight + page.direction * (1.0 - page.cameraWeight);
   // Scale first: the square of a length in a very large or very small scene leaves float32's range.
   let largest = max(abs(toward.x), max(abs(toward.y), abs(toward.z)));
   if (!(largest > 1e-37)) { return vec3f(0.0, 0.0, 1.0); }

@@ -184,15 +184,15 @@ describe('instances of a cloud', () => {
     }).then(({ parts }) => parts);
     expect(pages.map(({ instances }) => instances)).toEqual([
       { first: 0, count: 6 },
-      { first: 0, count: 215 },
-      { first: 215, count: 215 },
-      { first: 430, count: 70 },
+      { first: 0, count: 186 },
+      { first: 186, count: 186 },
+      { first: 372, count: 128 },
     ]);
     // Of several pages, batches have one instance, and bindings no room for more.
     const paged = { ...instanced({ set: SET }, {}, 2), splatsPerPage: 256 };
     const { parts } = await InspectedFrame.draw(device, { camera: perspective, ...SIZE, clouds: [paged] });
     expect(parts.pages.map(({ instances, uniform }) => [instances?.first, uniform.size])).toEqual(
-      [0, 0, 0, 1, 1, 1].map((first) => [first, 304]),
+      [0, 0, 0, 1, 1, 1].map((first) => [first, 352]),
     );
     device.destroy();
   });

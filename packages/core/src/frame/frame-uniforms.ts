@@ -73,6 +73,7 @@ function placeValues({ view, sides }: CloudPlace, cellStart: number): GpuValues<
     translation: view.translation,
     camera: view.camera ?? ORIGIN,
     cameraWeight: view.camera ? 1 : 0,
+    sight: view.sight,
     direction: view.direction,
     cellStart,
     ...packedSides(sides),

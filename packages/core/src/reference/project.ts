@@ -1,14 +1,19 @@
 import { type CloudView, FALLBACK_DIRECTION } from '../data/camera/cloud-view.ts';
-import type { Vec3 } from '../data/math/mat4.ts';
+import { transform3, type Vec3 } from '../data/math/mat4.ts';
 import { type Harmonics, readCoefficients } from '../data/packing/harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../data/splats/splat-set.ts';
 import type { CulledSplat } from './cull-splats.ts';
 import type { EffectReference } from './effects/effect-reference.ts';
 import { shColor } from './spherical-harmonics.ts';
 
-/** Unit vector, in cloud space, from the camera to a splat at `position`. */
-function viewDirection(position: Vec3, view: CloudView): [number, number, number] {
-  const toward = view.camera ? [0, 1, 2].map((axis) => position[axis] - view.camera![axis]) : view.direction;
+/** Unit vector along which the harmonics of a splat at `position` are evaluated: see `cloudView`. */
+function viewDirection(position: Vec3, { camera, sight, direction }: CloudView): [number, number, number] {
+  const toward = camera
+    ? transform3(
+        sight,
+        position.map((value, axis) => value - camera[axis]),
+      )
+    : direction;
   const length = Math.hypot(toward[0], toward[1], toward[2]);
   if (!(length > 0)) return [...FALLBACK_DIRECTION];
   return [toward[0] / length, toward[1] / length, toward[2] / length];

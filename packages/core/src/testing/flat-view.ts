@@ -49,6 +49,7 @@ export function packFlatPage(
     translation: [0, 0, 0],
     camera: [0, 0, 0],
     cameraWeight: 0,
+    sight: [1, 0, 0, 0, 1, 0, 0, 0, 1],
     direction: [0, 0, 0],
     cellStart,
     frustum: Array.from({ length: 24 }, (_, i) => side[i % 4]),

@@ -1,4 +1,5 @@
 import { invert3, linearPart, type Mat3, multiply4, transform3, type Vec3 } from '../math/mat4.ts';
+import { polarDecomposition } from '../math/polar-decomposition.ts';
 
 /** A cloud as the camera sees it, all in float64 and relative to the cloud's origin. */
 export interface CloudView {
@@ -13,7 +14,15 @@ export interface CloudView {
    * is singular, and for an orthographic camera, whose viewing directions are all `direction`.
    */
   readonly camera: readonly [number, number, number] | null;
-  /** Direction in which the camera looks, in cloud space, not normalised. */
+  /**
+   * From lines of sight in cloud space to the directions in which harmonics are evaluated,
+   * column-major 3×3. The identity, exactly, if the model scales all axes alike.
+   */
+  readonly sight: Mat3;
+  /**
+   * Direction in which the camera looks, as harmonics are evaluated; not normalised, and 0 if the
+   * model matrix is singular.
+   */
   readonly direction: readonly [number, number, number];
 }
 
@@ -23,11 +32,15 @@ export const FALLBACK_DIRECTION: Vec3 = [0, 0, 1];
 /** Scratch memory. */
 const modelView = new Float64Array(16);
 
+const IDENTITY: Mat3 = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+
 /**
- * Returns the cloud as the camera sees it. Spherical harmonics are evaluated along the line of
- * sight in the cloud's own space. For a scaled, mirrored or sheared cloud, that takes the inverse
- * of the whole linear part, not of its rotation alone: a mirrored cloud then looks like the cloud
- * in a mirror.
+ * Returns the cloud as the camera sees it.
+ *
+ * Harmonics follow KHR_gaussian_splatting: they are turned by the rotation R of the model matrix M,
+ * and evaluated along lines of sight in the world. By the polar decomposition M = R·P, the world's
+ * direction M·d, turned back by Rᵀ, is P·d: `sight` is P. R is a mirror if M is one, so a mirrored
+ * cloud looks like the cloud in a mirror.
  */
 export function cloudView(
   viewMatrix: ArrayLike<number>,
@@ -45,15 +58,42 @@ export function cloudView(
     m[2] * x + m[6] * y + m[10] * z + m[14],
   ] as const;
   const inverse = invert3(linear);
+  const sight = inverse ? sightOf(linearPart(modelMatrix)) : IDENTITY;
   return {
     linear,
     inverse,
     translation,
+    sight,
     camera:
       inverse && !isOrthographic
         ? transform3(inverse, [-translation[0], -translation[1], -translation[2]])
         : null,
     // No direction: callers use FALLBACK_DIRECTION.
-    direction: inverse ? transform3(inverse, [0, 0, -1]) : [0, 0, 0],
+    direction: inverse ? transform3(sight, transform3(inverse, [0, 0, -1])) : [0, 0, 0],
   };
+}
+
+/** The stretch of a model's linear part over its largest entry: directions have no length. */
+function sightOf(model: Mat3): Mat3 {
+  if (scalesEvenly(model)) return IDENTITY;
+  const stretch = polarDecomposition(model)?.stretch;
+  if (!stretch) return IDENTITY;
+  const largest = Math.max(...stretch);
+  return stretch.map((value) => value / largest);
+}
+
+/** Matrices that turn and scale all axes alike differ from that by the rounding of float64 only. */
+const ROUNDING = 1e-14;
+
+function scalesEvenly(m: Mat3): boolean {
+  const dot = (a: number, b: number) => m[a] * m[b] + m[a + 1] * m[b + 1] + m[a + 2] * m[b + 2];
+  const square = dot(0, 0);
+  const isClose = (value: number, expected: number) => Math.abs(value - expected) <= ROUNDING * square;
+  return (
+    isClose(dot(3, 3), square) &&
+    isClose(dot(6, 6), square) &&
+    isClose(dot(0, 3), 0) &&
+    isClose(dot(0, 6), 0) &&
+    isClose(dot(3, 6), 0)
+  );
 }

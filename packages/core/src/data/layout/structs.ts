@@ -25,6 +25,8 @@ export const Page = gpuStruct('Page', {
   camera: 'vec3f',
   /** 1 if viewing directions start at the camera, 0 if they are all `direction`. */
   cameraWeight: 'f32',
+  /** From lines of sight in cloud space to viewing directions: see `CloudView.sight`. */
+  sight: 'mat3x3f',
   direction: 'vec3f',
   /** First of the thresholds of its cells, where a cut through levels is drawn. */
   cellStart: 'u32',

@@ -161,6 +161,7 @@ describe('cull-splats', () => {
           ...cloud,
           camera: [0, 0, 0],
           cameraWeight: 0,
+          sight: [1, 0, 0, 0, 1, 0, 0, 0, 1],
           cellStart: 0,
           frustum: new Float64Array(24),
           frustumReach: new Float64Array(24),
