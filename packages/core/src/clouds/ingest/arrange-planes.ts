@@ -33,7 +33,7 @@ export interface ArrivedPlanes extends RowPrecision {
   readonly kept: number;
   /** Whether there is memory for new planes where the given ones are roomy. */
   readonly hasRoom: boolean;
-  /** The cloud's origin in the file, about which splats are placed. */
+  /** Point that splats are moved about, in the space of the rows. */
   readonly origin: Vec3;
   readonly frame: MortonFrame;
   /** `Chunk` structs as ingest-rows leaves them, and rests of packed log scales; null for f32. */

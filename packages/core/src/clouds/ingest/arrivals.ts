@@ -21,6 +21,8 @@ export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
   readonly arrivedChunks: GPUBuffer;
   /** What ingest-rows has found so far. */
   readonly facts: GPUBuffer;
+  /** Scene-space point that the rows' positions are relative to. */
+  readonly origin: Vec3;
 }
 
 /** Growth in rows between two showings: any scene is shown some dozens of times at most. */
@@ -99,7 +101,7 @@ export class Arrivals {
 
   async #read(): Promise<void> {
     const { device, pipelines } = this.#context;
-    const { facts, chunks, arrivedChunks, ...made } = this.#planes;
+    const { facts, chunks, arrivedChunks, origin, ...made } = this.#planes;
     await pipelines.prepare([ingestGather]);
     if (this.#isOver) return;
     const count = this.#rows;
@@ -137,9 +139,9 @@ export class Arrivals {
     const { geometryPrecision, shPrecision } = planes;
     const contents = {
       count,
-      origin: [0, 0, 0] as Vec3,
-      bounds: { min: found.min, max: found.max },
-      robustBounds: robustCentres(centres, found),
+      origin,
+      bounds: { min: sumOf(found.min, origin), max: sumOf(found.max, origin) },
+      robustBounds: robustCentres(centres, found, origin),
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
       facts: found.facts,
@@ -162,8 +164,12 @@ export class Arrivals {
   }
 }
 
-/** Robust bounds of sampled slots. @param centres as in the file. */
-function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts): Bounds {
+function sumOf(a: Vec3, b: Vec3): Vec3 {
+  return [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+}
+
+/** Robust bounds of sampled slots, in scene space. @param centres about `origin`. */
+function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts, origin: Vec3): Bounds {
   // Slots of dropped rows lie at 0, which may be far from all splats.
   const inside = centres.map(({ length }) => new Float32Array(length));
   const [x, y, z] = centres;
@@ -175,9 +181,9 @@ function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts)
     for (let axis = 0; axis < 3; axis++) inside[axis][count] = centres[axis][i];
     count++;
   }
-  if (count === 0) return { min, max };
+  if (count === 0) return { min: sumOf(min, origin), max: sumOf(max, origin) };
   return robustBounds(
     inside.map((values) => values.subarray(0, count)),
-    [0, 0, 0],
+    origin,
   );
 }

@@ -11,7 +11,7 @@ export interface RowFacts {
   /** Rows that were kept. */
   readonly count: number;
   readonly dropped: DropCounts;
-  /** Bounds of the centres, as they are in the file. */
+  /** Bounds of the centres, as they are in the rows: about the layout's origin. */
   readonly min: Vec3;
   readonly max: Vec3;
   readonly facts: CloudFacts;

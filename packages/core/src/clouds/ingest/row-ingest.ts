@@ -4,6 +4,7 @@ import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { INGEST_FACTS } from '../../data/layout/ingest-facts.ts';
 import { IngestParameters } from '../../data/layout/packing-structs.ts';
 import { Chunk } from '../../data/layout/structs.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { mortonFrame } from '../../data/packing/morton-order.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
@@ -42,6 +43,7 @@ import { sampleCentres } from './sample-centres.ts';
 const STAGING_BUFFERS = 4;
 /** Loads of fewer bytes are not foreseen: their allocations are checked anyway. */
 const PROBED_BYTES = 64 << 20;
+const NOT_MOVED: Vec3 = [0, 0, 0];
 /** Most bytes per splat that putting splats into storage order takes besides the planes. */
 const ARRANGE_BYTES = 16;
 /** Pieces that may wait for shaders: reading goes on meanwhile. */
@@ -173,7 +175,7 @@ export class RowIngest implements RowSink {
             create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_DST),
           );
           const shared = { geometry, harmonics, facts, chunks: shown, arrivedChunks: chunks };
-          const planes = { ...precision, shDegree, ranges, ...shared };
+          const planes = { ...precision, shDegree, ranges, ...shared, origin: layout.origin ?? NOT_MOVED };
           arrivals = new Arrivals(this.#context, planes, this.#previews);
         }
         this.#held = {
@@ -455,9 +457,9 @@ export class RowIngest implements RowSink {
   #arrange(found: RowFacts, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;
     const { ranges, geometry, harmonics, dropMask, chunks, logScaleRests, layout } = this.#held!;
-    const origin = chooseOrigin(found.min, found.max);
+    const shift = layout.origin ? NOT_MOVED : chooseOrigin(found.min, found.max);
     const about = (corner: readonly number[]) =>
-      corner.map((value, axis) => Math.fround(value - origin[axis]));
+      corner.map((value, axis) => Math.fround(value - shift[axis]));
     const { trueShDegree } = found.facts;
     const precision = { geometryPrecision, shPrecision };
     const frame = mortonFrame(about(found.min), about(found.max));
@@ -472,7 +474,7 @@ export class RowIngest implements RowSink {
       keptShDegree: trueShDegree,
       kept: found.count,
       hasRoom,
-      origin,
+      origin: shift,
       frame,
       arrivedChunks: chunks,
       logScaleRests,
@@ -484,7 +486,7 @@ export class RowIngest implements RowSink {
     this.#buffers.add(fileRows);
     const contents = {
       count: found.count,
-      origin,
+      origin: layout.origin ?? shift,
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
       facts: found.facts,

@@ -1,4 +1,5 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
+import type { Vec3 } from '../math/mat4.ts';
 import type { FileFacts, ShDegree } from '../splats/splat-set.ts';
 
 /**
@@ -22,6 +23,8 @@ export interface RowLayout {
   readonly offsets: readonly number[];
   readonly isBigEndian: boolean;
   readonly shDegree: ShDegree;
+  /** See `DecodedRows`. */
+  readonly origin?: Vec3;
   /** Undefined where each row has harmonics of its own, or none. */
   readonly palette?: RowPalette;
   /** See `SplatColumns`. */

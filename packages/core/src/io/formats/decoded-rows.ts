@@ -1,3 +1,4 @@
+import type { Vec3 } from '../../data/math/mat4.ts';
 import type { PackedHarmonics } from '../../data/packing/harmonics.ts';
 import { type RowLayout, type RowPalette, rowsWithin } from '../../data/packing/row-layout.ts';
 import { ROW_SLOT } from '../../data/splats/splat-row.ts';
@@ -29,6 +30,11 @@ export interface DecodedRows {
   /** Number of rows. Memory is taken for all: their bytes must be there, or their size certain. */
   readonly count: number;
   readonly shDegree: ShDegree;
+  /**
+   * Scene-space point, float64, that positions in rows are relative to: the cloud's origin. Absent
+   * if positions are the file's own, in float32; the cloud's origin is chosen from them then.
+   */
+  readonly origin?: Vec3;
   /** Whether the file says that training had an antialias filter; undefined if it does not say. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
@@ -70,7 +76,7 @@ export async function deliverRows(
 }
 
 async function passRows(
-  { count, shDegree, palette, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
+  { count, shDegree, origin, palette, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
   { reader }: SplatInput,
   { sink, files }: RowsTo,
   progress: ReadProgress,
@@ -87,6 +93,7 @@ async function passRows(
     offsets,
     isBigEndian: false,
     shDegree,
+    origin,
     ...(palette && { palette: { entryCount: palette.entryCount, entryValues: palette.entryValues } }),
     isAntialiased,
     fileFacts,
@@ -123,7 +130,7 @@ async function passValues(values: Float32Array, atOnce: number, sink: RowSink): 
 }
 
 async function collectRows(
-  { count, shDegree, isAntialiased, fileFacts, arrive, decode }: DecodedRows,
+  { count, shDegree, origin, isAntialiased, fileFacts, arrive, decode }: DecodedRows,
   { name, reader }: SplatInput,
   { shPrecision, onPiece }: SplatFormatOptions,
   progress: ReadProgress,
@@ -134,6 +141,7 @@ async function collectRows(
     shDegree,
     shPrecision,
     widePositions: false,
+    origin,
     promisedCount: count,
     isHeld: true,
     isAntialiased,

@@ -4,6 +4,8 @@ import { type DecodedRows, rowLength } from './decoded-rows.ts';
 /**
  * Rows of several parts, one part after another; those of lower degrees get zeros as their further
  * harmonics. The antialias filter is known if all parts agree on it.
+ *
+ * @param parts at least one; all have the same origin, or none.
  */
 export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   const shDegree = parts.reduce<ShDegree>(
@@ -17,6 +19,7 @@ export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   return {
     count: parts.reduce((sum, { count }) => sum + count, 0),
     shDegree,
+    origin: parts[0].origin,
     isAntialiased: agreedAntialiasing(parts),
     decode(values, rowCount) {
       for (let row = 0; row < rowCount; ) {

@@ -1,4 +1,5 @@
 import { SplatFileError } from '../../data/errors.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
 import { ShReachMeter } from '../../data/packing/band-reach.ts';
 import { centerBounds } from '../../data/packing/center-bounds.ts';
 import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../data/packing/harmonics.ts';
@@ -36,6 +37,8 @@ export interface SplatSetBuilderOptions {
   readonly shPrecision: OwnShPrecision;
   /** Whether positions have more precision than float32; it is kept until the origin is known. */
   readonly widePositions: boolean;
+  /** Point that pushed positions are relative to: the set's origin. Default: chosen from them. */
+  readonly origin?: Vec3;
   /** Most rows that will be pushed. */
   readonly promisedCount: number;
   /** Whether as many rows are there already, so that memory for them may be taken at once. */
@@ -150,14 +153,11 @@ export class SplatSetBuilder {
   }
 
   #setOf({ positions, shWords, ...columns }: Columns): SplatSet<PackedHarmonics> {
-    const { min, max } = centerBounds(positions, this.#count);
-    const origin = chooseOrigin(min, max);
     const { isAntialiased, fileFacts } = this.#options;
     return {
       ...columns,
       count: this.#count,
-      origin,
-      positions: positionsFrom(positions, origin),
+      ...this.#placed(positions),
       harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
@@ -169,6 +169,14 @@ export class SplatSetBuilder {
       ...(isAntialiased !== undefined && { isAntialiased }),
       ...(fileFacts && { fileFacts }),
     };
+  }
+
+  #placed(positions: Float32Array | Float64Array): Pick<SplatSet, 'origin' | 'positions'> {
+    const { origin: given } = this.#options;
+    if (given) return { origin: given, positions: positionsFrom(positions, [0, 0, 0]) };
+    const { min, max } = centerBounds(positions, this.#count);
+    const origin = chooseOrigin(min, max);
+    return { origin, positions: positionsFrom(positions, origin) };
   }
 
   #setCapacity(capacity: number): void {

@@ -7,9 +7,7 @@ import { Turns } from '../../../data/turns.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
-import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
-import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { readBrickHeader } from './brick-header.ts';
 import { brickHeaderBytes, FILE_HEADER, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
 import { type DecodedBrick, decodeBrick } from './decode-brick.ts';
@@ -28,17 +26,14 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   checkUnpacked(header, input, options);
   input.reader.advance(FILE_HEADER_BYTES);
   const splats = new BrickSplats(input, header);
-  // Far from the origin, coordinates in the scene's space need more than float32.
-  if (header.origin.some((value) => value !== 0)) return collect(splats, header, input, options);
   const rows: DecodedRows = {
-    ...{ count: splatCount, shDegree, isAntialiased: header.isAntialiased, fileFacts: FILE_FACTS },
+    ...{ count: splatCount, shDegree, origin: header.origin },
+    ...{ isAntialiased: header.isAntialiased, fileFacts: { format: 'bricks' } },
     arrive: (rowCount) => splats.arrive(rowCount),
     decode: (values, rowCount) => splats.decode(values, rowCount),
   };
   return deliverRows(rows, input, options, rowsTo);
 };
-
-const FILE_FACTS = { format: 'bricks' };
 
 /** Throws where splats would take more memory than so few bytes may unpack to. */
 function checkUnpacked(
@@ -79,15 +74,14 @@ class BrickSplats {
   }
 
   /** Writes the next splats, which are there, as rows. */
-  decode(rows: Float32Array | Float64Array, rowCount: number): void {
+  decode(rows: Float32Array, rowCount: number): void {
     const length = rowLength(this.#header.shDegree);
     const width = coefficientsPerSplat(this.#header.shDegree);
-    const { origin } = this.#header;
     for (let row = 0; row < rowCount; row++) {
       const { leaves, coefficients } = this.#bricks[0];
       const [i, at] = [this.#taken, row * length];
       for (let axis = 0; axis < 3; axis++) {
-        rows[at + ROW_SLOT.position + axis] = leaves.positions[3 * i + axis] + origin[axis];
+        rows[at + ROW_SLOT.position + axis] = leaves.positions[3 * i + axis];
         rows[at + ROW_SLOT.logScale + axis] = leaves.logScales[3 * i + axis];
         rows[at + ROW_SLOT.colorDc + axis] = leaves.colorDc[3 * i + axis];
       }
@@ -137,32 +131,3 @@ class BrickSplats {
     return reader.bytes.subarray(reader.start, reader.start + count);
   }
 }
-
-async function collect(
-  splats: BrickSplats,
-  { splatCount, shDegree, isAntialiased }: FileHeader,
-  { name, reader, ...input }: SplatInput,
-  { shPrecision, onPiece, onProgress }: SplatFormatOptions,
-) {
-  const progress = new ReadProgress({ name, reader, ...input }, onProgress);
-  const builder = new SplatSetBuilder({
-    ...{ file: name, shDegree, shPrecision, isAntialiased, fileFacts: FILE_FACTS, onPiece },
-    widePositions: true,
-    promisedCount: splatCount,
-    isHeld: false,
-  });
-  for (let row = 0; row < splatCount; row++) {
-    await splats.arrive(1);
-    splats.decode(builder.row, 1);
-    builder.push(row);
-    if (row % ROWS_AT_ONCE > 0) continue;
-    progress.report(row);
-    await builder.handOn();
-    await reader.pause();
-  }
-  progress.finish(splatCount);
-  return builder.finish();
-}
-
-/** Rows between two chances of a page's thread to do something else. */
-const ROWS_AT_ONCE = 4096;

@@ -1,6 +1,7 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { linearPart, type Mat4, multiply4, transform3 } from '../../../data/math/mat4.ts';
+import { polarDecomposition } from '../../../data/math/polar-decomposition.ts';
 import { readCoefficients } from '../../../data/packing/harmonics.ts';
 import { shRestBasis } from '../../../data/splats/spherical-harmonics.ts';
 import { type AnyJson, glbBytes, gltfOf, splatAttributes } from '../../../testing/gltf-fixture.ts';
@@ -61,12 +62,14 @@ function colorAlong({ harmonics }: ReadSet, index: number, direction: readonly n
 function expectPlaced(placed: ReadSet, plain: ReadSet, matrix: Mat4, axes: ArrayLike<number>): void {
   const m = linearPart(matrix);
   const largest = Math.max(...m.map(Math.abs));
+  const translation = matrix.subarray(12, 15);
   for (let i = 0; i < plain.count; i++) {
     const position = transform3(m, plain.positions.subarray(3 * i, 3 * i + 3));
     for (let k = 0; k < 3; k++) {
-      // Rounded to float32 once, of values up to 5·largest + 10.
-      const error = Math.abs(placed.positions[3 * i + k] + placed.origin[k] - position[k] - matrix[12 + k]);
-      expect(error).toBeLessThan((5 * largest + 10) * 2 ** -23);
+      const error = Math.abs(placed.positions[3 * i + k] + placed.origin[k] - position[k] - translation[k]);
+      // Rounded to float32 once, beside the scene's size however far away it is, and to float64.
+      const size = 5 * largest + Math.min(40, Math.abs(translation[k]));
+      expect(error).toBeLessThan(size * 2 ** -23 + Math.abs(translation[k]) * 2 ** -51);
     }
     const expected = moved(covarianceOf(plain, i), m);
     const found = covarianceOf(placed, i);
@@ -146,6 +149,54 @@ describe('splats go where nodes put them', async () => {
       }),
       runs,
     );
+  });
+
+  test('nested nodes that shear', async () => {
+    const scales = fc.tuple(number(0.2, 3), number(-3, -0.2), number(0.2, 3));
+    await fc.assert(
+      fc.asyncProperty(offset, unit, scales, scales, async (translation, rotation, outer, inner) => {
+        const nodes = [
+          { children: [1], translation, scale: outer },
+          { mesh: 0, rotation, scale: inner },
+        ];
+        const placed = await read({ ...json, nodes }, binary);
+        const turned = multiply4(turnOf(rotation), scaleOf(inner));
+        const matrix = multiply4(moveOf(translation), multiply4(scaleOf(outer), turned));
+        expectPlaced(placed, plain, matrix, polarDecomposition(linearPart(matrix))!.rotation);
+      }),
+      runs,
+    );
+  });
+
+  test('however far away, they lose nothing beside their own size', async () => {
+    const far = fc.tuple(number(-1e7, 1e7), number(-1e7, 1e7), number(-1e7, 1e7));
+    await fc.assert(
+      fc.asyncProperty(far, far, unit, number(0.1, 5), async (outer, inner, rotation, size) => {
+        const nodes = [
+          { children: [1], translation: outer },
+          { children: [2], rotation, scale: [size, size, size] },
+          { mesh: 0, translation: inner.map((value) => value / size) },
+        ];
+        const placed = await read({ ...json, nodes }, binary);
+        const turned = multiply4(turnOf(rotation), scaleOf([size, size, size]));
+        const matrix = multiply4(multiply4(moveOf(outer), turned), moveOf(nodes[2].translation!));
+        expectPlaced(placed, plain, matrix, linearPart(turnOf(rotation)));
+      }),
+      runs,
+    );
+  });
+
+  test('a node brings splats that lie far out back to 0', async () => {
+    const set = randomSplats({ count: 40, shDegree: 0 });
+    const away = [5e5, -5.3e6, 700];
+    set.positions.forEach((value, i) => {
+      set.positions[i] = value + away[i % 3];
+    });
+    const { json, binary } = gltfOf(splatAttributes(set));
+    const nodes = [{ mesh: 0, translation: away.map((value) => -value) }];
+    const { positions, origin } = await read({ ...json, nodes }, binary);
+    expect(origin).toEqual([0, 0, 0]);
+    expect([...positions]).toEqual([...set.positions].map((value, i) => value - away[i % 3]));
   });
 
   test('without rotation, scale and translation nothing changes, to the bit', async () => {

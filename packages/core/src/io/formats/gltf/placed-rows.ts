@@ -1,4 +1,5 @@
-import { identity4, type Mat4 } from '../../../data/math/mat4.ts';
+import { identity4, linearPart, type Mat4, type Vec3 } from '../../../data/math/mat4.ts';
+import { polarDecomposition } from '../../../data/math/polar-decomposition.ts';
 import { normalizedRotation } from '../../../data/packing/rotation.ts';
 import { HarmonicsTurn } from '../../../data/splats/harmonics-turn.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
@@ -6,8 +7,8 @@ import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 
 /** Lengths of axes that differ by less count as equal: writers round matrices to float32. */
 const ROUNDING = 1e-6;
-/** Cosine up to which two axes count as perpendicular: matrices may be products of rounded ones. */
-const MOST_SHEAR = 1e-4;
+/** A turn by less changes no coefficient by more than the rounding of float32 does. */
+const LEAST_TURN = 1e-9;
 /** Pairs of a matrix's columns, as offsets. */
 const COLUMN_PAIRS = [
   [0, 3],
@@ -17,45 +18,63 @@ const COLUMN_PAIRS = [
 /** Jacobi's method converges quadratically; matrices of 3×3 need five sweeps or six. */
 const MOST_SWEEPS = 16;
 
-/**
- * Why splats cannot be placed by `matrix`; undefined if they can, as by mirrors.
- */
+/** Why splats cannot be placed by `matrix`; undefined if they can. */
 export function reasonNotToPlace(matrix: Mat4): string | undefined {
-  const { lengths, axes } = columnsOf(matrix);
-  if (!lengths.every((length) => length > 0 && Number.isFinite(length)))
+  if (!columnsOf(matrix).lengths.every((length) => length > 0 && Number.isFinite(length)))
     return 'an axis has no length, or no finite one';
-  const isSheared = COLUMN_PAIRS.some(([a, b]) => !(Math.abs(dot(axes, a, b)) <= MOST_SHEAR));
-  return isSheared ? 'its axes are not perpendicular' : undefined;
+  return polarDecomposition(linearPart(matrix)) ? undefined : 'its axes lie in a plane';
+}
+
+/** Whether a matrix leaves splats where they are. */
+export function isIdentity(matrix: Mat4): boolean {
+  return identity4().every((value, i) => matrix[i] === value);
 }
 
 /**
- * Moves splats by the transformation of a node to which `reasonNotToPlace` has no objection: a
- * rotation or mirror, a scale for each axis, and a translation.
+ * Moves splats by the transformation of a node to which `reasonNotToPlace` has no objection.
  *
- * Splats are ellipsoids again however they are scaled: their covariance becomes M·C·Cᵀ·Mᵀ, for M
- * the matrix and C the splat's axes.
+ * Splats are ellipsoids again however they are scaled, sheared or mirrored: their covariance becomes
+ * M·C·Cᵀ·Mᵀ, for M the matrix and C the splat's axes. Harmonics are turned by the rotation of M's
+ * polar decomposition, as `cloudView` turns those of a cloud.
+ *
+ * @param origin of the result, subtracted in float64 before positions are rounded to float32.
  */
-export function placedRows(rows: DecodedRows, matrix: Mat4): DecodedRows {
-  if (identity4().every((value, i) => matrix[i] === value)) return rows;
+export function placedRows(rows: DecodedRows, matrix: Mat4, origin: Vec3): DecodedRows {
+  const { rotation: turn } = polarDecomposition(linearPart(matrix))!;
   const { lengths, axes } = columnsOf(matrix);
-  const [x, y, z] = lengths;
-  const isUniform = Math.max(x, y, z) <= (1 + ROUNDING) * Math.min(x, y, z);
-  const moveShape = isUniform ? turnedShape(lengths, axes) : stretchedShape(matrix);
-  const isTurned = axes.some((value, i) => value !== (i % 4 === 0 ? 1 : 0));
-  const harmonics = isTurned && rows.shDegree > 0 ? new HarmonicsTurn(rows.shDegree, axes) : null;
+  const moveShape = isSimilarity(lengths, axes) ? turnedShape(lengths, axes) : stretchedShape(matrix);
+  const isTurned = turn.some((value, i) => Math.abs(value - (i % 4 === 0 ? 1 : 0)) > LEAST_TURN);
+  const harmonics = isTurned && rows.shDegree > 0 ? new HarmonicsTurn(rows.shDegree, turn) : null;
   const rowValues = rowLength(rows.shDegree);
+  const fromOrigin = matrix.slice();
+  for (const [axis, value] of origin.entries()) fromOrigin[12 + axis] -= value;
   return {
     ...rows,
+    origin,
     decode(values, rowCount) {
       rows.decode(values, rowCount);
       for (let row = 0; row < rowCount; row++) {
         const at = row * rowValues;
-        movePosition(values, at + ROW_SLOT.position, matrix);
+        movePosition(values, at + ROW_SLOT.position, fromOrigin);
         moveShape(values, at);
         harmonics?.apply(values, at + ROW_SLOT.harmonics);
       }
     },
   };
+}
+
+/** A point in the space of a node, in the scene. */
+export function placedPoint([x, y, z]: Vec3, m: Mat4): Vec3 {
+  return [
+    m[0] * x + m[4] * y + m[8] * z + m[12],
+    m[1] * x + m[5] * y + m[9] * z + m[13],
+    m[2] * x + m[6] * y + m[10] * z + m[14],
+  ];
+}
+
+function isSimilarity(lengths: readonly number[], axes: Float64Array): boolean {
+  const isEven = Math.max(...lengths) <= (1 + ROUNDING) * Math.min(...lengths);
+  return isEven && COLUMN_PAIRS.every(([a, b]) => Math.abs(dot(axes, a, b)) <= ROUNDING);
 }
 
 /** Changes rotation and scale of the row from `at` on. */
@@ -73,6 +92,7 @@ function movePosition(values: Float32Array, at: number, m: Mat4): void {
   const x = values[at];
   const y = values[at + 1];
   const z = values[at + 2];
+  // The same as `placedPoint`, without an array for each splat.
   values[at] = m[0] * x + m[4] * y + m[8] * z + m[12];
   values[at + 1] = m[1] * x + m[5] * y + m[9] * z + m[13];
   values[at + 2] = m[2] * x + m[6] * y + m[10] * z + m[14];

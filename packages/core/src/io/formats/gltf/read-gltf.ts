@@ -1,3 +1,6 @@
+import type { Mat4 } from '../../../data/math/mat4.ts';
+import { centerBounds } from '../../../data/packing/center-bounds.ts';
+import { chooseOrigin } from '../../../data/packing/origin.ts';
 import { shown } from '../../../data/printable.ts';
 import type { FileFacts } from '../../../data/splats/splat-set.ts';
 import { isGlb, unpackGlb } from '../../containers/glb.ts';
@@ -10,7 +13,7 @@ import { GltfBuffers } from './gltf-buffers.ts';
 import { GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 import { meshesOfScene, type PlacedMesh } from './gltf-scene.ts';
 import { SPLATTING } from './gltf-semantics.ts';
-import { placedRows, reasonNotToPlace } from './placed-rows.ts';
+import { isIdentity, placedPoint, placedRows, reasonNotToPlace } from './placed-rows.ts';
 import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
 
 /**
@@ -23,6 +26,9 @@ const MOST_ROWS_PER_BYTE = 2;
 const HARMLESS_ROWS = 2 ** 19;
 /** Each takes time, however few splats are there. */
 const MOST_PLACES = 2 ** 14;
+
+/** Splats whose positions tell the origin of a scene that nodes place. */
+const ORIGIN_SAMPLES = 2 ** 14;
 
 /** The splats of a glTF's scene. */
 interface GltfSplats {
@@ -55,7 +61,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   const meshes = meshesOfScene(json);
   const { splatsByMesh, otherCount } = splatsOfMeshes(json, meshes);
   const readByMesh = new Map<unknown, SplatPrimitive[]>();
-  const parts: DecodedRows[] = [];
+  const parts: PlacedPrimitive[] = [];
   let isSortedByDistance = false;
   let unpackedBytes = 0;
   let rowCount = 0;
@@ -87,15 +93,43 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
         throw json.error('too-large', message, { element });
       }
       isSortedByDistance ||= primitive.isSortedByDistance;
-      parts.push(placedRows(primitive.rows(), matrix));
+      parts.push({ primitive, matrix });
     }
   }
-  if (parts.length > 0) return { rows: joinedRows(parts), isSortedByDistance, otherCount };
+  if (parts.length > 0) return { rows: joinedRows(rowsOf(parts, rowCount)), isSortedByDistance, otherCount };
   const found =
     otherCount > 0
       ? `its scene has ${otherCount} primitives, all of them without`
       : 'nothing in its scene has';
   throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
+}
+
+/** Splats where a node puts them. */
+interface PlacedPrimitive {
+  readonly primitive: SplatPrimitive;
+  readonly matrix: Mat4;
+}
+
+/** Rows of all parts about one origin, if any of them is moved. */
+function rowsOf(parts: readonly PlacedPrimitive[], rowCount: number): DecodedRows[] {
+  if (parts.every(({ matrix }) => isIdentity(matrix))) return parts.map(({ primitive }) => primitive.rows());
+  const positions = sampledPositions(parts, rowCount);
+  const { min, max } = centerBounds(positions, positions.length / 3);
+  const origin = chooseOrigin(min, max);
+  return parts.map(({ primitive, matrix }) => placedRows(primitive.rows(), matrix, origin));
+}
+
+/** Positions of splats evenly spread over all parts, float64 in the scene's space, 3N. */
+function sampledPositions(parts: readonly PlacedPrimitive[], rowCount: number): Float64Array {
+  const step = Math.max(1, Math.ceil(rowCount / ORIGIN_SAMPLES));
+  const positions: number[] = [];
+  let next = 0;
+  for (const { primitive, matrix } of parts) {
+    for (; next < primitive.count; next += step)
+      positions.push(...placedPoint(primitive.positionOf(next), matrix));
+    next -= primitive.count;
+  }
+  return Float64Array.from(positions);
 }
 
 interface MeshSplats {

@@ -1,3 +1,4 @@
+import type { Vec3 } from '../../../data/math/mat4.ts';
 import { shown } from '../../../data/printable.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
@@ -41,6 +42,7 @@ interface PlacedColumn {
 export interface SplatAttributes {
   readonly count: number;
   readonly shDegree: ShDegree;
+  /** That of the positions is the first. */
   readonly columns: readonly PlacedColumn[];
 }
 
@@ -120,6 +122,14 @@ export function attributeRows({ count, shDegree, columns }: SplatAttributes): De
       }
     },
   };
+}
+
+/** Position of a splat, as in its row. */
+export function attributePosition({ columns }: SplatAttributes, row: number): Vec3 {
+  const [{ column }] = columns;
+  const position = new Float32Array(3);
+  copyRows(column, row, 1, position, 0, 3);
+  return [position[0], position[1], position[2]];
 }
 
 /** Turns a renderer's values into trained ones: logarithms, logits, rotations from w on. */

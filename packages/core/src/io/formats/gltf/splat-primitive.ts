@@ -1,11 +1,12 @@
+import type { Vec3 } from '../../../data/math/mat4.ts';
 import { shown } from '../../../data/printable.ts';
 import type { DecodedRows } from '../decoded-rows.ts';
 import { readSpzContents } from '../spz/read-spz.ts';
-import { spzRows } from '../spz/spz-rows.ts';
+import { emptyAttributes, type SpzAttributes, spzPosition, spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import { type GltfJson, type JsonObject, objectOf, SPZ_COMPRESSIONS } from './gltf-json.ts';
 import { BY_DEPTH, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts';
-import { attributeRows, splatAttributesOf } from './splat-attributes.ts';
+import { attributePosition, attributeRows, splatAttributesOf } from './splat-attributes.ts';
 
 const POINTS = 0;
 /** By the distance from the camera, not along its axis. */
@@ -33,6 +34,8 @@ export interface SplatPrimitive {
   /** Whether splats are to be blended in the order of their distances, not of their depths. */
   readonly isSortedByDistance: boolean;
   rows(): DecodedRows;
+  /** Position of a splat, as in its row. */
+  positionOf(row: number): Vec3;
 }
 
 /** Whether a primitive is splats. */
@@ -71,7 +74,13 @@ export async function splatPrimitiveOf(
   const isSortedByDistance = (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE && sortBy !== BY_DEPTH;
   if (compression) return spzPrimitiveOf(buffers, objectOf(spz), element, isSortedByDistance);
   const splats = await splatAttributesOf(json, buffers, objectOf(primitive.attributes), element);
-  return { count: splats.count, unpackedBytes: 0, isSortedByDistance, rows: () => attributeRows(splats) };
+  return {
+    count: splats.count,
+    unpackedBytes: 0,
+    isSortedByDistance,
+    rows: () => attributeRows(splats),
+    positionOf: (row) => attributePosition(splats, row),
+  };
 }
 
 /**
@@ -90,8 +99,16 @@ async function spzPrimitiveOf(
     count: header.count,
     unpackedBytes: Object.values(attributes).reduce((sum, { bytes }) => sum + bytes.length, 0),
     isSortedByDistance,
-    rows: () => spzRows(header, attributes, null),
+    rows: () => spzRows(header, fromTheFirst(attributes), null),
+    positionOf: (row) => spzPosition(header, attributes.positions, row),
   };
+}
+
+/** Decoding moves on in its own copy, so that other nodes may show the same splats. */
+function fromTheFirst(attributes: SpzAttributes): SpzAttributes {
+  const copy = emptyAttributes();
+  for (const name of Object.keys(copy) as (keyof SpzAttributes)[]) copy[name] = { ...attributes[name] };
+  return copy;
 }
 
 function checkValue(

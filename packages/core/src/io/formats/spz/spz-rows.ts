@@ -1,4 +1,5 @@
 import { fromHalfBits } from '../../../data/layout/half.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
@@ -101,6 +102,18 @@ export function spzRows(
       turn?.(rows, length, rowCount);
     },
   };
+}
+
+/** Position of a splat, as in its row. @param positions of all splats. */
+export function spzPosition(
+  { version, fractionalBits }: SpzHeader,
+  { bytes, start }: RowSource,
+  row: number,
+): Vec3 {
+  const position = new Float32Array(3);
+  if (version === 1) halfPosition(bytes, start + 6 * row, position, 0);
+  else fixedPosition(bytes, start + 9 * row, 2 ** -fractionalBits, position, 0);
+  return [position[0], position[1], position[2]];
 }
 
 /** The bytes of the next `rowCount` splats. */
