@@ -3,7 +3,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { Chunk } from '../../data/layout/structs.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
-import { type Bounds, robustBounds } from '../../data/packing/packed-cloud.ts';
+import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import { nextTask } from '../../data/turns.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
 import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
@@ -140,7 +140,7 @@ export class Arrivals {
     const contents = {
       count,
       origin,
-      bounds: { min: sumOf(found.min, origin), max: sumOf(found.max, origin) },
+      bounds: movedBounds(found, origin),
       robustBounds: robustCentres(centres, found, origin),
       dropped: found.dropped,
       fileIndices: new Uint32Array(0),
@@ -164,10 +164,6 @@ export class Arrivals {
   }
 }
 
-function sumOf(a: Vec3, b: Vec3): Vec3 {
-  return [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-}
-
 /** Robust bounds of sampled slots, in scene space. @param centres about `origin`. */
 function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts, origin: Vec3): Bounds {
   // Slots of dropped rows lie at 0, which may be far from all splats.
@@ -181,7 +177,7 @@ function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts,
     for (let axis = 0; axis < 3; axis++) inside[axis][count] = centres[axis][i];
     count++;
   }
-  if (count === 0) return { min: sumOf(min, origin), max: sumOf(max, origin) };
+  if (count === 0) return movedBounds({ min, max }, origin);
   return robustBounds(
     inside.map((values) => values.subarray(0, count)),
     origin,

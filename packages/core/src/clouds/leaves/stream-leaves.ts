@@ -4,7 +4,7 @@ import { inLanes } from '../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
-import { type Bounds, robustBounds } from '../../data/packing/packed-cloud.ts';
+import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
 import type { ReadOptions, SplatSource } from '../../io/sources/splat-source.ts';
 import { chunkBytes } from '../bricks/chunk-pages.ts';
@@ -112,7 +112,7 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
 
 /** Where a scene lies, as its tree and the coarsest splats tell. */
 function boundsOf(
-  { leaves }: LeafScene,
+  { leaves, origin }: LeafScene,
   coarsest: readonly SplatCells[][],
 ): { readonly bounds: Bounds; readonly robustBounds: Bounds } {
   const { min, max } = emptyBounds();
@@ -125,7 +125,7 @@ function boundsOf(
   for (const { bounds } of leaves) if (bounds) extend(bounds);
   const pieces = coarsest.flat();
   for (const { cells } of pieces) for (const { bounds } of cells) extend(bounds);
-  const bounds = { min, max };
+  const bounds = movedBounds({ min, max }, origin);
   if (pieces.length === 0) return { bounds, robustBounds: bounds };
   const axes = [0, 1, 2].map((axis) =>
     Float32Array.from(
@@ -136,5 +136,5 @@ function boundsOf(
       }),
     ),
   );
-  return { bounds, robustBounds: robustBounds(axes, [0, 0, 0]) };
+  return { bounds, robustBounds: robustBounds(axes, origin) };
 }

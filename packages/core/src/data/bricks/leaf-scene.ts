@@ -35,7 +35,10 @@ export interface LeafScene {
 }
 
 export interface SceneLeaf {
-  /** Of all splats of all levels; null where that is not known, and then there is one level. */
+  /**
+   * Bounds of the splats of all levels, about the scene's origin; null where they are not known, and
+   * then there is one level.
+   */
   readonly bounds: Bounds | null;
   /** At least one; the finest first. */
   readonly levels: readonly LeafLevel[];

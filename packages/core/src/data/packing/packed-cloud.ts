@@ -19,6 +19,14 @@ export interface Bounds {
   readonly max: Vec3;
 }
 
+/** Bounds that are moved by a vector. */
+export function movedBounds({ min, max }: Bounds, [x, y, z]: Vec3): Bounds {
+  return {
+    min: [min[0] + x, min[1] + y, min[2] + z],
+    max: [max[0] + x, max[1] + y, max[2] + z],
+  };
+}
+
 /** Splats as they are uploaded: in storage order, packed, with bounds of each CHUNK_SPLATS. */
 export interface PackedCloud {
   readonly count: number;

@@ -1,4 +1,5 @@
 import { SplatFileError } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
 import { colorDcOf, logitOf } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { RadChunk } from './rad-chunk.ts';
@@ -83,6 +84,12 @@ export class NodeRows {
     const geometry = [this.#centers, this.#alphas, this.#colors, this.#logScales, this.#rotations];
     const own = [...geometry, ...(this.#labels ? [this.#labels] : this.#harmonics.degrees)];
     return own.reduce((sum, { byteLength }) => sum + byteLength, 0);
+  }
+
+  /** Makes positions relative to a point of the scene; they are float32 in the file. */
+  moveTo(origin: Vec3): void {
+    for (let axis = 0; axis < 3; axis++)
+      for (let i = axis * this.#count; i < (axis + 1) * this.#count; i++) this.#centers[i] -= origin[axis];
   }
 
   /** A coordinate of the middle of a node. */

@@ -6,6 +6,8 @@ import {
   type SplatCells,
 } from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { paletteValues, type RowLayout } from '../../../data/packing/row-layout.ts';
 import { ROW_SLOT, reasonToDrop } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
@@ -27,6 +29,8 @@ export interface PromisedRows {
   readonly count: number;
   /** Most degrees of harmonics that it may have: those that there is room for. */
   readonly shDegree: ShDegree;
+  /** Of the scene: bounds of leaves and positions in cells are about it. */
+  readonly origin: Vec3;
 }
 
 /** A level of a leaf: splats of a file, one after another. */
@@ -86,10 +90,13 @@ export class LeafRows implements RowSink, LeafFile {
 
   async pieces({ bounds }: SceneLeaf, level: LeafSplats, signal?: AbortSignal): Promise<SplatCells[]> {
     const { offset, count, firstRow } = level;
-    const row = new Float64Array(HARMONICS + coefficientsPerSplat(this.#layout!.shDegree));
+    const { shDegree, origin: fileOrigin = [0, 0, 0] } = this.#layout!;
+    const { origin } = this.#promised;
+    const row = new Float64Array(HARMONICS + coefficientsPerSplat(shDegree));
     const fill = (i: number) => {
       this.#fill(row, offset + i);
-      if (bounds && reasonToDrop(row) === undefined && !isWithin(row, bounds.min, bounds.max)) {
+      for (let axis = 0; axis < 3; axis++) row[position + axis] += fileOrigin[axis] - origin[axis];
+      if (bounds && reasonToDrop(row) === undefined && !isWithin(row, bounds, origin)) {
         const message = 'a splat lies outside of its part of the scene. Export the scene again.';
         throw new SplatFileError('damaged', this.#promised.file, message, { row: offset + i });
       }
@@ -112,11 +119,11 @@ export class LeafRows implements RowSink, LeafFile {
   }
 }
 
-/** Whether the centre of a row lies within bounds, but for rounding. */
-function isWithin(row: Float64Array, min: readonly number[], max: readonly number[]): boolean {
+/** Whether the centre of a row lies within bounds, but for rounding; both about `origin`. */
+function isWithin(row: Float64Array, { min, max }: Bounds, origin: Vec3): boolean {
   for (let axis = 0; axis < 3; axis++) {
     const value = row[position + axis];
-    const slack = POSITION_ROUNDING * (1 + Math.abs(value));
+    const slack = POSITION_ROUNDING * (1 + Math.abs(value + origin[axis]));
     if (value < min[axis] - slack || value > max[axis] + slack) return false;
   }
   return true;

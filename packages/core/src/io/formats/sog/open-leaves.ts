@@ -1,7 +1,10 @@
 import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { centerBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
-import type { Bounds } from '../../../data/packing/packed-cloud.ts';
+import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts';
 import { loadOrPass } from '../../loading/load-splats.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
@@ -59,7 +62,7 @@ export async function openLeaves(
     return parseSogMeta(parseMeta(bytes, path), path);
   };
 
-  const { leaves, files, finestFile } = leavesOf(tree, name);
+  const { leaves, files, finestFile, origin } = leavesOf(tree, name);
   const { environment } = tree;
   const metas: SogMeta[] = [];
   if (finestFile !== null) metas.push(await metaOf(files[finestFile].path));
@@ -83,7 +86,7 @@ export async function openLeaves(
   const kept = new KeptReads<LeafRows>(KEPT_BYTES, ({ bytes }) => bytes);
   const load = async (index: number, ending: AbortSignal, onBytes?: (bytes: number) => void) => {
     const { path, count } = files[index];
-    const rows = new LeafRows({ file: path, count, shDegree }, workers);
+    const rows = new LeafRows({ file: path, count, shDegree, origin }, workers);
     let loadedBytes = 0;
     const onProgress = (progress: LoadProgress) => {
       const bytes = progress.loadedBytes - loadedBytes;
@@ -101,7 +104,7 @@ export async function openLeaves(
   const read: LeafScene['read'] = (index, end, onBytes) =>
     kept.read(index, (ending) => load(index, ending, onBytes), end);
   return {
-    ...{ name, splatCount, shDegree, origin: [0, 0, 0], leaves, read },
+    ...{ name, splatCount, shDegree, origin, leaves, read },
     end: () => workers.end(),
     get fetchedBytes() {
       return fetchedBytes;
@@ -110,11 +113,11 @@ export async function openLeaves(
   };
 }
 
-/** The leaves of a scene, and its files; `finestFile` has splats of the finest level. */
+/** The leaves of a scene, its files and its origin; `finestFile` has splats of the finest level. */
 function leavesOf(
   tree: SceneTree,
   name: string,
-): { leaves: SceneLeaf[]; files: SceneFile[]; finestFile: number | null } {
+): { leaves: SceneLeaf[]; files: SceneFile[]; finestFile: number | null; origin: Vec3 } {
   const finest = new Set(tree.leaves.map(({ runs }) => runs[0]));
   const firstRows = new Map<LeafRun, number>();
   let rows = 0;
@@ -138,13 +141,24 @@ function leavesOf(
     }
   }
   if (tree.environment !== null) checkPath(tree.environment, name);
-  const leaves = tree.leaves.map((leaf): SceneLeaf => {
-    const bounds = boundsOf(leaf.node);
+  const bounded = tree.leaves.map((leaf) => ({ leaf, bounds: boundsOf(leaf.node) }));
+  const origin = originOf(bounded.map(({ bounds }) => bounds));
+  const [x, y, z] = origin;
+  const leaves = bounded.map(({ leaf, bounds }): SceneLeaf => {
     const errors = errorsOf(leaf, bounds, tree.levelCount);
     const levels = leaf.runs.map((run, i) => levelOf(run, firstRows.get(run) ?? null, errors[i]));
-    return { bounds, levels };
+    return { bounds: movedBounds(bounds, [-x, -y, -z]), levels };
   });
-  return { leaves, files, finestFile };
+  return { leaves, files, finestFile, origin };
+}
+
+/** The origin of a scene of leaves, from the middles of their bounds. */
+function originOf(leaves: readonly Bounds[]): Vec3 {
+  const middles = Float64Array.from(
+    leaves.flatMap(({ min, max }) => min.map((value, axis) => (value + max[axis]) / 2)),
+  );
+  const { min, max } = centerBounds(middles, leaves.length);
+  return leaves.length > 0 ? chooseOrigin(min, max) : [0, 0, 0];
 }
 
 function levelOf(
