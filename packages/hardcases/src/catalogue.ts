@@ -7,6 +7,7 @@ import { DEVICE_CASES } from './groups/device.ts';
 import { INPUT_CASES } from './groups/input.ts';
 import { OPACITY_CASES } from './groups/opacity.ts';
 import { PALETTE_CASES } from './groups/palette.ts';
+import { PLACEMENT_CASES } from './groups/placement.ts';
 import { ROTATION_CASES } from './groups/rotation.ts';
 import { SCALE_CASES } from './groups/scale.ts';
 import { SORT_CASES } from './groups/sort.ts';
@@ -23,6 +24,7 @@ export const HARD_CASES: readonly HardCase[] = [
   ...DEPTH_CASES,
   ...CAMERA_CASES,
   ...WORLD_CASES,
+  ...PLACEMENT_CASES,
   ...COLOUR_CASES,
   ...PALETTE_CASES,
   ...ACCUMULATE_CASES,

@@ -9,6 +9,7 @@ export const HARD_CASE_GROUPS = [
   'depth',
   'camera',
   'world',
+  'placement',
   'colour',
   'palette',
   'accumulate',
@@ -52,6 +53,11 @@ interface HardCaseBase {
 export interface SceneCase extends HardCaseBase {
   readonly kind: 'scene';
   readonly clouds: () => readonly HardCloud[];
+  /**
+   * The same scene given otherwise, where `clouds` may lose something before it is drawn: float64
+   * images are of this. Default `clouds`, as they were read.
+   */
+  readonly truth?: () => readonly HardCloud[];
   /** Cameras by name, for images of this aspect ratio (width by height). */
   readonly cameras: (aspect: number) => Readonly<Record<string, Camera>>;
   /** Image size where 64×64 does not suffice. */

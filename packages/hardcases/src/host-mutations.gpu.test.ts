@@ -59,6 +59,27 @@ const HOST_MUTATIONS: readonly HostMutation[] = [
     }),
     caseName: 'model-singular-flat-seen-obliquely',
   },
+  {
+    remedy: 'positions are rounded to float32 about an origin',
+    module: '../../core/src/data/packing/origin.ts',
+    replace: () => ({ chooseOrigin: () => [0, 0, 0] }),
+    caseName: 'placement-node-far',
+  },
+  {
+    remedy: 'the rotation of a matrix is that of its polar decomposition',
+    module: '../../core/src/data/math/polar-decomposition.ts',
+    replace: ({ polarDecomposition }) => ({
+      polarDecomposition: (matrix) => {
+        const columns = matrix as readonly number[];
+        const rotation = columns.map((value, i) => {
+          const start = 3 * Math.floor(i / 3);
+          return value / Math.hypot(...columns.slice(start, start + 3));
+        });
+        return polarDecomposition(matrix) && { rotation, stretch: rotation };
+      },
+    }),
+    caseName: 'placement-nodes-shear-colours',
+  },
 ];
 
 /** Also keeps adapters and devices from being garbage-collected, which Dawn does not survive. */

@@ -244,4 +244,11 @@ export const MUTATIONS: readonly Mutation[] = [
     replace: 'entry = (entry >> (16u * (splatIndex % 2u))) & 0x7fffu;',
     cases: ['palette-of-65536-entries'],
   },
+  {
+    remedy: 'harmonics-along-the-world',
+    file: 'stages/project',
+    find: 'let fromCamera = page.sight * (position - page.camera);',
+    replace: 'let fromCamera = (position - page.camera) + 0.0 * page.sight[0];',
+    cases: ['placement-uneven-colours', 'placement-sheared-colours'],
+  },
 ];

@@ -5,7 +5,7 @@ import {
   type FrameRasterizer,
   readSplats,
 } from '@websplatter/core';
-import type { renderReference } from '@websplatter/core/reference';
+import type { ReferenceImage, renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
 import type { RunVariant, WatchedDevice } from './run-device.ts';
 import { checkImage, drawFrames, firstDifference, minPsnrOf } from './run-images.ts';
@@ -44,6 +44,7 @@ export async function runScene(
   result: ResultBuilder,
 ): Promise<void> {
   const clouds = await Promise.all(hardCase.clouds().map(readCloud));
+  const truth = hardCase.truth ? await Promise.all(hardCase.truth().map(readCloud)) : clouds;
   const { widthPx, heightPx } = hardCase.size ?? { widthPx: run.sizePx, heightPx: run.sizePx };
   await checkDropped(hardCase, run, clouds, result);
   // An image without pixels has no aspect ratio: any will do.
@@ -58,7 +59,9 @@ export async function runScene(
         await checkStages(run.watched, run.variant, caseFrame, check, result);
       }
     if (isDone()) return;
-    await checkImages(hardCase, { ...run, rasterizers: inTurn(run.rasterizers, turn) }, caseFrame, result);
+    const reference = () => run.renderReference({ ...caseFrame, clouds: truth });
+    const turns = { ...run, rasterizers: inTurn(run.rasterizers, turn) };
+    await checkImages(hardCase, turns, caseFrame, reference, result);
     if (isDone()) return;
   }
 }
@@ -108,10 +111,11 @@ async function checkImages(
   hardCase: SceneCase | DeviceCase,
   run: SceneRun,
   caseFrame: CaseFrame,
+  renderTruth: () => ReferenceImage,
   result: ResultBuilder,
 ): Promise<void> {
   const isCompared = hardCase.decidesAtThreshold === undefined && caseFrame.widthPx * caseFrame.heightPx > 0;
-  const reference = isCompared ? run.renderReference(caseFrame) : null;
+  const reference = isCompared ? renderTruth() : null;
   const { identicalFrames = run.repeats === 'all' ? DEFAULT_FRAMES : 1 } = hardCase;
   for (const preset of run.presets) {
     const engine = await run.watched.engine(preset, run.variant);
