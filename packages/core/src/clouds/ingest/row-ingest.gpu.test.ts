@@ -142,6 +142,17 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     await expectSame(plyOf(set), FINEST, small);
   });
 
+  gpuTest('far from its origin, with single splats elsewhere and rows that are dropped', async () => {
+    // More rows than are sampled for the origin.
+    const set = splatsWithTies(9000, 0, 97);
+    for (let i = 0; i < set.positions.length; i++) set.positions[i] += [5000, 0, -70_000][i % 3];
+    for (let i = 0; i < set.count; i += 300) set.positions.fill(i % 600 === 0 ? 0.1 : 1e7, 3 * i, 3 * i + 3);
+    const { origin } = await readSplats(plyOf(set));
+    expect(Math.abs(origin[2] + 70_000)).toBeLessThan(1);
+    await expectSame(plyOf(set), PACKED, small);
+    await expectSame(plyOf(set), FINEST, large);
+  });
+
   gpuTest('of any positions', async () => {
     const coordinate = fc.float({ noNaN: false, noDefaultInfinity: false });
     await fc.assert(

@@ -37,7 +37,7 @@ import { type DispatchContext, Dispatches } from './dispatches.ts';
 import { LoadPreviews } from './load-previews.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
-import { sampleCentres } from './sample-centres.ts';
+import { sampleCentres, sampleForOrigin } from './sample-centres.ts';
 
 /** Pieces that are written, or being read by the GPU, at once. */
 const STAGING_BUFFERS = 4;
@@ -276,11 +276,11 @@ export class RowIngest implements RowSink {
     try {
       await this.#compiled;
       await Promise.all(this.#checks);
-      const { layout, facts, rows, palette, arrivals } = this.#live();
+      const { rows, palette, arrivals } = this.#live();
       for (const buffer of [...this.#staging, rows, palette]) if (buffer) this.#destroy(buffer);
       await pipelines.prepare(lateStages(this.#options));
       this.#live();
-      const found = readRowFacts(await readWords(device, facts), layout);
+      const { found, shift } = await this.#readFacts();
       this.#live();
       if (found.count === 0) throw emptyError(name, found.dropped);
       arrivals?.end();
@@ -289,7 +289,7 @@ export class RowIngest implements RowSink {
       this.#live();
       previews?.hold();
       const { result, checked } = this.#allocate(() => {
-        const { planes, contents, fileRows } = this.#arrange(found, hasRoom, arranged);
+        const { planes, contents, fileRows } = this.#arrange(found, shift, hasRoom, arranged);
         const reading = [
           this.#readBounds(planes, contents),
           readWords(device, fileRows, found.count),
@@ -439,6 +439,24 @@ export class RowIngest implements RowSink {
     arrivals?.add(endRow);
   }
 
+  /** Reads facts about all rows, and the point that their positions are to be moved about. */
+  async #readFacts(): Promise<{ readonly found: RowFacts; readonly shift: Vec3 }> {
+    const { device } = this.#context;
+    const { geometryPrecision } = this.#options;
+    const { layout, facts, ranges, geometry, dropMask } = this.#held!;
+    const { result, checked } = this.#allocate(() => {
+      const rows = { count: layout.count, ranges, geometry, geometryPrecision };
+      const reading = Promise.all([readWords(device, facts), sampleForOrigin(this.#context, rows, dropMask)]);
+      // Awaited only if memory was there.
+      reading.catch(() => {});
+      return reading;
+    });
+    await checked;
+    const [words, sample] = await result;
+    const found = readRowFacts(words, layout);
+    return { found, shift: layout.origin ? NOT_MOVED : chooseOrigin(sample, found, false) };
+  }
+
   /** Whether memory has room for planes beside those with dropped slots, if these matter. */
   async #hasRoomFor({ count }: RowFacts): Promise<boolean> {
     const { layout } = this.#held!;
@@ -450,14 +468,14 @@ export class RowIngest implements RowSink {
   /**
    * Puts splats into storage order.
    *
+   * @param shift point, in the space of the rows, that positions are to be stored relative to.
    * @param hasRoom see `ArrivedPlanes`.
    * @param made lists the buffers that the cloud will hold, as soon as they exist.
    * @returns planes and contents, but for facts that have to be read from the GPU.
    */
-  #arrange(found: RowFacts, hasRoom: boolean, made: GPUBuffer[]) {
+  #arrange(found: RowFacts, shift: Vec3, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;
     const { ranges, geometry, harmonics, dropMask, chunks, logScaleRests, layout } = this.#held!;
-    const shift = layout.origin ? NOT_MOVED : chooseOrigin(found.min, found.max);
     const about = (corner: readonly number[]) =>
       corner.map((value, axis) => Math.fround(value - shift[axis]));
     const { trueShDegree } = found.facts;

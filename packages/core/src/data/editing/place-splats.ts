@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { centerBounds } from '../packing/center-bounds.ts';
-import { chooseOrigin } from '../packing/origin.ts';
+import { chooseOrigin, OriginSample } from '../packing/origin.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 
 /**
@@ -10,8 +10,10 @@ import type { SplatColumns } from '../splats/splat-set.ts';
  * @throws InvalidArgumentError 'set' if one of them is too large for float32.
  */
 export function placeSplats(positions: Float64Array): Pick<SplatColumns, 'origin' | 'positions'> {
-  const { min, max } = centerBounds(positions, positions.length / 3);
-  const origin = chooseOrigin(min, max);
+  const count = positions.length / 3;
+  const sample = new OriginSample(count);
+  sample.addAll(positions, count);
+  const origin = chooseOrigin(sample.axes, centerBounds(positions, count), true);
   const relative = new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i++) {
     relative[i] = positions[i] - origin[i % 3];

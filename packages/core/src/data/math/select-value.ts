@@ -2,7 +2,7 @@
  * Returns the value that would stand at `place` if `values`, none of them NaN, were sorted;
  * reorders them. Takes time in proportion to their number, by Hoare's quickselect.
  */
-export function selectValue(values: Float32Array, place: number): number {
+export function selectValue(values: Float32Array | Float64Array, place: number): number {
   let low = 0;
   let high = values.length - 1;
   while (low < high) {

@@ -153,7 +153,7 @@ const OUTER_PART = 0.02;
 const SAMPLES = 1 << 16;
 
 /** Indices of the splats, in storage order, that robust bounds are taken from. */
-export function boundsSamples(count: number): Uint32Array {
+export function boundsSamples(count: number): Uint32Array<ArrayBuffer> {
   const step = boundsStep(count);
   return Uint32Array.from({ length: Math.ceil(count / step) }, (_, i) => i * step);
 }

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
-import { chooseOrigin } from '../../data/packing/origin.ts';
+import { chooseOrigin, OriginSample } from '../../data/packing/origin.ts';
 import {
   addDrops,
   type DropCounts,
@@ -20,8 +20,12 @@ export class PieceFacts {
   readonly dropped: DropCounts = {};
   /** Bounds of centres in the scene's space, ±Infinity without splats. */
   readonly bounds = emptyBounds();
+  readonly #sample = new OriginSample();
+  #isWide = false;
 
   add({ count, positions, origin, harmonics, dropped, isAntialiased, fileFacts }: SplatSet<Harmonics>): void {
+    this.#sample.addAll(positions, count, origin, this.count);
+    this.#isWide ||= origin.some((value) => value !== 0);
     this.count += count;
     this.shDegree = harmonics.degree;
     this.isAntialiased = isAntialiased;
@@ -36,6 +40,6 @@ export class PieceFacts {
 
   /** Point that positions of all pieces together would be relative to. */
   get origin(): Vec3 {
-    return chooseOrigin(this.bounds.min, this.bounds.max);
+    return chooseOrigin(this.#sample.axes, this.bounds, this.#isWide);
   }
 }

@@ -1,12 +1,14 @@
 import { gunzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
+import { limitDegree } from '../../data/editing/limit-degree.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { readSplatPieces } from '../loading/read-splat-pieces.ts';
 import { readSplats } from '../loading/read-splats.ts';
+import { openBricks } from './bricks/open-bricks.ts';
 import { PieceFacts } from './piece-facts.ts';
 import { encodePly } from './ply/write-ply.ts';
 import type { SplatPieces } from './write-format.ts';
-import { canWritePieces, writeSplatPieces, writeSplats } from './writers.ts';
+import { canWritePieces, openBrickWriter, writeSplatPieces, writeSplats } from './writers.ts';
 
 const COUNT = 50_000;
 const SPLATS = randomSplats({ count: COUNT, shDegree: 1 });
@@ -22,6 +24,16 @@ function asText(ply: Uint8Array): Uint8Array<ArrayBuffer> {
   );
   const header = text.slice(0, start).replace('binary_little_endian', 'ascii');
   return new TextEncoder().encode(`${header}${lines.join('\n')}\n`);
+}
+
+/** A PLY whose x, y and z are doubles. */
+function widePly(set: typeof SPLATS, positions: Float64Array): Uint8Array<ArrayBuffer> {
+  const bytes = encodePly({ ...set, origin: [2 ** 30, 0, 0] });
+  const view = new DataView(bytes.buffer);
+  const rowBytes = 24 + 4 * (11 + 9);
+  for (const [i, value] of positions.entries())
+    view.setFloat64(bytes.length - (set.count - Math.floor(i / 3)) * rowBytes + 8 * (i % 3), value, true);
+  return bytes;
 }
 
 function splatBytes(count: number): Uint8Array<ArrayBuffer> {
@@ -47,7 +59,7 @@ async function piecesOf(
   return { facts, read, pieces };
 }
 
-async function writtenInPieces(pieces: SplatPieces, format: string): Promise<Uint8Array> {
+async function writtenInPieces(pieces: SplatPieces, format: string): Promise<Uint8Array<ArrayBuffer>> {
   const parts: Uint8Array<ArrayBuffer>[] = [];
   const told: number[] = [];
   await writeSplatPieces(pieces, format, { onProgress: (fraction) => told.push(fraction) }, async (part) => {
@@ -94,6 +106,38 @@ test('coordinates in float64 are as exact as those of a whole set', async () => 
       const error = found.getFloat64(at + axis, true) - truth.getFloat64(at + axis, true);
       expect(Math.abs(error)).toBeLessThanOrEqual(2 ** -24);
     }
+});
+
+test('single strays take no precision from a far scene, whole, in pieces and in bricks', async () => {
+  const truth = Float64Array.from(SPLATS.positions, (value, i) => value + [5e5, 5.3e6, 700][i % 3]);
+  // Failed points at 0, and others far outside.
+  for (let i = 5; i < COUNT; i += 50) truth.fill(i % 100 === 5 ? 0 : 1e7, 3 * i, 3 * i + 3);
+  const bytes = widePly(SPLATS, truth);
+  const set = await readSplats(bytes, { shPrecision: 'f32' });
+  const writer = await openBrickWriter();
+  const pieces = await piecesOf(bytes, 'far.ply');
+  await pieces.read((piece) => writer.add(limitDegree(piece, 0)));
+  const bricks: Uint8Array<ArrayBuffer>[] = [];
+  await writer.finish(async (part) => {
+    bricks.push(part);
+  });
+  await writer.end();
+  const found = {
+    whole: set,
+    'written in pieces': await readSplats(await writtenInPieces(pieces, 'ply')),
+  };
+  for (const [how, { positions, origin, fileIndices }] of Object.entries(found)) {
+    expect(origin, how).toEqual(set.origin);
+    let worst = 0;
+    for (const [i, row] of fileIndices.entries()) {
+      if (row % 50 === 5) continue;
+      for (let k = 0; k < 3; k++)
+        worst = Math.max(worst, Math.abs(positions[3 * i + k] + origin[k] - truth[3 * row + k]));
+    }
+    expect(worst, how).toBeLessThan(1e-6);
+  }
+  const { origin } = await openBricks(new Blob(bricks));
+  for (const axis of [0, 1, 2]) expect(Math.abs(origin[axis] - set.origin[axis])).toBeLessThan(1);
 });
 
 test('the reach of bands is that of all splats once the last piece is there', async () => {

@@ -8,7 +8,7 @@ import type { TemporaryFile } from '../formats/bricks/temporary-files.ts';
 const HEAD_BYTES = 12;
 /** Arrays begin at multiples of this. */
 const ALIGNMENT = 8;
-const ARRAYS = { Uint16Array, Uint32Array, Float32Array } as const;
+const ARRAYS = { Uint16Array, Uint32Array, Float32Array, Float64Array } as const;
 
 /** An array in the text of an entry. */
 interface NamedArray {

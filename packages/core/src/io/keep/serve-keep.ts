@@ -27,7 +27,7 @@ import { makeRoom, roomUpTo } from './make-room.ts';
 import { StorageFiles, UNNAMED } from './storage-files.ts';
 
 /** To be raised where journals or temporary files change. */
-const VERSION = 1;
+const VERSION = 2;
 /** Of what is not gone on with. */
 const NO_VERSION = 0;
 const JOURNAL_FILE = 'journal';

@@ -19,6 +19,8 @@ export interface ArrivedEntry {
   readonly bounds: readonly Bounds[];
   /** What sets said about antialiasing; null: nothing. */
   readonly told: readonly (boolean | null)[];
+  /** Splats that the origin is taken from: see `OriginSample.addValues`. */
+  readonly sample: Float64Array;
 }
 
 /** Records were divided into the buckets of the file `bucketsName(depth, first)`. */

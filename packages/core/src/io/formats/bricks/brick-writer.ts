@@ -9,7 +9,7 @@ import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { trueShDegree } from '../../../data/packing/cloud-facts.ts';
 import { type Harmonics, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
 import { MORTON_DIGITS, MORTON_SHIFTS, mortonFrame } from '../../../data/packing/morton-order.ts';
-import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { chooseOrigin, OriginSample } from '../../../data/packing/origin.ts';
 import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
@@ -136,12 +136,14 @@ export class BrickWriter {
   readonly #runs: StoredRun[] = [];
   readonly #bounds: Bounds[] = [];
   readonly #told = new Set<boolean | undefined>();
+  /** Of splats so far. */
+  readonly #sample = new OriginSample();
   #slices = 0;
   #count = 0;
   #progress: (fraction: number) => void = () => {};
   readonly #journal: BrickJournal | undefined;
   /** What the journal knows. */
-  #noted = { slices: 0, rows: 0 };
+  #noted = { slices: 0, rows: 0, splats: 0 };
   /** By `bucketsName`: splats of each bucket of a file. */
   readonly #divided = new Map<string, readonly number[]>();
   readonly #made = new MadeRanges();
@@ -190,9 +192,10 @@ export class BrickWriter {
           this.#runs.push(each);
           this.#arrivedBytes = Math.max(this.#arrivedBytes, each.at + 4 * each.run.words * each.run.count);
         }
-        this.#noted = { slices: this.#runs.length, rows: entry.rows };
+        this.#sample.addValues(entry.sample);
         this.#slices = this.#runs.length;
         this.#count += countOf(entry.runs);
+        this.#noted = { slices: this.#slices, rows: entry.rows, splats: this.#count };
       }
     }
     return this.#noted.rows;
@@ -202,10 +205,11 @@ export class BrickWriter {
   async keep(rows: number): Promise<void> {
     if (!this.#journal) return;
     await this.#queue.drain();
-    const { slices } = this.#noted;
+    const { slices, splats } = this.#noted;
     const told = [...this.#told].map((each) => each ?? null);
-    const entry = { rows, runs: this.#runs.slice(slices), bounds: this.#bounds.slice(slices), told };
-    this.#noted = { slices: this.#runs.length, rows };
+    const sample = this.#sample.valuesFrom(splats);
+    const entry = { rows, runs: this.#runs.slice(slices), bounds: this.#bounds.slice(slices), told, sample };
+    this.#noted = { slices: this.#runs.length, rows, splats: this.#count };
     await this.#journal.note({ kind: 'arrived', ...entry });
   }
 
@@ -224,6 +228,7 @@ export class BrickWriter {
   async add(set: SplatSet<Harmonics>): Promise<void> {
     const file = await this.#openArrived();
     if (set.count > 0) this.#told.add(set.isAntialiased);
+    this.#sample.addAll(set.positions, set.count, set.origin, this.#count);
     for (let from = 0; from < set.count; from += SLICE_SPLATS) {
       this.#signal?.throwIfAborted();
       const slice = sliceOf(set, from, Math.min(set.count, from + SLICE_SPLATS));
@@ -311,7 +316,7 @@ export class BrickWriter {
     }
     const [first] = runs;
     const isOne = runs.every(({ origin }) => origin.every((value, axis) => value === first.origin[axis]));
-    const origin = isOne ? first.origin : chooseOrigin(total.min, total.max);
+    const origin = isOne ? first.origin : chooseOrigin(this.#sample.axes, total, true);
     const own = emptyBounds();
     for (const [i, run] of runs.entries()) {
       for (let axis = 0; axis < 3; axis++) {

@@ -1,6 +1,5 @@
 import type { Mat4 } from '../../../data/math/mat4.ts';
-import { centerBounds } from '../../../data/packing/center-bounds.ts';
-import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { originOfSamples, sampledRows } from '../../../data/packing/origin.ts';
 import { shown } from '../../../data/printable.ts';
 import type { FileFacts } from '../../../data/splats/splat-set.ts';
 import { isGlb, unpackGlb } from '../../containers/glb.ts';
@@ -26,9 +25,6 @@ const MOST_ROWS_PER_BYTE = 2;
 const HARMLESS_ROWS = 2 ** 19;
 /** Each takes time, however few splats are there. */
 const MOST_PLACES = 2 ** 14;
-
-/** Splats whose positions tell the origin of a scene that nodes place. */
-const ORIGIN_SAMPLES = 2 ** 14;
 
 /** The splats of a glTF's scene. */
 interface GltfSplats {
@@ -113,21 +109,19 @@ interface PlacedPrimitive {
 /** Rows of all parts about one origin, if any of them is moved. */
 function rowsOf(parts: readonly PlacedPrimitive[], rowCount: number): DecodedRows[] {
   if (parts.every(({ matrix }) => isIdentity(matrix))) return parts.map(({ primitive }) => primitive.rows());
-  const positions = sampledPositions(parts, rowCount);
-  const { min, max } = centerBounds(positions, positions.length / 3);
-  const origin = chooseOrigin(min, max);
+  const origin = originOfSamples(sampledPositions(parts, rowCount));
   return parts.map(({ primitive, matrix }) => placedRows(primitive.rows(), matrix, origin));
 }
 
-/** Positions of splats evenly spread over all parts, float64 in the scene's space, 3N. */
+/** Positions of splats spread over all parts, float64 in the scene's space, 3N. */
 function sampledPositions(parts: readonly PlacedPrimitive[], rowCount: number): Float64Array {
-  const step = Math.max(1, Math.ceil(rowCount / ORIGIN_SAMPLES));
   const positions: number[] = [];
-  let next = 0;
-  for (const { primitive, matrix } of parts) {
-    for (; next < primitive.count; next += step)
-      positions.push(...placedPoint(primitive.positionOf(next), matrix));
-    next -= primitive.count;
+  let part = 0;
+  let firstRow = 0;
+  for (const row of sampledRows(rowCount)) {
+    while (row >= firstRow + parts[part].primitive.count) firstRow += parts[part++].primitive.count;
+    const { primitive, matrix } = parts[part];
+    positions.push(...placedPoint(primitive.positionOf(row - firstRow), matrix));
   }
   return Float64Array.from(positions);
 }

@@ -86,6 +86,11 @@ export class NodeRows {
     return own.reduce((sum, { byteLength }) => sum + byteLength, 0);
   }
 
+  /** Middles of all nodes, x, y and z of each. */
+  get centers(): Float64Array {
+    return Float64Array.from({ length: 3 * this.#count }, (_, i) => this.center(Math.floor(i / 3), i % 3));
+  }
+
   /** Makes positions relative to a point of the scene; they are float32 in the file. */
   moveTo(origin: Vec3): void {
     for (let axis = 0; axis < 3; axis++)

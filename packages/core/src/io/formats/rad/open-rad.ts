@@ -2,10 +2,10 @@ import type { SceneLeaf, SplatCells } from '../../../data/bricks/leaf-scene.ts';
 import { type LeafLevel, type LeafScene, NO_ROW } from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { centerBounds, emptyBounds } from '../../../data/packing/center-bounds.ts';
+import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import { mortonOrder } from '../../../data/packing/morton-order.ts';
-import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { originOfSamples } from '../../../data/packing/origin.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
@@ -179,7 +179,8 @@ class RadScene implements LeafScene {
     const childStarts = await chunk.column('child_start', count);
     if (number === 0) this.#palette = await readPalette(chunk, header);
     const rows = await NodeRows.read(chunk, count, header.shDegree, this.#palette, file);
-    if (number === 0) this.origin = originOf(rows, count);
+    // The uppermost nodes stand for the whole scene.
+    if (number === 0) this.origin = originOfSamples(rows.centers);
     rows.moveTo(this.origin);
     const bytes = rows.bytes + childCounts.byteLength + childStarts.byteLength;
     return { base, count, childCounts, childStarts, rows, bytes };
@@ -269,17 +270,6 @@ class RadScene implements LeafScene {
 function placeIn(chunks: readonly NodeChunk[], node: number): [chunk: NodeChunk, i: number] {
   const chunk = chunks[Math.floor((node - chunks[0].base) / chunks[0].count)];
   return [chunk, node - chunk.base];
-}
-
-/** The origin of a scene, from the middles of its uppermost nodes. */
-function originOf(rows: NodeRows, count: number): Vec3 {
-  const centers = Float32Array.from({ length: 3 * count }, (_, i) => rows.center(Math.floor(i / 3), i % 3));
-  const finite = centers.filter((_, i) => {
-    const at = i - (i % 3);
-    return centers.subarray(at, at + 3).every(Number.isFinite);
-  });
-  const { min, max } = centerBounds(finite, finite.length / 3);
-  return finite.length > 0 ? chooseOrigin(min, max) : [0, 0, 0];
 }
 
 /** How a node is drawn: what stands for no others is one splat. */

@@ -1,9 +1,8 @@
 import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { centerBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
-import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { originOfSamples } from '../../../data/packing/origin.ts';
 import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts';
 import { loadOrPass } from '../../loading/load-splats.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
@@ -142,7 +141,10 @@ function leavesOf(
   }
   if (tree.environment !== null) checkPath(tree.environment, name);
   const bounded = tree.leaves.map((leaf) => ({ leaf, bounds: boundsOf(leaf.node) }));
-  const origin = originOf(bounded.map(({ bounds }) => bounds));
+  const middles = bounded.flatMap(({ bounds: { min, max } }) =>
+    min.map((low, axis) => (low + max[axis]) / 2),
+  );
+  const origin = originOfSamples(Float64Array.from(middles));
   const [x, y, z] = origin;
   const leaves = bounded.map(({ leaf, bounds }): SceneLeaf => {
     const errors = errorsOf(leaf, bounds, tree.levelCount);
@@ -150,15 +152,6 @@ function leavesOf(
     return { bounds: movedBounds(bounds, [-x, -y, -z]), levels };
   });
   return { leaves, files, finestFile, origin };
-}
-
-/** The origin of a scene of leaves, from the middles of their bounds. */
-function originOf(leaves: readonly Bounds[]): Vec3 {
-  const middles = Float64Array.from(
-    leaves.flatMap(({ min, max }) => min.map((value, axis) => (value + max[axis]) / 2)),
-  );
-  const { min, max } = centerBounds(middles, leaves.length);
-  return leaves.length > 0 ? chooseOrigin(min, max) : [0, 0, 0];
 }
 
 function levelOf(
