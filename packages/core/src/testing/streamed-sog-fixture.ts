@@ -109,14 +109,14 @@ function coarserOf(set: SplatSet): SplatSet {
 /** As splat-transform has them: of the splats as far as one standard deviation. */
 function widen(
   { min, max }: { min: number[]; max: number[] },
-  { positions, logScales }: SplatSet,
+  { origin, positions, logScales }: SplatSet,
   from: number,
   to: number,
 ): void {
   for (let i = 3 * from; i < 3 * to; i++) {
     const axis = i % 3;
     const scale = Math.exp(Math.max(...logScales.subarray(i - axis, i - axis + 3)));
-    min[axis] = Math.min(min[axis], positions[i] - scale);
-    max[axis] = Math.max(max[axis], positions[i] + scale);
+    min[axis] = Math.min(min[axis], positions[i] + origin[axis] - scale);
+    max[axis] = Math.max(max[axis], positions[i] + origin[axis] + scale);
   }
 }

@@ -91,6 +91,22 @@ describe('the leaves of a .rad', () => {
     expect(byRow.flatMap(({ position }) => position)).toEqual([...whole.positions]);
   });
 
+  test('of a scene far out lie about its origin, and lose nothing', async () => {
+    const place = [65_536, -131_072, 4096];
+    const far = nodes.map((node) => ({
+      ...node,
+      position: node.position.map((value, axis) => Math.fround(value + place[axis])),
+    }));
+    const encodings = { ...layout.encodings, center: 'f32' } as const;
+    const scene = await open(new Blob([radBytes(far, { ...layout, encodings })]));
+    const { finest } = await readAll(scene);
+    for (let axis = 0; axis < 3; axis++) expect(Math.abs(scene.origin[axis] - place[axis])).toBeLessThan(10);
+    for (const { row, position } of finest)
+      expect(position.map((value, axis) => value + scene.origin[axis])).toEqual(far[row].position);
+    for (const { bounds } of scene.leaves)
+      if (bounds) expect(Math.max(...[...bounds.min, ...bounds.max].map(Math.abs))).toBeLessThan(30);
+  });
+
   test('are coarse where the children of a node are in another chunk, and drawn as stacks', async () => {
     const scene = await open();
     const { coarsest } = await readAll(scene);

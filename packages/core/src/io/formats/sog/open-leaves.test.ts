@@ -75,6 +75,30 @@ describe('the leaves of a streamed SOG', () => {
     expect(scene.fetchedBytes).toBeGreaterThan(100_000);
   });
 
+  test('of a scene far out lie about its origin', async () => {
+    const origin = [2048, -4096, 1024] as const;
+    const far = await streamedSog({ set: { ...set, origin }, filesOfLevel: [2, 1], leafCount: 2 });
+    const source = () => droppedFiles(streamedSogFiles(far, 'scene/'));
+    const whole = await readSplats(source(), { shPrecision: 'f32' });
+    const scene = (await openLeaves(source()))!;
+    for (let axis = 0; axis < 3; axis++) expect(Math.abs(scene.origin[axis] - origin[axis])).toBeLessThan(1);
+    for (const leaf of scene.leaves) {
+      expect(Math.max(...[...leaf.bounds!.min, ...leaf.bounds!.max].map(Math.abs))).toBeLessThan(3);
+      for (const piece of await (await scene.read(leaf.levels[0].file)).pieces(leaf, leaf.levels[0])) {
+        const positions = new Float32Array(piece.geometry.buffer);
+        const count = piece.cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
+        for (let i = 0; i < count; i++) {
+          const row = piece.rows[i];
+          for (let axis = 0; axis < 3; axis++) {
+            const found = positions[GEOMETRY_WORDS.packed * i + axis] + scene.origin[axis];
+            const expected = whole.positions[3 * row + axis] + whole.origin[axis];
+            expect(Math.abs(found - expected)).toBeLessThanOrEqual(2 ** -23);
+          }
+        }
+      }
+    }
+  });
+
   test('have errors: the share of the picture that is wrong, by how far splats are apart', async () => {
     /** Errors of the coarser level in spacings of its splats: of the changed leaf, and of the other. */
     const shares = async (from: StreamedSog) => {
