@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../data/errors.ts';
 import { shown } from '../../data/printable.ts';
+import { FewRequests } from '../sources/few-requests.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { openPart, readOpenedPart } from '../sources/read-part.ts';
 import type { UncheckedBytes } from '../sources/splat-source.ts';
@@ -20,12 +21,14 @@ export class PartReader {
   readonly #input: SplatInput;
   readonly #options: SplatFormatOptions;
   readonly #progress: ReadProgress;
+  readonly #requests: FewRequests;
   readonly #paths = new Set<string>();
 
   constructor(input: SplatInput, options: SplatFormatOptions, progress: ReadProgress) {
     this.#input = input;
     this.#options = options;
     this.#progress = progress;
+    this.#requests = new FewRequests(options.requestsAtOnce);
   }
 
   /**
@@ -48,6 +51,10 @@ export class PartReader {
       throw new SplatFileError('damaged', name, message);
     }
     this.#paths.add(path);
+    return this.#requests.run(() => this.#readFile(path), this.#options.signal);
+  }
+
+  async #readFile(path: string): Promise<UncheckedPart> {
     const opened = await openPart(this.#input, path, this.#options);
     const { unchecked } = opened;
     if (unchecked) {

@@ -42,6 +42,8 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
   readonly maxSplats: number;
   /** See `ReadLimits`; undefined for the default. */
   readonly maxBytes: number | undefined;
+  /** Files beside it that are fetched at once; default `MOST_REQUESTS`. */
+  readonly requestsAtOnce?: number;
 }
 
 /** Number of a file's first bytes that formats are told by. */

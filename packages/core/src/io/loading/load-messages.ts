@@ -18,6 +18,8 @@ export interface LoadSettings extends SourceOptions {
   readonly name: string | undefined;
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
+  /** See `SplatFormatOptions`. */
+  readonly requestsAtOnce?: number;
 }
 
 /** Page to worker. */

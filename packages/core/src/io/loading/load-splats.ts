@@ -2,6 +2,7 @@ import { given } from '../../data/given.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
+import type { SplatFormatOptions } from '../formats/splat-format.ts';
 import {
   baseUrl,
   bytesOf,
@@ -52,7 +53,7 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
 /** As `loadSplats`; `passed` if the rows of the file went to `rowsTo` as they are. */
 export async function loadOrPass(
   source: SplatSource,
-  options: LoadSplatsOptions,
+  options: LoadSplatsOptions & Pick<SplatFormatOptions, 'requestsAtOnce'>,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
   const {
@@ -64,11 +65,13 @@ export async function loadOrPass(
   } = given(options, {
     name: 'a string?',
   });
-  const { signal, onProgress } = options;
+  const { signal, onProgress, requestsAtOnce } = options;
   signal?.throwIfAborted();
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
-  const settings: LoadSettings = { name, shPrecision, geometryPrecision, maxBytes, maxSplats, request };
+  const settings: LoadSettings = {
+    ...{ name, shPrecision, geometryPrecision, maxBytes, maxSplats, request, requestsAtOnce },
+  };
   let worker = await takeTurn(signal);
   let kind: Kind = isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
   let isDone = false;

@@ -11,7 +11,7 @@ import { fileNameOf, isFiles, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { OtherFormat } from './other-format.ts';
 
-type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>;
+type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece' | 'requestsAtOnce'>;
 
 /**
  * Keeps the promises of `readSplats`, for the formats that `readers` has. It is a module of its
@@ -37,7 +37,13 @@ export async function readSource(
   { pick, openFiles }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
-  const { signal, onProgress, onPiece, shPrecision = 'u8' } = given(options, { name: 'a string?' });
+  const {
+    signal,
+    onProgress,
+    onPiece,
+    requestsAtOnce,
+    shPrecision = 'u8',
+  } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
   const opened =
     openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
@@ -60,6 +66,7 @@ export async function readSource(
         signal,
         onProgress,
         onPiece,
+        requestsAtOnce,
       },
       rowsTo,
     );

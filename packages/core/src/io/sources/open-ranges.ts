@@ -1,5 +1,6 @@
 import { FIRST_PIECE, piecePath } from '../../data/bricks/brick-files.ts';
 import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
+import type { FewRequests } from './few-requests.ts';
 import { leadingPath, withPaths } from './open-files.ts';
 import { openUrlPieces } from './open-url-pieces.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
@@ -11,6 +12,7 @@ import type { ReadOptions, SceneFiles, SplatSource } from './splat-source.ts';
  * Opens a source for its parts. Memory is not copied.
  *
  * @param firstBytes that are read at once, from the beginning.
+ * @param requests of the scene that the file belongs to; by default it is the whole scene.
  *
  * Rejects as `RangeSource.read`, and with InvalidArgumentError for streams, and what is no source;
  * of pieces with SplatFileError 'missing-part' where one between the first and the last is not there.
@@ -19,12 +21,13 @@ export async function openRanges(
   source: SplatSource,
   firstBytes: number,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
+  requests?: FewRequests,
 ): Promise<RangeSource> {
   options.signal?.throwIfAborted();
   if (typeof source === 'string' || source instanceof URL) {
     const url = String(source);
     if (FIRST_PIECE.test(fileNameOf(url, undefined))) return openUrlPieces(url, options);
-    return openUrlRanges(url, firstBytes, options);
+    return openUrlRanges(url, firstBytes, options, requests);
   }
   const { name = sourceName(source) } = options;
   if (isFiles(source)) return blobRanges(leadingFile(source), name);

@@ -1,9 +1,11 @@
 import { piecePath } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
+import { inLanes } from '../../data/in-lanes.ts';
 import { ByteReader } from './byte-reader.ts';
+import { FewRequests, MOST_REQUESTS } from './few-requests.ts';
 import { KeptReads } from './kept-reads.ts';
 import { addressOf, openUrl } from './open-url.ts';
-import type { RangeSource } from './range-source.ts';
+import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
 import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
@@ -11,11 +13,14 @@ import type { ReadOptions, RequestOptions } from './splat-source.ts';
 /** Bytes of pieces that are kept: what is read next often lies in one of them. */
 const KEPT_BYTES = 64 << 20;
 const MOST_PIECE_BYTES = KEPT_BYTES;
+/** A first piece of fewer bytes is the whole file: smaller pieces would take a request for each few bytes. */
+const LEAST_PIECE_BYTES = 1 << 14;
 
 /**
  * Opens a scene that was cut into pieces by the address of the first. Pieces are fetched as a whole,
  * for servers that answer no range requests; each has as many bytes as the first, or fewer if it is
- * the last. Rejects as `openUrl`, and with SplatSourceError for pieces of other sizes.
+ * the last. A first piece of less than 16 KiB is the last. Rejects as `openUrl`, and with
+ * SplatSourceError for pieces of other sizes.
  */
 export async function openUrlPieces(
   url: string,
@@ -23,7 +28,8 @@ export async function openUrlPieces(
 ): Promise<RangeSource> {
   const pieces = new RemotePieces(addressOf(url, name), request);
   const first = await pieces.read(0, signal);
-  const pieceBytes = Math.max(1, first.length);
+  const pieceBytes = first.length;
+  if (pieceBytes < LEAST_PIECE_BYTES) return blobRanges(new Blob([first]), name);
   return {
     name,
     totalBytes: undefined,
@@ -35,7 +41,11 @@ export async function openUrlPieces(
         { length: Math.ceil((offset + byteCount) / pieceBytes) - firstIndex },
         (_, i) => firstIndex + i,
       );
-      const parts = await Promise.all(indices.map((index) => pieces.read(index, partSignal)));
+      const parts: Uint8Array[] = [];
+      await inLanes(MOST_REQUESTS, indices, async (index, stop) => {
+        const ending = partSignal ? AbortSignal.any([partSignal, stop]) : stop;
+        parts[index - firstIndex] = await pieces.read(index, ending);
+      });
       let length = 0;
       for (const [i, piece] of parts.entries()) {
         if (piece.length > pieceBytes) throw pieces.wrongSize(indices[i], piece.length, pieceBytes);
@@ -53,6 +63,7 @@ export async function openUrlPieces(
 class RemotePieces {
   readonly #first: URL;
   readonly #request: RequestOptions | undefined;
+  readonly #requests = new FewRequests();
   readonly #pieces = new KeptReads<Uint8Array<ArrayBuffer>>(KEPT_BYTES, ({ length }) => length);
 
   constructor(first: URL, request: RequestOptions | undefined) {
@@ -62,7 +73,11 @@ class RemotePieces {
 
   /** Reads a piece; its request ends when no read waits for it. */
   read(index: number, signal: AbortSignal | undefined): Promise<Uint8Array<ArrayBuffer>> {
-    return this.#pieces.read(index, (ending) => this.#load(index, ending), signal);
+    return this.#pieces.read(
+      index,
+      (ending) => this.#requests.run(() => this.#load(index, ending), ending),
+      signal,
+    );
   }
 
   wrongSize(index: number, found: number, pieceBytes: number): SplatSourceError {

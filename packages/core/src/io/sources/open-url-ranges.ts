@@ -2,6 +2,7 @@ import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
+import { FewRequests } from './few-requests.ts';
 import { addressOf, bodyOf, cancelBody, isPacked, type PartFacts, partOf, Transfer } from './open-url.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
@@ -23,11 +24,13 @@ const MOST_WHOLE_BYTES = 64 << 20;
  * Rejects as `openUrl`, and with SplatSourceError where a server sends no parts of a large file.
  *
  * @param firstBytes asked for at once, which tell the size of the file.
+ * @param requests of the scene that the file belongs to.
  */
 export async function openUrlRanges(
   url: string,
   firstBytes: number,
   { name = shortName(url), signal, request = {} }: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
+  requests = new FewRequests(),
 ): Promise<RangeSource> {
   const checked = checkRequest(request);
   const address = addressOf(url, name);
@@ -36,7 +39,7 @@ export async function openUrlRanges(
   const answer = await askFor(transfer, 0, firstBytes);
   if (answer && answer.status !== PARTIAL_CONTENT)
     return blobRanges(new Blob([await readSmall(transfer, answer, name, signal)]), name);
-  const file = new RemoteFile(address, name, checked, answer && factsOf(answer.headers));
+  const file = new RemoteFile(address, name, checked, requests, answer && factsOf(answer.headers));
   const first = await file.receive(transfer, 0, firstBytes, signal, answer);
   return {
     name,
@@ -73,15 +76,23 @@ class RemoteFile {
   readonly #address: URL;
   readonly #name: string;
   readonly #request: Required<RequestOptions>;
+  readonly #requests: FewRequests;
   readonly #facts: FileFacts | null;
   /** Parts that were asked for in this turn. */
   #asked: AskedPart[] = [];
 
   /** @param facts from the first answer; null if there is nothing in the file. */
-  constructor(address: URL, name: string, request: Required<RequestOptions>, facts: FileFacts | null) {
+  constructor(
+    address: URL,
+    name: string,
+    request: Required<RequestOptions>,
+    requests: FewRequests,
+    facts: FileFacts | null,
+  ) {
     this.#address = address;
     this.#name = name;
     this.#request = request;
+    this.#requests = requests;
     this.#facts = facts;
   }
 
@@ -138,7 +149,8 @@ class RemoteFile {
       const { signal } = ending;
       const transfer = new Transfer(this.#address, this.#name, this.#request, signal, true);
       const end = endOf(run.at(-1)!);
-      give(await this.receive(transfer, start, end, signal, null, (bytes) => give(bytes, false)), true);
+      const receive = () => this.receive(transfer, start, end, signal, null, (bytes) => give(bytes, false));
+      give(await this.#requests.run(receive, signal), true);
     } catch (error) {
       for (const { reject } of waiting) reject(error);
     } finally {
@@ -162,7 +174,8 @@ class RemoteFile {
   ): Promise<Uint8Array<ArrayBuffer>> {
     const { idleTimeoutMs } = this.#request;
     const expectedBytes = Math.max(0, Math.min(end, this.totalBytes ?? end) - start);
-    const bytes = new Uint8Array(expectedBytes);
+    // It grows as bytes arrive: files and servers may promise any number.
+    let bytes = new Uint8Array(Math.min(expectedBytes, MOST_REQUEST_BYTES));
     let length = 0;
     let response = answer;
     while (length < expectedBytes) {
@@ -174,6 +187,7 @@ class RemoteFile {
       try {
         while (length < expectedBytes && (await reader.fill(1))) {
           const count = Math.min(reader.available, expectedBytes - length);
+          if (length + count > bytes.length) bytes = grown(bytes, length + count, expectedBytes);
           bytes.set(reader.bytes.subarray(reader.start, reader.start + count), length);
           reader.advance(count);
           length += count;
@@ -221,6 +235,13 @@ class RemoteFile {
 
 function factsOf(headers: Headers): FileFacts {
   return { ...partOf(headers), version: headers.get('etag') ?? headers.get('last-modified') };
+}
+
+/** Returns `bytes` at the beginning of at least `least` and at most `most`. */
+function grown(bytes: Uint8Array, least: number, most: number): Uint8Array<ArrayBuffer> {
+  const larger = new Uint8Array(Math.max(least, Math.min(most, 2 * bytes.length)));
+  larger.set(bytes);
+  return larger;
 }
 
 function endOf({ offset, byteCount }: AskedPart): number {

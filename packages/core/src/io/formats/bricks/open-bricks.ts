@@ -7,7 +7,7 @@ import { openRanges } from '../../sources/open-ranges.ts';
 import { sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkNested } from './brick-header.ts';
-import { brickHeaderBytes, mostBrickBytes } from './bricks-layout.ts';
+import { brickHeaderBytes, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
 import { readFileHeader } from './file-header.ts';
 
 /** Bytes that are read at once: of large scenes, the header and the root. */
@@ -41,7 +41,7 @@ async function openWith(
 ): Promise<BrickScene> {
   const ranges = await openRanges(source, FIRST_BYTES, options);
   const { name, totalBytes } = ranges;
-  const first = await ranges.read(0, FIRST_BYTES, options.signal);
+  const first = await ranges.read(0, FILE_HEADER_BYTES, options.signal);
   const header = readFileHeader(first, name);
   const { splatCount, shDegree } = header;
   const shape = new BrickShape(splatCount);

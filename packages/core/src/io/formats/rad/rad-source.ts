@@ -1,4 +1,5 @@
 import { SplatSourceError } from '../../../data/errors.ts';
+import { FewRequests } from '../../sources/few-requests.ts';
 import { openFiles } from '../../sources/open-files.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { addressOf } from '../../sources/open-url.ts';
@@ -42,7 +43,8 @@ export async function openRadSource(
 ): Promise<RadSource | null> {
   const { signal, request, maxBytes } = options;
   if (isStream(source)) return null;
-  const ranges = await openRanges(source, FIRST_BYTES, options).catch((error) => {
+  const requests = new FewRequests();
+  const ranges = await openRanges(source, FIRST_BYTES, options, requests).catch((error) => {
     if (error instanceof SplatSourceError && error.status === OK) return null;
     throw error;
   });
@@ -78,10 +80,13 @@ export async function openRadSource(
     checkPath(path, name);
     const partOptions = { signal: end, maxBytes };
     let before = 0;
-    return readOpenedPart(await openPart(scene, path, partOptions), partOptions, () => (loadedBytes) => {
+    const count = (loadedBytes: number) => {
       onBytes?.(loadedBytes - before);
       before = loadedBytes;
-    });
+    };
+    const readFile = async () =>
+      readOpenedPart(await openPart(scene, path, partOptions), partOptions, () => count);
+    return requests.run(readFile, end);
   };
   return { name, header, read };
 }

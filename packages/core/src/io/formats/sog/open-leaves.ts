@@ -6,6 +6,7 @@ import { originOfSamples } from '../../../data/packing/origin.ts';
 import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts';
 import { loadOrPass } from '../../loading/load-splats.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
+import { FewRequests, MOST_REQUESTS } from '../../sources/few-requests.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
 import { openFiles } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
@@ -22,6 +23,8 @@ import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-met
 
 /** Decoded files that are kept for leaves that may want them next: about four of half a million splats. */
 const KEPT_BYTES = 128 << 20;
+/** Files that are fetched at once, each with requests for its images. */
+const FILES_AT_ONCE = 4;
 /** Rows are posted in pieces that a page copies without a pause. */
 const PIECE_BYTES = 4 << 20;
 /** That of the metadata of version 1, which does not tell. */
@@ -82,6 +85,7 @@ export async function openLeaves(
 
   const workers = new SceneWorkers(name);
   let fetchedBytes = 0;
+  const fetches = new FewRequests(FILES_AT_ONCE);
   const kept = new KeptReads<LeafRows>(KEPT_BYTES, ({ bytes }) => bytes);
   const load = async (index: number, ending: AbortSignal, onBytes?: (bytes: number) => void) => {
     const { path, count } = files[index];
@@ -93,7 +97,8 @@ export async function openLeaves(
       fetchedBytes += bytes;
       onBytes?.(bytes);
     };
-    const readOptions = { name: path, signal: ending, request, maxBytes, maxSplats, onProgress };
+    const limits = { maxBytes, maxSplats, requestsAtOnce: MOST_REQUESTS / FILES_AT_ONCE };
+    const readOptions = { name: path, signal: ending, request, onProgress, ...limits };
     await loadOrPass(await parts.open(path), readOptions, {
       sink: rows,
       files: { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes: PIECE_BYTES },
@@ -101,7 +106,7 @@ export async function openLeaves(
     return rows;
   };
   const read: LeafScene['read'] = (index, end, onBytes) =>
-    kept.read(index, (ending) => load(index, ending, onBytes), end);
+    kept.read(index, (ending) => fetches.run(() => load(index, ending, onBytes), ending), end);
   return {
     ...{ name, splatCount, shDegree, origin, leaves, read },
     end: () => workers.end(),
