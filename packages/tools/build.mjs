@@ -2,7 +2,7 @@
 // their dist folders: JavaScript by Vite, declarations by tsc. Skips unchanged parts.
 // `--packages` leaves out the viewer.
 import { spawnSync } from 'node:child_process';
-import { createHash } from 'node:crypto';
+import { createHash, randomUUID } from 'node:crypto';
 import {
   cpSync,
   existsSync,
@@ -170,8 +170,9 @@ async function timeBuild(name, hash, run) {
 /** @param isDone whether another process, such as that of a test, has built the same meanwhile. */
 async function buildPackage(item, isDone) {
   const folder = join(repositoryRoot, 'packages', item.name);
-  // Build into another folder first, so that a failed build leaves the previous dist.
-  const aside = join(cacheFolder, `${item.name}-${process.pid}`);
+  // Build into another folder first, so that a failed build leaves the previous dist. Its name is
+  // random: builds in two containers may have one process id.
+  const aside = join(cacheFolder, `${item.name}-${randomUUID()}`);
   try {
     await bundle(item.entries, folder, aside, { minify: false, emptyOutDir: true });
     for (const [name, path] of Object.entries(item.hosted ?? {}))

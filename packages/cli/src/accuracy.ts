@@ -7,7 +7,7 @@ import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
 import { findDetail } from './find-detail.ts';
 import { openGpuSession } from './gpu-session.ts';
-import { checkOutputs, type Output, reportBeside, writeFiles } from './output-files.ts';
+import { checkOutputs, noteLeftOutputs, type Output, reportBeside, writeFiles } from './output-files.ts';
 import { tenthsOf } from './progress-lines.ts';
 import { findScene, type SceneSource } from './scene-source.ts';
 
@@ -18,6 +18,7 @@ export async function accuracy(args: readonly string[], console: Console): Promi
   const scenes = await Promise.all(options.scenes.map(findScene));
   const filesRead = () => [options.camera, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());
+  await noteLeftOutputs(outputs, console);
   const report = await reportBeside(
     outputs.map(({ path }) => path),
     console,

@@ -7,6 +7,7 @@ import {
   readdirSync,
   readFileSync,
   readlinkSync,
+  statSync,
   symlinkSync,
 } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -35,6 +36,13 @@ function websplatterIn(variables: Record<string, string | undefined>, ...args: s
 /** Runs a line of a shell, in which `$0 "$1"` is the program. */
 function shell(command: string, cwd?: string) {
   return spawnSync('bash', ['-c', command, process.execPath, bin], { encoding: 'utf8', cwd });
+}
+
+/** Names of incomplete files that hold something: an empty one may be a trial, made and removed at the start. */
+function partsBeingWritten(folder: TestFolder): string[] {
+  return readdirSync(folder.path).filter(
+    (name) => name.endsWith('.part') && statSync(folder.file(name)).size > 0,
+  );
 }
 
 binTest('--help lists the commands that exist', () => {
@@ -221,11 +229,36 @@ unixTest.for<NodeJS.Signals>(['SIGINT', 'SIGTERM', 'SIGHUP'])(
     const args = ['render', scene, '--camera', camera, ...size, '--out', out, '--raw', pipe];
     const child = spawn(process.execPath, [bin, ...args], { stdio: 'ignore' });
     const ended = once(child, 'exit');
-    await expect.poll(() => readdirSync(folder.path)).toContainEqual(expect.stringMatching(/\.part$/));
+    await expect.poll(() => partsBeingWritten(folder)).toHaveLength(1);
     child.kill(signal);
     expect(await ended).toEqual([null, signal]);
     expect(readdirSync(folder.path).sort()).toEqual(['a.png', 'camera.json', 'pipe', 'scene.ply']);
     expect(readFileSync(out, 'utf8')).toBe('old');
+  },
+);
+
+unixTest(
+  'after a run that was killed while it wrote, the next one works and names what was left',
+  async () => {
+    const folder = new TestFolder();
+    const [out, pipe] = [folder.file('a.png'), folder.file('pipe')];
+    // Nothing reads it, so that the command waits for ever once the image is there.
+    execFileSync('mkfifo', [pipe]);
+    const size = ['--size', '8x8', '--renderer', 'reference'];
+    const args = ['render', folder.scene(), '--camera', folder.camera(), ...size, '--out', out];
+    const child = spawn(process.execPath, [bin, ...args, '--raw', pipe], { stdio: 'ignore' });
+    const ended = once(child, 'exit');
+    const left = () => partsBeingWritten(folder);
+    await expect.poll(left).toHaveLength(1);
+    child.kill('SIGKILL');
+    expect(await ended).toEqual([null, 'SIGKILL']);
+    const [part] = left();
+    const { status, stderr } = websplatter(...args);
+    expect(stderr).toMatch(/^note: \S+ has 1 incomplete file of runs that were killed [^\n]+\n$/);
+    expect(stderr).toContain(part);
+    expect(status).toBe(0);
+    expect(existsSync(out)).toBe(true);
+    expect(left()).toEqual([part]);
   },
 );
 

@@ -28,6 +28,7 @@ import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
 import {
   checkOutputs,
+  noteLeftOutputs,
   type OutputFile,
   type PutContent,
   putContent,
@@ -93,6 +94,7 @@ export async function convert(args: readonly string[], console: Console): Promis
   const scenes = await Promise.all(options.scenes.map(findScene));
   const filesRead = () => scenes.flatMap(({ files }) => [...files]);
   await checkOutputs([output], filesRead());
+  await noteLeftOutputs([output], console);
   const report = await reportBeside([out], console);
   const showTenths = tenthsOf(console);
   const onFraction: OnFraction = (fraction, index) =>

@@ -32,6 +32,10 @@ export function describeSystemError(error: unknown): string {
       return 'it is a folder, not a file';
     case 'ENOTDIR':
       return 'a part of the path is a file, not a folder';
+    case 'ENAMETOOLONG':
+      return 'the name or the path is longer than the system allows';
+    case 'EROFS':
+      return 'the disk is read-only';
     case 'ENOSPC':
       return 'the disk is full';
     default:

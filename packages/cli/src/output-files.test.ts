@@ -1,9 +1,10 @@
 import { execFileSync } from 'node:child_process';
 import { chmodSync, linkSync, lstatSync, readdirSync, readFileSync, statSync, symlinkSync } from 'node:fs';
 import { mkdir, readFile } from 'node:fs/promises';
-import { dirname, join } from 'node:path';
+import { basename, dirname, join } from 'node:path';
 import { beforeEach, describe, expect, test } from 'vitest';
-import { checkOutputs, writeFiles } from './output-files.ts';
+import { checkOutputs, noteLeftOutputs, writeFiles } from './output-files.ts';
+import { partPath } from './part-names.ts';
 import { TestFolder } from './testing/test-folder.ts';
 
 let folder: TestFolder;
@@ -29,6 +30,54 @@ test('where one file cannot be written none is', async () => {
     `${path}: cannot be written: there is no such file or folder`,
   );
   expect(readdirSync(folder.path)).toEqual([]);
+});
+
+test('runs with one process id, as in two containers, leave each other alone', async () => {
+  const path = folder.file('a.txt');
+  const theirs = folder.write(`.a.txt.${process.pid}.part`, 'theirs');
+  const both = [folder.file('b.txt'), folder.file('b.txt')].map((each) => write(each, 'whole'));
+  await Promise.all([write(path, 'mine'), ...both]);
+  expect(readFileSync(path, 'utf8')).toBe('mine');
+  expect(readFileSync(folder.file('b.txt'), 'utf8')).toBe('whole');
+  expect(readFileSync(theirs, 'utf8')).toBe('theirs');
+  expect(readdirSync(folder.path).sort()).toEqual([basename(theirs), 'a.txt', 'b.txt'].sort());
+});
+
+test('a name may have as many bytes as the system allows, and one more is refused beforehand', async () => {
+  for (const bytes of [241, 255]) {
+    const path = folder.file('n'.repeat(bytes));
+    await checkOutputs([out(path)], []);
+    await write(path, 'whole');
+    expect(readFileSync(path, 'utf8')).toBe('whole');
+  }
+  await expect(checkOutputs([out(folder.file('n'.repeat(256)))], [])).rejects.toThrow(
+    'cannot be written: the name or the path is longer than the system allows',
+  );
+});
+
+test('incomplete files of killed runs are told of, and kept', async () => {
+  const notesOf = async () => {
+    let notes = '';
+    const console = { out: () => {}, err: (text: string) => (notes += text) };
+    await noteLeftOutputs([out(folder.file('a.txt')), out(folder.file('b.txt'))], console);
+    return notes;
+  };
+  folder.write('.other.part', 'not ours');
+  // The parent of this process is alive, and may be writing.
+  const [own, alive] = [process.pid, process.ppid].map((pid) => {
+    const path = partPath(folder.path);
+    return path.replace(`-${process.pid}-`, `-${pid}-`);
+  });
+  folder.write(basename(alive), 'at work');
+  expect(await notesOf()).toBe('');
+  const elsewhere = partPath(folder.path).replace('.websplatter-', '.websplatter-another-');
+  folder.write(basename(own), 'killed');
+  folder.write(basename(elsewhere), 'killed');
+  const note = await notesOf();
+  expect(note).toMatch(/^note: \S+ has 2 incomplete files of runs that were killed [^\n]+; remove [^\n]+\n$/);
+  expect(note).toContain('; 12 bytes');
+  for (const path of [own, elsewhere]) expect(note).toContain(basename(path));
+  expect(readdirSync(folder.path)).toHaveLength(4);
 });
 
 test('a path that cannot become a file is refused beforehand', async () => {

@@ -5,7 +5,8 @@ import { WebSplatterError } from '@websplatter/core';
 import type { Console } from './console.ts';
 import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
 import { identityOf, type OutputPlace, outputPlace, STDIN_FD, STDIO, STDOUT_FD } from './output-place.ts';
-import { PartFiles } from './part-files.ts';
+import { isForbidden, PartFiles, tryPart } from './part-files.ts';
+import { noteLeftParts } from './part-names.ts';
 
 /** Where a command writes a file. */
 export interface Output {
@@ -69,10 +70,30 @@ async function checkWritable(path: string): Promise<void> {
   try {
     const place = await outputPlace(path);
     if (place.found?.isDirectory()) throw new InputFileError(path, 'cannot be written: it is a folder');
-    if (place.kind !== 'stdout') await access(place.found ? place.path : dirname(place.path), constants.W_OK);
+    if (place.kind !== 'stdout' && place.found) await access(place.path, constants.W_OK);
+    if (place.kind === 'file') tryFolder(place);
   } catch (error) {
     throw asOutputError(path, error);
   }
+}
+
+/** A file that is there can be written into where none can be put beside it. */
+function tryFolder({ path, found }: OutputPlace): void {
+  try {
+    tryPart(dirname(path));
+  } catch (error) {
+    if (!found || !isForbidden(error)) throw error;
+  }
+}
+
+/** Says which incomplete files lie where a command writes; see `noteLeftParts`. */
+export async function noteLeftOutputs(outputs: readonly Output[], console: Console): Promise<void> {
+  const places = await Promise.all(outputs.map(({ path }) => outputPlace(path)));
+  const files = places.filter(({ kind }) => kind === 'file');
+  await noteLeftParts(
+    files.map(({ path }) => dirname(path)),
+    console,
+  );
 }
 
 /** Where a command reports its work: on standard error if one of its outputs is standard output. */

@@ -1,7 +1,8 @@
-import { rmSync } from 'node:fs';
+import { closeSync, openSync, rmSync } from 'node:fs';
 import { type FileHandle, open, rename, rm } from 'node:fs/promises';
-import { basename, dirname, join } from 'node:path';
+import { dirname } from 'node:path';
 import type { OutputPlace } from './output-place.ts';
+import { partPath } from './part-names.ts';
 
 const SIGNALS: readonly NodeJS.Signals[] = ['SIGINT', 'SIGTERM', 'SIGHUP'];
 
@@ -31,11 +32,12 @@ export class PartFiles {
    * Rejects with the system's error.
    */
   async open({ path, found }: OutputPlace): Promise<FileHandle | null> {
-    const part = join(dirname(path), `.${basename(path)}.${process.pid}.part`);
-    this.#parts.set(path, part);
+    const part = partPath(dirname(path));
     let file: FileHandle | undefined;
     try {
-      file = await open(part, 'wx', found && 0o600);
+      makeFile(part, found && 0o600);
+      this.#parts.set(path, part);
+      file = await open(part, 'r+');
       if (found) {
         const { uid, gid } = await file.stat();
         if (uid !== Number(found.uid) || gid !== Number(found.gid))
@@ -45,10 +47,8 @@ export class PartFiles {
       return file;
     } catch (error) {
       await file?.close();
-      const isForbidden = ['EACCES', 'EPERM'].includes((error as NodeJS.ErrnoException).code ?? '');
-      if (!found || !isForbidden) throw error;
-      await rm(part, { force: true });
-      this.#parts.delete(path);
+      if (!found || !isForbidden(error)) throw error;
+      if (this.#parts.delete(path)) await rm(part, { force: true });
       return null;
     }
   }
@@ -65,4 +65,25 @@ export class PartFiles {
     for (const signal of SIGNALS) process.off(signal, this.#onSignal);
     this.#remove();
   }
+}
+
+/** Whether an error of the system says that something is not permitted. */
+export function isForbidden(error: unknown): boolean {
+  return ['EACCES', 'EPERM'].includes((error as NodeJS.ErrnoException).code ?? '');
+}
+
+/**
+ * Makes and removes a file in `folder`, to see whether results can be put there.
+ *
+ * @throws the system's error.
+ */
+export function tryPart(folder: string): void {
+  const part = partPath(folder);
+  makeFile(part);
+  rmSync(part, { force: true });
+}
+
+/** Makes an empty file. No signal is handled before this returns, so that the file is known to its maker. */
+function makeFile(path: string, mode?: number): void {
+  closeSync(openSync(path, 'wx', mode));
 }

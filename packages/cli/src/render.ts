@@ -3,7 +3,14 @@ import { readCameraFile } from './camera-file.ts';
 import type { Console } from './console.ts';
 import { encodeJpeg } from './jpeg.ts';
 import { readModelFile } from './model-file.ts';
-import { checkOutputs, type Output, type OutputFile, reportBeside, writeFiles } from './output-files.ts';
+import {
+  checkOutputs,
+  noteLeftOutputs,
+  type Output,
+  type OutputFile,
+  reportBeside,
+  writeFiles,
+} from './output-files.ts';
 import { encodePng, encodeRaw } from './png.ts';
 import { posterJsx } from './poster.ts';
 import { renderOnGpu } from './render-gpu.ts';
@@ -23,6 +30,7 @@ export async function render(args: readonly string[], console: Console): Promise
   const scenes = await Promise.all(options.scenes.map(findScene));
   const filesRead = () => [options.camera, ...options.models, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());
+  await noteLeftOutputs(outputs, console);
   const report = await reportBeside(paths, console);
   const camera = await readCameraFile(options.camera, aspect);
   const jsx = poster === undefined ? null : posterJsx(poster, camera, options.camera, aspect, background);

@@ -3,7 +3,7 @@ import { mkdir, open, stat } from 'node:fs/promises';
 import { basename, join } from 'node:path';
 import type { Console } from './console.ts';
 import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
-import { type OutputFile, writeFiles } from './output-files.ts';
+import { noteLeftOutputs, type OutputFile, writeFiles } from './output-files.ts';
 import { parseStrictly } from './render-options.ts';
 
 const PIECE_BYTES = 4 << 20;
@@ -35,6 +35,7 @@ export async function split(args: readonly string[], console: Console): Promise<
   // A reader of all pieces in the folder would take it for the end of this scene.
   if (await stat(pathOf(pieceCount)).catch(() => null))
     throw new UsageError('FOLDER', `${pathOf(pieceCount)} is of a larger scene; remove its pieces first`);
+  await noteLeftOutputs(pieces, console);
   await writeFiles(pieces, [scene]);
   console.out(`${pathOf(0)}: ${pieceCount} ${pieceCount === 1 ? 'piece' : 'pieces'}, ${bytes} bytes\n`);
 }

@@ -1,12 +1,11 @@
 import { open, statfs, unlink } from 'node:fs/promises';
-import { join } from 'node:path';
 import type { MakeTemporaryFile, TemporaryFile } from '@websplatter/core/write';
 import { describeSystemError, InputFileError } from './input-error.ts';
+import { partPath } from './part-names.ts';
 
 /** A folder for data that does not fit the memory. */
 export class TemporaryFolder {
   readonly #path: string;
-  #made = 0;
 
   constructor(path: string) {
     this.#path = path;
@@ -19,7 +18,7 @@ export class TemporaryFolder {
    */
   readonly makeFile: MakeTemporaryFile = async (byteCount) => {
     if (byteCount !== undefined) await this.checkRoom(byteCount);
-    const path = join(this.#path, `.websplatter.${process.pid}.${this.#made++}.part`);
+    const path = partPath(this.#path);
     try {
       const file = await open(path, 'wx+', 0o600);
       await unlink(path);
