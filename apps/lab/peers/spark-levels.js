@@ -39,12 +39,13 @@ class BrowserWorker extends Thread {
 
 /** Asks Spark's worker, as its renderer does. */
 async function ask(name, args) {
-  const messages = on(worker, 'message');
+  const messages = on(worker, 'message', { close: ['exit'] });
   worker.postMessage({ id: name, name, args });
   for await (const [{ id, result, error }] of messages) {
     if (error) throw error;
     if (id === name) return result;
   }
+  throw new Error(`Spark's worker ended before it answered ${name}.`);
 }
 
 /** Defaults of `SparkRenderer`. No limit of its own to how small nodes are: the budget decides. */

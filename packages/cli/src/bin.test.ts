@@ -160,6 +160,17 @@ binTest('bricks need a folder for temporary files, and something to write', () =
   expect(readdirSync(folder.path)).toEqual(['scene.ply']);
 });
 
+binTest('threads that die fail the conversion in one line', () => {
+  const folder = new TestFolder();
+  folder.scene();
+  const die = folder.write('die.cjs', "if (!require('node:worker_threads').isMainThread) process.exit(5);");
+  const command = `NODE_OPTIONS="--require=${die}" "$0" "$1" convert - out.bricks < scene.ply`;
+  const { status, stdout, stderr } = shell(command, folder.path);
+  expect([status, stdout]).toEqual([2, '']);
+  expect(stderr).toMatch(/^(\d+ %: [^\n]+\n)*websplatter: convert: a thread stopped: [^\n]+\n$/);
+  expect(readdirSync(folder.path).sort()).toEqual(['die.cjs', 'scene.ply']);
+});
+
 unixTest('temporary files have no names, so that nothing is left of a killed process', async ({ skip }) => {
   if (!existsSync('/proc/self/fd')) skip('no /proc here');
   const folder = new TestFolder();

@@ -1,6 +1,7 @@
 import { Worker } from 'node:worker_threads';
-import { InvalidArgumentError, WebSplatterError } from '@websplatter/core';
+import { InvalidArgumentError } from '@websplatter/core';
 import { type BrickResult, type BrickTask, brickTaskBuffers } from '@websplatter/core/write';
+import { Thread } from '@websplatter/node';
 import type { BrickAnswer } from './brick-worker.ts';
 
 /** Megabytes of objects that threads allow before they collect garbage: most of their data are buffers. */
@@ -15,16 +16,21 @@ interface Waiting {
 /** Threads that do tasks of a `BrickWriter`. They start as they are needed. */
 export class BrickThreads {
   readonly #most: number;
-  readonly #all: Worker[] = [];
-  readonly #idle: Worker[] = [];
+  readonly #startWorker: () => Worker;
+  readonly #all: Thread<BrickTask, BrickAnswer>[] = [];
+  readonly #idle: Thread<BrickTask, BrickAnswer>[] = [];
   readonly #waiting: Waiting[] = [];
 
-  /** @param most threads at once. */
-  constructor(most: number) {
+  /**
+   * @param most threads at once.
+   * @param startWorker for tests.
+   */
+  constructor(most: number, startWorker = startBrickWorker) {
     this.#most = most;
+    this.#startWorker = startWorker;
   }
 
-  /** Does a task, whose buffers it takes. Rejects as `runBrickTask`; with WebSplatterError 'worker-failed'. */
+  /** Does a task, whose buffers it takes. Rejects as `runBrickTask`, and as `Thread.ask`. */
   readonly run = (task: BrickTask): Promise<BrickResult> =>
     new Promise((resolve, reject) => {
       this.#waiting.push({ task, resolve, reject });
@@ -33,38 +39,40 @@ export class BrickThreads {
 
   /** Ends all threads. */
   async end(): Promise<void> {
-    await Promise.all(this.#all.map((worker) => worker.terminate()));
+    await Promise.all(this.#all.map((thread) => thread.end()));
   }
 
   #next(): void {
     if (this.#waiting.length === 0) return;
-    const worker = this.#idle.pop() ?? this.#start();
-    if (!worker) return;
+    const thread = this.#idle.pop() ?? this.#start();
+    if (!thread) return;
     const { task, resolve, reject } = this.#waiting.shift()!;
-    const onMessage = (answer: BrickAnswer) => {
-      worker.off('error', onError);
-      this.#idle.push(worker);
-      this.#next();
-      if ('result' in answer) resolve(answer.result);
-      else if ('argument' in answer) reject(new InvalidArgumentError(answer.argument, answer.message));
-      else reject(answer.error);
-    };
-    const onError = (cause: unknown) => {
-      worker.off('message', onMessage);
-      const message = `convert: a thread stopped: ${(cause as Error).message}.`;
-      reject(new WebSplatterError('worker-failed', message, { cause }));
-    };
-    worker.once('message', onMessage);
-    worker.once('error', onError);
-    worker.postMessage(task, brickTaskBuffers(task));
+    doTask(thread, task)
+      .then(resolve, reject)
+      .finally(() => {
+        // One that has stopped fails the tasks that wait, too: without all of them there is no file.
+        this.#idle.push(thread);
+        this.#next();
+      });
   }
 
-  #start(): Worker | undefined {
+  #start(): Thread<BrickTask, BrickAnswer> | undefined {
     if (this.#all.length >= this.#most) return undefined;
-    const worker = new Worker(new URL('./brick-worker.ts', import.meta.url), {
-      resourceLimits: { maxYoungGenerationSizeMb: YOUNG_MB },
-    });
-    this.#all.push(worker);
-    return worker;
+    const thread = new Thread<BrickTask, BrickAnswer>('convert', this.#startWorker());
+    this.#all.push(thread);
+    return thread;
   }
+}
+
+async function doTask(thread: Thread<BrickTask, BrickAnswer>, task: BrickTask): Promise<BrickResult> {
+  const answer = await thread.ask(task, brickTaskBuffers(task));
+  if ('result' in answer) return answer.result;
+  if ('argument' in answer) throw new InvalidArgumentError(answer.argument, answer.message);
+  throw answer.error;
+}
+
+function startBrickWorker(): Worker {
+  return new Worker(new URL('./brick-worker.ts', import.meta.url), {
+    resourceLimits: { maxYoungGenerationSizeMb: YOUNG_MB },
+  });
 }

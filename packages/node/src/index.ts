@@ -1,2 +1,3 @@
 export { createNodeGpu, type NodeGpu, type NodeGpuOptions } from './node-gpu.ts';
 export { openFile, openStdin } from './open-file.ts';
+export { Thread } from './thread.ts';

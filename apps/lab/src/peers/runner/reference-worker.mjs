@@ -1,16 +1,17 @@
 // A thread that draws a scene by one camera in float64. JavaScript: Node and packs run it as it is.
-import { parentPort, workerData } from 'node:worker_threads';
+import { parentPort } from 'node:worker_threads';
 import { perspectiveCamera, readSplats } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import { openFile } from '@websplatter/node';
 
-/** @type {import('./references.ts').ReferenceRequest} */
-const { file, camera, widthPx, heightPx } = workerData;
-const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
-const { data } = renderReference({
-  clouds: [{ set }],
-  camera: perspectiveCamera({ ...camera, aspect: widthPx / heightPx }),
-  widthPx,
-  heightPx,
+parentPort.once('message', async (/** @type {import('./references.ts').ReferenceRequest} */ request) => {
+  const { file, camera, widthPx, heightPx } = request;
+  const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
+  const { data } = renderReference({
+    clouds: [{ set }],
+    camera: perspectiveCamera({ ...camera, aspect: widthPx / heightPx }),
+    widthPx,
+    heightPx,
+  });
+  parentPort.postMessage(data, [data.buffer]);
 });
-parentPort.postMessage(data, [data.buffer]);

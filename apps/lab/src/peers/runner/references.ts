@@ -1,5 +1,6 @@
 import os from 'node:os';
 import { Worker } from 'node:worker_threads';
+import { Thread } from '@websplatter/node';
 import type { SceneCamera } from '@websplatter/scenes';
 import type { SizePx } from './bench-definition.ts';
 import type { BenchScene } from './scenes.ts';
@@ -38,10 +39,7 @@ export async function drawReferences(
 
 function drawInThread(request: ReferenceRequest): Promise<Float64Array> {
   const worker = new Worker(new URL('./reference-worker.mjs', import.meta.url), {
-    workerData: request,
     resourceLimits: { maxOldGenerationSizeMb: MAX_HEAP_MB },
   });
-  return new Promise((resolve, reject) => {
-    worker.on('message', resolve).on('error', reject);
-  });
+  return new Thread<ReferenceRequest, Float64Array>('reference', worker).ask(request);
 }
