@@ -1,6 +1,8 @@
 import { execFileSync } from 'node:child_process';
+import { once } from 'node:events';
 import { chmodSync, linkSync, lstatSync, readdirSync, readFileSync, statSync, symlinkSync } from 'node:fs';
 import { mkdir, readFile } from 'node:fs/promises';
+import { createServer } from 'node:net';
 import { basename, dirname, join } from 'node:path';
 import { beforeEach, describe, expect, test } from 'vitest';
 import { checkOutputs, noteLeftOutputs, writeFiles } from './output-files.ts';
@@ -85,6 +87,11 @@ test('a path that cannot become a file is refused beforehand', async () => {
   await expect(check(folder.path)).rejects.toThrow('it is a folder');
   await expect(check(folder.file('no/a.png'))).rejects.toThrow(`(folder ${folder.file('no')})`);
   await expect(check(folder.file('a.png'))).resolves.toBeUndefined();
+  if (process.platform === 'win32') return;
+  const server = createServer().listen(folder.file('socket'));
+  await once(server, 'listening');
+  await expect(check(folder.file('socket'))).rejects.toThrow('it is a socket');
+  server.close();
 });
 
 describe.skipIf(process.platform === 'win32')('an output that is there', () => {

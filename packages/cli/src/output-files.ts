@@ -70,6 +70,7 @@ async function checkWritable(path: string): Promise<void> {
   try {
     const place = await outputPlace(path);
     if (place.found?.isDirectory()) throw new InputFileError(path, 'cannot be written: it is a folder');
+    if (place.found?.isSocket()) throw new InputFileError(path, 'cannot be written: it is a socket');
     if (place.kind !== 'stdout' && place.found) await access(place.path, constants.W_OK);
     if (place.kind === 'file') tryFolder(place);
   } catch (error) {

@@ -83,6 +83,7 @@ async function openNamed(scene: string): Promise<Pick<SceneSource, 'source' | 'l
     const path = scene.startsWith('file:') ? fileURLToPath(scene) : scene;
     return { source: await openFile(path, (file) => files.add(file)), limits: NO_LIMITS, files };
   } catch (error) {
+    if (error instanceof SplatSourceError) throw error;
     const cause = describeSystemError(error);
     const isFolder = (error as NodeJS.ErrnoException).code === 'EISDIR';
     throw new SplatSourceError(scene, isFolder ? cause : `cannot be read: ${cause}`, undefined, {

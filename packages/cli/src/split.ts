@@ -1,9 +1,10 @@
-import { createReadStream } from 'node:fs';
-import { mkdir, open, stat } from 'node:fs/promises';
+import { mkdir, stat } from 'node:fs/promises';
 import { basename, join } from 'node:path';
+import { WebSplatterError } from '@websplatter/core';
+import { type FoundFile, findFile } from '@websplatter/node';
 import type { Console } from './console.ts';
 import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
-import { noteLeftOutputs, type OutputFile, writeFiles } from './output-files.ts';
+import { noteLeftOutputs, type OutputFile, type PutContent, writeFiles } from './output-files.ts';
 import { parseStrictly } from './render-options.ts';
 
 const PIECE_BYTES = 4 << 20;
@@ -18,15 +19,14 @@ export async function split(args: readonly string[], console: Console): Promise<
       `split needs an IN.bricks and a FOLDER, found ${positionals.length} of them`,
     );
   const [scene, folder] = positionals;
-  const bytes = await checkBricks(scene);
+  const file = await findBricks(scene);
+  const bytes = file.size;
   const pieceCount = Math.ceil(bytes / PIECE_BYTES);
   const pathOf = (index: number) => join(folder, `${nameOf(scene)}.${String(index).padStart(3, '0')}`);
   const pieces = Array.from({ length: pieceCount }, (_, index): OutputFile => {
     const start = index * PIECE_BYTES;
-    const content: OutputFile['content'] = async (put) => {
-      for await (const part of createReadStream(scene, { start, end: start + PIECE_BYTES - 1 }))
-        await put(part);
-    };
+    const end = Math.min(bytes, start + PIECE_BYTES);
+    const content: PutContent = async (put) => put(new Uint8Array(await file.part(start, end).arrayBuffer()));
     return { argument: 'FOLDER', path: pathOf(index), content };
   });
   await mkdir(folder, { recursive: true }).catch((cause) => {
@@ -40,20 +40,17 @@ export async function split(args: readonly string[], console: Console): Promise<
   console.out(`${pathOf(0)}: ${pieceCount} ${pieceCount === 1 ? 'piece' : 'pieces'}, ${bytes} bytes\n`);
 }
 
-/** Size of a file in bricks. @throws InputFileError; SplatFileError if it is none. */
-async function checkBricks(path: string): Promise<number> {
+/** A file in bricks, to be read. @throws InputFileError for any other. */
+async function findBricks(path: string): Promise<FoundFile> {
   try {
-    const file = await open(path);
-    try {
-      const { buffer } = await file.read(Buffer.alloc(MAGIC.length), 0, MAGIC.length, 0);
-      if (buffer.toString('latin1') !== MAGIC)
-        throw new InputFileError(path, 'it is no .bricks file; make one by websplatter convert first');
-      return (await file.stat()).size;
-    } finally {
-      await file.close();
-    }
+    if (!(await stat(path)).isFile())
+      throw new InputFileError(path, 'it is no file; split needs a .bricks file');
+    const file = await findFile(path);
+    const magic = Buffer.from(await file.part(0, MAGIC.length).arrayBuffer()).toString('latin1');
+    if (magic === MAGIC) return file;
+    throw new InputFileError(path, 'it is no .bricks file; make one by websplatter convert first');
   } catch (error) {
-    if (error instanceof InputFileError) throw error;
+    if (error instanceof WebSplatterError) throw error;
     throw new InputFileError(path, `cannot be read: ${describeSystemError(error)}`, undefined, {
       cause: error,
     });

@@ -1,4 +1,4 @@
-import { SplatSourceError } from '../../data/errors.ts';
+import { SplatSourceError, WebSplatterError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
 
 /** A source of which any part can be read, again and again. */
@@ -29,6 +29,7 @@ export function blobRanges(blob: Blob, name: string): RangeSource {
       try {
         return new Uint8Array(await blob.slice(offset, offset + byteCount).arrayBuffer());
       } catch (cause) {
+        if (cause instanceof WebSplatterError) throw cause;
         const message = `cannot be read: ${messageOf(cause)}. Open it again.`;
         throw new SplatSourceError(name, message, undefined, { cause });
       } finally {
