@@ -3,6 +3,7 @@
 
 const EXPONENT_BITS = 0x7f800000u;
 const MAGNITUDE_BITS = 0x7fffffffu;
+const NEGATIVE_INFINITY_BITS = 0xff800000u;
 
 fn isFiniteBits(bits: u32) -> bool {
   return (bits & EXPONENT_BITS) != EXPONENT_BITS;

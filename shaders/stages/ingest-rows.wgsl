@@ -32,6 +32,7 @@ import package::lib::float_bits::isEqualBits;
 import package::lib::float_bits::isFiniteBits;
 import package::lib::float_bits::isNanBits;
 import package::lib::float_bits::MAGNITUDE_BITS;
+import package::lib::float_bits::NEGATIVE_INFINITY_BITS;
 import package::lib::float_bits::orderedBits;
 import package::lib::harmonics_packing::byteOf;
 import package::lib::harmonics_packing::scaleBitsOf;
@@ -108,10 +109,14 @@ fn isKeptRow(row: u32, lane: u32) -> bool {
   return false;
 }
 
-/// Index of the reason in DROP_REASONS; 5 if the splat can be drawn. Infinite logits mean 0 or 1.
+/// Index of the reason in DROP_REASONS; 5 if the splat can be drawn. Infinite logits mean 0 or 1, a
+/// log scale of −∞ a scale of 0.
 fn reasonToDrop(row: u32) -> u32 {
   if (!isFinite(row, ROW_POSITION, 3u)) { return 0u; }
-  if (!isFinite(row, ROW_LOG_SCALE, 3u)) { return 1u; }
+  for (var axis = 0u; axis < 3u; axis++) {
+    let bits = valueBits(row, ROW_LOG_SCALE + axis);
+    if (!isFiniteBits(bits) && bits != NEGATIVE_INFINITY_BITS) { return 1u; }
+  }
   if (!isFinite(row, ROW_ROTATION, 4u)) { return 2u; }
   if (isNanBits(valueBits(row, ROW_OPACITY))) { return 3u; }
   if (!isFinite(row, ROW_COLOR, 3u + SH_VALUES)) { return 4u; }

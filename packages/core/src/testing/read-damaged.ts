@@ -49,7 +49,10 @@ export async function outcomeOf(
   }
 }
 
-/** Throws unless splats can be drawn: all values but the opacity's logit are finite. */
+/**
+ * Throws unless splats can be drawn: all values are finite, but for logits and for log scales of
+ * −∞.
+ */
 export function checkDrawable(set: SplatSet<PackedHarmonics>): void {
   if (
     !Object.values(packCloud(set, { geometryPrecision: 'packed' }).bounds)
@@ -57,7 +60,8 @@ export function checkDrawable(set: SplatSet<PackedHarmonics>): void {
       .every(Number.isFinite)
   )
     throw new Error('bounds that are not finite');
-  for (const column of [set.positions, set.logScales, set.rotations, set.colorDc])
+  for (const column of [set.positions, set.rotations, set.colorDc])
     if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
+  if (!set.logScales.every((value) => value < Infinity)) throw new Error(`not sizes: ${set.logScales}`);
   if (set.opacityLogits.some(Number.isNaN)) throw new Error('an opacity that is no number');
 }

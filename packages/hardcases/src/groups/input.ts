@@ -46,16 +46,19 @@ const NON_FINITE: readonly (readonly [label: string, value: number])[] = [
 const nonFinite = REASONS.flatMap(({ reason, properties }) =>
   properties.flatMap((property) =>
     NON_FINITE.map(([label, value]) => {
-      // An infinite logit is an opacity of exactly 0 or 1.
-      const isAllowed = property === 'opacity' && !Number.isNaN(value);
+      // An infinite logit is an opacity of exactly 0 or 1, a log scale of −∞ that of a flat splat.
+      const isLogit = property === 'opacity' && !Number.isNaN(value);
+      const isFlat = property.startsWith('scale_') && value === Number.NEGATIVE_INFINITY;
       return scene({
         name: `input-${label}-${property.replaceAll('_', '-')}`,
-        breaks: isAllowed
+        breaks: isLogit
           ? 'An infinite logit is dropped as not finite though it is an opacity like any other.'
-          : `A value that is not finite in ${property} is uploaded, and spreads to bounds, keys or pixels.`,
+          : isFlat
+            ? 'A splat whose log scale is −∞ is dropped though it is flat, or makes NaN of its covariance.'
+            : `A value that is not finite in ${property} is uploaded, and spreads to bounds, keys or pixels.`,
         clouds: () => [{ file: patchedLast([{ property, value }]) }],
         cameras: frontOnly,
-        dropped: isAllowed ? {} : { [reason]: 1 },
+        dropped: isLogit || isFlat ? {} : { [reason]: 1 },
       });
     }),
   ),

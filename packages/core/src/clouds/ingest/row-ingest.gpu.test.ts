@@ -135,6 +135,15 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     await expectSame(plyOf(set), PACKED, small);
   });
 
+  gpuTest('of splats that are flat, by log scales of −∞, or have infinite logits', async () => {
+    const set = splatsWithTies(900, 1);
+    for (let i = 0; i < set.count; i += 3) set.logScales[3 * i + (i % 9) / 3] = Number.NEGATIVE_INFINITY;
+    set.logScales.fill(Number.NEGATIVE_INFINITY, 0, 3 * 300);
+    for (let i = 0; i < set.count; i += 7) set.opacityLogits[i] = i % 2 === 0 ? Infinity : -Infinity;
+    await expectSame(plyOf(set), PACKED, small);
+    await expectSame(plyOf(set), FINEST, large);
+  });
+
   gpuTest('far from its origin', async () => {
     const set = splatsWithTies(700, 0);
     for (let i = 0; i < set.positions.length; i++) set.positions[i] += [5000, 0, -70_000][i % 3];

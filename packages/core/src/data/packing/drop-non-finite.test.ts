@@ -2,6 +2,7 @@ import { expect, test } from 'vitest';
 import { randomSplats } from '../../testing/random-splats.ts';
 import type { DropReason, SplatSet } from '../splats/splat-set.ts';
 import { dropNonFinite } from './drop-non-finite.ts';
+import { packSet } from './pack-set.ts';
 
 const BAD_VALUES = [Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
 
@@ -18,6 +19,8 @@ test.each<[DropReason, (set: SplatSet) => Float32Array, number]>([
   ['non-finite-color', ({ harmonics }) => harmonics.coefficients, 45],
 ])('counts rows of %s and keeps the others in their order', (reason, columnOf, width) => {
   for (const bad of BAD_VALUES) {
+    // A flat splat.
+    if (reason === 'non-finite-scale' && bad < 0) continue;
     const set = randomSplats({ count: 20 });
     columnOf(set)[7 * width + 1] = bad;
     columnOf(set)[11 * width] = bad;
@@ -28,6 +31,19 @@ test.each<[DropReason, (set: SplatSet) => Float32Array, number]>([
       0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 12, 13, 14, 15, 16, 17, 18, 19,
     ]);
     expect(columnOf(kept)).toHaveLength(18 * width);
+  }
+});
+
+test('a log scale may be −∞, which is packed as the least one', () => {
+  const sets = [Number.NEGATIVE_INFINITY, -40].map((flat) => {
+    const set = randomSplats({ count: 300 });
+    for (let i = 0; i < 300; i += 3) set.logScales[3 * i + (i % 3)] = flat;
+    return set;
+  });
+  expect(dropNonFinite(sets[0])).toBe(sets[0]);
+  for (const geometryPrecision of ['packed', 'f32'] as const) {
+    const [flat, least] = sets.map((set) => packSet(set, { geometryPrecision, shPrecision: 'f32' }));
+    expect(flat).toEqual(least);
   }
 });
 

@@ -16,10 +16,14 @@ export const ROW_SLOT = {
   harmonics: 14,
 } as const;
 
-/** Why these values cannot be drawn; undefined if they can. Logits of ±∞ mean opacity 0 or 1. */
+/**
+ * Why these values cannot be drawn; undefined if they can. Logits of ±∞ mean opacity 0 or 1, a log
+ * scale of −∞ a scale of 0.
+ */
 export function reasonToDrop(row: Float64Array): DropReason | undefined {
   if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
-  if (!isFiniteFloat32(row, ROW_SLOT.logScale, 3)) return 'non-finite-scale';
+  for (let i = ROW_SLOT.logScale; i < ROW_SLOT.logScale + 3; i++)
+    if (!(Math.fround(row[i]) < Number.POSITIVE_INFINITY)) return 'non-finite-scale';
   if (!isFiniteFloat32(row, ROW_SLOT.rotation, 4)) return 'non-finite-rotation';
   if (Number.isNaN(row[ROW_SLOT.opacity])) return 'non-finite-opacity';
   if (!isFiniteFloat32(row, ROW_SLOT.colorDc, row.length - ROW_SLOT.colorDc)) return 'non-finite-color';

@@ -66,7 +66,7 @@ export interface SplatColumns {
   readonly origin: readonly [number, number, number];
   /** 3N: x, y, z relative to `origin`. */
   readonly positions: Float32Array;
-  /** 3N: natural logarithm of the standard deviation along each local axis. */
+  /** 3N: natural logarithm of the standard deviation along each local axis; −Infinity: flat. */
   readonly logScales: Float32Array;
   /** 4N: quaternion w, x, y, z; of any length above zero. Zero means the identity. */
   readonly rotations: Float32Array;

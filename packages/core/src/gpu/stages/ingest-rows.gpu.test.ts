@@ -112,7 +112,8 @@ function hardSplats(shDegree: 0 | 1 | 2 | 3): SplatSet {
     0, 0, 0, 0, 1e-41, -2e-41, 0, 1e-42, 1e-38, 1e-39, 0, 0, 3e38, -3e38, 0, 1e20, -0, 0, -1, 0,
   ]);
   set.opacityLogits.set([Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY, 300, -300, 88, -86.5, 0, -0]);
-  set.logScales.set([-1e30, 50, 40, -40, -1e-9, 1e-40, 0, -0, 0]);
+  const flat = Number.NEGATIVE_INFINITY;
+  set.logScales.set([-1e30, 50, 40, -40, -1e-9, 1e-40, 0, -0, 0, flat, -2, -3, flat, flat, flat]);
   set.positions.set([1e-42, -0, 3e38, 0, -3e38, 1e-45]);
   set.colorDc.set([1e38, -1e38, 65519, 1e-7, 65520, -65536]);
   if (shDegree > 0) set.harmonics.coefficients.set([0, 0, 0, 1e30, -1e-30, 65504, 1e-9, 3e-6, 70000]);
@@ -175,8 +176,8 @@ describe('ingest-rows', () => {
       const width = column.length / set.count;
       for (let k = 0; k < 20; k++) {
         const row = 29 * k + 3 * i;
-        // Infinite logits are allowed.
-        column[row * width + (k % width)] = i === 3 ? Number.NaN : bad[k % 3];
+        // Infinite logits are allowed, and log scales of −∞.
+        column[row * width + (k % width)] = i === 3 ? Number.NaN : bad[k % (i === 1 ? 2 : 3)];
         expected.set(row, DROP_REASONS[i]);
       }
     }

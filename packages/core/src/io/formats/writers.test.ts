@@ -16,6 +16,17 @@ describe.each(WRITABLE_FORMATS)('$name', ({ name, extension }) => {
     expect(again).toMatchObject({ count: 5, fileFacts: { format: name } });
   });
 
+  test('keeps splats that are flat, and others beside them', async () => {
+    const set = randomSplats({ count: 300, shDegree: 0 });
+    for (let i = 0; i < 100; i++) set.logScales[3 * i] = Number.NEGATIVE_INFINITY;
+    const again = await readSplats(await writeSplats(set, name), { name: `scene${extension}` });
+    const flatCount = (values: Float32Array) => values.filter((value) => value < -9.9).length;
+    expect(again).toMatchObject({ count: 300, dropped: {} });
+    expect(flatCount(again.logScales)).toBe(100);
+    const finite = again.logScales.filter((value) => value > -9.9);
+    expect(Math.min(...finite)).toBeGreaterThan(-5.1);
+  });
+
   test('is chosen by the end of a file’s name', () => {
     expect(writableByName(`a/B${extension.toUpperCase()}`)?.name).toBe(name);
   });

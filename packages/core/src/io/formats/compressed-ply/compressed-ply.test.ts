@@ -220,6 +220,20 @@ describe('reads', () => {
     expect([...second.subarray(11)]).toEqual([0.5, 128 / 255 - 0.5, -0.5].map((c) => Math.fround(c / SH_C0)));
   });
 
+  test('bounds of −∞, of flat splats whose log scales were not clamped', async () => {
+    const [chunk, vertex] = elementsOf(randomSplats(2, 0));
+    const properties = chunk.properties.map((property) =>
+      ['min_scale_x', 'max_scale_x', 'min_scale_y'].includes(property.name)
+        ? { ...property, values: [Number.NEGATIVE_INFINITY] }
+        : property,
+    );
+    const elements = [{ ...chunk, properties }, vertex];
+    const set = await read(plyBytes({ format: 'binary_little_endian', elements }));
+    expect(set).toMatchObject({ count: 2, dropped: {} });
+    expect([set.logScales[0], set.logScales[3]]).toEqual([-20, -20]);
+    expect(Math.min(set.logScales[1], set.logScales[4])).toBe(-20);
+  });
+
   test('files without bounds of colours', async () => {
     const splats = randomSplats(300, 1);
     const set = await read(encode(splats, { hasColorBounds: false }));

@@ -6,6 +6,7 @@ import { readExactly } from '../../sources/read-exactly.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';
+import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import {
   clip,
   type PlyElement,
@@ -22,6 +23,8 @@ import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 /** Bounds of a chunk: least values, then greatest. */
 const GEOMETRY_BOUNDS = boundsNames([...BOUNDED.position, ...BOUNDED.logScale]);
 const COLOR_BOUNDS = boundsNames(BOUNDED.color);
+/** Places of the bounds of log scales in `GEOMETRY_BOUNDS`. */
+const SCALE_BOUNDS = new Set([3, 4, 5, 9, 10, 11]);
 
 const LOGITS = tableOfBytes(logitOf);
 
@@ -195,7 +198,11 @@ function rowDecoder(
   const extent = new Float64Array(9).fill(1);
   const takeBounds = (chunk: number) => {
     const start = chunks.start + chunk * chunks.strideBytes;
-    const bound = (i: number) => body.getFloat32(start + chunks.offsets[i], isLittleEndian);
+    const bound = (i: number) => {
+      const value = body.getFloat32(start + chunks.offsets[i], isLittleEndian);
+      // Writers that do not clamp log scales put the −∞ of flat splats here.
+      return value === Number.NEGATIVE_INFINITY && SCALE_BOUNDS.has(i) ? FLAT_LOG_SCALE : value;
+    };
     for (let i = 0; i < (hasColorBounds ? 9 : 6); i++) {
       const [minAt, maxAt] = i < 6 ? [i, i + 6] : [i + 6, i + 9];
       least[i] = bound(minAt);

@@ -298,10 +298,14 @@ describe('rows that are not finite', () => {
         property === name && row >= 1 && row <= 3 ? bad[row - 1] : distinctValue(property, row),
       );
       for (const format of FORMATS) {
-        const { fileIndices, dropped, opacityLogits } = await read(
+        const { fileIndices, dropped, logScales, opacityLogits } = await read(
           spelled(plyBytes({ format, elements: [splats] })),
         );
-        if (name === 'opacity') {
+        if (name.startsWith('scale')) {
+          expect([...fileIndices]).toEqual([0, 3, 4]);
+          expect(logScales[3 + Number(name.at(-1))]).toBe(Number.NEGATIVE_INFINITY);
+          expect(dropped).toEqual({ 'non-finite-scale': 2 });
+        } else if (name === 'opacity') {
           expect([...fileIndices]).toEqual([0, 2, 3, 4]);
           expect([...opacityLogits.subarray(1, 3)]).toEqual([
             Number.POSITIVE_INFINITY,
@@ -328,6 +332,21 @@ describe('rows that are not finite', () => {
     const splats = splatElement(2);
     const wide = withProperty(splats, 'x', { type: 'double', values: [1, 1e39] });
     expect((await readFixture(wide)).dropped).toEqual({ 'non-finite-position': 1 });
+  });
+
+  test('doubles and halves of log scales: −∞ is flat, also what float32 takes for that', async () => {
+    const double = { type: 'double', values: [-1e39, Number.NEGATIVE_INFINITY, 1e39] };
+    const wide = await readFixture(withProperty(splatElement(3), 'scale_1', double));
+    expect([wide.logScales[1], wide.logScales[4]]).toEqual(Array(2).fill(Number.NEGATIVE_INFINITY));
+    expect(wide.dropped).toEqual({ 'non-finite-scale': 1 });
+    const values = [0xfc00, toHalfBits(-2)];
+    const properties = splatElement(2).properties.map((property) => ({
+      ...property,
+      type: 'ushort',
+      values: property.name === 'scale_2' ? values : [toHalfBits(-2), toHalfBits(-2)],
+    }));
+    const halves = await readFixture({ name: 'vertex', count: 2, properties });
+    expect([...halves.logScales]).toEqual([-2, -2, Number.NEGATIVE_INFINITY, -2, -2, -2]);
   });
 
   test('all left out: empty, with the counts', async () => {

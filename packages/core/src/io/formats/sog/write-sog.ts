@@ -2,6 +2,7 @@ import { InvalidArgumentError } from '../../../data/errors.ts';
 import { clusterHarmonics } from '../../../data/packing/cluster-harmonics.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../../../data/packing/harmonics.ts';
 import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../data/packing/harmonics-palette.ts';
+import { clampLogScale } from '../../../data/packing/log-scale.ts';
 import { mortonOrderInTurns } from '../../../data/packing/morton-order.ts';
 import { largestComponent, normalizedRotation } from '../../../data/packing/rotation.ts';
 import { ROWS_AT_ONCE } from '../../../data/packing/split-rows.ts';
@@ -27,7 +28,8 @@ const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
  * each best; and splats share at most 65,536 sets of harmonics, of 256 values too. Equal sets give
  * equal bytes.
  *
- * Rejects with InvalidArgumentError 'set' for no splats, more than 2²⁸, or any that is not finite.
+ * Rejects with InvalidArgumentError 'set' for no splats, more than 2²⁸, or any that is not finite
+ * (log scales of −∞ are flat).
  */
 export const write: WriteFormat = async (set, { signal, onProgress }) => {
   const turns = new Turns(signal);
@@ -39,7 +41,7 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
     onProgress: (fraction) => onProgress?.(PROGRESS.palette * fraction),
   });
   onProgress?.(PROGRESS.palette);
-  const scales = await findCodebook(set.logScales.slice(0, 3 * count), turns);
+  const scales = await findCodebook(set.logScales.subarray(0, 3 * count).map(clampLogScale), turns);
   const colors = await findCodebook(set.colorDc.slice(0, 3 * count), turns);
   const coefficients = palette && (await findCodebook(palette.entries.slice(), turns));
   onProgress?.(PROGRESS.codebooks);
@@ -90,7 +92,7 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
   const scalesFiles = [
     await addSplats('scales.webp', (splat, pixels, at) => {
       for (let axis = 0; axis < 3; axis++)
-        pixels[at + axis] = scales.nearest(set.logScales[3 * splat + axis]);
+        pixels[at + axis] = scales.nearest(clampLogScale(set.logScales[3 * splat + axis]));
     }),
   ];
   const sh0Files = [
@@ -149,7 +151,9 @@ async function checkFinite(
   const check = async (values: ArrayLike<number>, width: number, what: string) => {
     for (let i = 0; i < width * count; i++) {
       if (i % ROWS_AT_ONCE === 0) await turns.give();
-      if (Number.isFinite(values[i])) continue;
+      // A log scale of −Infinity is a flat splat's.
+      if (Number.isFinite(values[i]) || (values === logScales && values[i] === Number.NEGATIVE_INFINITY))
+        continue;
       const message = `Splat ${Math.floor(i / width)} has a ${what} that is not finite (${values[i]}). Leave it out.`;
       throw new InvalidArgumentError('set', message);
     }
