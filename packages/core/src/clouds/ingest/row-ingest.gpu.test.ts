@@ -19,6 +19,7 @@ import { planeWords } from '../../testing/plane-words.ts';
 import { type Fixture, plyBytes, splatNames } from '../../testing/ply-fixture.ts';
 import { randomSplats, splatsWithTies } from '../../testing/random-splats.ts';
 import { readableDevice } from '../../testing/readable-device.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { sogExample, sogFiles } from '../../testing/sog-fixture.ts';
 import { zipBytes } from '../../testing/zip-fixture.ts';
@@ -82,6 +83,18 @@ async function expectSame(
 
 const plyOf = (set: SplatSet) => new Blob([encodePly(set)]);
 
+/** 700 splats of random values by these names. */
+function randomPly(names: readonly string[], format: Fixture['format']): Blob {
+  const count = 700;
+  const random = seededRandom(names.length);
+  const properties = names.map((name) => ({
+    name,
+    type: 'float',
+    values: Array.from({ length: count }, () => Math.fround(random() - 0.5)),
+  }));
+  return new Blob([plyBytes({ format, elements: [{ name: 'vertex', count, properties }] })]);
+}
+
 describe('a file whose rows are taken by the GPU becomes the cloud that the CPU makes', () => {
   for (const shDegree of [0, 1, 2, 3] as const) {
     for (const precision of [PACKED, FINEST]) {
@@ -126,6 +139,21 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
       await expectSame(file, FINEST, small);
     });
   }
+
+  for (const format of ['binary_little_endian', 'binary_big_endian'] as const) {
+    gpuTest(`of degree 4, without that band, ${format}`, async () => {
+      const names = [...splatNames(0), ...Array.from({ length: 72 }, (_, i) => `f_rest_${i}`)];
+      const file = randomPly(names, format);
+      await expectSame(file, PACKED, small);
+      await expectSame(file, FINEST, large);
+    });
+  }
+
+  gpuTest('with the 3D filter of Mip-Splatting, which is fused', async () => {
+    const file = randomPly([...splatNames(1), 'filter_3D'], 'binary_little_endian');
+    await expectSame(file, PACKED, small);
+    await expectSame(file, FINEST, large);
+  });
 
   gpuTest('of few splats, whose harmonics are halfway between steps of a byte', async () => {
     const set = randomSplats({ count: 5, seed: 1, shDegree: 2 });
@@ -236,10 +264,12 @@ const anyPly = fc
     format: fc.constantFrom('binary_little_endian' as const, 'binary_big_endian' as const),
     others: fc.array(fc.constantFrom('uchar', 'short', 'int', 'double', 'float'), { maxLength: 3 }),
     hasMeta: fc.boolean(),
+    hasFilter: fc.boolean(),
     seed: fc.integer(),
   })
-  .chain(({ count, degree, others, ...rest }) => {
-    const names = [...splatNames(degree), ...others.map((_, i) => `other_${i}`)];
+  .chain(({ count, degree, others, hasFilter, ...rest }) => {
+    const filter = hasFilter ? ['filter_3D'] : [];
+    const names = [...splatNames(degree), ...filter, ...others.map((_, i) => `other_${i}`)];
     return fc.record({
       ...Object.fromEntries(Object.entries(rest).map(([name, value]) => [name, fc.constant(value)])),
       order: fc.shuffledSubarray(names, { minLength: names.length }),

@@ -48,6 +48,8 @@ export interface SplatSetBuilderOptions {
   readonly fileFacts?: FileFacts;
   /** See `SplatFormatOptions`. */
   readonly onPiece?: OnPiece;
+  /** Takes a value that `row` then has behind those of a splat into these, before each push. */
+  readonly fuse?: (row: Float64Array) => void;
 }
 
 /**
@@ -59,6 +61,8 @@ export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
   readonly #options: SplatSetBuilderOptions;
+  /** The part of `row` that is a splat. */
+  readonly #splat: Float64Array;
   readonly #shRow: Float64Array;
   readonly #wordsPerSplat: number;
   readonly #reach: ShReachMeter;
@@ -70,8 +74,10 @@ export class SplatSetBuilder {
 
   constructor(options: SplatSetBuilderOptions) {
     this.#options = options;
-    this.row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree));
-    this.#shRow = this.row.subarray(ROW_SLOT.harmonics);
+    const length = ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree);
+    this.row = new Float64Array(options.fuse ? length + 1 : length);
+    this.#splat = this.row.subarray(0, length);
+    this.#shRow = this.row.subarray(ROW_SLOT.harmonics, length);
     this.#wordsPerSplat = shWordsPerSplat(options.shDegree, options.shPrecision);
     this.#reach = new ShReachMeter(options.shDegree);
     this.#columns = {
@@ -95,7 +101,8 @@ export class SplatSetBuilder {
 
   /** Takes the splat in `row`, which is row `fileIndex` of its file. */
   push(fileIndex: number): void {
-    const { row } = this;
+    this.#options.fuse?.(this.row);
+    const row = this.#splat;
     const reason = reasonToDrop(row);
     if (reason !== undefined) {
       this.#dropped[reason] = (this.#dropped[reason] ?? 0) + 1;

@@ -45,16 +45,20 @@ export async function samplePly(file: Blob, options: SamplePlyOptions = {}): Pro
 /** Makes the splats of a sample larger, whose rows end a file. */
 function growRows(
   { buffer, length }: Uint8Array<ArrayBuffer>,
-  { count, strideBytes, isLittleEndian, scaleOffsets }: PlyRows,
+  { count, strideBytes, isLittleEndian, scaleOffsets, filterOffset }: PlyRows,
   sampled: number,
 ): void {
   const view = new DataView(buffer);
   const growth = Math.log(count / sampled) / 2;
-  for (let row = length - sampled * strideBytes; row < length; row += strideBytes)
+  for (let row = length - sampled * strideBytes; row < length; row += strideBytes) {
     for (const offset of scaleOffsets) {
       const logScale = view.getFloat32(row + offset, isLittleEndian);
       view.setFloat32(row + offset, logScale + growth, isLittleEndian);
     }
+    if (filterOffset === undefined) continue;
+    const filter = view.getFloat32(row + filterOffset, isLittleEndian);
+    view.setFloat32(row + filterOffset, filter * Math.exp(growth), isLittleEndian);
+  }
 }
 
 /** Runs at even distances, with so many of `count` rows together. */

@@ -220,6 +220,21 @@ describe('reads', () => {
     expect([...second.subarray(11)]).toEqual([0.5, 128 / 255 - 0.5, -0.5].map((c) => Math.fround(c / SH_C0)));
   });
 
+  test('harmonics of degree 4 are left out, with a note', async () => {
+    const splats = randomSplats(3, 3);
+    const [chunk, vertex, sh] = elementsOf(splats);
+    const inFile = (i: number) => 24 * Math.floor(i / 15) + (i % 15);
+    const kept = sh.properties.map((property, i) => ({ ...property, name: `f_rest_${inFile(i)}` }));
+    const above = Array.from({ length: 72 }, (_, i) => i)
+      .filter((i) => i % 24 >= 15)
+      .map((i) => ({ name: `f_rest_${i}`, type: 'uchar', values: [255, 0, 7] }));
+    const elements = [chunk, vertex, { ...sh, properties: [...above, ...kept] }];
+    const set = await read(plyBytes({ format: 'binary_little_endian', elements }));
+    expect(set.harmonics.degree).toBe(3);
+    expect(errorsOf(set, splats).sh).toBeLessThan(BOUND.sh + 2e-6);
+    expect(set.fileFacts?.notes).toEqual(['Its harmonics of degree 4 are left out.']);
+  });
+
   test('bounds of −∞, of flat splats whose log scales were not clamped', async () => {
     const [chunk, vertex] = elementsOf(randomSplats(2, 0));
     const properties = chunk.properties.map((property) =>

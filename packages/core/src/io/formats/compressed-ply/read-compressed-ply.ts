@@ -15,7 +15,7 @@ import {
   readPlyHeader,
   TYPE_BYTES,
 } from '../ply/ply-header.ts';
-import { shDegreeOf, shNames } from '../ply/sh-properties.ts';
+import { shPropertiesOf } from '../ply/sh-properties.ts';
 import { takesCount } from '../row-sink.ts';
 import type { ReadFormat, SplatInput } from '../splat-format.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
@@ -50,6 +50,8 @@ interface Layout {
   /** Splats. */
   readonly count: number;
   readonly shDegree: ShDegree;
+  /** See `FileFacts`. */
+  readonly note: string | undefined;
   /** Chunks have bounds of colours, which older files lack: there, 0 is black and 1 is white. */
   readonly hasColorBounds: boolean;
   readonly chunks: Rows;
@@ -84,7 +86,8 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const sh = arriving ?? { bytes, start: shStart };
   const decode = rowDecoder(bytes, sh, layout, header.format !== 'binary_big_endian');
   const { isAntialiased, format: variant, writer } = header;
-  const fileFacts = { format: 'compressed-ply', variant, writer };
+  const notes = layout.note === undefined ? undefined : [layout.note];
+  const fileFacts = { format: 'compressed-ply', variant, writer, notes };
   const rows = { count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode };
   return deliverRows(rows, input, options, rowsTo);
 };
@@ -121,7 +124,7 @@ function layoutOf({ format, elements }: PlyHeader, file: string): Layout {
   if (sh && sh.count !== count) {
     fail('damaged', `it has ${count} splats, but harmonics of ${sh.count}`, 'sh');
   }
-  const shDegree = sh ? shDegreeOf(sh, file) : 0;
+  const shProperties = sh && shPropertiesOf(sh, file);
   const hasColorBounds = chunk.properties.some(({ name }) => COLOR_BOUNDS.includes(name));
   const bounds = hasColorBounds ? [...GEOMETRY_BOUNDS, ...COLOR_BOUNDS] : GEOMETRY_BOUNDS;
   const rowsOf = (element: PlyElement, names: readonly string[], type: PlyType): Rows => ({
@@ -133,11 +136,12 @@ function layoutOf({ format, elements }: PlyHeader, file: string): Layout {
   const last = elements.findLastIndex((element) => needed.includes(element));
   return {
     count,
-    shDegree,
+    shDegree: shProperties?.degree ?? 0,
+    note: shProperties?.note,
     hasColorBounds,
     chunks: rowsOf(chunk, bounds, 'float32'),
     vertices: rowsOf(vertex, PACKED, 'uint32'),
-    harmonics: sh && rowsOf(sh, shNames(shDegree), 'uint8'),
+    harmonics: sh && rowsOf(sh, shProperties?.names ?? [], 'uint8'),
     totalBytes: elements.slice(0, last + 1).reduce((sum, each) => sum + bytesOf(each, file), 0),
   };
 }

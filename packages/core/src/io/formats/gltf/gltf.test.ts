@@ -101,6 +101,16 @@ describe('reads', () => {
     });
   }
 
+  test('harmonics above degree 3 are left out, with a note', async () => {
+    const set = randomSplats({ count: 5, shDegree: 3 });
+    const attributes = splatAttributes(set);
+    const more = attributes[`${SPLATTING}:SH_DEGREE_3_COEF_0`];
+    for (let n = 0; n < 9; n++) attributes[`${SPLATTING}:SH_DEGREE_4_COEF_${n}`] = more;
+    const found = await read(glbBytes(gltfOf(attributes)));
+    expect([...coefficientsOf(found)]).toEqual([...set.harmonics.coefficients]);
+    expect(found.fileFacts?.notes).toEqual(['Its harmonics of degree 4 are left out.']);
+  });
+
   test.each([
     { Signed: Int8Array, Unsigned: Uint8Array, bits: 8 },
     { Signed: Int16Array, Unsigned: Uint16Array, bits: 16 },
@@ -469,7 +479,7 @@ describe('files that are refused', () => {
       'bad-property',
       /has 17 coefficients/,
       (json) => {
-        for (let n = 0; n < 13; n++) primitiveOf(json).attributes[`${SPLATTING}:SH_DEGREE_4_COEF_${n}`] = 0;
+        for (let n = 0; n < 13; n++) primitiveOf(json).attributes[`${SPLATTING}:SH_DEGREE_3_COEF_${n}`] = 0;
       },
     ],
     ['damaged', /refers to accessors\[99\]/, (json) => (primitiveOf(json).attributes.POSITION = 99)],

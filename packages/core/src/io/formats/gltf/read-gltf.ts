@@ -31,6 +31,8 @@ interface GltfSplats {
   readonly rows: DecodedRows;
   /** Whether any splats are to be blended in the order of their distances, not of their depths. */
   readonly isSortedByDistance: boolean;
+  /** See `FileFacts`, each once. */
+  readonly notes: readonly string[];
   /** Primitives of the scene that are anything else. */
   readonly otherCount: number;
 }
@@ -58,6 +60,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   const { splatsByMesh, otherCount } = splatsOfMeshes(json, meshes);
   const readByMesh = new Map<unknown, SplatPrimitive[]>();
   const parts: PlacedPrimitive[] = [];
+  const notes = new Set<string>();
   let isSortedByDistance = false;
   let unpackedBytes = 0;
   let rowCount = 0;
@@ -89,10 +92,14 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
         throw json.error('too-large', message, { element });
       }
       isSortedByDistance ||= primitive.isSortedByDistance;
+      for (const note of primitive.notes ?? []) notes.add(note);
       parts.push({ primitive, matrix });
     }
   }
-  if (parts.length > 0) return { rows: joinedRows(rowsOf(parts, rowCount)), isSortedByDistance, otherCount };
+  if (parts.length > 0) {
+    const rows = joinedRows(rowsOf(parts, rowCount));
+    return { rows, isSortedByDistance, notes: [...notes], otherCount };
+  }
   const found =
     otherCount > 0
       ? `its scene has ${otherCount} primitives, all of them without`
@@ -160,10 +167,10 @@ function splatsOfMeshes(json: GltfJson, meshes: readonly PlacedMesh[]): MeshSpla
 function factsOf(
   json: GltfJson,
   isBinary: boolean,
-  { isSortedByDistance, otherCount }: GltfSplats,
+  { isSortedByDistance, notes: ofSplats, otherCount }: GltfSplats,
 ): FileFacts {
   const { generator } = objectOf(json.root.asset);
-  const notes: string[] = [];
+  const notes = [...ofSplats];
   if (otherCount > 0)
     notes.push(`${otherCount} other primitive${otherCount === 1 ? ' is' : 's are'} left out.`);
   return {

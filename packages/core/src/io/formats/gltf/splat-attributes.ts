@@ -5,6 +5,7 @@ import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
+import { leftOutBands } from '../left-out-bands.ts';
 import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import type { GltfJson, JsonObject } from './gltf-json.ts';
@@ -28,7 +29,7 @@ const RULES = {
   rotation: { semantic: `${SPLATTING}:ROTATION`, type: 'VEC4', kinds: ['float', 'signed normalized'] },
   opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
 } as const satisfies Readonly<Record<string, AttributeRule>>;
-const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_\\d+_COEF_\\d+$`);
+const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_(\\d{1,2})_COEF_\\d+$`);
 /** Rows that stay in a processor's nearest memory while column after column is copied to them. */
 const ROWS_AT_ONCE = 128;
 
@@ -42,6 +43,8 @@ interface PlacedColumn {
 export interface SplatAttributes {
   readonly count: number;
   readonly shDegree: ShDegree;
+  /** About bands that are not read; undefined if all are. */
+  readonly note: string | undefined;
   /** That of the positions is the first. */
   readonly columns: readonly PlacedColumn[];
 }
@@ -59,6 +62,7 @@ export async function splatAttributesOf(
   attributes: JsonObject,
   element: string,
 ): Promise<SplatAttributes> {
+  const fileDegree = degreesIn(attributes).reduce((most, degree) => Math.max(most, degree), 0);
   const shDegree = shDegreeOf(json, attributes, element);
   const rules = [
     { ...RULES.position, slot: ROW_SLOT.position },
@@ -86,11 +90,20 @@ export async function splatAttributesOf(
   for (const { slot, ...rule } of rules) {
     columns.push({ slot, column: await columnOf(json, buffers, attributes[rule.semantic], rule, count) });
   }
-  return { count, shDegree, columns };
+  return { count, shDegree, note: leftOutBands(fileDegree), columns };
 }
 
+/** The degree of each attribute that is a coefficient of harmonics. */
+function degreesIn(attributes: JsonObject): number[] {
+  return Object.keys(attributes).flatMap((semantic) => {
+    const match = HARMONICS.exec(semantic);
+    return match ? Number(match[1]) : [];
+  });
+}
+
+/** The highest degree that is read: at most 3. */
 function shDegreeOf(json: GltfJson, attributes: JsonObject, element: string): ShDegree {
-  const found = Object.keys(attributes).filter((semantic) => HARMONICS.test(semantic));
+  const found = degreesIn(attributes).filter((degree) => degree <= 3);
   for (const degree of [0, 1, 2, 3] as const) {
     const expected = harmonicsSemantics(degree);
     if (found.length > expected.length) continue;

@@ -33,6 +33,8 @@ export interface SplatPrimitive {
   readonly unpackedBytes: number;
   /** Whether splats are to be blended in the order of their distances, not of their depths. */
   readonly isSortedByDistance: boolean;
+  /** See `FileFacts`; undefined if there are none. */
+  readonly notes: readonly string[] | undefined;
   rows(): DecodedRows;
   /** Position of a splat, as in its row. */
   positionOf(row: number): Vec3;
@@ -78,6 +80,7 @@ export async function splatPrimitiveOf(
     count: splats.count,
     unpackedBytes: 0,
     isSortedByDistance,
+    notes: splats.note === undefined ? undefined : [splats.note],
     rows: () => attributeRows(splats),
     positionOf: (row) => attributePosition(splats, row),
   };
@@ -99,6 +102,7 @@ async function spzPrimitiveOf(
     count: header.count,
     unpackedBytes: Object.values(attributes).reduce((sum, { bytes }) => sum + bytes.length, 0),
     isSortedByDistance,
+    notes: spzRows(header, attributes, null).fileFacts?.notes,
     rows: () => spzRows(header, fromTheFirst(attributes), null),
     positionOf: (row) => spzPosition(header, attributes.positions, row),
   };

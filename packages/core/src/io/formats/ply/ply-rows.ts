@@ -3,9 +3,10 @@ import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { openBlob } from '../../sources/open-blob.ts';
 import { latin1 } from '../latin1.ts';
+import { FILTER_PROPERTY } from './fuse-filter.ts';
 import { rowBytes } from './ply-binary.ts';
 import { readPlyHeader, TYPE_BYTES } from './ply-header.ts';
-import { shDegreeOf } from './sh-properties.ts';
+import { shPropertiesOf } from './sh-properties.ts';
 
 /** Rows that lie together: the first of them, and how many. */
 export type RowRun = readonly [first: number, count: number];
@@ -17,6 +18,8 @@ export interface PlyRows {
   readonly isLittleEndian: boolean;
   /** Bytes of a row before each of its log scales that are float32. */
   readonly scaleOffsets: readonly number[];
+  /** Bytes of a row before its filter_3D, if that is float32. */
+  readonly filterOffset: number | undefined;
   readonly shDegree: ShDegree;
   /** A PLY of these rows, of which nothing is in memory. */
   readonly fileOf: (runs: readonly RowRun[]) => File;
@@ -59,14 +62,19 @@ export async function openPlyRows(file: Blob, name: string, signal?: AbortSignal
       return new File([latin1Bytes(withCounts(text, total)), ...slices], name);
     };
     const scaleOffsets: number[] = [];
+    let filterOffset: number | undefined;
     let offset = 0;
     for (const property of vertex.properties) {
-      if (/^scale_\d$/.test(property.name) && property.type === 'float32') scaleOffsets.push(offset);
+      if (property.type === 'float32') {
+        if (/^scale_\d$/.test(property.name)) scaleOffsets.push(offset);
+        if (property.name === FILTER_PROPERTY) filterOffset = offset;
+      }
       offset += TYPE_BYTES[property.type];
     }
     const isLittleEndian = format === 'binary_little_endian';
     const { count } = vertex;
-    return { count, strideBytes, isLittleEndian, scaleOffsets, shDegree: shDegreeOf(vertex, name), fileOf };
+    const { degree: shDegree } = shPropertiesOf(vertex, name);
+    return { count, strideBytes, isLittleEndian, scaleOffsets, filterOffset, shDegree, fileOf };
   } finally {
     reader.close();
   }

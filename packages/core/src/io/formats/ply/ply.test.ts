@@ -1,9 +1,10 @@
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
 import { toHalfBits } from '../../../data/layout/half.ts';
-import { type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { type Harmonics, type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { packCloud } from '../../../data/packing/packed-cloud.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { expectSamePicture } from '../../../testing/expect-same-picture.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import {
   CORE_NAMES,
@@ -16,9 +17,11 @@ import {
   splatElement,
   splatNames,
 } from '../../../testing/ply-fixture.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { SNIFF_BYTES } from '../splat-format.ts';
+import { openPlyRows } from './ply-rows.ts';
 import { encodePly } from './write-ply.ts';
 
 const FORMATS = ['ascii', 'binary_little_endian', 'binary_big_endian'] as const;
@@ -44,7 +47,7 @@ function withProperty(
 }
 
 /** A set's value for one property of the file. */
-function valueIn(set: SplatSet<PackedHarmonics>, name: string, index: number): number {
+function valueIn(set: SplatSet<Harmonics>, name: string, index: number): number {
   const axis = 'xyz'.indexOf(name);
   if (axis >= 0) return set.positions[3 * index + axis] + set.origin[axis];
   const number = Number(name.split('_').at(-1));
@@ -280,6 +283,167 @@ describe('reads', () => {
   test('bytes after the splats are ignored', async () => {
     const bytes = plyBytes({ format: LE, elements: [splatElement(2)] });
     expect((await read(new Uint8Array([...bytes, 1, 2, 3]))).count).toBe(2);
+  });
+});
+
+describe('harmonics above degree 3', () => {
+  /** Bands up to 3 as in a file of degree 3, and 0.5 in those above. */
+  function withBands(fileDegree: number, count: number): FixtureElement {
+    const perChannel = (fileDegree + 1) ** 2 - 1;
+    const all = splatElement(count, 3);
+    const inFile = (name: string) => {
+      const k = Number(name.slice('f_rest_'.length));
+      return `f_rest_${perChannel * Math.floor(k / 15) + (k % 15)}`;
+    };
+    const kept = all.properties.map((property) =>
+      property.name.startsWith('f_rest_') ? { ...property, name: inFile(property.name) } : property,
+    );
+    const names = new Set(kept.map(({ name }) => name));
+    const others = Array.from({ length: 3 * perChannel }, (_, i) => `f_rest_${i}`)
+      .filter((name) => !names.has(name))
+      .map((name) => ({ name, type: 'float', values: Array(count).fill(0.5) }));
+    return { ...all, properties: [...kept, ...others] };
+  }
+
+  for (const format of FORMATS) {
+    test.each([
+      [4, 'Its harmonics of degree 4 are left out.'],
+      [5, 'Its harmonics of degrees 4 to 5 are left out.'],
+      [7, 'Its harmonics of degrees 4 to 7 are left out.'],
+    ])(`${format}: those of degree %i are left out, with a note`, async (fileDegree, note) => {
+      const bytes = plyBytes({ format, elements: [withBands(fileDegree, 4)] });
+      const set = await read(bytes);
+      expectDistinctValues(set, 4, 3);
+      expect(set.fileFacts?.notes).toEqual([note]);
+    });
+  }
+
+  test('rows of a part of a file keep them out as well', async () => {
+    const file = new File([plyBytes({ format: LE, elements: [withBands(4, 6)] })], 'a.ply');
+    const rows = await openPlyRows(file, 'a.ply');
+    expect(rows).toMatchObject({ count: 6, shDegree: 3, strideBytes: 4 * (14 + 72) });
+    const set = await readSplats(rows.fileOf([[2, 3]]), { shPrecision: 'f32' });
+    expect(valueIn(set, 'f_rest_44', 0)).toBe(distinctValue('f_rest_44', 2));
+    expect(set.fileFacts?.notes).toHaveLength(1);
+  });
+});
+
+describe('filter_3D of Mip-Splatting', () => {
+  const SCALES = [-3, -2.5, -4];
+  /** A splat of opacity σ(logit) with the filter, its place in the file first. */
+  const filtered = (
+    logit: number,
+    filter: number,
+    scales: readonly number[] = SCALES,
+    type = 'float',
+  ): FixtureElement => {
+    const value = (name: string) => {
+      if (name === 'opacity') return logit;
+      return name.startsWith('scale_') ? scales[Number(name.at(-1))] : 0.5;
+    };
+    const splats = splatElement(1, 1, value);
+    const property = { name: 'filter_3D', type, values: [filter] };
+    return { ...splats, properties: [property, ...splats.properties] };
+  };
+  /** Scales and opacity by the trainer's own formulas, in float64. */
+  const fused = (logit: number, filter: number, scales: readonly number[]) => {
+    const squares = scales.map((scale) => Math.exp(2 * scale));
+    const sums = squares.map((square) => square + filter * filter);
+    const product = (values: readonly number[]) => values.reduce((all, value) => all * value);
+    return {
+      logScales: sums.map((sum) => Math.log(sum) / 2),
+      opacity: Math.sqrt(product(squares) / product(sums)) / (1 + Math.exp(-logit)),
+    };
+  };
+
+  for (const format of FORMATS) {
+    test.each([
+      [1.5, 0.05],
+      [-4, 2],
+      [9, 0.001],
+    ])(`${format}: logit %f, filter %f`, async (logit, filter) => {
+      const set = await read(plyBytes({ format, elements: [filtered(logit, filter)] }));
+      const expected = fused(logit, Math.fround(filter), SCALES);
+      for (const axis of [0, 1, 2]) expect(set.logScales[axis]).toBeCloseTo(expected.logScales[axis], 6);
+      expect(1 / (1 + Math.exp(-set.opacityLogits[0]))).toBeCloseTo(expected.opacity, 7);
+      expect(set.fileFacts?.notes).toEqual([expect.stringContaining('filter_3D')]);
+      expect(set.dropped).toEqual({});
+    });
+  }
+
+  test('a picture of it is that of the fused splats', async () => {
+    const raw = randomSplats({ count: 60, shDegree: 0, halfExtent: 0.6 });
+    const filters = Float32Array.from({ length: raw.count }, (_, i) => 0.01 + (i % 7) / 50);
+    const opacityLogits = raw.opacityLogits.slice();
+    const logScales = raw.logScales.slice();
+    for (let i = 0; i < raw.count; i++) {
+      const own = fused(raw.opacityLogits[i], filters[i], [...raw.logScales.subarray(3 * i, 3 * i + 3)]);
+      logScales.set(own.logScales, 3 * i);
+      opacityLogits[i] = Math.log(own.opacity / (1 - own.opacity));
+    }
+    const element = splatElement(raw.count, 0, (name, row) => valueIn(raw, name, row));
+    const property = { name: 'filter_3D', type: 'float', values: [...filters] };
+    const found = await readFixture({ ...element, properties: [...element.properties, property] });
+    expectSamePicture(found, { ...raw, opacityLogits, logScales }, 100);
+    expect(() => expectSamePicture(found, raw, 40)).toThrow();
+  });
+
+  test('splats without one, with a flat one, and of any size', async () => {
+    const splatOf = async (...given: Parameters<typeof filtered>) => {
+      const { logScales, opacityLogits, dropped } = await readFixture(filtered(...given));
+      expect(dropped).toEqual({});
+      return { logScales: [...logScales], logit: opacityLogits[0] };
+    };
+    // A filter of 0 changes nothing.
+    expect(await splatOf(60, 0)).toEqual({ logScales: SCALES, logit: 60 });
+    expect(await splatOf(Number.POSITIVE_INFINITY, 0)).toEqual({ logScales: SCALES, logit: Infinity });
+    // What is flat has no volume, which is all of the opacity.
+    const flat = await splatOf(2, 1, [-Infinity, -40, 0]);
+    expect(flat.logScales[0]).toBe(0);
+    expect(flat.logit).toBe(Number.NEGATIVE_INFINITY);
+    expect(await splatOf(2, 0, [-Infinity, -2, -2])).toEqual({ logScales: [-Infinity, -2, -2], logit: 2 });
+    // Opacities near 0 and 1, which linear values would round to that.
+    const share = 3 * Math.log(1 / Math.SQRT2);
+    expect((await splatOf(-90, 1, [0, 0, 0])).logit).toBeCloseTo(-90 + share, 4);
+    expect((await splatOf(90, 1, [0, 0, 0])).logit).toBeCloseTo(share - Math.log(1 - Math.exp(share)), 5);
+    expect((await splatOf(Number.POSITIVE_INFINITY, 1e-4, [0, 0, 0])).logit).toBeCloseTo(
+      -Math.log(1.5e-8),
+      3,
+    );
+    // Squares beyond float64.
+    const double = { scales: [-500, -500, -500], type: 'double' };
+    const tiny = await splatOf(0, 1e-300, double.scales, double.type);
+    expect(tiny.logScales[0]).toBeCloseTo(-500, 3);
+    const huge = await splatOf(0, 1e300, [20, 20, 20], 'double');
+    expect(huge.logScales[0]).toBeCloseTo(300 * Math.LN10, 2);
+    expect(huge.logit).toBeCloseTo(3 * (20 - 300 * Math.LN10) - Math.LN2, 1);
+  });
+
+  test('a filter that is not finite leaves its splat out; one of a list is refused', async () => {
+    for (const filter of [Number.NaN, Number.POSITIVE_INFINITY]) {
+      const [bad, good] = [filtered(1, filter), filtered(1, 0.1)];
+      const properties = bad.properties.map(({ name, type, values }, i) => ({
+        name,
+        type,
+        values: [...values, ...good.properties[i].values],
+      }));
+      const { fileIndices, dropped } = await readFixture({ name: 'vertex', count: 2, properties });
+      expect([...fileIndices]).toEqual([1]);
+      expect(dropped).toEqual({ 'non-finite-scale': 1 });
+    }
+    const list = withProperty(filtered(1, 0), 'filter_3D', { countType: 'uchar', values: [[1]] });
+    expect((await fileErrorOf(readFixture(list))).message).toContain('filter_3D is a list');
+  });
+
+  test('splats of 2DGS have it along two axes', async () => {
+    const { properties, ...element } = filtered(0, 1, [0, 0, 0]);
+    const { logScales, opacityLogits } = await readFixture({
+      ...element,
+      properties: properties.filter(({ name }) => name !== 'scale_2'),
+    });
+    expect(logScales[0]).toBeCloseTo(Math.log(2) / 2, 6);
+    expect(logScales[2]).toBe(-20);
+    expect(1 / (1 + Math.exp(-opacityLogits[0]))).toBeCloseTo(0.25, 6);
   });
 });
 

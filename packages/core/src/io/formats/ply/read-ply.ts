@@ -1,13 +1,19 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
-import type { FileFacts, ShDegree, SplatColumns, SplatSet } from '../../../data/splats/splat-set.ts';
+import {
+  coefficientsPerSplat,
+  type FileFacts,
+  type SplatColumns,
+  type SplatSet,
+} from '../../../data/splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
 import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
+import { FILTER_NOTE, FILTER_PROPERTY, fuseFilter } from './fuse-filter.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
 import {
@@ -19,7 +25,7 @@ import {
   readPlyHeader,
   TYPE_BYTES,
 } from './ply-header.ts';
-import { shDegreeOf, shNames } from './sh-properties.ts';
+import { type ShProperties, shPropertiesOf } from './sh-properties.ts';
 
 /** A file that lacks properties of the standard layout, and is understood. */
 export interface PlyVariant {
@@ -65,8 +71,9 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * arrive, not with the header's promise; bytes after the splats are not read.
  *
  * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2;
- * f_rest_0…3K−1, all K of red, then green, then blue, K = 0, 3, 8 or 15. Integer types are read as
- * plain numbers.
+ * f_rest_0…3K−1, all K of red, then green, then blue, K = 0, 3, 8 or 15, or more, of which the
+ * first 15 are read. Integer types are read as plain numbers. A filter_3D beside is fused into
+ * scales and opacities (`fuseFilter`).
  *
  * Files of 2DGS have no scale_2: their splats are flat. Halves are `half` or `float16`, or `uint16`
  * in a binary file whose needed properties all are, since as plain numbers these could be no
@@ -91,21 +98,34 @@ export async function readPlyWith(
   const { reader, name: file } = input;
   const declared = await readPlyHeader(reader, file);
   const { vertexIndex, variant } = findVertex(declared, file, variantOf);
-  const shDegree = shDegreeOf(declared.elements[vertexIndex], file);
-  const slots = slotsOf(declared.elements[vertexIndex], shDegree, variant, file);
+  const sh = shPropertiesOf(declared.elements[vertexIndex], file);
+  const shDegree = sh.degree;
+  const filteredAxes = filteredAxesOf(declared.elements[vertexIndex]);
+  const filterSlot = ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
+  const slots = slotsOf(
+    declared.elements[vertexIndex],
+    sh,
+    filteredAxes > 0 ? [[FILTER_PROPERTY, filterSlot]] : [],
+    variant,
+    file,
+  );
   const header = withHalves(declared, vertexIndex, slots);
   const vertex = header.elements[vertexIndex];
   const body: PlyBody = { file, header, vertexIndex, slots };
   checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
   const progress = new ReadProgress(input, options.onProgress);
   const { isAntialiased, writer } = header;
+  const notes = [variant?.note, sh.note, filteredAxes > 0 ? FILTER_NOTE : undefined].filter(
+    (note) => note !== undefined,
+  );
   const fileFacts: FileFacts = {
     format: 'ply',
     variant: header.format,
     writer,
-    notes: variant?.note ? [variant.note] : undefined,
+    notes: notes.length > 0 ? notes : undefined,
   };
-  const layout = rowsTo && !variant && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+  const layout =
+    rowsTo && !variant && filteredAxes === 0 && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
   if (
     rowsTo &&
     layout &&
@@ -132,6 +152,7 @@ export async function readPlyWith(
     fileFacts,
     // Completing needs all splats.
     onPiece: variant?.complete ? undefined : options.onPiece,
+    fuse: filteredAxes > 0 ? (row) => fuseFilter(row, filteredAxes, row[filterSlot]) : undefined,
   });
   for (const [slot, value] of variant?.defaults ?? []) builder.row[slot] = value;
   const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
@@ -207,18 +228,27 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
     : 'this is a plain point cloud, not splats';
 }
 
+/** Scales that a filter of the file widens; 0 if there is none, or nothing that it could widen. */
+function filteredAxesOf({ properties }: PlyElement): number {
+  const has = (name: string) => properties.some((property) => property.name === name);
+  if (!has(FILTER_PROPERTY) || !has('opacity')) return 0;
+  const axes = ['scale_0', 'scale_1', 'scale_2'].findIndex((name) => !has(name));
+  return axes < 0 ? 3 : axes;
+}
+
 /** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
 function slotsOf(
   vertex: PlyElement,
-  shDegree: ShDegree,
+  sh: ShProperties,
+  beside: readonly (readonly [name: string, slot: number])[],
   variant: PlyVariant | undefined,
   file: string,
 ): number[] {
   const names = new Set(vertex.properties.map(({ name }) => name));
   // Those that are missing have been made up for.
   const slotOf = new Map([...SLOT_OF_CORE_PROPERTY].filter(([name]) => names.has(name)));
-  for (const [name, slot] of variant?.slotOf ?? []) slotOf.set(name, slot);
-  for (const [i, name] of shNames(shDegree).entries()) slotOf.set(name, ROW_SLOT.harmonics + i);
+  for (const [name, slot] of [...beside, ...(variant?.slotOf ?? [])]) slotOf.set(name, slot);
+  for (const [i, name] of sh.names.entries()) slotOf.set(name, ROW_SLOT.harmonics + i);
   const fail = (property: string, message: string): never => {
     throw new SplatFileError('bad-property', file, message, { element: 'vertex', property });
   };

@@ -1,27 +1,40 @@
 import { SplatFileError } from '../../../data/errors.ts';
-import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
+import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
+import { leftOutBands } from '../left-out-bands.ts';
 import type { PlyElement } from './ply-header.ts';
 
-const SH_DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
-
-/** The degree of the harmonics that an element has, by the number of its `f_rest` properties. */
-export function shDegreeOf({ name, properties }: PlyElement, file: string): ShDegree {
-  const count = properties.filter((property) => /^f_rest_\d+$/.test(property.name)).length;
-  const degree = SH_DEGREES.find((candidate) => coefficientsPerSplat(candidate) === count);
-  if (degree !== undefined) return degree;
-  throw new SplatFileError(
-    'bad-property',
-    file,
-    `there are ${count} f_rest properties; spherical harmonics of degree 0, 1, 2 or 3 have 0, 9, 24 or 45.`,
-    { element: name },
-  );
+/** Spherical harmonics above degree 0 in the properties of an element. */
+export interface ShProperties {
+  /** The highest degree that is read. */
+  readonly degree: ShDegree;
+  /** Names in the order of `ROW_SLOT`, up to `degree`; files have red, then green, then blue. */
+  readonly names: readonly string[];
+  /** See `FileFacts`; undefined if all is read. */
+  readonly note: string | undefined;
 }
 
-/** Properties of harmonics in the order of `ROW_SLOT`; files have red, then green, then blue. */
-export function shNames(degree: ShDegree): string[] {
-  const coefficients = SH_REST_COEFFICIENTS[degree];
-  return Array.from(
-    { length: 3 * coefficients },
-    (_, i) => `f_rest_${(i % 3) * coefficients + Math.floor(i / 3)}`,
+/**
+ * Finds the harmonics of an element by the number of its `f_rest` properties. Bands above degree 3,
+ * which some trainers write, are not read.
+ *
+ * @throws SplatFileError 'bad-property' for a number that no degree has.
+ */
+export function shPropertiesOf({ name, properties }: PlyElement, file: string): ShProperties {
+  const count = properties.filter((property) => /^f_rest_\d+$/.test(property.name)).length;
+  const fileDegree = Math.sqrt(count / 3 + 1) - 1;
+  if (!Number.isInteger(fileDegree)) {
+    throw new SplatFileError(
+      'bad-property',
+      file,
+      `there are ${count} f_rest properties; spherical harmonics of degree 0, 1, 2, 3 or 4 have 0, 9, 24, 45 or 72. Export it again.`,
+      { element: name },
+    );
+  }
+  const degree = Math.min(3, fileDegree) as ShDegree;
+  const perChannel = count / 3;
+  const names = Array.from(
+    { length: 3 * SH_REST_COEFFICIENTS[degree] },
+    (_, i) => `f_rest_${(i % 3) * perChannel + Math.floor(i / 3)}`,
   );
+  return { degree, names, note: leftOutBands(fileDegree) };
 }

@@ -5,6 +5,7 @@ import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { RowSource } from '../arriving-rows.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import { leftOutBands } from '../left-out-bands.ts';
 import type { SpzHeader } from './spz-header.ts';
 import { COLOR_SCALE } from './spz-layout.ts';
 import { turnToPlyAxes } from './turn-axes.ts';
@@ -65,6 +66,7 @@ export function spzRows(
   const step = 2 ** -fractionalBits;
   const turn = coordinateSystem === null ? null : turnToPlyAxes(coordinateSystem);
   const sizes = spzAttributeBytes(header);
+  const note = leftOutBands(fileShDegree);
   return {
     count,
     shDegree,
@@ -72,7 +74,7 @@ export function spzRows(
     fileFacts: {
       format: 'spz',
       variant: String(version),
-      ...(fileShDegree > 3 && { notes: ['Its harmonics of degree 4 are left out.'] }),
+      ...(note && { notes: [note] }),
     },
     decode(rows, rowCount) {
       const { positions, alphas, colors, scales, rotations, harmonics } = nextBytes(

@@ -1,0 +1,11 @@
+/** The highest degree of spherical harmonics that is drawn. */
+const MOST_DEGREE = 3;
+
+/** The note about bands of a file that are not read; undefined if all are. */
+export function leftOutBands(fileDegree: number): string | undefined {
+  if (fileDegree <= MOST_DEGREE) return undefined;
+  const first = MOST_DEGREE + 1;
+  return fileDegree === first
+    ? `Its harmonics of degree ${first} are left out.`
+    : `Its harmonics of degrees ${first} to ${fileDegree} are left out.`;
+}
