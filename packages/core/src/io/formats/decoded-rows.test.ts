@@ -194,7 +194,7 @@ describe('decoded rows', () => {
     const rows = decodedRows(3, 0);
     const decode: DecodedRows['decode'] = (values, rowCount) => {
       rows.decode(values, rowCount);
-      values[rowLength(0) + ROW_SLOT.logScale] = Number.NEGATIVE_INFINITY;
+      values[rowLength(0) + ROW_SLOT.logScale] = Number.POSITIVE_INFINITY;
     };
     const set = await setOf({ ...rows, decode });
     expect(set).toMatchObject({ count: 2, dropped: { 'non-finite-scale': 1 } });
