@@ -5,12 +5,14 @@ import {
   DEFAULT_ACCURACY,
   type Detail,
   type SortBy,
+  type SplatFormatName,
 } from '@websplatter/core';
 import { DETAIL_SHARES } from '@websplatter/core/measure';
 import { UsageError, wrongValue } from './input-error.ts';
 import {
   numbersOf,
   parseDetail,
+  parseFormat,
   parseFrames,
   parseSize,
   parseSortBy,
@@ -23,6 +25,8 @@ export const DEFAULT_DETAILS = DETAIL_SHARES.map((share) => Math.round(100 * sha
 /** Arguments of `websplatter accuracy`. */
 export interface AccuracyOptions {
   readonly scenes: readonly string[];
+  /** Format of all scenes; undefined: found by first bytes and names. */
+  readonly format: SplatFormatName | undefined;
   readonly camera: string;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -44,6 +48,7 @@ export interface AccuracyOptions {
 /** @throws UsageError that names the argument. */
 export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions {
   const { values, positionals } = parseStrictly(args, {
+    from: { type: 'string' },
     camera: { type: 'string' },
     size: { type: 'string' },
     'sort-by': { type: 'string', default: 'auto' },
@@ -70,6 +75,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
   }
   return {
     scenes: positionals,
+    format: parseFormat(values.from),
     camera: values.camera,
     widthPx,
     heightPx,

@@ -15,7 +15,7 @@ import { findScene, type SceneSource } from './scene-source.ts';
 export async function accuracy(args: readonly string[], console: Console): Promise<void> {
   const options = parseAccuracyArguments(args);
   const outputs: Output[] = options.svg === undefined ? [] : [{ argument: '--svg', path: options.svg }];
-  const scenes = await Promise.all(options.scenes.map(findScene));
+  const scenes = await Promise.all(options.scenes.map((scene) => findScene(scene, options.format)));
   const filesRead = () => [options.camera, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());
   await noteLeftOutputs(outputs, console);

@@ -1,10 +1,11 @@
-import type { AccuracySettings, Detail } from '@websplatter/core';
+import type { AccuracySettings, Detail, SplatFormatName } from '@websplatter/core';
 import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
 import { UsageError, wrongValue } from './input-error.ts';
 import {
   parseAccuracy,
   parseDegree,
   parseDetail,
+  parseFormat,
   parseFrames,
   parseSeed,
   parseSize,
@@ -14,7 +15,12 @@ import {
 /** Arguments of `websplatter bench`. */
 export interface BenchOptions {
   readonly scene:
-    | { readonly kind: 'named'; readonly name: string }
+    | {
+        readonly kind: 'named';
+        readonly name: string;
+        /** Undefined: found by first bytes and names. */
+        readonly format: SplatFormatName | undefined;
+      }
     | ({ readonly kind: 'synthetic' } & Required<SyntheticOptions>);
   /** Camera file; undefined for a synthetic scene's own camera. */
   readonly camera: string | undefined;
@@ -38,6 +44,7 @@ const SYNTHETIC_ONLY = ['degree', 'seed'] as const;
 export function parseBenchArguments(args: readonly string[]): BenchOptions {
   const { values, positionals } = parseStrictly(args, {
     synthetic: { type: 'string' },
+    from: { type: 'string' },
     degree: { type: 'string' },
     seed: { type: 'string' },
     camera: { type: 'string' },
@@ -61,7 +68,7 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
   return {
     scene:
       synthetic === undefined
-        ? { kind: 'named', name: positionals[0] }
+        ? { kind: 'named', name: positionals[0], format: parseFormat(values.from) }
         : {
             kind: 'synthetic',
             splats: parseCount(synthetic),

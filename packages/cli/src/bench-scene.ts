@@ -29,7 +29,7 @@ export interface BenchScene extends SceneSource {
 /** Finds the scene of a command line, which it does not read yet. */
 export async function findBenchScene(scene: BenchOptions['scene']): Promise<BenchScene> {
   if (scene.kind === 'named') {
-    return { ...(await findScene(scene.name)), isMade: false };
+    return { ...(await findScene(scene.name, scene.format)), isMade: false };
   }
   const { splats, shDegree, seed } = scene;
   const name = `synthetic (degree ${shDegree}, seed ${seed})`;
@@ -65,7 +65,7 @@ export async function loadTimed(scene: SceneSource, accuracy: AccuracySettings):
 }
 
 async function readTimed(
-  { name, source, limits }: SceneSource,
+  { name, source, limits, format }: SceneSource,
   { geometryPrecision, shPrecision }: AccuracySettings,
 ): Promise<{ packed: PackedCloud } & Omit<LoadTimes, 'uploadMs'>> {
   const startedMs = performance.now();
@@ -75,6 +75,7 @@ async function readTimed(
   };
   const packed = await loadSplats(source, {
     ...limits,
+    format,
     geometryPrecision,
     shPrecision,
     name,

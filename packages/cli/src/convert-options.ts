@@ -1,5 +1,5 @@
 import { basename } from 'node:path';
-import type { ShDegree, Vec3 } from '@websplatter/core';
+import type { ShDegree, SplatFormatName, Vec3 } from '@websplatter/core';
 import {
   AXIS_NAMES,
   type CropBox,
@@ -12,11 +12,13 @@ import {
   writableByName,
 } from '@websplatter/core/write';
 import { UsageError, wrongValue } from './input-error.ts';
-import { numbersOf, parseDegree, parseStrictly } from './render-options.ts';
+import { numbersOf, parseDegree, parseFormat, parseStrictly } from './render-options.ts';
 
 /** Arguments of `websplatter convert`. */
 export interface ConvertOptions {
   readonly scenes: readonly string[];
+  /** Format of all scenes; undefined: found by first bytes and names. */
+  readonly from: SplatFormatName | undefined;
   readonly out: string;
   readonly format: WritableFormat;
   /** Highest degree of harmonics to keep. */
@@ -38,6 +40,7 @@ const NO_ROTATION: Vec3 = [0, 0, 0];
 /** @throws UsageError that names the argument. */
 export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   const { values, positionals } = parseStrictly(withJoinedValues(args), {
+    from: { type: 'string' },
     format: { type: 'string' },
     sh: { type: 'string' },
     crop: { type: 'string' },
@@ -62,6 +65,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   }
   return {
     scenes,
+    from: parseFormat(values.from),
     out,
     format: formatOf(values.format, out),
     shDegree: values.sh === undefined ? undefined : parseDegree('--sh', values.sh),

@@ -91,7 +91,7 @@ export async function convert(args: readonly string[], console: Console): Promis
   const options = parseConvertArguments(args);
   const { out, format } = options;
   const output = { argument: 'OUT', path: out };
-  const scenes = await Promise.all(options.scenes.map(findScene));
+  const scenes = await Promise.all(options.scenes.map((scene) => findScene(scene, options.from)));
   const filesRead = () => scenes.flatMap(({ files }) => [...files]);
   await checkOutputs([output], filesRead());
   await noteLeftOutputs([output], console);

@@ -64,8 +64,9 @@ export async function openGpu(accuracy: AccuracySettings): Promise<Gpu> {
 type Upload = (engine: SplatEngine) => SplatCloud;
 
 async function readForUpload(scene: SceneSource, accuracy: AccuracySettings): Promise<Upload> {
-  const { name, source, limits } = scene;
+  const { name, source, limits, format } = scene;
   const { geometryPrecision, shPrecision } = accuracy;
-  const packed = await loadSplats(source, { ...limits, name, geometryPrecision, shPrecision });
-  return (engine) => engine.addPacked(packed, { name, source: lastingSource(source), sourceOptions: limits });
+  const sourceOptions = { ...limits, format };
+  const packed = await loadSplats(source, { ...sourceOptions, name, geometryPrecision, shPrecision });
+  return (engine) => engine.addPacked(packed, { name, source: lastingSource(source), sourceOptions });
 }

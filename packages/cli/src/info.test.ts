@@ -37,6 +37,28 @@ test('info tells the sort key of a glTF', async () => {
   expect(await infoOf('zDepth')).not.toMatch(/^sorted by/m);
 });
 
+test('--from says what nothing in a scene tells, to every command', async () => {
+  const folder = new TestFolder();
+  const row = new Uint8Array(32).fill(128);
+  new Float32Array(row.buffer, 0, 6).set([1, 2, 3, 0.1, 0.1, 0.1]);
+  const scene = folder.write('scene.bin', row);
+  const { out } = await runMain('info', scene, '--from', 'splat', '--json');
+  expect(JSON.parse(out)).toMatchObject({ count: 1, file: { format: 'splat' } });
+  expect((await runMain('convert', scene, folder.file('out.ply'), '--from', 'splat')).status).toBe(0);
+  for (const args of [
+    ['info', scene],
+    ['convert', scene, folder.file('other.ply')],
+  ]) {
+    const { status, err } = await runMain(...args);
+    expect([status, err]).toEqual([2, expect.stringContaining("format 'splat'")]);
+  }
+  const image = ['--camera', folder.camera(), '--size', '8x8', '--renderer', 'reference'];
+  const drawn = await runMain('render', scene, ...image, '--out', folder.file('a.png'), '--from', 'splat');
+  expect(drawn.status).toBe(0);
+  const wrong = await runMain('info', scene, '--from', 'obj');
+  expect([wrong.status, wrong.err]).toEqual([2, expect.stringContaining('--from is obj; it must be one of')]);
+});
+
 test('info counts rows that were left out, by reason', async () => {
   const set = threeSplats();
   set.positions[3] = Number.NaN;

@@ -11,13 +11,17 @@ import {
   type ShDegree,
   SORTED_BY,
   type SortBy,
+  type SplatFormatName,
   type Vec3,
 } from '@websplatter/core';
+import { SPLAT_FORMATS } from '@websplatter/core/formats';
 import { UsageError, wrongValue } from './input-error.ts';
 
 /** Arguments of `websplatter render`. */
 export interface RenderOptions {
   readonly scenes: readonly string[];
+  /** Format of all scenes; undefined: found by first bytes and names. */
+  readonly format: SplatFormatName | undefined;
   readonly camera: string;
   /** One model matrix file per scene, or none at all. */
   readonly models: readonly string[];
@@ -47,6 +51,7 @@ const MAX_SIZE_PX = 16384;
 /** @throws UsageError or InvalidArgumentError that names the argument. */
 export function parseRenderArguments(args: readonly string[]): RenderOptions {
   const { values, positionals } = parseStrictly(args, {
+    from: { type: 'string' },
     camera: { type: 'string' },
     model: { type: 'string', multiple: true, default: [] },
     size: { type: 'string' },
@@ -90,6 +95,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   const [widthPx, heightPx] = parseSize(values.size);
   return {
     scenes: positionals,
+    format: parseFormat(values.from),
     camera: values.camera,
     models: values.model,
     widthPx,
@@ -135,6 +141,13 @@ function parse<Options extends NonNullable<ParseArgsConfig['options']>>(
     const [firstSentence] = (error as Error).message.split(/\. |\n/);
     throw new UsageError('arguments', firstSentence.replace(/\.$/, ''));
   }
+}
+
+/** Parses `--from`. */
+export function parseFormat(name: string | undefined): SplatFormatName | undefined {
+  const names = SPLAT_FORMATS.map((format) => format.name);
+  if (name === undefined || names.includes(name)) return name as SplatFormatName | undefined;
+  throw wrongValue('--from', name, `one of ${names.join(', ')}`);
 }
 
 export function parseSize(text: string): [number, number] {

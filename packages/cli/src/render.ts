@@ -27,7 +27,7 @@ export async function render(args: readonly string[], console: Console): Promise
   const aspect = widthPx / heightPx;
   const outputs = outputsOf(options);
   const paths = outputs.map(({ path }) => path);
-  const scenes = await Promise.all(options.scenes.map(findScene));
+  const scenes = await Promise.all(options.scenes.map((scene) => findScene(scene, options.format)));
   const filesRead = () => [options.camera, ...options.models, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());
   await noteLeftOutputs(outputs, console);

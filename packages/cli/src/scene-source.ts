@@ -5,6 +5,7 @@ import {
   type ReadLimits,
   readSplats,
   type ShPrecision,
+  type SplatFormatName,
   type SplatSet,
   type SplatSource,
   SplatSourceError,
@@ -22,6 +23,8 @@ export interface SceneSource {
   /** The source to read. */
   readonly source: SplatSource;
   readonly limits: ReadLimits;
+  /** Format that the command line says it has; undefined: found by first bytes and names. */
+  readonly format?: SplatFormatName;
   /** Files that are read, as far as known, any that leads to others first. `-`: standard input. */
   readonly files: ReadonlySet<string>;
   /** Whether y is up, whatever is usual in files of its format. */
@@ -36,9 +39,14 @@ const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: N
  * Resolves `scene`: `builtin:NAME`, the NAME of a built-in scene, a URL (http, https, file), a
  * path, or `-` for standard input.
  *
+ * @param format see `SceneSource`.
  * @throws SplatSourceError if there is no such file; UsageError if there is no such built-in scene.
  */
-export async function findScene(scene: string): Promise<SceneSource> {
+export async function findScene(scene: string, format?: SplatFormatName): Promise<SceneSource> {
+  return { ...(await findSource(scene)), format };
+}
+
+async function findSource(scene: string): Promise<SceneSource> {
   const builtinName = scene.startsWith(BUILTIN_PREFIX) ? scene.slice(BUILTIN_PREFIX.length) : scene;
   const builtin = builtinScenes.find(({ name }) => name === builtinName);
   if (builtin) {
@@ -60,21 +68,21 @@ export async function findScene(scene: string): Promise<SceneSource> {
 
 /** Reads the splats of a scene into memory. */
 export function readScene(
-  { name, source, limits }: SceneSource,
+  { name, source, limits, format }: SceneSource,
   shPrecision: ShPrecision,
   onProgress?: (progress: LoadProgress) => void,
 ): Promise<SplatSet<Harmonics>> {
-  return readSplats(source, { ...limits, name, shPrecision, onProgress });
+  return readSplats(source, { ...limits, format, name, shPrecision, onProgress });
 }
 
 /** Reads the splats of a scene, and hands them on piece by piece; see `readSplatPieces`. */
 export function readScenePieces(
-  { name, source, limits }: SceneSource,
+  { name, source, limits, format }: SceneSource,
   shPrecision: ShPrecision,
   onPiece: (piece: SplatSet<Harmonics>) => Promise<void>,
   onProgress?: (progress: LoadProgress) => void,
 ): Promise<void> {
-  return readSplatPieces(source, { ...limits, name, shPrecision, onProgress }, onPiece);
+  return readSplatPieces(source, { ...limits, format, name, shPrecision, onProgress }, onPiece);
 }
 
 async function openNamed(scene: string): Promise<Pick<SceneSource, 'source' | 'limits' | 'files'>> {

@@ -1,3 +1,4 @@
+import { SPLAT_FORMATS } from '@websplatter/core/formats';
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { DEFAULT_DETAILS } from './accuracy-options.ts';
 
@@ -8,6 +9,8 @@ export const USAGE = `websplatter renders, inspects and converts Gaussian-splat 
 websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.png [options]
   SCENE                  a file, a URL, - for standard input, or builtin:still-life, builtin:still-life-small; several are sorted
                          together
+  --from NAME            the format of every SCENE whose first bytes and names do not tell it, as of a .splat from standard
+                         input: ${listOf(SPLAT_FORMATS.map(({ name }) => name))}
   --camera CAM.json      {"position":[x,y,z],"target":[x,y,z],"up":[x,y,z],"fovYDegrees":60,"near":0.01,"far":1000};
                          or "projection":"orthographic","height":h instead of the field of view;
                          or {"viewMatrix":[…],"projectionMatrix":[…]}, column-major (looking along -z, y up)
@@ -29,13 +32,14 @@ websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.p
   --timings t.json       writes milliseconds per stage, median and 99th percentile over the frames, and
                          which rasteriser drew them
 
-websplatter info SCENE [--json]
+websplatter info SCENE [--from NAME] [--json]
   format, version, writer and flags, counts, bounds, spherical harmonics per band, dropped splats by reason, bytes needed on the GPU
 
 websplatter convert IN … OUT [options]
   writes scenes as a file of another format, by the end of its name:
   ${listOf(WRITABLE_FORMATS.map(({ extension }) => extension))}
   IN                     a SCENE; several become one only with --merge
+  --from NAME            the format of every IN, as for render
   --format NAME          the format of OUT whatever its name: ${listOf(WRITABLE_FORMATS.map(({ name }) => name))}
   --merge                puts all of them into OUT, one after another; parts of a scene as .ply are rounded only once
   --up AXIS              turns this axis, x, y or z or -x, -y or -z, to +y; -y for most captures
@@ -55,6 +59,7 @@ websplatter split IN.bricks FOLDER
 
 websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
   measures each accuracy setting for this scene and view, and fewer splats: milliseconds, and error against the reference
+  --from NAME            as for render
   --json                 prints everything that was measured, instead of the table
   --svg chart.svg        writes a chart of error over time, with the front marked
   --base balanced        the preset from which settings are changed, one at a time
@@ -73,6 +78,7 @@ websplatter bench SCENE|--synthetic N [options]
   --synthetic N          random splats instead of a SCENE: 10k to 16M
   --degree 3             their spherical harmonics, 0 to 3
   --seed 1               their seed
+  --from NAME            as for render
   --camera CAM.json      as for render; synthetic scenes have one
   --size 1920x1080       in pixels
   --frames 100           measured frames

@@ -41,7 +41,7 @@ import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import { sortDeviceOf } from './gpu/stages/sort-shape.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
-import { fileNameOf, isBlob, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
+import { fileNamesOf, isBlob, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { AccuracyTargets } from './views/accuracy-targets.ts';
@@ -334,8 +334,8 @@ export class SplatEngine {
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     checkLoadOptions(options);
-    if (isStreamable(source, options.name)) return this.#loadBricks(source, options);
-    const inLeaves = namesInLeaves(source, options.name);
+    if (isStreamable(source, options)) return this.#loadBricks(source, options);
+    const inLeaves = namesInLeaves(source, options);
     if (inLeaves) {
       const cloud = await this.#loadLeaves(inLeaves, source, options);
       if (cloud) return cloud;
@@ -343,8 +343,8 @@ export class SplatEngine {
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
-    const { maxBytes, maxSplats, request, onPreview, fit = 'exact' } = options;
-    const sourceOptions = { maxBytes, maxSplats, request };
+    const { format, maxBytes, maxSplats, request, onPreview, fit = 'exact' } = options;
+    const sourceOptions = { format, maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
     const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
     const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit, signal });
@@ -814,19 +814,19 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
 }
 
 /** Names of a source that is, or may have, a scene in leaves, whose files are read as views need them. */
-function namesInLeaves(source: SplatSource, name: string | undefined): string | null {
+function namesInLeaves(source: SplatSource, options: SourceOptions): string | null {
   const names = isFiles(source)
     ? (source.paths ?? source.files.map((file: Partial<File>) => file?.name)).join('\n')
-    : fileNameOf(source, name);
+    : fileNamesOf(source, options).join('\n');
   const isLeading = /(?:^|\/)lod-meta\.json$|\.rad$/im.test(names);
   return isLeading || (isBlob(source) && /\.(?:sog|zip)$/i.test(names)) ? names : null;
 }
 
 /** Whether a source is read in parts, as views need them. */
-function isStreamable(source: SplatSource, name: string | undefined): boolean {
+function isStreamable(source: SplatSource, options: SourceOptions): boolean {
   if (isStream(source)) return false;
-  const nameOf = (file: SplatSource) => fileNameOf(file, name);
+  const namesOf = (file: SplatSource) => fileNamesOf(file, options);
   if (isFiles(source))
-    return (source.paths ?? source.files.map(nameOf)).some((path) => FIRST_PIECE.test(path));
-  return /\.bricks(?:\.000)?$/i.test(nameOf(source));
+    return (source.paths ?? source.files.flatMap(namesOf)).some((path) => FIRST_PIECE.test(path));
+  return namesOf(source).some((name) => /\.bricks(?:\.000)?$/i.test(name));
 }

@@ -94,7 +94,10 @@ export interface SplatsProps extends EffectProps, ObjectProps {
    * any of them asks for.
    */
   detail?: Detail | null;
-  /** Limits of reading `src`, and of fetching an address; the first request for a file decides. */
+  /**
+   * Format of `src`, where neither its first bytes nor its name tell it (`{ format: 'splat' }`); name
+   * and limits, and how an address is fetched. The first request for a file decides.
+   */
   sourceOptions?: SourceOptions;
   /**
    * GPU memory for a scene that streams, at most; default 512 MiB. Scenes that need less take less.

@@ -74,6 +74,23 @@ describe('a load', () => {
     });
   });
 
+  test('takes a format, or a name that tells it, from its options', async () => {
+    const splat = new Uint8Array(32).fill(128);
+    new Float32Array(splat.buffer, 0, 6).set([1, 2, 3, 0.1, 0.1, 0.1]);
+    stubFetch(async () => new Response(splat));
+    const loader = new SplatLoader();
+    const sources = ['https://a.test/api/17', new Blob([splat]), splat];
+    for (const source of sources) {
+      loader.sourceOptions = {};
+      await expect(loader.loadAsync(source)).rejects.toMatchObject({ code: 'unknown-format' });
+      loader.sourceOptions = { format: 'splat' };
+      expect((await loader.loadAsync(source)).count).toBe(1);
+      loader.sourceOptions = { name: 'shown.splat' };
+      const data = await loader.loadAsync(source);
+      expect([data.count, data.name]).toEqual([1, 'shown.splat']);
+    }
+  });
+
   test('reads no more than its limits allow', async () => {
     const loader = new SplatLoader();
     loader.sourceOptions = { maxSplats: 1 };

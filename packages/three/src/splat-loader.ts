@@ -43,8 +43,9 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    */
   onPreview?: (preview: SplatData) => void;
   /**
-   * Limits of later loads, and how addresses are fetched, but for headers and credentials, which
-   * three has its own setters for.
+   * Format, name and limits of later loads, and how addresses are fetched, but for headers and
+   * credentials, which three has its own setters for. Give a format to sources whose names tell
+   * none: `loader.sourceOptions = { format: 'splat' }`.
    */
   sourceOptions: SourceOptions = {};
   /**
@@ -111,7 +112,7 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
       else console.error(error);
       manager.itemError(item);
     };
-    this.#load(address || source, item, onProgress)
+    this.#load(address || source, this.sourceOptions.name ?? item, onProgress)
       .then(onLoad, onFailure)
       .finally(() => manager.itemEnd(item));
   }

@@ -124,6 +124,15 @@ async function expectAsLoaded(cloud: SplatCloud, file: Blob, precision: RowPreci
   expectSameHarmonics({ ...harmonics, words: made.harmonics }, harmonics, reference.count);
 }
 
+gpuTest('a file is read again in the format that it was first said to have', async () => {
+  const row = new Uint8Array(32).fill(128);
+  new Float32Array(row.buffer, 0, 6).set([1, 2, 3, 0.1, 0.1, 0.1]);
+  const cloud = await engine.load(new Blob([row]), { precision: SMALLEST, format: 'splat' });
+  await engine.requestPrecision(cloud, FINEST);
+  expectHeld(cloud, FINEST);
+  cloud.destroy();
+});
+
 describe('a file whose rows the GPU takes is read again', () => {
   for (const [geometryPrecision, shPrecision] of [
     ['packed', 'f16'],

@@ -31,6 +31,7 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
     totalBytesCertain: false,
     isHeld: false,
     packed,
+    fileNames: packed.fileNames?.map((each) => each.replace(/\.gz$/i, '')),
     reader: new ByteReader({ name, stream }, signal, maxBytes),
     reopen: reopen && (() => gunzip(reopen(), name, () => reader.byteOffset)),
   };

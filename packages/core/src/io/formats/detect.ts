@@ -2,7 +2,7 @@ import { SplatFileError } from '../../data/errors.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
 import { latin1 } from './latin1.ts';
 import { OTHER_FILES } from './other-files.ts';
-import { SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
+import { recognised, SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
 const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
@@ -33,11 +33,15 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
  * by its name only if the bytes do not tell it.
  *
  * @param file its name in messages.
- * @param fileName its own name.
+ * @param fileNames its own names.
  * @throws SplatFileError 'unknown-format', which describes the bytes; 'empty' without any.
  */
-export function detectFormat(firstBytes: Uint8Array, file = 'source', fileName = file): SplatFormat {
-  const format = SPLAT_FORMATS.find((candidate) => candidate.recognise(firstBytes, fileName));
+export function detectFormat(
+  firstBytes: Uint8Array,
+  file = 'source',
+  fileNames: readonly string[] = [file],
+): SplatFormat {
+  const format = recognised(SPLAT_FORMATS, firstBytes, fileNames);
   if (format) return format;
   if (firstBytes.length === 0) {
     const message = 'the file is empty (or the stream has been read before); check the download or the path.';
@@ -58,5 +62,5 @@ function describe(firstBytes: Uint8Array): string {
   const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
   if (lookalike) return lookalike.message;
   const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');
-  return `the first bytes (${hex}) are of no known format; convert it to PLY first`;
+  return `the first bytes (${hex}) are of no known format. Nothing in a .splat tells that it is one: give its name, or format 'splat'. Convert other files to PLY first`;
 }

@@ -56,6 +56,6 @@ test.each([
   ['splat', '\xff'.repeat(32)],
 ])('first bytes of %s count for more than the name of a .splat', (name, text) => {
   const firstBytes = Buffer.from(text, 'latin1');
-  expect(detectFormat(firstBytes, 'a', 'a.splat').name).toBe(name);
-  expect(ALL_READERS.pick(firstBytes, 'a', 'a.splat')).toBeTypeOf('function');
+  expect(detectFormat(firstBytes, 'a', ['a.splat']).name).toBe(name);
+  expect(ALL_READERS.pick(firstBytes, 'a', ['a.splat'])).toBeTypeOf('function');
 });

@@ -1,5 +1,5 @@
 import { SPLAT_FORMATS } from './formats.ts';
-import type { ReadFormat, SplatFormat } from './splat-format.ts';
+import { type ReadFormat, recognised, type SplatFormat } from './splat-format.ts';
 
 export interface FormatReader {
   readonly format: SplatFormat;
@@ -23,9 +23,14 @@ export const PACKED_TITLES: readonly string[] = [
   ...new Set(PACKED_READERS.map(({ format }) => format.title)),
 ];
 
-/** The code that reads an unpacked file; undefined for others. See `SplatFormat.recognise`. */
-export function packedReaderOf(firstBytes: Uint8Array, fileName: string): ReadFormat | undefined {
-  return PACKED_READERS.find(({ format }) => format.recognise(firstBytes, fileName))?.read;
+/** The code that reads an unpacked file; undefined for others. See `recognised`. */
+export function packedReaderOf(firstBytes: Uint8Array, fileNames: readonly string[]): ReadFormat | undefined {
+  const found = recognised(
+    PACKED_READERS.map(({ format }) => format),
+    firstBytes,
+    fileNames,
+  );
+  return PACKED_READERS.find(({ format }) => format === found)?.read;
 }
 
 /** Whether a file with this name, in lower case, is usually of one of these formats. */

@@ -19,8 +19,8 @@ const READERS: readonly FormatReader[] = [
 
 /** For the worker of all formats, and for threads without a worker. */
 export const ALL_READERS: FormatReaders = {
-  pick: (firstBytes, file, fileName) => {
-    const found = detectFormat(firstBytes, file, fileName);
+  pick: (firstBytes, file, fileNames) => {
+    const found = detectFormat(firstBytes, file, fileNames);
     return READERS.find(({ format }) => format === found)!.read;
   },
   openFiles,

@@ -53,6 +53,8 @@ export const SNIFF_BYTES = 4096;
 export interface SplatInput extends Omit<OpenedSource, 'stream'> {
   /** At the first byte. */
   readonly reader: ByteReader;
+  /** Names by which its format may be told; undefined where it is known. */
+  readonly fileNames?: readonly string[];
   /** The input that this one was unpacked from, if it was. */
   readonly packed?: SplatInput;
 }
@@ -64,9 +66,9 @@ export interface FormatReaders {
    *
    * @param firstBytes see `SplatFormat.recognise`.
    * @param file its name in messages.
-   * @param fileName its own name.
+   * @param fileNames see `SplatInput`.
    */
-  pick(firstBytes: Uint8Array, file: string, fileName: string): ReadFormat | null;
+  pick(firstBytes: Uint8Array, file: string, fileNames: readonly string[]): ReadFormat | null;
   /** For formats that have several files. */
   readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
 }
@@ -83,7 +85,17 @@ export type ReadFormat = (
   rowsTo?: RowsTo,
 ) => Promise<SplatSet<ReadHarmonics> | Passed>;
 
-/** A thread's readers if it reads a single format. */
+/** The first of `formats` that a file is of, by its bytes and any of its names. */
+export function recognised(
+  formats: readonly SplatFormat[],
+  firstBytes: Uint8Array,
+  fileNames: readonly string[],
+): SplatFormat | undefined {
+  const names = fileNames.length > 0 ? fileNames : [''];
+  return formats.find((format) => names.some((name) => format.recognise(firstBytes, name)));
+}
+
+/** A thread's readers if it reads a single format, which first bytes tell. */
 export function onlyOf({ recognise }: SplatFormat, read: ReadFormat): FormatReaders {
-  return { pick: (firstBytes, _file, fileName) => (recognise(firstBytes, fileName) ? read : null) };
+  return { pick: (firstBytes) => (recognise(firstBytes, '') ? read : null) };
 }

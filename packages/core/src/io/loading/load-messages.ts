@@ -15,7 +15,6 @@ import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-
 
 /** Settings of a load besides its source; all of them can be posted. */
 export interface LoadSettings extends SourceOptions {
-  readonly name: string | undefined;
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
   /** See `SplatFormatOptions`. */

@@ -326,6 +326,18 @@ test('URLs are resolved against the page, not the worker, and keep the name that
   expect(error).toMatchObject({ file: 'scenes/garden.ply' });
 });
 
+test.each([
+  { options: { format: 'splat' }, source: new Blob([ply]), kinds: ['formats'] },
+  { options: { format: 'ply' }, source: new File([ply], 'a.splat'), kinds: ['ply'] },
+  { options: { name: 'a.splat' }, source: new Blob([ply]), kinds: ['formats'] },
+  { options: { name: 'Room No.5' }, source: new File([ply], 'a.ply'), kinds: ['ply'] },
+  { options: { name: 'a.ply' }, source: new Blob([packed]), kinds: ['ply', 'formats'] },
+] as const)('$options chooses the worker that starts', async ({ options, source, kinds }) => {
+  useWorkers('works');
+  expect(await loadSplats(source, options)).toMatchObject({ count: 300 });
+  expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(kinds);
+});
+
 test('a worker that dies', async () => {
   useWorkers('dies');
   const error = await failure(loadSplats(ply));

@@ -6,7 +6,7 @@ import type { SplatFormatOptions } from '../formats/splat-format.ts';
 import {
   baseUrl,
   bytesOf,
-  fileNameOf,
+  fileNamesOf,
   isBlob,
   isFiles,
   isStream,
@@ -62,6 +62,7 @@ export async function loadOrPass(
     maxBytes,
     maxSplats,
     request,
+    format,
   } = given(options, {
     name: 'a string?',
   });
@@ -70,10 +71,11 @@ export async function loadOrPass(
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = {
-    ...{ name, shPrecision, geometryPrecision, maxBytes, maxSplats, request, requestsAtOnce },
+    ...{ name, format, maxBytes, maxSplats, request, requestsAtOnce },
+    ...{ shPrecision, geometryPrecision },
   };
   let worker = await takeTurn(signal);
-  let kind: Kind = isFiles(source) || isNamedOtherwise(fileNameOf(source, name)) ? 'others' : 'ply';
+  let kind: Kind = isFiles(source) || isNamedOtherwise(source, options) ? 'others' : 'ply';
   let isDone = false;
   // Always aborted at the end: a terminated worker does not tell a stream that it stops reading.
   const stop = new AbortController();
@@ -110,8 +112,11 @@ export async function loadOrPass(
   }
 }
 
-/** Whether a name says that a file is no ordinary PLY. */
-const isNamedOtherwise = (fileName: string) => /\.compressed\.ply$|\.(?!ply$)\w+$/i.test(fileName);
+/** Whether the source's own name, or the caller's if that has no end, tells of no ordinary PLY. */
+function isNamedOtherwise(source: SplatSource, options: LoadSplatsOptions): boolean {
+  const fileName = fileNamesOf(source, options).findLast((name) => name.includes('.')) ?? '';
+  return /\.compressed\.ply$|\.(?!ply$)[\w-]+$/i.test(fileName);
+}
 
 /** Reads in the calling thread. Only pages whose worker does not read fetch the code for it. */
 async function readHere(

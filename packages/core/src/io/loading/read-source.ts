@@ -2,12 +2,13 @@ import { given } from '../../data/given.ts';
 import { checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { checkFormat } from '../formats/format-names.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/splat-format.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import { openSource } from '../sources/open-source.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
-import { fileNameOf, isFiles, isStream } from '../sources/source-kind.ts';
+import { fileNamesOf, isFiles, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { OtherFormat } from './other-format.ts';
 
@@ -45,6 +46,7 @@ export async function readSource(
     shPrecision = 'u8',
   } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
+  checkFormat(options.format);
   const opened =
     openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
   let reader: ByteReader | undefined;
@@ -53,11 +55,12 @@ export async function readSource(
     checkSize(opened, maxBytes);
     reader = new ByteReader(opened, signal, maxBytes);
     const firstBytes = await reader.peek(SNIFF_BYTES);
-    const read = pick(firstBytes, opened.name, fileNameOf(source, opened.name));
+    const fileNames = fileNamesOf(source, options, opened);
+    const read = pick(firstBytes, opened.name, fileNames);
     if (!read) throw new OtherFormat(isStream(source) ? reader.rest() : null);
     const { stream, ...about } = opened;
     return await read(
-      { ...about, reader },
+      { ...about, reader, fileNames },
       {
         shPrecision: shPrecision === 'palette' ? 'f32' : shPrecision,
         keepsPalette: shPrecision === 'palette',

@@ -26,6 +26,7 @@ export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSour
   };
   return {
     ...openBlob(fileAt(leading), shownName),
+    fileName: leading,
     openPart: async (path) => openBlob(fileAt(folder + path), path),
   };
 }

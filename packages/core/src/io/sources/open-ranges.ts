@@ -5,7 +5,7 @@ import { leadingPath, withPaths } from './open-files.ts';
 import { openUrlPieces } from './open-url-pieces.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
-import { bytesOf, fileNameOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
+import { bytesOf, fileNamesOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
 import type { ReadOptions, SceneFiles, SplatSource } from './splat-source.ts';
 
 /**
@@ -26,7 +26,7 @@ export async function openRanges(
   options.signal?.throwIfAborted();
   if (typeof source === 'string' || source instanceof URL) {
     const url = String(source);
-    if (FIRST_PIECE.test(fileNameOf(url, undefined))) return openUrlPieces(url, options);
+    if (fileNamesOf(url, {}).some((name) => FIRST_PIECE.test(name))) return openUrlPieces(url, options);
     return openUrlRanges(url, firstBytes, options, requests);
   }
   const { name = sourceName(source) } = options;

@@ -1,6 +1,7 @@
 import { SplatSourceError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
+import { dispositionName } from './disposition-name.ts';
 import { baseUrl, shortName } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, RequestOptions, ResumedStream } from './splat-source.ts';
 import { waitMs } from './wait-ms.ts';
@@ -93,7 +94,10 @@ export class Transfer {
       stream: bodyOf(response),
       idleTimeoutMs: this.#request.idleTimeoutMs,
       resume: this.isRemote ? (offset, failure) => this.#resume(offset, failure) : undefined,
-      ...(this.isRemote && { fetched: { url: response.url || this.#url.href, request: this.#request } }),
+      ...(this.isRemote && {
+        fetched: { url: response.url || this.#url.href, request: this.#request },
+        fileName: dispositionName(headers.get('content-disposition') ?? ''),
+      }),
     };
   }
 

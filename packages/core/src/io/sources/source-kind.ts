@@ -1,6 +1,6 @@
 import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
 import { printable } from '../../data/printable.ts';
-import type { SceneFiles, SplatSource } from './splat-source.ts';
+import type { OpenedSource, SceneFiles, SourceOptions, SplatSource } from './splat-source.ts';
 
 /** Longest name shown in messages: data URLs can be megabytes. */
 const MAX_NAME_LENGTH = 200;
@@ -15,19 +15,30 @@ export function sourceName(source: SplatSource): string {
 }
 
 /**
- * Name by which to tell the kind of file that `source` is: the file's own, or the last part of an
- * address, without folders and queries.
+ * Names by which to tell the kind of file that `source` is, without folders and queries: one made of
+ * the format that the caller gives; else the caller's name, then the source's own.
  *
- * @param name the caller's name for the source; taken where the source has no name.
+ * @param opened adds the names that were found when the source was opened.
  */
-export function fileNameOf(source: SplatSource, name: string | undefined): string {
-  if (typeof source === 'string' || source instanceof URL) {
-    const address = String(source);
-    if (!/^(?:blob|data):/i.test(address)) return address.replace(/[?#].*$/s, '').replace(/^.*\//s, '');
-  }
-  const own = (source as Partial<File> | null)?.name ?? name;
+export function fileNamesOf(
+  source: SplatSource,
+  { format, name }: Pick<SourceOptions, 'format' | 'name'>,
+  { fetched, fileName }: Pick<OpenedSource, 'fetched' | 'fileName'> = {},
+): string[] {
+  if (format !== undefined) return [`.${format}`];
+  const isAddress = typeof source === 'string' || source instanceof URL;
+  const own = isAddress ? addressName(String(source)) : (source as Partial<File> | null)?.name;
+  const names = [name, own, fetched && addressName(fetched.url), fileName];
   // Other values than text are refused later.
-  return typeof own === 'string' ? own.replace(/^.*\//s, '') : '';
+  return names.flatMap((each) => (typeof each === 'string' ? lastPart(each) : []));
+}
+
+function addressName(address: string): string {
+  return /^(?:blob|data):/i.test(address) ? '' : address.replace(/[?#].*$/s, '');
+}
+
+function lastPart(path: string): string {
+  return path.replace(/^.*[/\\]/s, '');
 }
 
 /** `text` as messages show it, shortened if it is long. */

@@ -1,5 +1,6 @@
 import type { SplatSourceError } from '../../data/errors.ts';
 import type { ShPrecision } from '../../data/packing/precision.ts';
+import type { SplatFormatName } from '../formats/format-names.ts';
 
 /** The files of one scene that has several, such as `meta.json` and its images. */
 export interface SceneFiles {
@@ -68,14 +69,22 @@ export interface RequestOptions {
 
 /** Options that hold for a source whenever it is read. */
 export interface SourceOptions extends ReadLimits {
+  /**
+   * Name for messages. Its end, such as `.splat`, tells the format where the first bytes do not.
+   * Default: the file's name or the URL.
+   */
+  readonly name?: string;
+  /**
+   * Format of the source where its first bytes do not tell it, as of a `.splat` whose address does
+   * not end so. Default: found by names, also by those that a server's answer has.
+   */
+  readonly format?: SplatFormatName;
   /** For addresses. */
   readonly request?: RequestOptions;
 }
 
-/** How a source is read: its name, an end, and reports meanwhile. */
+/** How a source is read, an end, and reports meanwhile. */
 export interface ReadOptions extends SourceOptions {
-  /** Name for messages; by default the file's name or the URL. */
-  readonly name?: string;
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: LoadProgress) => void;
 }
@@ -115,6 +124,11 @@ export interface OpenedSource {
   readonly resume?: ResumeSource;
   /** Address that answered, and how it was asked; undefined for sources that are not fetched. */
   readonly fetched?: { readonly url: string; readonly request: RequestOptions };
+  /**
+   * Name that opening the source has found: that of the file that leads to the others, or the one
+   * that a server's Content-Disposition gives, if a page may see it.
+   */
+  readonly fileName?: string;
   /**
    * Opens another file of the same scene, by its path from the folder of this one; undefined where
    * there is none, and for fetched sources. Rejects with SplatFileError 'missing-part', and as

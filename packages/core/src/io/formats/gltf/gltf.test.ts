@@ -71,13 +71,13 @@ describe('how files are told', () => {
     '\ufeff { "accessors" : []',
     '{"scene":0,"meshes":[{',
   ])('%j is a glTF, whatever its name', (start) => {
-    expect(detectFormat(bytes(start), 'scene', 'scene.txt').name).toBe('gltf');
+    expect(detectFormat(bytes(start), 'scene', ['scene.txt']).name).toBe('gltf');
   });
 
   test('JSON that begins with anything is one by its name', () => {
-    expect(detectFormat(bytes('{"extras":{'), 'scene', 'scene.GLTF').name).toBe('gltf');
-    expect(() => detectFormat(bytes('{"extras":{'), 'scene', 'other.json')).toThrow(SplatFileError);
-    expect(() => detectFormat(bytes('x'), 'scene', 'scene.gltf')).toThrow(SplatFileError);
+    expect(detectFormat(bytes('{"extras":{'), 'scene', ['scene.GLTF']).name).toBe('gltf');
+    expect(() => detectFormat(bytes('{"extras":{'), 'scene', ['other.json'])).toThrow(SplatFileError);
+    expect(() => detectFormat(bytes('x'), 'scene', ['scene.gltf'])).toThrow(SplatFileError);
   });
 });
 

@@ -7,7 +7,7 @@ import { type ReadFormat, SNIFF_BYTES } from '../splat-format.ts';
 export const readGzip: ReadFormat = (packed, options, rowsTo) =>
   readGzipped(packed, options, async (input) => {
     const firstBytes = await input.reader.peek(SNIFF_BYTES);
-    const read = packedReaderOf(firstBytes, input.name.replace(/\.gz$/i, ''));
+    const read = packedReaderOf(firstBytes, input.fileNames ?? []);
     if (read) return read(input, options, rowsTo);
     const message = `it is packed by gzip, and its content is none of ${PACKED_TITLES.join(', ')}; unpack it first.`;
     throw new SplatFileError('unknown-format', input.name, message, { byte: 0 });

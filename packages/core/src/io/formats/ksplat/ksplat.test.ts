@@ -105,7 +105,7 @@ describe('reads', () => {
 
   test('it is told by its bytes, whatever its name; streams of unknown size', async () => {
     const bytes = ksplatBytes(randomSections(5, [1]), 1);
-    expect(detectFormat(bytes.subarray(0, 512), 'a', 'a.bin').name).toBe('ksplat');
+    expect(detectFormat(bytes.subarray(0, 512), 'a', ['a.bin']).name).toBe('ksplat');
     const expected = await read(bytes);
     expect(await readSplats(chunked(bytes, [100, 3000]), { shPrecision: 'f32' })).toEqual(expected);
   });

@@ -122,7 +122,7 @@ describe('splats with colours', () => {
   });
 
   test('are told from ordinary PLY by their header', () => {
-    const of = (bytes: Uint8Array) => detectFormat(bytes.subarray(0, 512), 'a', 'a.ply').name;
+    const of = (bytes: Uint8Array) => detectFormat(bytes.subarray(0, 512), 'a', ['a.ply']).name;
     expect(of(encode(withColors))).toBe('ply-points');
     expect(of(encode({ ...splats, properties: [...splats.properties, ...colors('uchar', 255)] }))).toBe(
       'ply',

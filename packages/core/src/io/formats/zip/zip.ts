@@ -50,12 +50,11 @@ export async function readZip(
   };
   const { stream, ...about } = open(leading);
   const reader = new ByteReader({ name: about.name, stream }, options.signal);
+  const fileNames = [nameOf(leading)];
   try {
-    const read = isSogLeading(leading)
-      ? readSog
-      : packedReaderOf(await reader.peek(SNIFF_BYTES), nameOf(leading));
+    const read = isSogLeading(leading) ? readSog : packedReaderOf(await reader.peek(SNIFF_BYTES), fileNames);
     if (!read) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
-    return await read({ ...about, reader, packed: input, openPart }, options, rowsTo);
+    return await read({ ...about, reader, fileNames, packed: input, openPart }, options, rowsTo);
   } finally {
     reader.close();
   }
