@@ -1,10 +1,25 @@
 import { type CanvasProps, type ThreeElements, useLoader } from '@react-three/fiber';
-import type { SceneFiles, Vec3 } from '@websplatter/core';
+import type {
+  DrawnAccuracy,
+  EffectEntry,
+  EngineMemory,
+  FrameRasterizer,
+  SceneFiles,
+  Vec3,
+} from '@websplatter/core';
 import type { SplatInstances } from '@websplatter/three';
 import type { Ref } from 'react';
 import type { Box3, Plane, Sphere } from 'three';
+import type { WebGPURenderer } from 'three/webgpu';
 import { expectTypeOf, it } from 'vitest';
 import type { SplatInstancesProps } from './components.ts';
+import {
+  type SplatStream,
+  useSplatAccuracy,
+  useSplatEffects,
+  useSplatMemory,
+  useSplatStreams,
+} from './hooks.ts';
 import {
   type AccuracyRequest,
   createSplatRenderer,
@@ -82,6 +97,29 @@ it('refuses props that contradict each other or do nothing', () => {
 it('types useSplats without a source', () => {
   expectTypeOf(() => useSplats('garden.ply')).returns.toEqualTypeOf<SplatData>();
   expectTypeOf(() => useSplats(null)).returns.toEqualTypeOf<SplatData | null>();
+});
+
+it('types the selectors of hooks that follow an engine, and what they return', () => {
+  const memory = () => useSplatMemory(({ totalBytes }) => totalBytes);
+  expectTypeOf(memory).returns.toEqualTypeOf<number | null>();
+  const memoryOutside = (renderer: WebGPURenderer) => useSplatMemory((found) => found.totalBytes, renderer);
+  expectTypeOf(memoryOutside).returns.toEqualTypeOf<number | null>();
+  expectTypeOf(() => useSplatMemory()).returns.toEqualTypeOf<EngineMemory | null>();
+  expectTypeOf((renderer: WebGPURenderer) =>
+    useSplatMemory(renderer),
+  ).returns.toEqualTypeOf<EngineMemory | null>();
+
+  const effects = () => useSplatEffects((found) => found.map(({ name }) => name));
+  expectTypeOf(effects).returns.toEqualTypeOf<string[] | null>();
+  expectTypeOf(() => useSplatEffects()).returns.toEqualTypeOf<readonly EffectEntry[] | null>();
+
+  const rasterizer = () => useSplatAccuracy((found) => found.rasterizer);
+  expectTypeOf(rasterizer).returns.toEqualTypeOf<FrameRasterizer | null>();
+  expectTypeOf(() => useSplatAccuracy()).returns.toEqualTypeOf<DrawnAccuracy | null>();
+
+  const missing = () => useSplatStreams((found) => found.map(({ missingBricks }) => missingBricks));
+  expectTypeOf(missing).returns.toEqualTypeOf<number[] | null>();
+  expectTypeOf(() => useSplatStreams()).returns.toEqualTypeOf<readonly SplatStream[] | null>();
 });
 
 it('types useLoader with a SplatLoader', () => {

@@ -27,12 +27,15 @@ const LOOK_AFTER_MS = 250;
  * @returns null before the first look.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
+ *
+ * @example
+ * const bytes = useSplatMemory(({ totalBytes }) => totalBytes);
  */
-export function useSplatMemory(renderer?: object): EngineMemory | null;
 export function useSplatMemory<Selected>(
   select: (found: EngineMemory) => Selected,
   renderer?: object,
 ): Selected | null;
+export function useSplatMemory(renderer?: object): EngineMemory | null;
 export function useSplatMemory<Selected>(
   ...given: HookArguments<EngineMemory, Selected>
 ): EngineMemory | Selected | null {
@@ -49,12 +52,15 @@ export function useSplatMemory<Selected>(
  * @returns null before the first look; an empty list before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
+ *
+ * @example
+ * const shown = useSplatEffects((effects) => effects.filter(({ isOn }) => isOn).length);
  */
-export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null;
 export function useSplatEffects<Selected>(
   select: (found: readonly EffectEntry[]) => Selected,
   renderer?: object,
 ): Selected | null;
+export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null;
 export function useSplatEffects<Selected>(
   ...given: HookArguments<readonly EffectEntry[], Selected>
 ): readonly EffectEntry[] | Selected | null {
@@ -71,12 +77,15 @@ export function useSplatEffects<Selected>(
  * @returns null before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
+ *
+ * @example
+ * const rasterizer = useSplatAccuracy((accuracy) => accuracy.rasterizer);
  */
-export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null;
 export function useSplatAccuracy<Selected>(
   select: (found: DrawnAccuracy) => Selected,
   renderer?: object,
 ): Selected | null;
+export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null;
 export function useSplatAccuracy<Selected>(
   ...given: HookArguments<DrawnAccuracy, Selected>
 ): DrawnAccuracy | Selected | null {
@@ -102,12 +111,15 @@ export interface SplatStream extends StreamReport {
  * @returns null before the first look; an empty list where nothing streams.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
+ *
+ * @example
+ * const isComplete = useSplatStreams((streams) => streams.every((stream) => stream.isComplete));
  */
-export function useSplatStreams(renderer?: object): readonly SplatStream[] | null;
 export function useSplatStreams<Selected>(
   select: (found: readonly SplatStream[]) => Selected,
   renderer?: object,
 ): Selected | null;
+export function useSplatStreams(renderer?: object): readonly SplatStream[] | null;
 export function useSplatStreams<Selected>(
   ...given: HookArguments<readonly SplatStream[], Selected>
 ): readonly SplatStream[] | Selected | null {
