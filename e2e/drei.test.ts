@@ -96,6 +96,56 @@ describe('drei beside splats', () => {
   );
 });
 
+describe('<SplatBounds> beside drei’s controls', () => {
+  /** Shows clouds, and returns the camera some frames after it was fitted to them. */
+  async function fittedCamera(page: Page, controls: string, isOrthographic: boolean): Promise<number[]> {
+    await page.evaluate((shown) => window.trialPage.showFitted(shown), { controls, isOrthographic });
+    await page.waitForFunction(() => (window.trialPage.framesSinceFit ?? 0) >= 4);
+    const camera = await page.evaluate(() => {
+      // Not that of `onCreated`: a camera with `makeDefault` follows it.
+      const { camera } = window.trialPage.canvas!.get();
+      return [...camera.matrixWorld.elements, camera.zoom, camera.near, camera.far];
+    });
+    // Without the sign of zero.
+    return camera.map((value) => Math.round(value * 1e4) / 1e4 || 0);
+  }
+
+  it.each([
+    'OrbitControls',
+    'MapControls',
+    'TrackballControls',
+    'ArcballControls',
+    'CameraControls',
+    'FlyControls',
+  ])('%s keep the camera where it was fitted to, and turn about the middle', async (controls) => {
+    const page = await openTrials();
+    for (const isOrthographic of [false, true]) {
+      const expected = await fittedCamera(page, 'none', isOrthographic);
+      // The middle of both clouds, straight ahead.
+      expect(expected.slice(12, 14)).toEqual([3, 1.5]);
+      expect(await fittedCamera(page, controls, isOrthographic)).toEqual(expected);
+      if (controls === 'FlyControls') continue;
+      await dragAcross(page);
+      const isTurned = () =>
+        page.evaluate(
+          ([x, y]) => {
+            const { camera } = window.trialPage.canvas!.get();
+            const { elements } = camera.matrixWorld;
+            return elements[12] !== x || elements[13] !== y;
+          },
+          expected.slice(12, 14),
+        );
+      await expect.poll(isTurned).toBe(true);
+      if (controls === 'MapControls') continue; // The mouse moves the ground.
+      const middle = await page.evaluate(() => {
+        const { camera } = window.trialPage.canvas!.get();
+        return camera.position.clone().set(3, 1.5, -1.5).project(camera).toArray();
+      });
+      expect(Math.abs(middle[0]) + Math.abs(middle[1])).toBeLessThan(1e-3);
+    }
+  });
+});
+
 /** Columns and rows of 20 pixels all over the page. */
 const PIXELS = Array.from(
   { length: 20 },

@@ -3,6 +3,7 @@ import { type RootState, useFrame } from '@react-three/fiber';
 import { SplatCanvas, type SplatCloudObject, Splats } from '@websplatter/react';
 import { type ReactNode, Suspense, useRef } from 'react';
 import { createRoot } from 'react-dom/client';
+import { FittedCanvas, type FittedScene } from './bounds.tsx';
 import { type StillLife, StillLifeScene } from './labels.tsx';
 import { TRIALS, type Trial } from './trials.tsx';
 
@@ -29,6 +30,26 @@ const page = {
   /** Objects that clicks have hit. */
   clicked: [] as string[],
   showStillLife: (shown: StillLife) => root.render(<StillLifeCanvas {...shown} />),
+  /** Frames since `<SplatBounds>` fitted the camera; null before. */
+  framesSinceFit: null as number | null,
+  /** Shows clouds that `<SplatBounds>` fits the camera to. */
+  showFitted: (shown: FittedScene) => {
+    page.canvas = page.framesSinceFit = null;
+    root.render(
+      <FittedCanvas
+        key={JSON.stringify(shown)}
+        {...shown}
+        onCreated={(state) => {
+          page.canvas = state;
+        }}
+        onFit={() => {
+          page.framesSinceFit = 0;
+        }}
+      >
+        <Frames />
+      </FittedCanvas>,
+    );
+  },
   /** Whether a trial's `holds` is true. */
   holds: (name: string) => page.canvas !== null && TRIALS[name].holds?.(page.canvas) === true,
 };
@@ -97,6 +118,7 @@ function StillLifeCanvas(shown: StillLife): ReactNode {
 function Frames(): ReactNode {
   useFrame(() => {
     page.frames++;
+    if (page.framesSinceFit !== null) page.framesSinceFit++;
   });
   return null;
 }

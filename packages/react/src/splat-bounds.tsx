@@ -9,7 +9,8 @@ import {
   useMemo,
   useRef,
 } from 'react';
-import { Box3, type EventDispatcher, Group, Vector3 } from 'three';
+import { Box3, Group, Vector3 } from 'three';
+import { aimControls } from './aim-controls.ts';
 import { type FittedCamera, fitCamera } from './fit-camera.ts';
 import { isServer } from './is-server.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -62,9 +63,6 @@ const DEFAULT_MARGIN = 1.2;
 
 const BoundsElement = /* @__PURE__ */ extend(Group);
 const BoundsContext = createContext<SplatBoundsApi | null>(null);
-
-/** Controls that turn about a point, such as OrbitControls. */
-type Controls = EventDispatcher & { readonly target?: Vector3; readonly update?: () => void };
 
 /**
  * Knows the bounds of the clouds in it, and fits the camera to them. Bounds are robust: the
@@ -125,9 +123,7 @@ function Bounds({
         if (bounds.isEmpty()) return false;
         const { camera, controls } = store.getState();
         fitCamera(camera as FittedCamera, bounds, wanted);
-        const { target, update } = (controls ?? {}) as Controls;
-        if (target?.isVector3) bounds.getCenter(target);
-        update?.call(controls);
+        aimControls(controls, camera as FittedCamera, bounds.getCenter(new Vector3()));
         invalidate();
         return true;
       },
