@@ -1,4 +1,15 @@
-import { ivec2, positionGeometry, screenCoordinate, texture, uniform, vec3, vec4 } from 'three/tsl';
+import {
+  float,
+  ivec2,
+  screenCoordinate,
+  select,
+  texture,
+  uint,
+  uniform,
+  vec3,
+  vec4,
+  vertexIndex,
+} from 'three/tsl';
 import {
   DataTexture,
   type ExternalTexture,
@@ -76,7 +87,8 @@ export abstract class ViewportMaterial extends NodeMaterial {
     this.lights = false;
     // An override material would fill the whole viewport.
     this.allowOverride = false;
-    this.vertexNode = vec4(positionGeometry.xy, 0, 1);
+    const cornerAt = (vertex: number) => select(vertexIndex.equal(uint(vertex)), float(3), float(-1));
+    this.vertexNode = vec4(cornerAt(1), cornerAt(2), 0, 1);
     // A normal towards the camera, for targets with normals.
     this.normalNode = vec3(0, 0, 1);
     this.shade(this.images[0].texel);

@@ -1,12 +1,12 @@
 // Code for drawing with an ArrayCamera, as few applications do.
 import { cameraIndex, select } from 'three/tsl';
-import type { ArrayCamera, Mesh, Scene, WebGPURenderer } from 'three/webgpu';
+import type { ArrayCamera, Object3D, Scene, WebGPURenderer } from 'three/webgpu';
 import { MOST_CAMERAS, openArrayPass as openOf } from './array-bridge.ts';
 import { type Texel, ViewportImage, ViewportMaterial } from './layer-material.ts';
 import type { OpenPass } from './three-bridge.ts';
 
 /** The part of a layer that several cameras need. */
-export interface ArrayLayer extends Mesh {
+export interface ArrayLayer extends Object3D {
   reportDrawing(error: unknown): void;
 }
 
@@ -19,8 +19,8 @@ export function openArrayPass(
   camera: ArrayCamera,
   layer: ArrayLayer,
 ): OpenPass | null {
-  for (const mesh of [layer, ...layer.children]) {
-    const { material } = mesh as Mesh;
+  for (const triangle of [layer, ...layer.children]) {
+    const { material } = triangle as Object3D & { readonly material?: object };
     if (material instanceof ViewportMaterial) makeImages(material, camera.cameras.length);
   }
   return openOf(renderer, scene, camera, layer, (error) => layer.reportDrawing(error));

@@ -1,4 +1,20 @@
-import { Group, Mesh, PerspectiveCamera, Scene, Vector3 } from 'three/webgpu';
+import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
+import { OBJExporter } from 'three/addons/exporters/OBJExporter.js';
+import { STLExporter } from 'three/addons/exporters/STLExporter.js';
+import { clone as cloneSkeletons } from 'three/addons/utils/SkeletonUtils.js';
+import {
+  Box3,
+  BoxGeometry,
+  Group,
+  Mesh,
+  MeshStandardMaterial,
+  type Object3D,
+  ObjectLoader,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  Vector3,
+} from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -128,13 +144,126 @@ describe('the layer of a scene', () => {
     scene.add(...clouds);
     scene.updateMatrixWorld();
     const [layer] = layersOf(scene);
-    const depthMesh = layer.children[0] as Mesh;
-    expect(depthMesh).toBeInstanceOf(Mesh);
-    expect([layer.renderOrder, depthMesh.renderOrder, depthMesh.visible]).toEqual([3, 3, false]);
+    const depthTriangle = layer.children[0] as SplatLayer;
+    expect([layer.renderOrder, depthTriangle.renderOrder, depthTriangle.visible]).toEqual([3, 3, false]);
     clouds[1].depthWrite = true;
     scene.updateMatrixWorld();
-    await expect.poll(() => depthMesh.visible).toBe(true);
-    expect(depthMesh.material).not.toBe(layer.material);
+    await expect.poll(() => depthTriangle.visible).toBe(true);
+    expect(depthTriangle.material).not.toBe(layer.material);
+  });
+});
+
+describe('a scene with a layer', () => {
+  /** A cloud around 1, 2, 3 in a group, as after a frame. */
+  function drawnScene() {
+    const scene = new Scene();
+    const group = new Group();
+    const cloud = cloudAt(0, 0, 0);
+    cloud.name = 'garden';
+    cloud.position.set(1, 2, 3);
+    cloud.userData = { src: 'garden.ply' };
+    cloud.depthWrite = true;
+    scene.add(group.add(cloud));
+    scene.updateMatrixWorld();
+    expect(layersOf(scene)).toHaveLength(1);
+    return { scene, group, cloud };
+  }
+
+  test('is saved as JSON and restored, with the clouds’ names, places and data', async () => {
+    const { scene } = drawnScene();
+    const json = scene.toJSON();
+    expect(json).not.toHaveProperty('textures');
+    expect(json).not.toHaveProperty('images');
+    expect(json).not.toHaveProperty('materials');
+    expect(json).not.toHaveProperty('geometries');
+    const restored = await new ObjectLoader().parseAsync(JSON.parse(JSON.stringify(json)));
+    const garden = restored.getObjectByName('garden')!;
+    expect(garden.getWorldPosition(new Vector3()).toArray()).toEqual([1, 2, 3]);
+    expect(garden.userData).toEqual({ src: 'garden.ply' });
+  });
+
+  test('has one layer, and nothing else, each time that it is restored', async () => {
+    const { scene } = drawnScene();
+    let restored: Object3D = scene;
+    for (let times = 0; times < 3; times++) {
+      restored = await new ObjectLoader().parseAsync(restored.toJSON());
+      restored.getObjectByName('garden')!.parent!.add(cloudAt(0, 0, 0));
+      restored.updateMatrixWorld();
+      await Promise.resolve();
+      expect(restored.children).toHaveLength(2);
+      expect(restored.children.filter((child) => child instanceof SplatLayer)).toHaveLength(1);
+    }
+  });
+
+  test('is cloned with a layer of its own', async () => {
+    const { scene, cloud } = drawnScene();
+    for (const copy of [scene.clone(), cloneSkeletons(scene) as Scene]) {
+      const [layer] = layersOf(copy);
+      expect(layersOf(copy)).toEqual([layer]);
+      copy.updateMatrixWorld();
+      await Promise.resolve();
+      expect(layersOf(copy)).toEqual([layer]);
+      expect(layer.material).not.toBe(layersOf(scene)[0].material);
+      expect(layer.geometry).not.toBe(layersOf(scene)[0].geometry);
+      expect(placeOf(layer)).toEqual([1, 2, 3]);
+      (copy.getObjectByName('garden') as SplatCloudObject).dispose();
+      await Promise.resolve();
+      expect(layersOf(copy)).toEqual([]);
+      expect(layersOf(scene)).toHaveLength(1);
+    }
+    cloud.dispose();
+  });
+
+  test('is no longer one once a copy of it is in another scene', async () => {
+    const group = new Group().add(cloudAt(0, 0, 0));
+    group.updateMatrixWorld();
+    const copy = group.clone();
+    expect(layersOf(copy)).toHaveLength(1);
+    const scene = new Scene();
+    scene.add(copy);
+    scene.updateMatrixWorld();
+    await Promise.resolve();
+    expect(layersOf(copy)).toEqual([]);
+    expect(layersOf(scene)).toHaveLength(1);
+  });
+
+  test('is exported without the layer', async () => {
+    const { scene, group } = drawnScene();
+    const warn = vi.spyOn(console, 'warn');
+    const gltf = (await new GLTFExporter().parseAsync(scene)) as {
+      nodes: { name?: string; translation?: number[]; extras?: object; matrix?: number[] }[];
+    };
+    expect(gltf).not.toHaveProperty('meshes');
+    expect(gltf).not.toHaveProperty('materials');
+    expect(gltf.nodes.find(({ name }) => name === 'garden')).toMatchObject({ extras: { src: 'garden.ply' } });
+    group.add(new Mesh(new BoxGeometry(), new MeshStandardMaterial()));
+    scene.updateMatrixWorld();
+    const alone = new Scene().add(group.children.at(-1)!.clone());
+    expect(new STLExporter().parse(scene)).toBe(new STLExporter().parse(alone));
+    const facesOf = (of: Object3D) => new OBJExporter().parse(of).match(/^f .*$/gm);
+    expect(facesOf(scene)).toEqual(facesOf(alone));
+    expect(warn).not.toHaveBeenCalled();
+    warn.mockRestore();
+  });
+
+  test('is measured by its clouds alone, also vertex by vertex', () => {
+    const { scene, cloud } = drawnScene();
+    for (const isPrecise of [false, true]) {
+      const measured = new Box3().setFromObject(scene, isPrecise);
+      expect(measured).toEqual(cloud.worldBounds);
+    }
+  });
+
+  test('has no meshes for those who change all of them, and is met by no ray', () => {
+    const { scene } = drawnScene();
+    scene.traverse((object) => {
+      expect(object).not.toHaveProperty('isMesh');
+      expect(object).not.toHaveProperty('isLine');
+      expect(object).not.toHaveProperty('isPoints');
+    });
+    const caster = new Raycaster(new Vector3(0, 0, 5), new Vector3(0, 0, -1));
+    caster.layers.enableAll();
+    expect(caster.intersectObject(scene, true)).toEqual([]);
   });
 });
 

@@ -17,8 +17,9 @@ import {
   BufferGeometry,
   type Camera,
   Float32BufferAttribute,
-  Mesh,
-  type Object3D,
+  type Material,
+  Object3D,
+  type Object3DJSON,
   type PerspectiveCamera,
   type Scene,
   Sphere,
@@ -38,11 +39,18 @@ import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
 /** Loaded when an ArrayCamera draws. */
 let openArrayPass: typeof import('./several-cameras.ts').openArrayPass | null = null;
 
+/** In `userData` of the empty object that stands for a layer in JSON. */
+const PLACEHOLDER = 'isSplatLayer';
+
 /** Returns the layer of this order in the scene of root `root`; adds one if there is none. */
 export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
   const found = layersIn(root).find((layer) => layer.renderOrder === renderOrder);
   const layer = found ?? new SplatLayer(renderOrder);
-  if (!found) root.add(layer);
+  if (!found) {
+    root.add(layer);
+    // Deferred: three may be traversing the scene.
+    queueMicrotask(() => root.remove(...root.children.filter(({ userData }) => userData[PLACEHOLDER])));
+  }
   return layer;
 }
 
@@ -63,15 +71,41 @@ export function rootOf(object: Object3D): Object3D {
 }
 
 /**
+ * A triangle over the viewport in the user's scene. three draws it like a Mesh, but applications,
+ * editors and exporters that look for meshes pass by: they would export the triangle, or replace its
+ * material.
+ */
+class ViewportTriangle<Shown extends Material> extends Object3D {
+  readonly isSprite = true;
+  readonly geometry = viewportTriangle();
+  material: Shown;
+  /** Instances that three draws: 0 or 1. */
+  override count = 1;
+
+  constructor(material: Shown, renderOrder: number) {
+    super();
+    this.material = material;
+    this.renderOrder = renderOrder;
+    this.frustumCulled = false;
+    this.matrixAutoUpdate = false;
+    this.matrixWorldAutoUpdate = false;
+    // Each cloud has layers of its own, which are tested for each camera.
+    this.layers.enableAll();
+  }
+
+  override raycast(): void {}
+}
+
+/**
  * Draws all clouds of a scene that have the same `renderOrder`, sorted together, as one of three's
  * transparent objects. Before three draws this object, the layer interrupts the pass to draw the
  * splats; the object itself is a triangle over the viewport that shows their image.
  */
-export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
+export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   readonly #clouds = new Set<LayerCloud>();
   /** @internal */
   readonly views = new LayerViews();
-  readonly #depthMesh: Mesh = new Mesh(this.geometry);
+  readonly #depthTriangle: ViewportTriangle<Material>;
   /** Outputs of the layer besides its colours; loaded when needed, null before. */
   #outputs: LayerOutputs | null = null;
   #outputsLoading: Promise<void> | null = null;
@@ -81,21 +115,35 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   readonly #awaited = new WeakSet<object>();
 
   constructor(renderOrder: number) {
-    super(viewportTriangle(), new ColorLayerMaterial());
+    super(new ColorLayerMaterial(), renderOrder);
     this.name = 'splats';
-    this.add(this.#depthMesh);
-    for (const mesh of [this, this.#depthMesh]) {
-      mesh.renderOrder = renderOrder;
-      mesh.frustumCulled = false;
-      mesh.matrixAutoUpdate = false;
-      mesh.matrixWorldAutoUpdate = false;
-      // Each cloud has layers of its own, which are tested for each camera.
-      mesh.layers.enableAll();
-      mesh.raycast = () => {};
-    }
     // Both have the same place and successive ids, so three draws the second directly after the
     // first, sorted or not.
-    this.#depthMesh.matrixWorld = this.matrixWorld;
+    this.#depthTriangle = new ViewportTriangle<Material>(this.material, renderOrder);
+    this.#depthTriangle.matrixWorld = this.matrixWorld;
+    this.#depthTriangle.visible = false;
+    this.add(this.#depthTriangle);
+  }
+
+  /** Returns a layer for the clouds of a copy of the scene, which take it or have it leave. */
+  override clone(): this {
+    return new SplatLayer(this.renderOrder) as this;
+  }
+
+  /**
+   * Returns an empty object: JSON of a scene has one for each child. The next layer in a scene that
+   * is restored from it takes its place.
+   */
+  override toJSON(meta?: Parameters<Object3D['toJSON']>[0]): Object3DJSON {
+    const placeholder = new Object3D();
+    placeholder.name = this.name;
+    placeholder.userData[PLACEHOLDER] = true;
+    return placeholder.toJSON(meta);
+  }
+
+  /** Follows no parent; leaves a scene without clouds of its own, such as a copy of another. */
+  override updateMatrixWorld(): void {
+    if (this.#clouds.size === 0) this.#leaveUnused();
   }
 
   /** Adds `cloud`, or updates the layer for its new place. */
@@ -108,7 +156,11 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
   drop(cloud: LayerCloud): void {
     if (!this.#clouds.delete(cloud)) return;
     this.#arrange();
-    // Deferred: three may be traversing the scene or drawing this object; the cloud may come back.
+    if (this.#clouds.size === 0) this.#leaveUnused();
+  }
+
+  /** Deferred: three may be traversing the scene or drawing this object; a cloud may come back. */
+  #leaveUnused(): void {
     queueMicrotask(() => {
       if (this.#clouds.size > 0) return;
       this.removeFromParent();
@@ -136,6 +188,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     this.material.dispose();
     this.#outputs?.dispose();
     this.geometry.dispose();
+    this.#depthTriangle.geometry.dispose();
   }
 
   /** Sets the layer's place among three's transparent objects, and whether it writes depth. */
@@ -148,12 +201,12 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     }
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
     if (depthWrite) this.#loadOutputs();
-    this.#depthMesh.visible = depthWrite && !!this.#outputs;
+    this.#depthTriangle.visible = depthWrite && !!this.#outputs;
   }
 
   override onBeforeRender(renderer: object, scene: Scene, camera: Camera): void {
     // Undrawn: three cannot draw a material for several cameras before that tells them apart.
-    this.count = this.#depthMesh.count = 0;
+    this.count = this.#depthTriangle.count = 0;
     const open = (camera as ArrayCamera).isArrayCamera ? (openArrayPass ?? this.#loadArrayPass()) : openPass;
     // Passes with an override material are about meshes: shadows, normals, depth.
     if (!open || scene.overrideMaterial) return;
@@ -304,7 +357,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
     });
     this.material.show(views, 'color');
     this.#outputs?.depthMaterial.show(views, 'depth');
-    this.count = this.#depthMesh.count = 1;
+    this.count = this.#depthTriangle.count = 1;
   }
 
   #loadOutputs(): void {
@@ -313,7 +366,7 @@ export class SplatLayer extends Mesh<BufferGeometry, ColorLayerMaterial> {
         this.material.dispose();
         this.#outputs = new LayerOutputs();
         this.material = this.#outputs.colorMaterial;
-        this.#depthMesh.material = this.#outputs.depthMaterial;
+        this.#depthTriangle.material = this.#outputs.depthMaterial;
         this.#arrange();
         this.#requestFrame();
       },
@@ -437,8 +490,9 @@ function depthRange(p: readonly number[], isReversed: boolean): { near: number; 
 
 function viewportTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
-  // Empty bounds: three sorts the mesh by the layer's place, and the scene's extent stays.
+  // The material places the corners. These are in the middle of the clouds, so that a scene's bounds
+  // stay, also if they are computed vertex by vertex.
+  geometry.setAttribute('position', new Float32BufferAttribute(9, 3));
   return withBounds(geometry, new Box3());
 }
 
