@@ -13,8 +13,10 @@ export interface SharedBuffers {
   readonly records: GPUBuffer;
   /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
-  /** Keys of the visible splats until they are sorted; then a word per splat for any use. */
+  /** Keys of the visible splats, or the lower words of wide ones, until they are sorted; then a word per splat for any use. */
   readonly keys: GPUBuffer;
+  /** Upper words of wide keys; only for shapes with such keys. */
+  readonly upperKeys: GPUBuffer;
   /** The visible splats back to front, after the sort. */
   readonly order: GPUBuffer;
   readonly drawArguments: GPUBuffer;

@@ -28,6 +28,8 @@ export interface FramePlan {
   /** Budget of the clouds' cuts; null without one. */
   readonly budget: CutBudget | null;
   readonly needs: FrameNeeds;
+  /** Of wide keys, see `wideKey`; 0 for others. */
+  readonly farthestHigh: number;
   /** Whether the last frame shows the same, so that there is nothing to draw. */
   readonly stands: boolean;
   /** Whether the buffers of the last frame hold this one's visible splats, in the same order. */
@@ -38,7 +40,7 @@ export interface FramePlan {
 export interface FrameNeeds {
   /** Never less than the number of visible splats. */
   readonly visibleSplats: number;
-  /** Number of bits in which depths can differ: see `keyBitsFor`. */
+  /** Number of bits in which depths can differ: see `keyBitsFor` and `wideKeysFor`. */
   readonly depthBits: number;
 }
 

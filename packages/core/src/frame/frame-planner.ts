@@ -13,8 +13,8 @@ import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from './detail.ts';
 import { type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
-import { type FrameOutput, type FrameShape, isSameShape } from './frame-shape.ts';
-import { keyBitsFor } from './key-bits.ts';
+import { type FrameOutput, type FrameShape, hasWideKeys, isSameShape } from './frame-shape.ts';
+import { keyBitsFor, wideKeysFor } from './key-bits.ts';
 import { cutBudget, neededDetail } from './level-cut.ts';
 import { isSameColors, isSameOrder } from './plan-difference.ts';
 import { RecentNeeds } from './recent-needs.ts';
@@ -84,9 +84,10 @@ export class FramePlanner {
       planCloud(instance, camera, projection, accuracy, detail),
     );
     const budget = cutBudget(detail, clouds);
+    const wide = accuracy.sortKeyBits === 64 ? wideKeysFor(camera, clouds, sortsByDistance) : null;
     const needs = {
       visibleSplats: mostVisibleSplats(clouds, budget),
-      depthBits: keyBitsFor(camera, clouds, sortsByDistance),
+      depthBits: wide?.bits ?? keyBitsFor(camera, clouds, sortsByDistance),
     };
     const isSameScene = last !== null && showsClouds(last, request.clouds);
     const recent = isSameScene ? this.#needs.value : { visibleSplats: 0, depthBits: 0 };
@@ -98,7 +99,14 @@ export class FramePlanner {
     );
     const shapes = clouds.map((cloud) => cloudShape(cloud, accuracy, this.mayBeIsotropic));
     // Excess bits take a pass more and sort the same; other buffers and shaders take longer.
-    const keyBits = Math.min(Math.max(needs.depthBits, recent.depthBits), accuracy.sortKeyBits);
+    const keyBits = Math.min(
+      // Those of the other kind of keys say nothing.
+      Math.max(
+        needs.depthBits,
+        hasWideKeys({ keyBits: recent.depthBits }) === (wide !== null) ? recent.depthBits : 0,
+      ),
+      accuracy.sortKeyBits,
+    );
     const shapeBy = (asked: FrameRasterizer): FrameShape => {
       // Compute shaders cannot write r16float, the only depth to blend without float32-blendable.
       const rasterizer = depth?.layerFormat === 'r16float' ? 'quads' : asked;
@@ -137,6 +145,7 @@ export class FramePlanner {
       detail,
       budget,
       needs,
+      farthestHigh: wide?.farthestHigh ?? 0,
       shape,
       stands,
       // The other rasteriser has not filled its buffers.

@@ -57,7 +57,7 @@ export interface FrameShape {
   readonly sortDevice: SortDevice;
   /** Upper bound of the number of visible splats, and the size of the buffers for them. */
   readonly visibleCapacity: number;
-  /** Number of bits in which sort keys of this frame can differ, at most 32. */
+  /** Number of bits in which sort keys of this frame can differ; above 32 for wide keys. */
   readonly keyBits: number;
   /** Whether depths can differ in more bits than `keyBits`: keys keep `sortKeyBits` of them. */
   readonly shortensKeys: boolean;
@@ -73,6 +73,11 @@ export interface FrameShape {
 /** Whether splats are blended in a layer smaller than the image. */
 export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
   return accuracy.resolutionScale < 1;
+}
+
+/** Whether splats are sorted by float64, with keys of two words. */
+export function hasWideKeys({ keyBits }: Pick<FrameShape, 'keyBits'>): boolean {
+  return keyBits > 32;
 }
 
 /** Whether frames of both shapes can be pre-processed with the same buffers, if not shaders. */

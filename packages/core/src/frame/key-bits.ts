@@ -1,8 +1,16 @@
 import type { Camera } from '../data/camera/camera.ts';
-import { orderedBits, sortDistance } from '../data/layout/depth-key.ts';
+import { orderedBits, orderedWords, sortDistance } from '../data/layout/depth-key.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
 type SeenCloud = Pick<CloudPlan, 'instance' | 'view' | 'reach'> & Partial<Pick<CloudPlan, 'places'>>;
+
+/** Bounds of the depths or distances of a frame's visible splats, world units. */
+interface SeenRange {
+  readonly nearest: number;
+  readonly farthest: number;
+  /** How far float32 may have moved a splat across the near or the far plane. */
+  readonly rounding: number;
+}
 
 /**
  * Bounds the number of bits in which the sort keys of a frame can differ, from near, far and the
@@ -18,6 +26,44 @@ export function keyBitsFor(
   clouds: readonly SeenCloud[],
   isByDistance: boolean,
 ): number {
+  const seen = seenRange(clouds, isByDistance);
+  const nearest = Math.max(seen.nearest, camera.near);
+  const farthest = isByDistance ? seen.farthest : Math.min(seen.farthest, camera.far);
+  if (!(farthest > nearest)) return 16;
+  const bitsOf = (depth: number) => orderedBits(isByDistance ? sortDistance(depth, camera.near) : depth);
+  const range = bitsOf(farthest) - bitsOf(nearest);
+  return [16, 24, 27].find((bits) => range < 2 ** bits) ?? 32;
+}
+
+/** What the wide sort keys of a frame follow from. */
+export interface WideKeyRange {
+  /** Number of bits in which they can differ: 56 or 64, the widths that sorts are made for. */
+  readonly bits: number;
+  /** See `wideKey`. */
+  readonly farthestHigh: number;
+}
+
+/**
+ * Bounds the wide sort keys of a frame, as `keyBitsFor` does. Upper words of depths within a factor
+ * of 2^16 of each other differ in 24 bits: each power of two holds 2^20 of them.
+ */
+export function wideKeysFor(
+  camera: Pick<Camera, 'near' | 'far'>,
+  clouds: readonly SeenCloud[],
+  isByDistance: boolean,
+): WideKeyRange {
+  const seen = seenRange(clouds, isByDistance);
+  // Near and far are tested in float32, which may keep a splat that lies beyond them.
+  const nearest = Math.max(seen.nearest, camera.near - seen.rounding);
+  const farthest = isByDistance ? seen.farthest : Math.min(seen.farthest, camera.far + seen.rounding);
+  const highOf = (depth: number) => orderedWords(isByDistance ? Math.max(0, depth) ** 2 : depth).high;
+  const farthestHigh = highOf(Math.max(nearest, farthest));
+  return { bits: farthestHigh - highOf(nearest) < 2 ** 24 ? 56 : 64, farthestHigh };
+}
+
+/** Without near and far; the nearest is above the farthest where there are no splats. */
+function seenRange(clouds: readonly SeenCloud[], isByDistance: boolean): SeenRange {
+  let most = 0;
   let farthest = Number.NEGATIVE_INFINITY;
   let nearest = Number.POSITIVE_INFINITY;
   const seen = clouds.flatMap(({ instance, reach, view, places }) =>
@@ -50,16 +96,12 @@ export function keyBitsFor(
       const rounding = 1e-5 * magnitude;
       low -= moved + rounding;
       high += moved + rounding;
+      most = Math.max(most, rounding);
       if (isByDistance) farthestCorner = Math.hypot(farthestCorner, Math.max(-low, high));
     }
     // No distance is less than the depth.
     nearest = Math.min(nearest, low);
     farthest = Math.max(farthest, isByDistance ? farthestCorner : high);
   }
-  nearest = Math.max(nearest, camera.near);
-  if (!isByDistance) farthest = Math.min(farthest, camera.far);
-  if (!(farthest > nearest)) return 16;
-  const bitsOf = (depth: number) => orderedBits(isByDistance ? sortDistance(depth, camera.near) : depth);
-  const range = bitsOf(farthest) - bitsOf(nearest);
-  return [16, 24, 27].find((bits) => range < 2 ** bits) ?? 32;
+  return { nearest, farthest, rounding: most };
 }

@@ -21,6 +21,7 @@ import { type ReferenceFunction, referencesOf } from './effects/references.ts';
 import { splatColor } from './project.ts';
 import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 import { upscale } from './upscale.ts';
+import { sortDepth } from './wide-keys.ts';
 
 /** What `renderReference` draws. */
 export interface ReferenceFrame {
@@ -64,7 +65,7 @@ export interface RenderedReference extends ReferenceImage {
 }
 
 interface DrawnSplat extends VisibleSplat {
-  /** Sort key of the splats: depth, or distance from the camera. */
+  /** Sort key of the splats: depth, or the square of the distance from the camera. */
   readonly sortDepth: number;
   readonly color: Vec3;
 }
@@ -122,14 +123,13 @@ function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): Render
     for (let index = 0; index < stored.count; index++) {
       const visible = cullSplat(stored, index, view, projection, { ...settings, effects });
       if (!visible) continue;
-      const sortDepth = isByDistance ? Math.hypot(...visible.centerView) : visible.depthView;
       const color = splatColor(stored, index, view, shDegree, visible, effects);
-      drawn.push({ ...visible, sortDepth, color });
+      drawn.push({ ...visible, sortDepth: sortDepth(visible.centerView, isByDistance), color });
     }
   }
   const values = () => new Float64Array(widthPx * heightPx);
   const depths = hostDepths && { host: hostDepths, splats: values(), medians: values() };
-  const keyed = (depth: number) => (isByDistance ? sortDistance(depth, camera.near) : depth);
+  const keyed = (depth: number) => (isByDistance ? sortDistance(Math.sqrt(depth), camera.near) : depth);
   const ordered = backToFront(drawn, settings.sortKeyBits, keyed);
   for (const splat of ordered) rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
   const rendered = { ...image, visibleSplats: drawn.length };
@@ -147,7 +147,7 @@ function backToFront(
   sortKeyBits: number,
   keyed: (sortDepth: number) => number,
 ): readonly DrawnSplat[] {
-  if (sortKeyBits === 32) return drawn.toSorted((a, b) => b.sortDepth - a.sortDepth);
+  if (sortKeyBits >= 32) return drawn.toSorted((a, b) => b.sortDepth - a.sortDepth);
   const bits = drawn.map(({ sortDepth }) => orderedBits(keyed(sortDepth)));
   const farthest = bits.reduce((most, each) => Math.max(most, each), 0);
   const nearest = bits.reduce((least, each) => Math.min(least, each), farthest);

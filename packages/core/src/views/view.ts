@@ -9,7 +9,7 @@ import type { Destination } from '../frame/frame-part.ts';
 import { drawnDetail, type FramePlan } from '../frame/frame-plan.ts';
 import { FramePlanner, type PlannerContext } from '../frame/frame-planner.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
-import type { FrameOutput, FrameShape } from '../frame/frame-shape.ts';
+import { type FrameOutput, type FrameShape, hasWideKeys } from '../frame/frame-shape.ts';
 import { type EffectEntry, effectsLedger } from '../frame/ledger/ledger.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
@@ -467,7 +467,9 @@ export abstract class View {
   protected foresee(request: FrameRequest): void {
     const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
     const keyBits = Math.min(LIKELY_KEY_BITS, shape.accuracy.sortKeyBits);
-    for (const likely of [shape, { ...shape, keyBits }]) this.wait.isReadyOrCompiling(likely);
+    // Wide keys of any number of bits take the same shaders.
+    const others = hasWideKeys(shape) ? [] : [{ ...shape, keyBits }];
+    for (const likely of [shape, ...others]) this.wait.isReadyOrCompiling(likely);
   }
 
   /** Draws a frame by `work`, as `MemoryRecovery.draw` says. @returns `settled`. */

@@ -20,8 +20,8 @@ export type RecordPrecision = 'f32' | 'f16' | 'paper';
 /** Format of the texture in which splats are blended. */
 export type ColorTarget = 'rgba8unorm' | 'rgba16float' | 'rgba32float';
 
-/** Number of bits in which depth keys may differ. */
-export type SortKeyBits = 32 | 24 | 16;
+/** Number of bits in which depth keys may differ: above 32 those of float64, else those of float32. */
+export type SortKeyBits = 64 | 32 | 24 | 16;
 
 /** Size of a splat's quad: to the reach of its own opacity, or to that of an opaque splat. */
 export type Extent = 'opacity' | 'fixed';
@@ -108,11 +108,11 @@ export const ACCURACY_SETTINGS: {
     label: 'Sort keys',
     about: 'Bits of depth that splats are sorted by; fewer bits take fewer passes.',
     unit: 'bits',
-    values: [32, 24, 16],
+    values: [64, 32, 24, 16],
     stage: 'sort',
     change: 'shader',
     source:
-      'the top bits of the range of visible depths; 32 is exact, and equal depths stay in storage order',
+      '64: depths as float64 has them; 32: as float32 does; fewer: the top bits of their range; equal keys stay in storage order',
   },
   alphaCutoff: {
     label: 'Opacity cutoff',
@@ -187,7 +187,7 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   reference: {
     geometryPrecision: 'f32',
     shPrecision: 'f32',
-    sortKeyBits: 32,
+    sortKeyBits: 64,
     alphaCutoff: 1 / 255,
     extent: 'opacity',
     culling: 'bounding-box',

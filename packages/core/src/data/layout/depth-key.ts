@@ -41,3 +41,34 @@ export function shortDepthKey(
   const rangeBits = 32 - Math.clz32(range);
   return Math.min(range, depthKey(depthView, farthestBits)) >>> Math.max(0, rangeBits - keyBits);
 }
+
+/** The two words of a wide sort key, or of a float64. */
+export interface WideKey {
+  readonly low: number;
+  readonly high: number;
+}
+
+const f64 = new Float64Array(1);
+const halves = new Uint32Array(f64.buffer);
+
+/**
+ * Returns the bits of a float64 as a pair of unsigned integers in the order of the numbers: a < b
+ * exactly if the pair of a is less than that of b, upper words first. −0 counts as 0.
+ */
+export function orderedWords(value: number): WideKey {
+  f64[0] = value + 0;
+  const [low, high] = halves;
+  return high & 0x80000000
+    ? { low: ~low >>> 0, high: ~high >>> 0 }
+    : { low, high: (high | 0x80000000) >>> 0 };
+}
+
+/**
+ * Returns the wide sort key of a float64 depth, or of the square of a distance: far first.
+ *
+ * @param farthestHigh `orderedWords(…).high` of a depth that no splat of the frame lies beyond.
+ */
+export function wideKey(depthView: number, farthestHigh: number): WideKey {
+  const { low, high } = orderedWords(depthView);
+  return { low: ~low >>> 0, high: farthestHigh - Math.min(farthestHigh, high) };
+}

@@ -18,6 +18,7 @@ import { planCut } from '../../gpu/stages/plan-cut.ts';
 import { planProject } from '../../gpu/stages/plan-project.ts';
 import { PrefixScan, prefixScanStages } from '../../gpu/stages/prefix-scan.ts';
 import { project } from '../../gpu/stages/project.ts';
+import { wideKeys } from '../../gpu/stages/wide-keys.ts';
 import { CutBuffers } from '../cut-buffers.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import {
@@ -37,8 +38,9 @@ import {
   useCompute,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, hasSameBuffers, perShape } from '../frame-shape.ts';
+import { type FrameShape, hasSameBuffers, hasWideKeys, perShape } from '../frame-shape.ts';
 import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
+import { WidePlaces } from '../wide-places.ts';
 
 /** Names, sizes and usages of the part's buffers; stages bind them by these names. */
 function bufferTable({ accuracy, visibleCapacity }: FrameShape, pages: readonly FramePage[]) {
@@ -110,6 +112,8 @@ interface Groups {
     readonly cutCount: GPUBindGroup | null;
     readonly cullSplats: GPUBindGroup;
     readonly project: GPUBindGroup;
+    /** Null without wide keys. */
+    readonly wideKeys: GPUBindGroup | null;
   }[];
 }
 
@@ -137,6 +141,7 @@ const cloudStages = perShape((shape) =>
         maxColor: maxColor(accuracy),
         storedShDegree: cloud.cloud.shDegree,
       }),
+      ...(hasWideKeys(shape) && { wideKeys: wideKeys(own) }),
     });
     const splats = stagesOf(variant);
     if (!cloud.levels) return { splats, blobs: splats };
@@ -158,6 +163,7 @@ export class Preprocess implements FramePart<OrderRecording> {
   readonly #memory: GpuMemory;
   readonly #effects: EffectBuffers;
   readonly #cuts: CutBuffers;
+  readonly #widePlaces: WidePlaces;
   #held: Held | null = null;
   #pageContents = new ArrayBuffer(0);
   #groups: Groups | null = null;
@@ -167,6 +173,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     this.#memory = context.memory.part();
     this.#effects = new EffectBuffers(context.memory, context.device.queue);
     this.#cuts = new CutBuffers(context);
+    this.#widePlaces = new WidePlaces(context.memory, context.device.queue);
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
@@ -218,6 +225,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     const { buffers } = shared;
     this.#effects.fit(shape);
     this.#cuts.fit(shape);
+    this.#widePlaces.fit(shape);
     const cellDispatches = (name: 'cutCells' | 'shiftCells') =>
       shape.clouds.flatMap((_, i) =>
         this.#cuts.batchesOf(i).map(({ own, thresholdCount }): CellDispatch => {
@@ -244,6 +252,7 @@ export class Preprocess implements FramePart<OrderRecording> {
           ...(shRest && { shRest }),
           ...this.#cuts.bindingsOf(framePage),
           ...this.#effects.bindingsOf(index),
+          ...this.#widePlaces.bindingsOf(index),
         };
         return {
           own,
@@ -252,6 +261,7 @@ export class Preprocess implements FramePart<OrderRecording> {
           cutCount: stages.cutCount ? pipelines.bindGroup(stages.cutCount, own) : null,
           cullSplats: pipelines.bindGroup(stages.cullSplats, own),
           project: pipelines.bindGroup(stages.project, own),
+          wideKeys: stages.wideKeys ? pipelines.bindGroup(stages.wideKeys, own) : null,
         };
       }),
     };
@@ -268,6 +278,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     if (bytes > 0) queue.writeBuffer(pageUniforms, 0, this.#pageContents);
     this.#effects.write(plan);
     this.#cuts.write(plan, this.#groups!.pages);
+    this.#widePlaces.write(plan);
   }
 
   record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
@@ -281,13 +292,17 @@ export class Preprocess implements FramePart<OrderRecording> {
       this.#useOnce(pass, planProject);
       pass.dispatchWorkgroups(1);
     }
-    let stage: StageDefinition | null = null;
-    for (const [index, framePage] of pages.entries()) {
-      const { chunkCount } = framePage;
-      stage = this.#usePipeline(pass, stagesOf(shape, framePage).project, stage);
-      pass.setBindGroup(0, this.#groups!.pages[index].project);
-      const indirect = { buffer: this.#held!.buffers.projectDispatches, offset: 12 * index };
-      dispatchWithin(pass, projectWorkgroups(chunkCount), shape, indirect);
+    // The order of the last frame stands where only colours have changed.
+    for (const name of ['project', ...(isColorsOnly ? [] : (['wideKeys'] as const))] as const) {
+      let stage: StageDefinition | null = null;
+      for (const [index, framePage] of pages.entries()) {
+        const next = stagesOf(shape, framePage)[name];
+        if (!next) continue;
+        stage = this.#usePipeline(pass, next, stage);
+        pass.setBindGroup(0, this.#groups!.pages[index][name]);
+        const indirect = { buffer: this.#held!.buffers.projectDispatches, offset: 12 * index };
+        dispatchWithin(pass, projectWorkgroups(framePage.chunkCount), shape, indirect);
+      }
     }
     pass.end();
   }

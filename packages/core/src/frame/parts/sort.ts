@@ -65,7 +65,8 @@ export class Sort implements FramePart<OrderRecording> {
       keyCount: visibleCount,
       dispatchRow,
     });
-    Object.assign(shared.buffers, { visibleCount, keys: sort.keys, order: sort.order });
+    const { keys, upperKeys, order } = sort;
+    Object.assign(shared.buffers, { visibleCount, keys, order, ...(upperKeys && { upperKeys }) });
     return sort;
   }
 }

@@ -2,6 +2,7 @@ import type { LEVEL_TEXTS } from './level-texts.ts';
 import type { LaterTexts } from './link-shader.ts';
 import type { RARE_TEXTS } from './rare-texts.ts';
 import type { TILE_TEXTS } from './tile-texts.ts';
+import type { WIDE_KEY_TEXTS } from './wide-key-texts.ts';
 
 const loadTiles = () => import('./tile-texts.ts');
 
@@ -34,5 +35,16 @@ export function levelSource(stage: keyof typeof LEVEL_TEXTS): () => Promise<Late
       import('../../data/layout/level-structs.ts'),
     ]);
     return { source: LEVEL_TEXTS[stage], libraries, structs };
+  };
+}
+
+/** Returns a function that loads the text of a stage that only sorting by float64 runs. */
+export function wideKeySource(stage: keyof typeof WIDE_KEY_TEXTS): () => Promise<LaterTexts> {
+  return async () => {
+    const [{ WIDE_KEY_TEXTS, WIDE_KEY_LIBRARIES: libraries }, { WidePlace }] = await Promise.all([
+      import('./wide-key-texts.ts'),
+      import('../../data/layout/wide-place.ts'),
+    ]);
+    return { source: WIDE_KEY_TEXTS[stage], libraries, structs: [WidePlace] };
   };
 }

@@ -10,8 +10,8 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 const files = import.meta.glob<string>(
   [
     '../../../../../shaders/{lib,stages}/*.wgsl',
-    '!../../../../../shaders/stages/{average-samples,compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,morph-*,pick,plan-cut,repack-*,resolve-depth,tile-*,touch-links,upscale}.wgsl',
-    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,harmonics-packing,instances,layer-rounding,level-link,merged-cell,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
+    '!../../../../../shaders/stages/{average-samples,compare-images,compose,copy-words,cover-points,cut-*,ingest-*,merge-*,morph-*,pick,plan-cut,repack-*,resolve-depth,sort-gather,tile-*,touch-links,upscale,wide-keys}.wgsl',
+    '!../../../../../shaders/lib/{exact-exp,dilated-blob,float-bits,float64,harmonics-packing,instances,layer-rounding,level-link,merged-cell,merged-splat,pack-splat,splat-ellipse,tile-grid,workgroup-scan}.wgsl',
   ],
   { query: '?raw', import: 'default', eager: true },
 );

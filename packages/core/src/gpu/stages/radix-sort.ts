@@ -3,6 +3,7 @@ import type { GpuMemory } from '../gpu-memory.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../pipelines.ts';
 import { dispatchAtMost, dispatchSize, type IndirectArguments } from './dispatch.ts';
 import { planSort } from './plan-sort.ts';
+import { sortGather } from './sort-gather.ts';
 import { sortHistogram } from './sort-histogram.ts';
 import { scanLanesFor, scanWorkgroups, sortScan } from './sort-scan.ts';
 import { sortScatter } from './sort-scatter.ts';
@@ -59,12 +60,19 @@ export function radixSortStages(
   }: { readonly plans?: boolean } & Pick<RadixSortOptions, 'firstCounts'> = {},
 ): StageDefinition[] {
   const counts = shape.passes > 1 || firstCounts === 'counted';
+  const isWide = shape.passes > passesOfWord(shape);
   return [
     ...(plans ? [planSort(blockKeysOf(shape))] : []),
     ...(counts ? [sortHistogram(shape)] : []),
+    ...(isWide ? [sortGather(shape)] : []),
     sortScan(shape),
     sortScatter(shape),
   ];
+}
+
+/** Passes over one word of the keys. */
+function passesOfWord({ digitBits }: SortShape): number {
+  return Math.ceil(32 / digitBits);
 }
 
 /** A stage of one pass, and its dispatch. */
@@ -77,14 +85,18 @@ interface SortStep {
 /**
  * A stable least-significant-digit radix sort, reduce-then-scan. Each pass takes three dispatches:
  * a histogram of each block, a scan of each digit's counts over all blocks, and a scatter. No
- * workgroup waits for another, and the number of keys never leaves the GPU.
+ * workgroup waits for another, and the number of keys never leaves the GPU. Keys of more than 32 bits
+ * are sorted by their lower words first; one more dispatch then brings the upper ones into that
+ * order.
  *
  * Source: the paper, "A Wait-Free Radix Sort".
  */
 export class RadixSort {
   readonly shape: SortShape;
-  /** Keys to sort, written by the caller; sorting overwrites them. */
+  /** Keys to sort, or their lower words, written by the caller; sorting overwrites them. */
   readonly keys: GPUBuffer;
+  /** Upper words of the keys, written by the caller; null if keys have one word. */
+  readonly upperKeys: GPUBuffer | null;
   /** Payloads by key, written by the caller if they are given; sorting overwrites them. */
   readonly payloads: GPUBuffer;
   /** Where the caller writes both. */
@@ -130,6 +142,8 @@ export class RadixSort {
     );
     const digitCounts = this.#buffer(`${label} digit counts`, 4 * radix * maxBlocks);
     const digitTotals = this.#buffer(`${label} digit totals`, 4 * radix);
+    const wordPasses = passesOfWord(shape);
+    this.upperKeys = shape.passes > wordPasses ? this.#buffer(`${label} upper keys`, 4 * capacity) : null;
     this.keys = keys[0].buffer;
     this.payloads = payloads[0].buffer;
     this.input = { keys: keys[0], payloads: payloads[0] };
@@ -144,7 +158,7 @@ export class RadixSort {
         GPUBufferUsage.UNIFORM,
       );
       const contents = SortParameters.pack({
-        digitShift: pass * shape.digitBits,
+        digitShift: (pass % wordPasses) * shape.digitBits,
         capacity,
         dispatchRow,
         makesPayloads: Number(pass === 0 && payloadKind === 'index'),
@@ -176,6 +190,10 @@ export class RadixSort {
     for (const [pass, passParameters] of parameters.entries()) {
       const [from, to] = [pass % 2, (pass + 1) % 2];
       const shared = { parameters: passParameters, plan, digitTotals, digitCounts };
+      if (this.upperKeys && pass === wordPasses) {
+        const upper = { upperKeys: this.upperKeys, payloads: payloads[from], keys: keys[from] };
+        add(sortGather(shape), { parameters: passParameters, plan, ...upper }, dispatchBlocks);
+      }
       if (pass > 0 || firstCounts === 'counted')
         add(histogram, { ...shared, keys: keys[from] }, dispatchBlocks);
       add(scan, shared, (encoder) => encoder.dispatchWorkgroups(...scanSize));

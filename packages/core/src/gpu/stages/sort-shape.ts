@@ -91,11 +91,13 @@ export function sortDeviceOf(device: GPUDevice, ballots: BallotDevice | null = n
 const ANY_DEVICE: SortDevice = { workgroupBytes: DEFAULT_WORKGROUP_BYTES, isNarrow: false, ballots: null };
 
 /**
- * Chooses the shape with the fewest passes for keys below 2^keyBits.
+ * Chooses the shape with the fewest passes for keys below 2^keyBits; above 2^32 they have two words.
  *
  * @param device default: any.
  */
 export function sortShapeFor(keyBits: number, device: Partial<SortDevice> = {}): SortShape {
+  // Wide keys are sorted by one word after the other, with the same digits.
+  if (keyBits > 32) return shapeOf(8, Math.ceil(keyBits / 8), device);
   // Digits of 9 bits take twice the workgroup memory per thread, but save a pass here. Drivers on a
   // CPU take longer to compile the shaders for them, which no sort of pairs shares, than for many
   // such passes.
