@@ -11,7 +11,7 @@ const WORKGROUP_BYTES = 16_384;
 const VISIBLE = 5000;
 const PAIRS = 7000;
 
-function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): FrameShape {
+function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output'], keyBits = 24): FrameShape {
   return {
     clouds: [],
     isOrthographic: false,
@@ -22,7 +22,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output']): F
     dispatchRow: 65_535,
     sortDevice: { workgroupBytes: WORKGROUP_BYTES, isNarrow: false, ballots: null },
     visibleCapacity: VISIBLE,
-    keyBits: 24,
+    keyBits,
     shortensKeys: false,
     depth: null,
     output,
@@ -46,20 +46,27 @@ const image = { kind: 'image' } as const;
 const canvas = { kind: 'canvas', format: 'bgra8unorm', storable: null } as const;
 
 describe('leastBytes', () => {
-  test.each(['tiles', 'quads'] as const)('has a rule for every stage of frames drawn by %s', (rasterizer) => {
-    const shape = shapeOf(rasterizer, canvas);
-    const bytesOf = leastBytes(frameOf(shape));
-    const stages = frameStages(shape).map((each) => ('stage' in each ? each : each[0]).stage);
-    expect(stages).toContain('composite');
-    for (const stage of stages) {
-      const found = PARTS.map((part) => bytesOf(part, stage)).filter((bytes) => bytes !== null);
-      expect(found.length, stage).toBeGreaterThan(0);
-      for (const { read, written } of found) {
-        expect(read, stage).toBeGreaterThanOrEqual(0);
-        expect(written, stage).toBeGreaterThanOrEqual(0);
+  test.each([
+    ['tiles', 24],
+    ['tiles', 56],
+    ['quads', 24],
+  ] as const)(
+    'has a rule for every stage of frames drawn by %s with keys of %i bits',
+    (rasterizer, keyBits) => {
+      const shape = shapeOf(rasterizer, canvas, keyBits);
+      const bytesOf = leastBytes(frameOf(shape));
+      const stages = frameStages(shape).map((each) => ('stage' in each ? each : each[0]).stage);
+      expect(stages).toContain('composite');
+      for (const stage of stages) {
+        const found = PARTS.map((part) => bytesOf(part, stage)).filter((bytes) => bytes !== null);
+        expect(found.length, stage).toBeGreaterThan(0);
+        for (const { read, written } of found) {
+          expect(read, stage).toBeGreaterThanOrEqual(0);
+          expect(written, stage).toBeGreaterThanOrEqual(0);
+        }
       }
-    }
-  });
+    },
+  );
 
   test('has none for passes inside of another renderer, or that do not exist', () => {
     const bytesOf = leastBytes(frameOf(shapeOf('tiles', image)));
@@ -77,6 +84,13 @@ describe('leastBytes', () => {
     // The first pass makes its payloads, the last writes no keys.
     const scattered = { read: (3 + 2) * 4 * VISIBLE + 3 * digitCounts, written: (3 + 2) * 4 * VISIBLE };
     expect(bytesOf('sort', 'sort-scatter')).toEqual(scattered);
+    const wide = leastBytes(frameOf(shapeOf('tiles', image, 56)));
+    // Seven passes, of which the last over each word writes no keys.
+    expect(wide('sort', 'sort-scatter')).toEqual({
+      read: (7 + 6) * 4 * VISIBLE + 7 * digitCounts,
+      written: (7 + 5) * 4 * VISIBLE,
+    });
+    expect(wide('sort', 'sort-gather')).toEqual({ read: 2 * 4 * VISIBLE, written: 4 * VISIBLE });
     // One pass by bin: digits are counted while pairs are listed; payloads are given, keys written.
     expect(bytesOf('tile lists', 'sort-histogram')).toEqual({ read: 0, written: 0 });
     expect(bytesOf('tile lists', 'sort-scatter')).toMatchObject({ written: 2 * 4 * PAIRS });

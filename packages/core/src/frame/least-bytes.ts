@@ -3,7 +3,7 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { Chunk, SPLAT_RECORDS } from '../data/layout/structs.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../data/packing/harmonics.ts';
-import { blockKeysOf, type SortShape } from '../gpu/stages/sort-shape.ts';
+import { blockKeysOf, lowerPassesOf, type SortShape } from '../gpu/stages/sort-shape.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { CloudShape, FrameShape } from './frame-shape.ts';
 import { depthSortShape, pairSortShape } from './sort-shapes.ts';
@@ -93,7 +93,9 @@ function sortRules(
     'sort-scatter': (counts) => {
       const { passes, words, digitCounts } = sizes(counts);
       const payloads = passes - Number(!has.givenPayloads);
-      const keys = passes - Number(!has.sortedKeys);
+      // The last pass over the lower words of wide keys writes none.
+      const unwritten = lowerPassesOf(shapeOf(counts)) === null ? 0 : 1;
+      const keys = passes - Number(!has.sortedKeys) - unwritten;
       return [words(passes + payloads) + digitCounts(passes), words(passes + keys)];
     },
   };
@@ -131,12 +133,19 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
       (WORD_BYTES + geometryBytes + harmonicsBytes) * visible + rangeBytes * visibleChunks + entryBytes,
       (recordBytes + WORD_BYTES) * visible,
     ],
+    'wide-keys': ({ visible, geometryBytes }) => [
+      (WORD_BYTES + geometryBytes) * visible,
+      2 * WORD_BYTES * visible,
+    ],
   },
-  sort: sortRules(
-    ({ depthSort }) => depthSort,
-    ({ visible }) => visible,
-    { givenPayloads: false, givenFirstCounts: false, sortedKeys: false },
-  ),
+  sort: {
+    ...sortRules(
+      ({ depthSort }) => depthSort,
+      ({ visible }) => visible,
+      { givenPayloads: false, givenFirstCounts: false, sortedKeys: false },
+    ),
+    'sort-gather': ({ visible }) => [2 * WORD_BYTES * visible, WORD_BYTES * visible],
+  },
   'tile lists': {
     'tile-count': ({ visible, recordBytes }) => [
       (WORD_BYTES + recordBytes) * visible,

@@ -1,6 +1,7 @@
 import { depthKey, shortDepthKey } from '../data/layout/depth-key.ts';
+import { hasWideKeys } from '../frame/frame-shape.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
-import { sortDepths } from './sort-depths.ts';
+import { orderedDepths, type SortDepth, sortDepths } from './sort-depths.ts';
 
 /** The least and the largest key that a splat may have. */
 export interface KeyBounds {
@@ -12,10 +13,28 @@ export interface KeyBounds {
  * Lists the flaws of the frame's keys and order; empty if there are none. Integers leave no
  * tolerance: the keys must be those of the records' depths, shortened if the frame's accuracy
  * requires it, and the order must be their stable ascending order by as many low bits as the sort
- * reads. Distances are known within the bounds of `sortDepths`: keys and order must be possible
+ * reads. Wide keys are compared by the order of the reference's depths alone. Distances are known within the bounds of `sortDepths`: keys and order must be possible
  * within those.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
+  const { shape } = frame.plan;
+  const flaws = hasWideKeys(shape)
+    ? [orderFlaw(ranksOf(await orderedDepths(frame)), await frame.sorted('order'))]
+    : await narrowOrderFlaws(frame);
+  const drawn = await frame.words('drawArguments');
+  const count = await frame.visibleCount();
+  if (drawn[1] !== count) flaws.push(`instances drawn: got ${drawn[1]}, expected ${count}`);
+  return flaws.filter((flaw) => flaw !== null);
+}
+
+/** Places of depths among all of them, far first: keys in the same order. */
+function ranksOf(depths: readonly SortDepth[]): KeyBounds[] {
+  const all = [...new Set(depths.flatMap(({ least, most }) => [least, most]))].sort((a, b) => b - a);
+  const rankOf = new Map(all.map((depth, rank) => [depth, rank]));
+  return depths.map(({ least, most }) => ({ least: rankOf.get(most)!, most: rankOf.get(least)! }));
+}
+
+async function narrowOrderFlaws(frame: InspectedFrame): Promise<(string | null)[]> {
   const { passes, digitBits } = frame.parts.sort.sort.shape;
   const { shortensKeys } = frame.plan.shape;
   const [farthest, nearestInverted] = await frame.words('depthRange');
@@ -28,7 +47,7 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   let expected = (await sortDepths(frame)).map(
     ({ least, most }): KeyBounds => ({ least: keyOf(most), most: keyOf(least) }),
   );
-  const flaws: string[] = [];
+  const flaws: (string | null)[] = [];
   // With more than one pass, the keys are overwritten while they are sorted.
   if (passes === 1) {
     const keys = await frame.sorted('keys');
@@ -42,10 +61,7 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
     expected.map(({ least, most }) => ({ least: least % 2 ** sortedBits, most: most % 2 ** sortedBits })),
     order,
   );
-  if (flaw) flaws.push(flaw);
-  const drawn = await frame.words('drawArguments');
-  if (drawn[1] !== expected.length)
-    flaws.push(`instances drawn: got ${drawn[1]}, expected ${expected.length}`);
+  flaws.push(flaw);
   return flaws;
 }
 

@@ -1,4 +1,6 @@
 import { sortDistance } from '../data/layout/depth-key.ts';
+import { hasWideKeys } from '../frame/frame-shape.ts';
+import { sortDepth } from '../reference/wide-keys.ts';
 import { referenceOf } from './compare-records.ts';
 import { projectionErrors } from './error-bounds.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
@@ -11,9 +13,9 @@ export interface SortDepth {
 }
 
 /**
- * Sort depths of the frame's visible splats, in the order of `visibleSplats`: the depths of their
- * records, to the bit, or the reference's distances (`sortDistance`), which the GPU's may miss by
- * their rounding.
+ * Sort depths of the frame's visible splats in float32, in the order of `visibleSplats`: the depths
+ * of their records, to the bit, or the reference's distances (`sortDistance`), which the GPU's may
+ * miss by their rounding.
  */
 export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
   const records = await readRecords(frame);
@@ -31,5 +33,27 @@ export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
       least: sortDistance(Math.max(0, distance - bound), near),
       most: sortDistance(distance + bound, near),
     };
+  });
+}
+
+/**
+ * The numbers that the frame's visible splats are sorted by, in the order of `visibleSplats`: those
+ * of `sortDepths`, or for wide keys the reference's `sortDepth`, to the bit unless effects move
+ * splats, which the GPU does in float32.
+ */
+export async function orderedDepths(frame: InspectedFrame): Promise<SortDepth[]> {
+  const { shape } = frame.plan;
+  if (!hasWideKeys(shape)) return sortDepths(frame);
+  return (await readRecords(frame)).map(({ splat }) => {
+    const { cloud, index } = frame.locate(splat);
+    const reference = referenceOf(frame, cloud, index);
+    // It should not have been drawn; that is for others to find.
+    if (!reference) return { least: 0, most: Number.POSITIVE_INFINITY };
+    const depth = sortDepth(reference.centerView, shape.sortsByDistance);
+    if (!cloud.effects.some(({ changeSplat }) => changeSplat)) return { least: depth, most: depth };
+    const { depthView, distance } = projectionErrors(cloud.stored, index, cloud.view, frame.projection);
+    if (!shape.sortsByDistance) return { least: depth - depthView, most: depth + depthView };
+    const length = Math.sqrt(depth);
+    return { least: Math.max(0, length - distance) ** 2, most: (length + distance) ** 2 };
   });
 }

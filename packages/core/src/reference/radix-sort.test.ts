@@ -21,6 +21,21 @@ describe('the integer references', () => {
     );
   });
 
+  test('wide keys are sorted by both words', () => {
+    const shape = fc.constantFrom(
+      { digitBits: 8, passes: 8, blockKeys: 7 },
+      { digitBits: 4, passes: 16, blockKeys: 100 },
+    );
+    const word = fc.oneof(fc.nat(3), fc.integer({ min: 0, max: 2 ** 32 - 1 }));
+    fc.assert(
+      fc.property(fc.array(fc.tuple(word, word), { maxLength: 200 }), shape, (keys, options) => {
+        const [low, high] = [keys.map((key) => key[0]), keys.map((key) => key[1])];
+        const expected = keys.map((_, i) => i).sort((a, b) => high[a] - high[b] || low[a] - low[b] || a - b);
+        expect(Array.from(radixSort(low, options, high))).toEqual(expected);
+      }),
+    );
+  });
+
   test('the scan has one more sum than counts, and wraps at 2^32', () => {
     expect(Array.from(prefixScan([]))).toEqual([0]);
     expect(Array.from(prefixScan([3, 0, 5]))).toEqual([0, 3, 3, 8]);

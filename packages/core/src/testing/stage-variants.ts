@@ -48,6 +48,7 @@ import { tileRanges } from '../gpu/stages/tile-ranges.ts';
 import { tileRasterize } from '../gpu/stages/tile-rasterize.ts';
 import { touchLinks, touchUpperLinks } from '../gpu/stages/touch-links.ts';
 import { upscale } from '../gpu/stages/upscale.ts';
+import { wideKeys } from '../gpu/stages/wide-keys.ts';
 
 const DEGREES: readonly ShDegree[] = [0, 1, 2, 3];
 const SH_PRECISIONS: readonly OwnShPrecision[] = ['f32', 'f16', 'u8'];
@@ -170,6 +171,11 @@ export function allStageVariants(): Promise<StageDefinition[]> {
         ),
       ),
     ]),
+    ...GEOMETRY.flatMap((geometryPrecision) =>
+      [null, BATCH_INSTANCES].flatMap((batchInstances) =>
+        BOTH.map((sortsByDistance) => wideKeys({ geometryPrecision, batchInstances, sortsByDistance })),
+      ),
+    ),
     ingestGather,
     ingestScatter,
     repackGeometry,
@@ -207,12 +213,12 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       repackSh({ degree, from: 'f16', to: 'u8' }),
     ]),
     ...BALLOT_DEVICES.flatMap((ballots) =>
-      [24, 27].flatMap((keyBits) =>
+      [24, 27, 64].flatMap((keyBits) =>
         radixSortStages(sortShapeFor(keyBits, { workgroupBytes: 49_152, ballots })),
       ),
     ),
     ...WORKGROUP_BYTES.flatMap((workgroupBytes) =>
-      [8, 16, 20, 24, 27, 32].flatMap((keyBits) =>
+      [8, 16, 20, 24, 27, 32, 64].flatMap((keyBits) =>
         BOTH.flatMap((isNarrow) => radixSortStages(sortShapeFor(keyBits, { workgroupBytes, isNarrow }))),
       ),
     ),

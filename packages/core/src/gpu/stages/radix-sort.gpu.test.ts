@@ -24,12 +24,18 @@ const gpu = testGpu(createSortDevice);
 const MAX_ROW = 65_535;
 
 /** Numbers of bits in which keys of frames may differ, one for each shape. */
-const KEY_BITS = [8, 16, 20, 24, 27, 32];
+const KEY_BITS = [8, 16, 20, 24, 27, 32, 64];
 
 const PAIR_KEY_BITS = [0, 5, 8, 9, 10, 16, 17, 18];
 
 /** Sorts in a buffer with room for `capacity` keys, with garbage after the given ones. */
-async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.length, dispatchRow = MAX_ROW) {
+async function sortOnGpu(
+  keys: Uint32Array,
+  shape: SortShape,
+  capacity = keys.length,
+  dispatchRow = MAX_ROW,
+  upperKeys?: Uint32Array,
+) {
   await gpu.pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(gpu.device);
   const keyCount = gpu.storage([keys.length]);
@@ -37,6 +43,7 @@ async function sortOnGpu(keys: Uint32Array, shape: SortShape, capacity = keys.le
   const filled = new Uint32Array(capacity).fill(0x12345678);
   filled.set(keys);
   gpu.device.queue.writeBuffer(sort.keys, 0, filled);
+  if (upperKeys) gpu.device.queue.writeBuffer(sort.upperKeys!, 0, Uint32Array.from(upperKeys));
   const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
   sort.record(pass);
@@ -136,7 +143,7 @@ function keysOf(pattern: string, count: number, bits: number): Uint32Array {
 }
 
 describe('radix sort', () => {
-  for (const bits of isFull ? KEY_BITS : [8, 27, 32]) {
+  for (const bits of isFull ? KEY_BITS.filter((each) => each <= 32) : [8, 27, 32]) {
     const { passes, digitBits } = sortShapeFor(bits);
     const name = `${bits} bits, ${passes} passes of ${digitBits}`;
 
@@ -190,6 +197,29 @@ describe('radix sort', () => {
         const blockKeys = blockKeysOf(shape);
         const keys = keysOf('random', 9 * blockKeys + 1, bits);
         expect(orderFlaw(keys, await sortOnGpu(keys, shape, 12 * blockKeys, 7))).toBeNull();
+      }
+    });
+  }
+
+  for (const bits of [56, 64]) {
+    gpuTest(`${bits} bits: by both words, equal keys in given order`, async () => {
+      for (const shape of shapesFor(bits)) {
+        const blockKeys = blockKeysOf(shape);
+        const random = seededRandom(bits);
+        for (const [count, row] of [
+          [1, MAX_ROW],
+          [blockKeys + 1, MAX_ROW],
+          [9 * blockKeys + 1, 7],
+        ]) {
+          // Few upper words, fewer lower ones in places: either alone leaves the order open.
+          const upper = Uint32Array.from(
+            { length: count },
+            () => Math.floor(40 * random()) * 2 ** (bits - 40),
+          );
+          const lower = Uint32Array.from({ length: count }, (_, i) => random() * (i % 2 ? 4 : 2 ** 32));
+          const order = await sortOnGpu(lower, shape, count + 17, row, upper);
+          expect(order).toEqual(radixSort(lower, { ...shape, blockKeys }, upper));
+        }
       }
     });
   }

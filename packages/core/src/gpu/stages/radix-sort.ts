@@ -7,7 +7,7 @@ import { sortGather } from './sort-gather.ts';
 import { sortHistogram } from './sort-histogram.ts';
 import { scanLanesFor, scanWorkgroups, sortScan } from './sort-scan.ts';
 import { sortScatter } from './sort-scatter.ts';
-import { blockKeysOf, type SortShape } from './sort-shape.ts';
+import { blockKeysOf, lowerPassesOf, type SortShape } from './sort-shape.ts';
 
 /** Payloads and outputs of a sort, beside its size. */
 export type RadixSortOptions = SortSize & {
@@ -60,19 +60,13 @@ export function radixSortStages(
   }: { readonly plans?: boolean } & Pick<RadixSortOptions, 'firstCounts'> = {},
 ): StageDefinition[] {
   const counts = shape.passes > 1 || firstCounts === 'counted';
-  const isWide = shape.passes > passesOfWord(shape);
   return [
     ...(plans ? [planSort(blockKeysOf(shape))] : []),
     ...(counts ? [sortHistogram(shape)] : []),
-    ...(isWide ? [sortGather(shape)] : []),
+    ...(lowerPassesOf(shape) === null ? [] : [sortGather(shape)]),
     sortScan(shape),
     sortScatter(shape),
   ];
-}
-
-/** Passes over one word of the keys. */
-function passesOfWord({ digitBits }: SortShape): number {
-  return Math.ceil(32 / digitBits);
 }
 
 /** A stage of one pass, and its dispatch. */
@@ -142,8 +136,8 @@ export class RadixSort {
     );
     const digitCounts = this.#buffer(`${label} digit counts`, 4 * radix * maxBlocks);
     const digitTotals = this.#buffer(`${label} digit totals`, 4 * radix);
-    const wordPasses = passesOfWord(shape);
-    this.upperKeys = shape.passes > wordPasses ? this.#buffer(`${label} upper keys`, 4 * capacity) : null;
+    const lowerPasses = lowerPassesOf(shape);
+    this.upperKeys = lowerPasses === null ? null : this.#buffer(`${label} upper keys`, 4 * capacity);
     this.keys = keys[0].buffer;
     this.payloads = payloads[0].buffer;
     this.input = { keys: keys[0], payloads: payloads[0] };
@@ -158,11 +152,12 @@ export class RadixSort {
         GPUBufferUsage.UNIFORM,
       );
       const contents = SortParameters.pack({
-        digitShift: (pass % wordPasses) * shape.digitBits,
+        digitShift: (pass % (lowerPasses ?? shape.passes)) * shape.digitBits,
         capacity,
         dispatchRow,
         makesPayloads: Number(pass === 0 && payloadKind === 'index'),
-        writesKeys: Number(writesKeys || pass < shape.passes - 1),
+        // The lower words serve no more after their last pass.
+        writesKeys: Number(pass + 1 === shape.passes ? writesKeys : pass + 1 !== lowerPasses),
         scanLanes,
       });
       device.queue.writeBuffer(buffer, 0, contents);
@@ -190,7 +185,7 @@ export class RadixSort {
     for (const [pass, passParameters] of parameters.entries()) {
       const [from, to] = [pass % 2, (pass + 1) % 2];
       const shared = { parameters: passParameters, plan, digitTotals, digitCounts };
-      if (this.upperKeys && pass === wordPasses) {
+      if (this.upperKeys && pass === lowerPasses) {
         const upper = { upperKeys: this.upperKeys, payloads: payloads[from], keys: keys[from] };
         add(sortGather(shape), { parameters: passParameters, plan, ...upper }, dispatchBlocks);
       }

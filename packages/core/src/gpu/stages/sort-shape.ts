@@ -54,6 +54,14 @@ export function sortConstants(shape: SortShape) {
   };
 }
 
+/** Bits of a word of a key. */
+const WORD_BITS = 32;
+
+/** Passes over the lower words of wide keys; null if keys have one word. */
+export function lowerPassesOf({ digitBits, passes }: Pick<SortShape, 'digitBits' | 'passes'>): number | null {
+  return passes * digitBits > WORD_BITS ? WORD_BITS / digitBits : null;
+}
+
 /** Number of keys per block: one workgroup of a pass takes one block, or one thread. */
 export function blockKeysOf({
   workgroup,
@@ -97,7 +105,7 @@ const ANY_DEVICE: SortDevice = { workgroupBytes: DEFAULT_WORKGROUP_BYTES, isNarr
  */
 export function sortShapeFor(keyBits: number, device: Partial<SortDevice> = {}): SortShape {
   // Wide keys are sorted by one word after the other, with the same digits.
-  if (keyBits > 32) return shapeOf(8, Math.ceil(keyBits / 8), device);
+  if (keyBits > WORD_BITS) return shapeOf(8, Math.ceil(keyBits / 8), device);
   // Digits of 9 bits take twice the workgroup memory per thread, but save a pass here. Drivers on a
   // CPU take longer to compile the shaders for them, which no sort of pairs shares, than for many
   // such passes.

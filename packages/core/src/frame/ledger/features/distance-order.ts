@@ -6,7 +6,7 @@ export const distanceOrder: FeatureOfCloud = {
   name: 'distance-order',
   label: 'Order of distances',
   about: 'Sorts splats by their distances from the camera, not by their depths.',
-  stages: ['cull-splats', 'project'],
+  stages: ['cull-splats', 'project', 'wide-keys'],
   calledFor: ({ plan, shape: { cloud } }) => {
     if (!plan.shape.sortsByDistance) return null;
     if (plan.request.sortBy === 'distance') return 'the request asks for it';

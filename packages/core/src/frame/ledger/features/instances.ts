@@ -6,7 +6,7 @@ export const instances: FeatureOfCloud = {
   name: 'instances',
   label: 'Instances',
   about: 'Draws a cloud in many places, all of them together.',
-  stages: ['cut-count', 'cull-chunks', 'cut-splats', 'cull-splats', 'project'],
+  stages: ['cut-count', 'cull-chunks', 'cut-splats', 'cull-splats', 'project', 'wide-keys'],
   calledFor: ({ shape: { instanceCount } }) =>
     instanceCount === null ? null : `it is asked for in ${instanceCount.toLocaleString('en')} places`,
   offReason: () => 'it is asked for in one place',
