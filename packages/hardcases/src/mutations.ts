@@ -169,6 +169,27 @@ export const MUTATIONS: readonly Mutation[] = [
     cases: ['camera-fov-1', 'camera-off-centre'],
   },
   {
+    remedy: 'keys-of-float64',
+    file: 'stages/wide-keys',
+    find: 'keys[index] = ~words.x;',
+    replace: 'keys[index] = 0u * words.x;',
+    cases: ['depth-slab-thinner-than-a-step-of-float32'],
+  },
+  {
+    remedy: 'distances-in-float64',
+    file: 'stages/wide-keys',
+    find: 'keys[index] = ~words.x;',
+    replace: 'keys[index] = ~words.x & 0xe0000000u;',
+    cases: ['depth-shell-thinner-than-a-step-of-float32'],
+  },
+  {
+    remedy: 'rounding-of-float64',
+    file: 'lib/float64',
+    find: 'let low = significand.x + 0x200u;',
+    replace: 'let low = significand.x;',
+    cases: ['depth-lattice-from-its-corner'],
+  },
+  {
     remedy: 'keys-of-negative-depths',
     file: 'lib/depth-key',
     find: 'return bits ^ select(0x80000000u, 0xffffffffu, (bits & 0x80000000u) != 0u);',

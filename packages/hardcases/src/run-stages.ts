@@ -35,11 +35,15 @@ export interface StageCheck {
 /** One pass of the sort leaves the keys as `project` wrote them, for comparison with records. */
 const ONE_PASS_KEY_BITS = 8;
 
-/** With float32 and with packed geometry, and the order of keys that all sort passes have moved. */
+/**
+ * With float32 and with packed geometry, and the order of keys that all sort passes have moved: of
+ * float32, and of float64.
+ */
 export const STAGE_CHECKS: readonly StageCheck[] = [
   { preset: 'reference', keyBits: ONE_PASS_KEY_BITS },
   { preset: 'balanced', keyBits: ONE_PASS_KEY_BITS },
   { preset: 'reference', keyBits: 32 },
+  { preset: 'reference', keyBits: 64 },
 ];
 
 /**

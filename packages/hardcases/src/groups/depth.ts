@@ -1,4 +1,4 @@
-import { orthographicCamera } from '@websplatter/core';
+import { orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import type { HardCase, HardCloud } from '../hard-case.ts';
 import { amongOrdinary, atOrigin, frontOnly, scenesOf } from '../make-cases.ts';
 import { logitOf, moved, ordinarySplats, type SplatValues, seededRandom, splatsOf } from '../make-splats.ts';
@@ -57,6 +57,37 @@ const crossing = (): SplatValues[] =>
       opacityLogit: logitOf(0.7),
     });
   });
+
+/** A slanted direction of looking, and the two across it. */
+const SLANTED = {
+  forward: [-2 / 7, -3 / 7, -6 / 7],
+  right: [6 / 7, 2 / 7, -3 / 7],
+  up: [-3 / 7, 6 / 7, -2 / 7],
+};
+
+const slantedAtOrigin = (aspect: number) => ({
+  slanted: perspectiveCamera({
+    ...{ position: [0, 0, 0], target: [-2, -3, -6], fovYDegrees: 60, aspect, ...NEAR_AND_FAR },
+  }),
+});
+
+/** Opaque splats all over the view of `slantedAtOrigin`, at depths or distances that `at` gives. */
+const slantedSplats = (at: (random: () => number) => number, isDistance: boolean): SplatValues[] => {
+  const random = seededRandom(54);
+  return Array.from({ length: 400 }, (_, i) => {
+    const [right, up] = [random() - 0.5, random() - 0.5];
+    const toward = SLANTED.forward.map((f, k) => f + right * SLANTED.right[k] + up * SLANTED.up[k]);
+    const factor = at(random) / (isDistance ? Math.hypot(...toward) : 1);
+    return splat(
+      toward.map((t) => t * factor),
+      speckled(i),
+      {
+        logScales: [-2, -2, -2],
+        opacityLogit: logitOf(0.99),
+      },
+    );
+  });
+};
 
 export const DEPTH_CASES: readonly HardCase[] = [
   scene({
@@ -124,6 +155,40 @@ export const DEPTH_CASES: readonly HardCase[] = [
       return [{ set: splatsOf([...backdrop(), ...shuffled, splat([5, 5, -500], GREEN)]) }];
     },
     cameras: (aspect) => atOrigin(aspect, NEAR_AND_FAR),
+  }),
+  scene({
+    name: 'depth-slab-thinner-than-a-step-of-float32',
+    breaks: 'Depths that float32 takes for equal leave hundreds of opaque splats in storage order.',
+    clouds: () => [{ set: splatsOf(slantedSplats((random) => 3 + 2 ** -23 * random(), false)) }],
+    cameras: slantedAtOrigin,
+  }),
+  scene({
+    name: 'depth-shell-thinner-than-a-step-of-float32',
+    breaks: 'Distances that float32 takes for equal leave hundreds of opaque splats in storage order.',
+    clouds: () => [byDistance(slantedSplats((random) => 3 + 2 ** -23 * random(), true))],
+    cameras: slantedAtOrigin,
+  }),
+  scene({
+    name: 'depth-lattice-from-its-corner',
+    breaks: 'Depths that are equal but for the rounding of float64 come in the order of another rounding.',
+    clouds: () => [
+      {
+        set: splatsOf(
+          Array.from({ length: 512 }, (_, i) =>
+            splat(
+              [i % 8, (i >> 3) % 8, i >> 6].map((step) => step / 4 - 0.875),
+              speckled(i),
+              {
+                logScales: [-1.5, -1.5, -1.5],
+              },
+            ),
+          ),
+        ),
+      },
+    ],
+    cameras: (aspect) => ({
+      corner: perspectiveCamera({ position: [3, 3, 3], target: [0, 0, 0], fovYDegrees: 50, aspect }),
+    }),
   }),
   ...(
     [

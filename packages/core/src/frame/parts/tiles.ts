@@ -3,7 +3,7 @@ import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../../gpu/stages/dispatch.ts';
 import { tileRasterize } from '../../gpu/stages/tile-rasterize.ts';
 import { type DrawRecording, type FramePart, type PartContext, useCompute } from '../frame-part.ts';
-import { type FrameShape, hasWideKeys, perShape } from '../frame-shape.ts';
+import { type FrameShape, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
@@ -15,8 +15,8 @@ const stageOf = perShape((shape) => {
     recordPrecision,
     colorTarget,
     depth,
-    // Records have float32 depths, which float64's order may reverse by their rounding.
-    isExactOrder: !shape.shortensKeys && !shape.sortsByDistance && !hasWideKeys(shape),
+    // By wide keys, records' float32 depths may go back, but by no more than their rounding.
+    isExactOrder: !shape.shortensKeys && !shape.sortsByDistance,
     isNarrow: sortDevice.isNarrow,
     isStacked,
   });
