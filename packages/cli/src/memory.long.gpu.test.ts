@@ -27,10 +27,16 @@ function writeLargePly(folder: TestFolder, name: string): number {
 
 /** Runs the program, and adds the most memory that it has had. */
 function websplatter(folder: TestFolder, ...args: string[]) {
+  return websplatterIn(folder, [], ...args);
+}
+
+/** The same with options of Node. */
+function websplatterIn(folder: TestFolder, options: readonly string[], ...args: string[]) {
   // Not resourceUsage, which counts the memory of this process before the program took its place.
   const status = 'require("node:fs").readFileSync("/proc/self/status", "utf8")';
   const meter = `process.on("exit", () => console.error(/^VmHWM.*$/m.exec(${status})[0]))`;
-  const ended = spawnSync(process.execPath, ['--require', folder.write('meter.cjs', meter), bin, ...args], {
+  const meterFile = folder.write('meter.cjs', meter);
+  const ended = spawnSync(process.execPath, [...options, '--require', meterFile, bin, ...args], {
     cwd: folder.path,
     encoding: 'utf8',
   });
@@ -77,5 +83,36 @@ test.skipIf(process.platform !== 'linux')(
     const packed = websplatter(folder, 'info', 'small.spz', '--json');
     expect(JSON.parse(packed.stdout)).toMatchObject({ count, shDegree: 1 });
     expect(packed.peakBytes).toBeLessThan(MOST_BYTES);
+  },
+);
+
+/** Splats that a kilobyte each would not fit `HEAP_MB`. */
+const DRAWN_SPLATS = 500_000;
+const HEAP_MB = 80;
+/** Of values of the file, the order and the image, besides Node. */
+const DRAWN_BYTES_EACH = 220;
+
+test.skipIf(process.platform !== 'linux')(
+  'the reference renderer draws many splats in a small heap, and tells how far it is',
+  () => {
+    const folder = new TestFolder();
+    const small = readFileSync(folder.scene('small.ply'));
+    const start = small.indexOf('end_header\n') + 'end_header\n'.length;
+    const rows = Buffer.concat(Array.from({ length: DRAWN_SPLATS / 3 + 1 }, () => small.subarray(start)));
+    const count = 3 * (Math.floor(DRAWN_SPLATS / 3) + 1);
+    folder.write('many.ply', small.toString('latin1', 0, start).replace('vertex 3', `vertex ${count}`));
+    appendFileSync(folder.file('many.ply'), rows);
+    const drawn = websplatterIn(
+      folder,
+      [`--max-old-space-size=${HEAP_MB}`],
+      ...['render', 'many.ply', '--camera', folder.camera(), '--size', '24x16'],
+      ...['--renderer', 'reference', '--raw', 'many.f32'],
+    );
+    expect(drawn).toMatchObject({
+      status: 0,
+      stdout: expect.stringContaining(`${count} of ${count} splats`),
+      stderr: expect.stringMatching(/^0 %: drawing in float64\n10 %.*\n(\d+ %.*\n)+90 %/),
+    });
+    expect(drawn.peakBytes).toBeLessThan(MOST_BYTES + DRAWN_BYTES_EACH * count);
   },
 );

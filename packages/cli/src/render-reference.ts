@@ -5,10 +5,15 @@ import {
   type StageTimings,
   wallClockTimings,
 } from '@websplatter/core';
-import { renderReference } from '@websplatter/core/reference';
+import { renderReferenceInTurns } from '@websplatter/core/reference';
+import type { Console } from './console.ts';
+import { tenthsOf } from './progress-lines.ts';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
 import { readScene, type SceneSource } from './scene-source.ts';
+
+/** From here on, drawing takes seconds, and a line per ten percent of it is written. */
+const MANY_SPLATS = 100_000;
 
 /** Renders in float64 on the CPU. */
 export async function renderOnReference(
@@ -16,19 +21,29 @@ export async function renderOnReference(
   models: readonly Float64Array[],
   camera: Camera,
   { sortBy, widthPx, heightPx, accuracy, frames }: RenderOptions,
+  console: Console,
 ): Promise<Rendered> {
   const sets: SplatSet<Harmonics>[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
   const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
-  const draw = () => renderReference({ clouds, camera, sortBy, widthPx, heightPx, settings: accuracy });
+  const splats = sets.reduce((sum, { count }) => sum + count, 0);
+  const showTenths = frames * splats < MANY_SPLATS ? () => {} : tenthsOf(console);
+  const draw = (frame: number) =>
+    renderReferenceInTurns(
+      { clouds, camera, sortBy, widthPx, heightPx, settings: accuracy },
+      {
+        onProgress: (fraction) =>
+          showTenths({ done: frame - 1 + fraction, total: frames, label: 'drawing in float64' }),
+      },
+    );
 
   const timings: StageTimings[] = [];
-  let first: ReturnType<typeof draw> | undefined;
-  let image: ReturnType<typeof draw> | undefined;
+  let first: Awaited<ReturnType<typeof draw>> | undefined;
+  let image: Awaited<ReturnType<typeof draw>> | undefined;
   let firstDifference: Rendered['firstDifference'] = null;
   for (let frame = 1; frame <= frames; frame++) {
     const startedMs = performance.now();
-    image = draw();
+    image = await draw(frame);
     timings.push(wallClockTimings(performance.now() - startedMs));
     first ??= image;
     const pixels = differingPixels(first.data, image.data);

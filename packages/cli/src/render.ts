@@ -37,7 +37,7 @@ export async function render(args: readonly string[], console: Console): Promise
   const models = await Promise.all(options.models.map(readModelFile));
 
   const renderWith = options.renderer === 'reference' ? renderOnReference : renderOnGpu;
-  const rendered = await renderWith(scenes, models, camera, options);
+  const rendered = await renderWith(scenes, models, camera, options, console);
   if (rendered.notices.length > 0) console.err(`note: ${rendered.notices.join('; ')}\n`);
 
   await writeFiles(

@@ -48,16 +48,22 @@ export interface CulledSplat extends VisibleSplat {
 /** FARTHEST_CENTER_PX of shaders/stages/cull-splats.wgsl. */
 const FARTHEST_CENTER_PX = 1e18;
 
-/** Reference of cull-splats for splat `index`: the visible splat; null if no part is drawn. */
+/**
+ * Reference of cull-splats for splat `index` in storage order: the visible splat; null if no part is
+ * drawn.
+ *
+ * @param row where `set` holds it; default `index`.
+ */
 export function cullSplat(
   set: SplatColumns,
   index: number,
   view: CloudView,
   projection: Projection,
   settings: CullSettings,
+  row = index,
 ): CulledSplat | null {
   const { alphaCutoff, dilationPx2, effects = [], extent = 'opacity' } = settings;
-  const splat = changedSplat(set, index, effects);
+  const splat = changedSplat(set, index, row, effects);
   if (splat.opacity < alphaCutoff) return null;
 
   const centerView = toView(view, splat.position);
@@ -91,14 +97,19 @@ export function cullSplat(
     : null;
 }
 
-/** Returns splat `index` after effects. */
-function changedSplat(set: SplatColumns, index: number, effects: readonly EffectReference[]): SplatValues {
+/** Returns splat `index`, which `set` holds at `row`, after effects. */
+function changedSplat(
+  set: SplatColumns,
+  index: number,
+  row: number,
+  effects: readonly EffectReference[],
+): SplatValues {
   const { positions, rotations, logScales } = set;
-  const [at3, at4] = [3 * index, 4 * index];
+  const [at3, at4] = [3 * row, 4 * row];
   let splat: SplatValues = {
-    row: set.fileIndices[index],
+    row: set.fileIndices[row],
     position: [positions[at3], positions[at3 + 1], positions[at3 + 2]],
-    opacity: opacityOf(set.opacityLogits[index]),
+    opacity: opacityOf(set.opacityLogits[row]),
     rotation: [rotations[at4], rotations[at4 + 1], rotations[at4 + 2], rotations[at4 + 3]],
     logScales: [logScales[at3], logScales[at3 + 1], logScales[at3 + 2]],
   };

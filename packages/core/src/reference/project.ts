@@ -21,7 +21,11 @@ function viewDirection(position: Vec3, { camera, sight, direction }: CloudView):
 
 const rest = new Float64Array(coefficientsPerSplat(3));
 
-/** Reference of project's colours: r, g, b of splat `index`, seen from the camera. */
+/**
+ * Reference of project's colours: r, g, b of splat `index` in storage order, seen from the camera.
+ *
+ * @param row where `set` holds it; default `index`.
+ */
 export function splatColor(
   set: SplatSet<Harmonics>,
   index: number,
@@ -29,10 +33,11 @@ export function splatColor(
   degreeLimit: ShDegree,
   { splat, centerView }: Pick<CulledSplat, 'splat' | 'centerView'>,
   effects: readonly EffectReference[] = [],
+  row = index,
 ): Vec3 {
   const degree = Math.min(set.harmonics.degree, degreeLimit) as ShDegree;
-  readCoefficients(set.harmonics, index, rest);
-  const dc = set.colorDc.subarray(3 * index, 3 * index + 3);
+  readCoefficients(set.harmonics, row, rest);
+  const dc = set.colorDc.subarray(3 * row, 3 * row + 3);
   let color: Vec3 = shColor(degree, dc, rest, viewDirection(splat.position, view));
   for (const { changeColor } of effects) color = changeColor?.(color, splat, index, centerView) ?? color;
   return [Math.max(0, color[0]), Math.max(0, color[1]), Math.max(0, color[2])];

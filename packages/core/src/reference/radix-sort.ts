@@ -23,8 +23,8 @@ export function radixSort(
 ): Uint32Array {
   const wordPasses = 32 / shape.digitBits;
   let sorted: ReturnType<typeof sortScatter> = {
-    keys: Uint32Array.from(keys),
-    payloads: Uint32Array.from(keys, (_, i) => i),
+    keys: new Uint32Array(keys),
+    payloads: new Uint32Array(keys.length).map((_, i) => i),
   };
   for (let index = 0; index < shape.passes; index++) {
     const isUpper = upperKeys !== undefined && index >= wordPasses;

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { type Camera, orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts';
-import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
-import { renderReference } from './render.ts';
+import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
+import { renderReference, renderReferenceInTurns } from './render.ts';
 
 /** One pixel per unit, the middle of pixel (4, 4) at the origin: 9 × 9 pixels. */
 const CAMERA: Camera = orthographicCamera({
@@ -161,4 +161,46 @@ describe('the reference renderer', () => {
     expect(visibleSplats).toBe(0);
     expect(data.every((value) => value === 0)).toBe(true);
   });
+});
+
+describe('the reference renderer in turns', () => {
+  const frame = { clouds: [{ set: randomSplats({ count: 5000, shDegree: 1 }) }], camera: CAMERA, ...SIZE };
+
+  test('draws the same image, and tells how much is done, up to all of it', async () => {
+    const told: number[] = [];
+    const image = await renderReferenceInTurns(frame, { onProgress: (fraction) => told.push(fraction) });
+    expect(image).toEqual(renderReference(frame));
+    expect(told.length).toBeGreaterThan(8);
+    expect(told).toEqual(told.toSorted((a, b) => a - b));
+    expect(told[0]).toBeGreaterThanOrEqual(0);
+    expect(told.at(-1)).toBeLessThanOrEqual(1);
+  });
+
+  test('ends with the reason of its signal, wherever it is', async () => {
+    for (const from of [0, 0.2, 0.7]) {
+      const ending = new AbortController();
+      const reason = new Error(`at ${from}`);
+      const onProgress = (fraction: number) => {
+        if (fraction >= from) ending.abort(reason);
+      };
+      await expect(renderReferenceInTurns(frame, { signal: ending.signal, onProgress })).rejects.toBe(reason);
+    }
+  });
+});
+
+test('of equal depths, the last of the file is drawn last; of few splats and of many', () => {
+  // Many splats are sorted by larger digits.
+  for (const count of [3, 40_000]) {
+    const colors = [dc(1, 0, 0), dc(0, 1, 0), dc(0, 0, 1)];
+    const splats = Array.from({ length: count }, (_, i) => ({
+      position: [0, 0, -((i * 7) % 5)],
+      logScales: [-9, -9, -9],
+      opacityLogit: logit(0.9),
+      colorDc: colors[i % 3],
+    }));
+    // Of those that are equal in depth and place, the last of the file is drawn last.
+    const nearest = splats.findLastIndex(({ position }) => position[2] === 0);
+    const [red, green, blue] = pixels(splats).at(4, 4);
+    expect([red, green, blue].indexOf(Math.max(red, green, blue))).toBe(nearest % 3);
+  }
 });

@@ -6,19 +6,22 @@ import {
   type SizePx,
 } from '../data/accuracy/accuracy.ts';
 import { type Camera, projectionOf } from '../data/camera/camera.ts';
-import { cloudView } from '../data/camera/cloud-view.ts';
-import { orderedBits, shortDepthKey, sortDistance } from '../data/layout/depth-key.ts';
-import { identity4, type Vec3 } from '../data/math/mat4.ts';
+import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
+import { orderedBits, shortDepthKey, sortDistance, wideKey } from '../data/layout/depth-key.ts';
+import { identity4 } from '../data/math/mat4.ts';
 import { dropNonFinite } from '../data/packing/drop-non-finite.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
-import { mortonOrder, permuteSplats } from '../data/packing/morton-order.ts';
+import { mortonSteps } from '../data/packing/morton-order.ts';
 import { asksForDistance, type SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
+import { Turns } from '../data/turns.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { usesOf } from '../gpu/effects/effect-uses.ts';
-import { cullSplat, type VisibleSplat } from './cull-splats.ts';
+import { cullSplat } from './cull-splats.ts';
+import type { EffectReference } from './effects/effect-reference.ts';
 import { type ReferenceFunction, referencesOf } from './effects/references.ts';
 import { splatColor } from './project.ts';
+import { radixSort } from './radix-sort.ts';
 import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from './rasterize.ts';
 import { upscale } from './upscale.ts';
 import { sortDepth } from './wide-keys.ts';
@@ -64,22 +67,57 @@ export interface RenderedReference extends ReferenceImage {
   readonly medianDepths?: Float64Array;
 }
 
-interface DrawnSplat extends VisibleSplat {
-  /** Sort key of the splats: depth, or the square of the distance from the camera. */
-  readonly sortDepth: number;
-  readonly color: Vec3;
+/** How long work goes on in between, and what is told of it. */
+export interface ReferenceTurns {
+  /** Calls the drawing off. */
+  readonly signal?: AbortSignal;
+  /** Told how much of the work is done, from 0 to 1. */
+  readonly onProgress?: (fraction: number) => void;
 }
+
+/** Drawing in short steps; yields how much is done after each, from 0 to 1. */
+type Steps<Result> = Generator<number, Result, void>;
 
 /**
  * Renders the reference: the image that a frame must match, in float64 on the CPU, every splat in
- * exact order of depth or distance, ties in storage order (Morton order, file order among equal
- * codes, clouds in the order given). Takes seconds for a million splats.
+ * exact order of depth or distance (`sortDepth`), ties in storage order (Morton order, file order
+ * among equal codes, clouds in the order given). Takes seconds for a million splats, and besides
+ * the sets and the image some 40 bytes per splat.
  */
 export function renderReference(frame: ReferenceFrame): RenderedReference {
+  const steps = renderSteps(frame);
+  for (;;) {
+    const { done, value } = steps.next();
+    if (done) return value;
+  }
+}
+
+/**
+ * As `renderReference`, with turns for the event loop.
+ *
+ * @throws the reason of the signal, once it is aborted.
+ * @example
+ * const { data } = await renderReferenceInTurns(frame, { signal, onProgress: (part) => show(part) });
+ */
+export async function renderReferenceInTurns(
+  frame: ReferenceFrame,
+  { signal, onProgress }: ReferenceTurns = {},
+): Promise<RenderedReference> {
+  const turns = new Turns(signal);
+  const steps = renderSteps(frame);
+  for (;;) {
+    const { done, value } = steps.next();
+    if (done) return value;
+    onProgress?.(value);
+    await turns.give();
+  }
+}
+
+function* renderSteps(frame: ReferenceFrame): Steps<RenderedReference> {
   const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
   const layer = layerSize(frame, settings);
   const hostDepths = frame.hostDepths && nearestValues(frame.hostDepths, frame, layer);
-  const image = renderLayer({ ...frame, ...layer, hostDepths }, settings);
+  const image = yield* layerSteps({ ...frame, ...layer, hostDepths }, settings);
   if (settings.resolutionScale === 1) return image;
   const { widthPx, heightPx } = frame;
   return {
@@ -103,56 +141,159 @@ function nearestValues(values: ArrayLike<number>, from: SizePx, to: SizePx): Flo
 
 type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
 
-/** Renders the layer: the image at the size that splats are blended at. */
-function renderLayer(frame: ReferenceFrame, settings: ReferenceSettings): RenderedReference {
+/** A cloud as one frame draws it. */
+interface PlacedCloud {
+  /** Without splats that are not finite. */
+  readonly set: SplatSet<Harmonics>;
+  /** Where the set holds each splat, in storage order. A copy in that order would hold it twice. */
+  readonly rows: Uint32Array;
+  /** Number of splats in the clouds before. */
+  readonly first: number;
+  readonly view: CloudView;
+  readonly effects: readonly EffectReference[];
+  readonly shDegree: ShDegree;
+}
+
+/** Splats between two yields. */
+const STEP_SPLATS = 1 << 10;
+/** How much of the work storage order, culling and drawing are taken to be, one after another. */
+const SHARES = [0, 0.1, 0.4, 1] as const;
+
+/** Passes on a part of the work as part of the whole. */
+function* within<Result>(steps: Steps<Result>, from: number, to: number): Steps<Result> {
+  for (;;) {
+    const { done, value } = steps.next();
+    if (done) return value;
+    yield from + (to - from) * value;
+  }
+}
+
+/** Calls `work` with each number below `count`. */
+function* overSplats(count: number, work: (i: number) => void): Steps<void> {
+  for (let i = 0; i < count; i++) {
+    work(i);
+    if (i % STEP_SPLATS === STEP_SPLATS - 1) yield (i + 1) / count;
+  }
+}
+
+/**
+ * Renders the layer: the image at the size that splats are blended at. Visible splats are culled
+ * twice, before they are sorted and to be drawn: to keep what culling finds takes a kilobyte each.
+ */
+function* layerSteps(frame: ReferenceFrame, settings: ReferenceSettings): Steps<RenderedReference> {
   const { camera, widthPx, heightPx, hostDepths, sortBy } = frame;
   const { alphaCutoff } = settings;
   const projection = projectionOf(camera, widthPx, heightPx);
   const image = { widthPx, heightPx, data: new Float64Array(4 * widthPx * heightPx) };
   const files = frame.clouds.map(({ set: { fileFacts = null } }) => ({ cloud: { facts: { fileFacts } } }));
   const isByDistance = !projection.isOrthographic && asksForDistance({ sortBy, clouds: files });
-  const drawn: DrawnSplat[] = [];
-  for (const instance of frame.clouds) {
-    const { set, modelMatrix = identity4(), shDegree = 3 } = instance;
-    const finite = dropNonFinite(set);
-    const stored = permuteSplats(finite, mortonOrder(finite.positions, finite.count));
-    const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
-    const place = { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix };
-    const facts = { isAntialiased: set.isAntialiased ?? null };
-    const effects = referencesOf(usesOf({ ...instance, cloud: { facts } }), place, frame.effectReferences);
-    for (let index = 0; index < stored.count; index++) {
-      const visible = cullSplat(stored, index, view, projection, { ...settings, effects });
-      if (!visible) continue;
-      const color = splatColor(stored, index, view, shDegree, visible, effects);
-      drawn.push({ ...visible, sortDepth: sortDepth(visible.centerView, isByDistance), color });
-    }
+  const [placing, culling, drawing, end] = SHARES;
+  const clouds: PlacedCloud[] = [];
+  let total = 0;
+  for (const [i, instance] of frame.clouds.entries()) {
+    const share = (culling - placing) / frame.clouds.length;
+    const steps = placedSteps(instance, frame, projection.isOrthographic, total);
+    clouds.push(yield* within(steps, placing + i * share, placing + (i + 1) * share));
+    total += clouds[i].set.count;
   }
-  const values = () => new Float64Array(widthPx * heightPx);
-  const depths = hostDepths && { host: hostDepths, splats: values(), medians: values() };
+  const cull = ({ set, rows, view, effects, first }: PlacedCloud, number: number) =>
+    cullSplat(set, number - first, view, projection, { ...settings, effects }, rows[number - first]);
+
+  const depths = new Float64Array(total);
+  const numbers = new Uint32Array(total);
+  let visibleSplats = 0;
+  const note = (number: number) => {
+    const visible = cull(cloudOf(clouds, number), number);
+    if (!visible) return;
+    depths[visibleSplats] = sortDepth(visible.centerView, isByDistance);
+    numbers[visibleSplats++] = number;
+  };
+  yield* within(overSplats(total, note), culling, drawing);
   const keyed = (depth: number) => (isByDistance ? sortDistance(Math.sqrt(depth), camera.near) : depth);
-  const ordered = backToFront(drawn, settings.sortKeyBits, keyed);
-  for (const splat of ordered) rasterizeSplat(image, splat, splat.color, alphaCutoff, depths);
-  const rendered = { ...image, visibleSplats: drawn.length };
-  if (!depths) return rendered;
+  const order = backToFront(depths.subarray(0, visibleSplats), settings.sortKeyBits, keyed);
+
+  const values = () => new Float64Array(widthPx * heightPx);
+  const hosted = hostDepths && { host: hostDepths, splats: values(), medians: values() };
+  const draw = (place: number) => {
+    const number = numbers[order[place]];
+    const cloud = cloudOf(clouds, number);
+    const visible = cull(cloud, number)!;
+    const { set, rows, first, view, shDegree, effects } = cloud;
+    const index = number - first;
+    const color = splatColor(set, index, view, shDegree, visible, effects, rows[index]);
+    rasterizeSplat(image, visible, color, alphaCutoff, hosted);
+  };
+  yield* within(overSplats(visibleSplats, draw), drawing, end);
+  const rendered = { ...image, visibleSplats };
+  if (!hosted) return rendered;
   const transmittances = values().fill(1);
-  for (const splat of ordered.toReversed())
-    noteMedianDepth(transmittances, image, splat, alphaCutoff, depths);
-  const medianDepths = depths.medians.map((depth, pixel) => depth * image.data[4 * pixel + 3]);
-  return { ...rendered, depths: depths.splats, medianDepths };
+  for (const place of order.toReversed()) {
+    const visible = cull(cloudOf(clouds, numbers[place]), numbers[place])!;
+    noteMedianDepth(transmittances, image, visible, alphaCutoff, hosted);
+  }
+  const medianDepths = hosted.medians.map((depth, pixel) => depth * image.data[4 * pixel + 3]);
+  return { ...rendered, depths: hosted.splats, medianDepths };
 }
 
-/** Sorts, stably, by depth or distance or, at fewer than 32 bits, by the GPU's keys of `keyed`. */
+function* placedSteps(
+  instance: ReferenceFrame['clouds'][number],
+  { camera: { viewMatrix }, effectReferences }: ReferenceFrame,
+  isOrthographic: boolean,
+  first: number,
+): Steps<PlacedCloud> {
+  const { modelMatrix = identity4(), shDegree = 3 } = instance;
+  const set = dropNonFinite(instance.set);
+  const rows = yield* mortonSteps(set.positions, set.count);
+  const { origin } = set;
+  const view = cloudView(viewMatrix, modelMatrix, origin, isOrthographic);
+  const facts = { isAntialiased: set.isAntialiased ?? null };
+  const uses = usesOf({ ...instance, cloud: { facts } });
+  const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix }, effectReferences);
+  return { set, rows, first, view, effects, shDegree };
+}
+
+/** The cloud that has splat `number` of the frame. */
+function cloudOf(clouds: readonly PlacedCloud[], number: number): PlacedCloud {
+  let [from, to] = [0, clouds.length - 1];
+  while (from < to) {
+    const middle = (from + to + 1) >> 1;
+    if (clouds[middle].first <= number) from = middle;
+    else to = middle - 1;
+  }
+  return clouds[from];
+}
+
+/** From here on, few passes by large tables take less time than many by small ones. */
+const MANY_SPLATS = 1 << 15;
+
+/**
+ * Sorts, stably, by depth or square of the distance or, at fewer than 32 bits, by the GPU's keys of
+ * `keyed`. Returns indices of `depths`.
+ */
 function backToFront(
-  drawn: readonly DrawnSplat[],
+  depths: Float64Array,
   sortKeyBits: number,
   keyed: (sortDepth: number) => number,
-): readonly DrawnSplat[] {
-  if (sortKeyBits >= 32) return drawn.toSorted((a, b) => b.sortDepth - a.sortDepth);
-  const bits = drawn.map(({ sortDepth }) => orderedBits(keyed(sortDepth)));
-  const farthest = bits.reduce((most, each) => Math.max(most, each), 0);
-  const nearest = bits.reduce((least, each) => Math.min(least, each), farthest);
-  return drawn
-    .map((splat) => ({ splat, key: shortDepthKey(keyed(splat.sortDepth), farthest, nearest, sortKeyBits) }))
-    .sort((a, b) => a.key - b.key)
-    .map(({ splat }) => splat);
+): Uint32Array {
+  const count = depths.length;
+  const digitBits = count < MANY_SPLATS ? 8 : 16;
+  const shape = { digitBits, passes: 32 / digitBits, blockKeys: Math.max(1, count) };
+  const keys = new Uint32Array(count);
+  if (sortKeyBits >= 32) {
+    const upperKeys = new Uint32Array(count);
+    for (let i = 0; i < count; i++) {
+      const { low, high } = wideKey(depths[i], 0xffffffff);
+      keys[i] = low;
+      upperKeys[i] = high;
+    }
+    return radixSort(keys, { ...shape, passes: 2 * shape.passes }, upperKeys);
+  }
+  let [farthest, nearest] = [0, 0xffffffff];
+  for (let i = 0; i < count; i++) {
+    const bits = orderedBits(keyed(depths[i]));
+    farthest = Math.max(farthest, bits);
+    nearest = Math.min(nearest, bits);
+  }
+  for (let i = 0; i < count; i++) keys[i] = shortDepthKey(keyed(depths[i]), farthest, nearest, sortKeyBits);
+  return radixSort(keys, shape);
 }

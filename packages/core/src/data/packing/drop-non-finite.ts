@@ -9,17 +9,18 @@ import { permuteSplats } from './morton-order.ts';
  * infinities, so they have to be found here.
  */
 export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): SplatSet<Kind> {
-  const kept: number[] = [];
+  const kept = new Uint32Array(set.count);
+  let keptCount = 0;
   const dropped: { -readonly [Reason in keyof DropCounts]: number } = { ...set.dropped };
   const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(set.harmonics.degree));
   for (let index = 0; index < set.count; index++) {
     fillRow(row, set, index);
     const reason = reasonToDrop(row);
-    if (reason === undefined) kept.push(index);
+    if (reason === undefined) kept[keptCount++] = index;
     else dropped[reason] = (dropped[reason] ?? 0) + 1;
   }
-  if (kept.length === set.count) return set;
-  return { ...permuteSplats(set, Uint32Array.from(kept)), dropped };
+  if (keptCount === set.count) return set;
+  return { ...permuteSplats(set, kept.subarray(0, keptCount)), dropped };
 }
 
 function fillRow(row: Float64Array, set: SplatSet<Harmonics>, index: number): void {

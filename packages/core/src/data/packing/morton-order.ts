@@ -108,8 +108,8 @@ export async function mortonOrderInTurns(
   }
 }
 
-/** Finds the storage order in short steps; yields how much is done after each. */
-function* mortonSteps(
+/** As `mortonOrder`, in short steps; yields how much is done after each, from 0 to 1. */
+export function* mortonSteps(
   positions: Float32Array,
   count: number,
   given?: MortonFrame,
