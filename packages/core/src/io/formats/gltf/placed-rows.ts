@@ -72,8 +72,8 @@ export function placedPoint([x, y, z]: Vec3, m: Mat4): Vec3 {
   ];
 }
 
-function isSimilarity(lengths: readonly number[], axes: Float64Array): boolean {
-  const isEven = Math.max(...lengths) <= (1 + ROUNDING) * Math.min(...lengths);
+function isSimilarity([x, y, z]: readonly number[], axes: Float64Array): boolean {
+  const isEven = Math.max(x, y, z) <= (1 + ROUNDING) * Math.min(x, y, z);
   return isEven && COLUMN_PAIRS.every(([a, b]) => Math.abs(dot(axes, a, b)) <= ROUNDING);
 }
 

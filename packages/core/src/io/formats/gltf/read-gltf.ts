@@ -122,15 +122,16 @@ function rowsOf(parts: readonly PlacedPrimitive[], rowCount: number): DecodedRow
 
 /** Positions of splats spread over all parts, float64 in the scene's space, 3N. */
 function sampledPositions(parts: readonly PlacedPrimitive[], rowCount: number): Float64Array {
-  const positions: number[] = [];
+  const rows = sampledRows(rowCount);
+  const positions = new Float64Array(3 * rows.length);
   let part = 0;
   let firstRow = 0;
-  for (const row of sampledRows(rowCount)) {
+  for (const [i, row] of rows.entries()) {
     while (row >= firstRow + parts[part].primitive.count) firstRow += parts[part++].primitive.count;
     const { primitive, matrix } = parts[part];
-    positions.push(...placedPoint(primitive.positionOf(row - firstRow), matrix));
+    positions.set(placedPoint(primitive.positionOf(row - firstRow), matrix), 3 * i);
   }
-  return Float64Array.from(positions);
+  return positions;
 }
 
 interface MeshSplats {
