@@ -37,7 +37,7 @@ fn ingestKeys(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 fn cell(record: u32, axis: u32) -> u32 {
   let bits = aboutOrigin(geometry[record][axis], parameters.origin[axis]);
   let coordinate = select(bitcast<f32>(bits), 0.0, (bits & MAGNITUDE_BITS) < 0x800000u);
-  let scaled = coordinate * parameters.scale[axis];
+  let scaled = clamp(coordinate, parameters.min[axis], parameters.max[axis]) * parameters.scale[axis];
   return u32(clamp((scaled - parameters.scaledMin[axis]) * parameters.cellsPerUnit, 0.0, 65535.0));
 }
 

@@ -6,7 +6,7 @@ import { IngestParameters } from '../../data/layout/packing-structs.ts';
 import { Chunk } from '../../data/layout/structs.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
-import { mortonFrame } from '../../data/packing/morton-order.ts';
+import { cloudFrame } from '../../data/packing/morton-order.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import { robustBounds, totalBounds } from '../../data/packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../../data/packing/precision.ts';
@@ -37,7 +37,7 @@ import { type DispatchContext, Dispatches } from './dispatches.ts';
 import { LoadPreviews } from './load-previews.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
-import { sampleCentres, sampleForOrigin } from './sample-centres.ts';
+import { sampleCentres, samplePositions } from './sample-centres.ts';
 
 /** Pieces that are written, or being read by the GPU, at once. */
 const STAGING_BUFFERS = 4;
@@ -92,6 +92,12 @@ interface Held {
   readonly offsets: Uint32Array;
   /** Null without `onPreview`. */
   readonly arrivals: Arrivals | null;
+}
+
+/** What is known of all rows once they are there. */
+interface FoundRows extends RowFacts {
+  /** Positions of some: see `samplePositions`. */
+  readonly sample: readonly Float32Array[];
 }
 
 /** Rows in staging memory. */
@@ -280,16 +286,14 @@ export class RowIngest implements RowSink {
       for (const buffer of [...this.#staging, rows, palette]) if (buffer) this.#destroy(buffer);
       await pipelines.prepare(lateStages(this.#options));
       this.#live();
-      const { found, shift } = await this.#readFacts();
-      this.#live();
-      if (found.count === 0) throw emptyError(name, found.dropped);
+      const found = await this.#readFacts();
       arrivals?.end();
       arrivals?.check();
       const hasRoom = await this.#hasRoomFor(found);
       this.#live();
       previews?.hold();
       const { result, checked } = this.#allocate(() => {
-        const { planes, contents, fileRows } = this.#arrange(found, shift, hasRoom, arranged);
+        const { planes, contents, fileRows } = this.#arrange(found, hasRoom, arranged);
         const reading = [
           this.#readBounds(planes, contents),
           readWords(device, fileRows, found.count),
@@ -439,22 +443,25 @@ export class RowIngest implements RowSink {
     arrivals?.add(endRow);
   }
 
-  /** Reads facts about all rows, and the point that their positions are to be moved about. */
-  async #readFacts(): Promise<{ readonly found: RowFacts; readonly shift: Vec3 }> {
+  /** @throws SplatFileError 'empty' if no row was kept. */
+  async #readFacts(): Promise<FoundRows> {
     const { device } = this.#context;
-    const { geometryPrecision } = this.#options;
+    const { geometryPrecision, name } = this.#options;
     const { layout, facts, ranges, geometry, dropMask } = this.#held!;
+    const found = readRowFacts(await readWords(device, facts), layout);
+    this.#live();
+    if (found.count === 0) throw emptyError(name, found.dropped);
     const { result, checked } = this.#allocate(() => {
       const rows = { count: layout.count, ranges, geometry, geometryPrecision };
-      const reading = Promise.all([readWords(device, facts), sampleForOrigin(this.#context, rows, dropMask)]);
+      const reading = samplePositions(this.#context, rows, dropMask, found.count);
       // Awaited only if memory was there.
       reading.catch(() => {});
       return reading;
     });
     await checked;
-    const [words, sample] = await result;
-    const found = readRowFacts(words, layout);
-    return { found, shift: layout.origin ? NOT_MOVED : chooseOrigin(sample, found, false) };
+    const sample = await result;
+    this.#live();
+    return { ...found, sample };
   }
 
   /** Whether memory has room for planes beside those with dropped slots, if these matter. */
@@ -468,19 +475,24 @@ export class RowIngest implements RowSink {
   /**
    * Puts splats into storage order.
    *
-   * @param shift point, in the space of the rows, that positions are to be stored relative to.
    * @param hasRoom see `ArrivedPlanes`.
    * @param made lists the buffers that the cloud will hold, as soon as they exist.
    * @returns planes and contents, but for facts that have to be read from the GPU.
    */
-  #arrange(found: RowFacts, shift: Vec3, hasRoom: boolean, made: GPUBuffer[]) {
+  #arrange(found: FoundRows, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;
     const { ranges, geometry, harmonics, dropMask, chunks, logScaleRests, layout } = this.#held!;
-    const about = (corner: readonly number[]) =>
-      corner.map((value, axis) => Math.fround(value - shift[axis]));
+    // Rows about an origin of their own stay there.
+    const shift = layout.origin ? NOT_MOVED : chooseOrigin(found.sample, found, false);
+    const about = (values: Float32Array, axis: number) =>
+      Float32Array.from(values, (value) => value - shift[axis]);
+    const axes = found.sample.map(about);
+    const [min, max] = [found.min, found.max].map((corner) =>
+      Float32Array.from(corner, (value, axis) => value - shift[axis]),
+    );
     const { trueShDegree } = found.facts;
     const precision = { geometryPrecision, shPrecision };
-    const frame = mortonFrame(about(found.min), about(found.max));
+    const frame = cloudFrame(axes, { min, max });
     const { fileRows, ...planes } = arrangePlanes(this.#context, {
       ...precision,
       name,

@@ -1,8 +1,8 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { PermuteParameters } from '../../data/layout/packing-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
-import { sampledRows } from '../../data/packing/origin.ts';
 import { boundsSamples } from '../../data/packing/packed-cloud.ts';
+import { sampledRows } from '../../data/packing/position-sample.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
 import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
@@ -28,57 +28,54 @@ export function sampleCentres(context: DispatchContext, sampled: SampledGeometry
 }
 
 /**
- * Reads the positions of rows that the origin is taken from. ingest-gather must have been compiled.
+ * Reads the positions that tell where most of a cloud lies: those that a `PositionSample` keeps of
+ * the rows that were not dropped. ingest-gather must have been compiled.
  *
  * @param dropMask a bit for each row that was dropped.
- * @returns x, y and z of the sampled rows that were kept, as in the file.
+ * @param kept rows that were not.
+ * @returns their x, y and z, as in the file.
  */
-export async function sampleForOrigin(
+export async function samplePositions(
   context: DispatchContext,
   sampled: SampledGeometry,
   dropMask: GPUBuffer,
+  kept: number,
 ): Promise<Float32Array[]> {
-  const rows = sampledRows(sampled.count);
-  const masks = { ranges: [{ start: 0, end: dropMask.size / 4 }], plane: [dropMask], wordsPerSplat: 1 };
-  const maskIndices = rows.map((row) => row >>> 5);
-  const [axes, [words]] = await Promise.all([
-    gatherCentres(context, sampled, rows),
-    gather(context, masks, maskIndices, 1),
-  ]);
-  const isKept = (i: number) => ((words[i] >>> (rows[i] & 31)) & 1) === 0;
-  return axes.map((values) => values.filter((_, i) => isKept(i)));
+  const ranks = sampledRows(kept);
+  if (kept === sampled.count) return gatherCentres(context, sampled, ranks);
+  return gatherCentres(context, sampled, keptRows(ranks, await readWords(context.device, dropMask)));
 }
 
-async function gatherCentres(
-  context: DispatchContext,
-  { ranges, geometry, geometryPrecision }: Omit<SampledGeometry, 'count'>,
-  indices: Uint32Array<ArrayBuffer>,
-): Promise<Float32Array[]> {
-  const wordsPerSplat = GEOMETRY_WORDS[geometryPrecision];
-  const axes = await gather(context, { ranges, plane: geometry, wordsPerSplat }, indices, 3);
-  return axes.map(({ buffer }) => new Float32Array(buffer));
+/** Rows by their ranks, in ascending order, among those whose bit is 0. */
+function keptRows(ranks: Uint32Array, mask: Uint32Array): Uint32Array<ArrayBuffer> {
+  const rows = new Uint32Array(ranks.length);
+  let [found, rank] = [0, 0];
+  for (let row = 0; found < rows.length; row++) {
+    if ((mask[row >>> 5] >>> (row & 31)) & 1) continue;
+    if (ranks[found] === rank++) rows[found++] = row;
+  }
+  return rows;
 }
 
-/** Reads the first words of the splats that `indices` names, each word of all of them together. */
-function gather(
+/** Reads x, y and z of the splats or slots that `indices` names. */
+function gatherCentres(
   context: DispatchContext,
-  { ranges, plane, wordsPerSplat }: { ranges: readonly PageRange[]; plane: Plane; wordsPerSplat: number },
+  { ranges, geometry, geometryPrecision }: SampledGeometry,
   indices: Uint32Array<ArrayBuffer>,
-  wordCount: number,
-): Promise<Uint32Array<ArrayBuffer>[]> {
+): Promise<Float32Array[]> {
   const { device, dispatchRow } = context;
   const memory = context.memory.part();
   try {
     const list = memory.createFilledBuffer('ingest samples', indices);
     const dispatches = new Dispatches(context);
-    const gathered = Array.from({ length: wordCount }, (_, word) => {
+    const axes = [0, 1, 2].map((word) => {
       const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
       const words = memory.createBuffer('ingest sampled words', 4 * indices.length, usage);
       for (const [page, { start, end }] of ranges.entries()) {
         const parameters = PermuteParameters.pack({
           word,
           words: 1,
-          wordsPerSplat,
+          wordsPerSplat: GEOMETRY_WORDS[geometryPrecision],
           mask: 0xffffffff,
           pageStart: start,
           pageEnd: end,
@@ -86,13 +83,14 @@ function gather(
           dispatchRow,
         });
         const workgroups = Math.ceil(indices.length / CHUNK_SPLATS);
-        dispatches.add(ingestGather, parameters, { plane: plane[page], list, words }, workgroups);
+        dispatches.add(ingestGather, parameters, { plane: geometry[page], list, words }, workgroups);
       }
       return words;
     });
     dispatches.submit('ingest samples');
     // Asked for at once, so that nothing is held while the answer is awaited.
-    return Promise.all(gathered.map((words) => readWords(device, words)));
+    const reading = Promise.all(axes.map((axis) => readWords(device, axis)));
+    return reading.then((words) => words.map(({ buffer }) => new Float32Array(buffer)));
   } finally {
     memory.destroyAll();
   }

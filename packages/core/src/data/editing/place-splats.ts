@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { centerBounds } from '../packing/center-bounds.ts';
-import { chooseOrigin, OriginSample } from '../packing/origin.ts';
+import { chooseOrigin } from '../packing/origin.ts';
+import { PositionSample } from '../packing/position-sample.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 
 /**
@@ -11,7 +12,7 @@ import type { SplatColumns } from '../splats/splat-set.ts';
  */
 export function placeSplats(positions: Float64Array): Pick<SplatColumns, 'origin' | 'positions'> {
   const count = positions.length / 3;
-  const sample = new OriginSample(count);
+  const sample = new PositionSample();
   sample.addAll(positions, count);
   const origin = chooseOrigin(sample.axes, centerBounds(positions, count), true);
   const relative = new Float32Array(positions.length);

@@ -33,6 +33,8 @@ export const IngestParameters = gpuStruct('IngestParameters', {
 /** How ingest-keys makes sort keys of the splats of a page. */
 export const MortonParameters = gpuStruct('MortonParameters', {
   /** A `MortonFrame`. */
+  min: 'vec3f',
+  max: 'vec3f',
   scale: 'vec3f',
   cellsPerUnit: 'f32',
   scaledMin: 'vec3f',

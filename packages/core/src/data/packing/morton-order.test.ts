@@ -202,3 +202,26 @@ describe('Morton order', () => {
     }
   });
 });
+
+describe('single centres far outside', () => {
+  const count = 16_384;
+  const random = seededRandom(3);
+  const scene = Array.from({ length: 3 * count }, () => random());
+  const strays = [
+    { name: 'none', values: [] },
+    { name: 'at one place', values: [-5.3e6, -5e5, -700] },
+    { name: 'on all sides', values: [-1e7, 0, 0, 0, 1e9, 0, 3e38, 0, 0, 0, -3e38, 0, 0, 0, 1e5] },
+  ];
+
+  test.each(strays)('$name: others are in chunks as small as without', ({ values }) => {
+    const positions = Float32Array.from([...values, ...scene]);
+    const order = mortonOrder(positions, positions.length / 3);
+    const extents: number[] = [];
+    for (let from = 0; from + 256 <= order.length; from += 256) {
+      const chunk = Array.from(order.subarray(from, from + 256), (i) => positions[3 * i]);
+      extents.push(Math.max(...chunk) - Math.min(...chunk));
+    }
+    // As many as of cubes of a quarter of the scene; in any other order they are as large as that.
+    expect(extents.sort((a, b) => a - b)[extents.length >> 1]).toBeLessThan(0.6);
+  });
+});

@@ -3,6 +3,7 @@ import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Turns } from '../turns.ts';
 import { emptyBounds, widenBounds } from './center-bounds.ts';
 import { type Harmonics, isPacked, isPalette } from './harmonics.ts';
+import { bulkOf, PositionSample } from './position-sample.ts';
 
 /** Bits per axis of a Morton code: 48 in all. */
 const BITS_PER_AXIS = 16;
@@ -29,9 +30,13 @@ const LARGEST_POWER = 2 ** 127;
  * float32, and so is every step from a coordinate to its cell, each rounded to nearest: the GPU
  * finds the same cells as the host to the bit.
  *
- *     cell = min(65535, floor((p · scale − scaledMin) · cellsPerUnit)), where p is 0 if it is subnormal
+ *     cell = min(65535, floor((p · scale − scaledMin) · cellsPerUnit)), where p is 0 if it is subnormal,
+ *     and the nearest coordinate within the frame if it is outside
  */
 export interface MortonFrame {
+  /** Least and largest coordinates, by axis. */
+  readonly min: Vec3;
+  readonly max: Vec3;
   /**
    * By axis. A power of two that brings the longest extent to 1…2, or as near to that as float32
    * allows, so that all other numbers are within range for any cloud; 0 where all centres have one
@@ -39,30 +44,62 @@ export interface MortonFrame {
    * on the cell.
    */
   readonly scale: Vec3;
-  /** Least corner of the centres, times `scale`. */
+  /** `min` times `scale`. */
   readonly scaledMin: Vec3;
   /** Cells per scaled unit; 0 where all centres are in one cell. */
   readonly cellsPerUnit: number;
 }
 
-/** The frame of centres whose least and largest float32 coordinates are `min` and `max`. */
+/** Part of a cloud that the cells of its frame have to tell apart. */
+const BULK = 9 / 10;
+/** A frame reaches so many times as far as the bulk at most: that keeps 2¹⁰ cells for the bulk. */
+const BULK_REACHES = 64;
+
+/**
+ * The frame of a cloud: of all its centres, or of the region around most of them if single ones lie
+ * so far out that all others would be in a few cells.
+ *
+ * @param axes float32 x, y and z of a `PositionSample` of the centres.
+ * @param bounds of all centres.
+ */
+export function cloudFrame(
+  axes: readonly ArrayLike<number>[],
+  { min, max }: { readonly min: ArrayLike<number>; readonly max: ArrayLike<number> },
+): MortonFrame {
+  if (axes[0].length === 0) return mortonFrame(min, max);
+  const { medians, spread } = bulkOf(axes, BULK);
+  const reach = BULK_REACHES * spread;
+  if (!(reach > 0)) return mortonFrame(min, max);
+  return mortonFrame(
+    vec3((axis) => Math.max(min[axis], Math.fround(medians[axis] - reach))),
+    vec3((axis) => Math.min(max[axis], Math.fround(medians[axis] + reach))),
+  );
+}
+
+/**
+ * The frame of centres whose least and largest float32 coordinates are `min` and `max`. Any other
+ * centre counts as the nearest point within.
+ */
 export function mortonFrame(min: ArrayLike<number>, max: ArrayLike<number>): MortonFrame {
   const low = vec3((axis) => withoutSubnormals(min[axis]));
-  const extents = vec3((axis) => withoutSubnormals(max[axis]) - low[axis]);
+  const high = vec3((axis) => withoutSubnormals(max[axis]));
+  const extents = vec3((axis) => high[axis] - low[axis]);
   // One step for all axes: cells are cubes, so a flat scene wastes no order on its thin side.
   const extent = Math.max(...extents);
   // The least coordinate of no splats is above the largest.
-  if (!(extent > 0)) return { scale: [0, 0, 0], scaledMin: [0, 0, 0], cellsPerUnit: 0 };
+  if (!(extent > 0))
+    return { min: [0, 0, 0], max: [0, 0, 0], scale: [0, 0, 0], scaledMin: [0, 0, 0], cellsPerUnit: 0 };
   const nearest = 2 ** -Math.floor(Math.log2(extent));
   const power = Math.max(SMALLEST_NORMAL, Math.min(LARGEST_POWER, nearest));
   const scale = vec3((axis) => (extents[axis] > 0 ? power : 0));
   const scaledMin = vec3((axis) => Math.fround(low[axis] * scale[axis]));
-  return { scale, scaledMin, cellsPerUnit: Math.fround(LAST_CELL / (extent * power)) };
+  return { min: low, max: high, scale, scaledMin, cellsPerUnit: Math.fround(LAST_CELL / (extent * power)) };
 }
 
 /** The cell of a float32 coordinate of a centre along `axis`, 0…65535. */
 export function mortonCell(coordinate: number, axis: number, frame: MortonFrame): number {
-  const scaled = Math.fround(withoutSubnormals(coordinate) * frame.scale[axis]);
+  const within = Math.max(frame.min[axis], Math.min(frame.max[axis], withoutSubnormals(coordinate)));
+  const scaled = Math.fround(within * frame.scale[axis]);
   const cells = Math.fround(Math.fround(scaled - frame.scaledMin[axis]) * frame.cellsPerUnit);
   return Math.min(LAST_CELL, cells) | 0;
 }
@@ -128,7 +165,9 @@ export function* mortonSteps(
   }
   const bounds = emptyBounds();
   yield* overRows((from, to) => widenBounds(bounds, positions, from, to));
-  const frame = given ?? mortonFrame(bounds.min, bounds.max);
+  const sample = new PositionSample();
+  if (!given) sample.addAll(positions, count);
+  const frame = given ?? cloudFrame(sample.axes, bounds);
   const codes = Array.from({ length: COLUMNS }, () => new Uint16Array(count));
   let order: Uint32Array = new Uint32Array(count);
   yield* overRows((from, to) => {

@@ -1,6 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { centerBounds } from './center-bounds.ts';
-import { chooseOrigin, OriginSample, sampledRows } from './origin.ts';
+import { chooseOrigin } from './origin.ts';
+import { PositionSample, sampledRows } from './position-sample.ts';
 
 /** A scene of 3 m, as doubles, around a point. */
 function sceneAt(centre: readonly number[], count = 300): number[][] {
@@ -11,7 +12,7 @@ function sceneAt(centre: readonly number[], count = 300): number[][] {
 
 function originOf(points: readonly (readonly number[])[], isWide = true) {
   const positions = isWide ? Float64Array.from(points.flat()) : Float32Array.from(points.flat());
-  const sample = new OriginSample(points.length);
+  const sample = new PositionSample();
   sample.addAll(positions, points.length);
   return chooseOrigin(sample.axes, centerBounds(positions, points.length), isWide);
 }
@@ -95,10 +96,10 @@ describe('float32 coordinates', () => {
 test('the sample depends on the number of rows alone, and has all of few', () => {
   const points = sceneAt([0, 0, 0], 50_000);
   const positions = Float64Array.from(points.flat());
-  const whole = new OriginSample(points.length);
+  const whole = new PositionSample();
   whole.addAll(positions, points.length);
-  const parts = new OriginSample();
-  const second = new OriginSample();
+  const parts = new PositionSample();
+  const second = new PositionSample();
   for (let from = 0; from < points.length; from += 7_000) {
     const count = Math.min(7_000, points.length - from);
     const target = from < 28_000 ? parts : second;

@@ -1,7 +1,8 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
-import { chooseOrigin, OriginSample } from '../../data/packing/origin.ts';
+import { chooseOrigin } from '../../data/packing/origin.ts';
+import { PositionSample } from '../../data/packing/position-sample.ts';
 import {
   addDrops,
   type DropCounts,
@@ -20,7 +21,7 @@ export class PieceFacts {
   readonly dropped: DropCounts = {};
   /** Bounds of centres in the scene's space, ±Infinity without splats. */
   readonly bounds = emptyBounds();
-  readonly #sample = new OriginSample();
+  readonly #sample = new PositionSample();
   #isWide = false;
 
   add({ count, positions, origin, harmonics, dropped, isAntialiased, fileFacts }: SplatSet<Harmonics>): void {

@@ -3,7 +3,8 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import { ShReachMeter } from '../../data/packing/band-reach.ts';
 import { centerBounds } from '../../data/packing/center-bounds.ts';
 import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../data/packing/harmonics.ts';
-import { chooseOrigin, OriginSample } from '../../data/packing/origin.ts';
+import { chooseOrigin } from '../../data/packing/origin.ts';
+import { PositionSample } from '../../data/packing/position-sample.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
 import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
 import {
@@ -164,7 +165,7 @@ export class SplatSetBuilder {
     return {
       ...columns,
       count: this.#count,
-      ...this.#placed(positions, columns.fileIndices),
+      ...this.#placed(positions),
       harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
@@ -178,25 +179,14 @@ export class SplatSetBuilder {
     };
   }
 
-  #placed(positions: Columns['positions'], fileIndices: Uint32Array): Pick<SplatSet, 'origin' | 'positions'> {
+  #placed(positions: Columns['positions']): Pick<SplatSet, 'origin' | 'positions'> {
     const { origin: given, widePositions } = this.#options;
     if (given) return { origin: given, positions: positionsFrom(positions, [0, 0, 0]) };
     const bounds = centerBounds(positions, this.#count);
-    const origin = chooseOrigin(this.#sampleOf(positions, fileIndices).axes, bounds, widePositions);
+    const sample = new PositionSample();
+    sample.addAll(positions, this.#count);
+    const origin = chooseOrigin(sample.axes, bounds, widePositions);
     return { origin, positions: positionsFrom(positions, origin) };
-  }
-
-  /** Of a piece by itself, or of a file by its rows, as row-ingest takes it from the GPU. */
-  #sampleOf(positions: Columns['positions'], fileIndices: Uint32Array): OriginSample {
-    if (this.#options.onPiece) {
-      const sample = new OriginSample(this.#count);
-      sample.addAll(positions, this.#count);
-      return sample;
-    }
-    const sample = new OriginSample(this.#options.promisedCount);
-    for (let i = 0; i < this.#count; i++)
-      sample.add(fileIndices[i], positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
-    return sample;
   }
 
   #setCapacity(capacity: number): void {

@@ -19,7 +19,7 @@ export interface ArrivedEntry {
   readonly bounds: readonly Bounds[];
   /** What sets said about antialiasing; null: nothing. */
   readonly told: readonly (boolean | null)[];
-  /** Splats that the origin is taken from: see `OriginSample.addValues`. */
+  /** Splats that the origin is taken from: see `PositionSample.addValues`. */
   readonly sample: Float64Array;
 }
 

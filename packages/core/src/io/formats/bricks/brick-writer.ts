@@ -8,9 +8,10 @@ import type { Vec3 } from '../../../data/math/mat4.ts';
 import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { trueShDegree } from '../../../data/packing/cloud-facts.ts';
 import { type Harmonics, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
-import { MORTON_DIGITS, MORTON_SHIFTS, mortonFrame } from '../../../data/packing/morton-order.ts';
-import { chooseOrigin, OriginSample } from '../../../data/packing/origin.ts';
+import { cloudFrame, MORTON_DIGITS, MORTON_SHIFTS } from '../../../data/packing/morton-order.ts';
+import { chooseOrigin } from '../../../data/packing/origin.ts';
 import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
+import { PositionSample } from '../../../data/packing/position-sample.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
@@ -137,7 +138,7 @@ export class BrickWriter {
   readonly #bounds: Bounds[] = [];
   readonly #told = new Set<boolean | undefined>();
   /** Of splats so far. */
-  readonly #sample = new OriginSample();
+  readonly #sample = new PositionSample();
   #slices = 0;
   #count = 0;
   #progress: (fraction: number) => void = () => {};
@@ -338,7 +339,7 @@ export class BrickWriter {
       facts: {
         origin,
         degree: trueShDegree(reach),
-        frame: mortonFrame(own.min, own.max),
+        frame: cloudFrame(about(this.#sample.axes, origin), own),
         splatCount: this.#count,
       },
       bounds: { min: inScene(own.min), max: inScene(own.max) },
@@ -719,6 +720,11 @@ function cellOf(shape: BrickShape, levels: readonly WrittenLevel[], level: numbe
     child: { number: shape.childOf(level, cell) },
     childErrors: errors.subarray(CELL_CHILDREN * cell, CELL_CHILDREN * (cell + 1)),
   };
+}
+
+/** Coordinates as they are stored about an origin. */
+function about(axes: readonly Float64Array[], origin: Vec3): Float32Array[] {
+  return axes.map((values, axis) => Float32Array.from(values, (value) => value - origin[axis]));
 }
 
 function bytesOf({ buffer, byteOffset, byteLength }: Uint32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {

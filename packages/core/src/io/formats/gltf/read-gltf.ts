@@ -1,5 +1,6 @@
 import type { Mat4 } from '../../../data/math/mat4.ts';
-import { originOfSamples, sampledRows } from '../../../data/packing/origin.ts';
+import { originOfSamples } from '../../../data/packing/origin.ts';
+import { sampledRows } from '../../../data/packing/position-sample.ts';
 import { shown } from '../../../data/printable.ts';
 import type { FileFacts } from '../../../data/splats/splat-set.ts';
 import { isGlb, unpackGlb } from '../../containers/glb.ts';
