@@ -1,4 +1,6 @@
 import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { originOfSamples } from '../../../data/packing/origin.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
@@ -84,11 +86,17 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const shStart = layout.harmonics?.start ?? 0;
   const bytes = await readExactly(input, arriving ? shStart : totalBytes, `its ${count} splats`);
   const sh = arriving ?? { bytes, start: shStart };
-  const decode = rowDecoder(bytes, sh, layout, header.format !== 'binary_big_endian');
+  const isLittleEndian = header.format !== 'binary_big_endian';
+  const origin = originOf(bytes, layout, isLittleEndian);
+  const decode = rowDecoder(bytes, sh, layout, isLittleEndian, origin);
   const { isAntialiased, format: variant, writer } = header;
   const notes = layout.note === undefined ? undefined : [layout.note];
   const fileFacts = { format: 'compressed-ply', variant, writer, notes };
-  const rows = { count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode };
+  const rows = {
+    ...{ count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode },
+    // Rows near 0 are the file's own.
+    ...(origin.some((value) => value !== 0) && { origin }),
+  };
   return deliverRows(rows, input, options, rowsTo);
 };
 
@@ -186,11 +194,26 @@ function offsetsOf(
   return names.map((name) => offsets.get(name) ?? fail(name, 'is missing'));
 }
 
+/** The point amid the bounds of chunks that lie far from 0; 0, 0, 0 if they do not. */
+function originOf(bytes: Uint8Array<ArrayBuffer>, { count, chunks }: Layout, isLittleEndian: boolean): Vec3 {
+  const body = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+  const corners = new Float64Array(6 * Math.ceil(count / CHUNK_ROWS));
+  for (let at = 0; at < corners.length; at++) {
+    const [corner, axis] = [Math.floor(at / 3), at % 3];
+    const start = chunks.start + (corner >> 1) * chunks.strideBytes;
+    // Least values of positions and log scales come first, then the greatest.
+    corners[at] = body.getFloat32(start + chunks.offsets[6 * (corner & 1) + axis], isLittleEndian);
+  }
+  return originOfSamples(corners);
+}
+
+/** @param origin that positions of rows are relative to. */
 function rowDecoder(
   bytes: Uint8Array<ArrayBuffer>,
   sh: RowSource,
   { shDegree, hasColorBounds, chunks, vertices, harmonics }: Layout,
   isLittleEndian: boolean,
+  origin: Vec3,
 ): (rows: Float32Array, rowCount: number) => void {
   const length = rowLength(shDegree);
   const body = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
@@ -212,6 +235,7 @@ function rowDecoder(
       least[i] = bound(minAt);
       extent[i] = bound(maxAt) - least[i];
     }
+    for (let axis = 0; axis < 3; axis++) least[axis] -= origin[axis];
   };
   let row = 0;
   return (rows, rowCount) => {

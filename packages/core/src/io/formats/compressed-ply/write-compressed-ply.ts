@@ -1,3 +1,4 @@
+import { floatAbove, floatBelow } from '../../../data/math/float-step.ts';
 import { emptyBounds, widenBounds } from '../../../data/packing/center-bounds.ts';
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { mortonOrderInTurns } from '../../../data/packing/morton-order.ts';
@@ -31,7 +32,7 @@ const ORDER_PROGRESS = { bounds: 0.1, unit: 0.2 } as const;
  * Writes a compressed PLY, in chunks of 256 splats in the order of `chunkOrder`. It rounds:
  * positions and log scales keep 10 or 11 bits between the least and the greatest value of their
  * chunk, base colours 8, opacities 8 between 0 and 1, components of rotations 10, harmonics 8
- * between −4 and 4; bounds are float32, so that coordinates far from 0 are coarser.
+ * between −4 and 4; bounds are float32, by a step wider than the chunk.
  */
 export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;
@@ -131,8 +132,10 @@ class Chunk {
         this.#values[at + 6 + k] = colorOf(colorDc[from]);
       }
       for (let k = 0; k < BOUNDED_VALUES; k++) {
-        this.#least[k] = Math.min(this.#least[k], this.#values[at + k]);
-        this.#greatest[k] = Math.max(this.#greatest[k], this.#values[at + k]);
+        const value = this.#values[at + k];
+        // Far from 0, the nearest float32 may leave positions outside of their own bounds.
+        this.#least[k] = Math.min(this.#least[k], k < 3 ? floatBelow(value) : value);
+        this.#greatest[k] = Math.max(this.#greatest[k], k < 3 ? floatAbove(value) : value);
       }
     }
   }

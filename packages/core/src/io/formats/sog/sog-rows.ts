@@ -1,8 +1,11 @@
 import { SplatFileError } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { originOfSamples } from '../../../data/packing/origin.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { FIRST_MODE, POSITION_STEPS } from './sog-layout.ts';
+import type { SogMeta } from './sog-meta.ts';
 import { labelsOf, paletteEntries, type SogUnit } from './sog-palette.ts';
 
 /** Each byte of a rotation as a component, from −√½ to √½. */
@@ -15,10 +18,11 @@ type Decode = DecodedRows['decode'];
  * Decodes the splats of a SOG.
  *
  * @param shDegree of the rows, perhaps higher than that of the file; 0 for rows without harmonics.
+ * @param origin that positions of rows are relative to.
  */
-export function sogRows(unit: SogUnit, shDegree: ShDegree): Decode {
+export function sogRows(unit: SogUnit, shDegree: ShDegree, origin: Vec3): Decode {
   const length = rowLength(shDegree);
-  const putGeometry = geometryOf(unit);
+  const putGeometry = geometryOf(unit, origin);
   const harmonics = shDegree > 0 ? unit.images.harmonics : null;
   const palette = harmonics && paletteEntries(unit);
   const labels = harmonics && labelsOf(unit);
@@ -43,10 +47,10 @@ export function sogRows(unit: SogUnit, shDegree: ShDegree): Decode {
   };
 }
 
-/** Decodes the splats of a SOG with a palette, with its index for the harmonics of each. */
-export function sogRowsOfPalette(unit: SogUnit): Decode {
+/** As `sogRows`, of a SOG with a palette, with its index for the harmonics of each splat. */
+export function sogRowsOfPalette(unit: SogUnit, origin: Vec3): Decode {
   const length = ROW_SLOT.harmonics + 1;
-  const putGeometry = geometryOf(unit);
+  const putGeometry = geometryOf(unit, origin);
   const labels = labelsOf(unit);
   let next = 0;
   return (rows, rowCount) => {
@@ -58,11 +62,11 @@ export function sogRowsOfPalette(unit: SogUnit): Decode {
 }
 
 /** Returns a function that writes all but a splat's harmonics into the row from `row` on. */
-function geometryOf(unit: SogUnit) {
+function geometryOf(unit: SogUnit, origin: Vec3) {
   const { file, meta, images } = unit;
   const { positions, logScales, colors: colorValues } = meta;
   const { positionsLow, positionsHigh, rotations, scales, colors } = images;
-  const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis]));
+  const [x, y, z] = positions.mins.map((min, axis) => new Axis(min, positions.maxs[axis], origin[axis]));
   const [scaleX, scaleY, scaleZ] = logScales;
   const [reds, greens, blues, logits] = colorValues;
   return (rows: Float32Array, row: number, splat: number): void => {
@@ -102,21 +106,36 @@ function geometryOf(unit: SogUnit) {
 class Axis {
   readonly #min: number;
   readonly #step: number;
+  readonly #origin: number;
   readonly #values = new Float32Array(POSITION_STEPS + 1).fill(Number.NaN);
 
-  /** @param min and `max`: of sign(v) ln(|v| + 1) */
-  constructor(min: number, max: number) {
+  /**
+   * @param min and `max`: of sign(v) ln(|v| + 1)
+   * @param origin that coordinates are relative to. Far from 0, float32 has coarser steps than files.
+   */
+  constructor(min: number, max: number, origin: number) {
     this.#min = min;
+    this.#origin = origin;
     this.#step = (max - min) / POSITION_STEPS;
   }
 
   at(step: number): number {
     const value = this.#values[step];
     if (!Number.isNaN(value)) return value;
-    const n = this.#min + this.#step * step;
-    this.#values[step] = Math.sign(n) * Math.expm1(Math.abs(n));
+    this.#values[step] = coordinateOf(this.#min + this.#step * step) - this.#origin;
     return this.#values[step];
   }
+}
+
+/** The point amid the bounds of SOGs that lie far from 0; 0, 0, 0 if they do not. */
+export function originOfSogs(metas: readonly SogMeta[]): Vec3 {
+  const corners = metas.flatMap(({ positions: { mins, maxs } }) => [...mins, ...maxs]);
+  return originOfSamples(Float64Array.from(corners, coordinateOf));
+}
+
+/** The coordinate of which this is sign(v) ln(|v| + 1). */
+function coordinateOf(stored: number): number {
+  return Math.sign(stored) * Math.expm1(Math.abs(stored));
 }
 
 function modeError(file: string, row: number, mode: number): SplatFileError {

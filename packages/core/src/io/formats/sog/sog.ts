@@ -21,7 +21,7 @@ import {
 } from './sog-images.ts';
 import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 import { joinPalettes, paletteEntries, type SogUnit } from './sog-palette.ts';
-import { sogRows, sogRowsOfPalette } from './sog-rows.ts';
+import { originOfSogs, sogRows, sogRowsOfPalette } from './sog-rows.ts';
 
 /** A SOG whose images are being decoded. */
 interface OpenedUnit extends OpenedImages {
@@ -123,11 +123,12 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
   const whenDecoded = Promise.all(units.map(keepDecoded));
   // Who asks for rows hears of it.
   whenDecoded.catch(() => {});
+  const origin = originOfSogs(units.map(({ meta }) => meta));
   const parts = units.map(({ meta: { count, isAntialiased } }, i) => ({
     count,
     shDegree,
     isAntialiased,
-    decode: madeLater(() => sogRows(decoded[i], shDegree)),
+    decode: madeLater(() => sogRows(decoded[i], shDegree, origin)),
   }));
   const rows = joinedRows(parts);
   const [{ meta, paletteSize }] = units;
@@ -135,6 +136,8 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
   const isShared = units.length === 1 && shDegree > 0 && paletteSize > 0 && paletteSize < rows.count;
   return {
     ...rows,
+    // Rows near 0 are the file's own; those of several files may yet have an origin in common.
+    ...(origin.some((value) => value !== 0) && { origin }),
     fileFacts: { format: 'sog', variant: String(meta.version), ...(notes.length > 0 && { notes }) },
     // The sink makes room for the rows while images are decoded.
     arrive: async () => {
@@ -145,7 +148,7 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
         entryCount: paletteSize,
         entryValues: coefficientsPerSplat(shDegree),
         values: () => paletteEntries(decoded[0]),
-        decode: madeLater(() => sogRowsOfPalette(decoded[0])),
+        decode: madeLater(() => sogRowsOfPalette(decoded[0], origin)),
       },
     }),
   };
