@@ -1,4 +1,5 @@
 import { readFileSync } from 'node:fs';
+import type { SplatSet } from '@websplatter/core';
 import { writeSplats } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
 import { gltfOfOneSplat, runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
@@ -142,3 +143,40 @@ test('a file that ends too early is named with the place', async () => {
   expect(status).toBe(2);
   expect(err).toMatch(/cut\.ply: .*\(.*(row|byte) \d+.*\)\n$/);
 });
+
+test('the step of positions is told, beside the size of splats', async () => {
+  const folder = new TestFolder();
+  const { out } = await runMain('info', folder.scene());
+  expect(out).toMatch(/^position step +1\.2e-7, 6e-7 of the median size of splats, 0\.2$/m);
+  const infoOf = async (set: SplatSet) =>
+    JSON.parse((await runMain('info', folder.scene('far.ply', set), '--json')).out);
+  const far = farSplats([5e5, 5.3e6, 700]);
+  // With one failed point, which counts for nothing.
+  far.positions.set([-5e5, -5.3e6, -700], 15);
+  const wide = await infoOf(far);
+  for (const [axis, value] of [5e5, 5.3e6, 700].entries())
+    expect(Math.abs(wide.origin[axis] - value)).toBeLessThan(2);
+  expect(wide.positionStep).toBeLessThan(2.4e-7);
+  expect(wide.medianSize).toBeCloseTo(Math.exp(-3), 6);
+  // Positions in float32 have no finer steps than the file, wherever their origin is.
+  const rounded = farSplats([0, 0, 0]);
+  for (let i = 0; i < rounded.positions.length; i++) rounded.positions[i] += [5e5, 5.3e6, 700][i % 3];
+  const narrow = await infoOf(rounded);
+  expect(narrow.origin[1]).toBeGreaterThan(5.2e6);
+  expect(narrow.positionStep).toBe(0.5);
+});
+
+/** Forty flat splats within 2 m around a point. */
+function farSplats(origin: SplatSet['origin']): SplatSet {
+  const count = 40;
+  return {
+    ...{ count, origin, dropped: {} },
+    positions: Float32Array.from({ length: 3 * count }, (_, i) => ((i * 7) % 11) / 6),
+    logScales: Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 2 ? -9 : -3)),
+    rotations: Float32Array.from({ length: 4 * count }, (_, i) => Number(i % 4 === 0)),
+    opacityLogits: new Float32Array(count),
+    colorDc: new Float32Array(3 * count),
+    harmonics: { degree: 0, coefficients: new Float32Array() },
+    fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
+  };
+}

@@ -30,6 +30,9 @@ export interface SceneInfo {
   readonly bounds: { readonly min: Vec3; readonly max: Vec3 };
   /** Point that stored positions are relative to. */
   readonly origin: readonly [number, number, number];
+  /** See `PieceFacts`. */
+  readonly positionStep: number;
+  readonly medianSize: number;
   /** Degree of the file. */
   readonly shDegree: ShDegree;
   /** Highest degree whose effect can be seen: bands up to it are stored on the GPU and drawn. */
@@ -79,6 +82,8 @@ async function describeScene(source: SceneSource): Promise<SceneInfo> {
     count: facts.count,
     bounds: facts.bounds,
     origin: facts.origin,
+    positionStep: facts.positionStep,
+    medianSize: facts.medianSize,
     shDegree: declaredShDegree,
     trueShDegree,
     shBands: energy.bands().map((band, i) => ({ ...band, reach: shBandReach[i] })),
@@ -93,6 +98,13 @@ async function describeScene(source: SceneSource): Promise<SceneInfo> {
 
 function shDegreeText({ shDegree, trueShDegree }: SceneInfo): string {
   return trueShDegree === shDegree ? String(shDegree) : `${shDegree}, seen up to ${trueShDegree}`;
+}
+
+/** How fine positions are, beside the splats. */
+function stepText({ positionStep, medianSize }: SceneInfo): string {
+  const [step, size] = [positionStep, medianSize].map((value) => Number(value.toPrecision(2)));
+  if (!(medianSize > 0)) return `${step}`;
+  return `${step}, ${Number((positionStep / medianSize).toPrecision(2))} of the median size of splats, ${size}`;
 }
 
 function fileRows({ file, isAntialiased }: SceneInfo): [string, string][] {
@@ -120,6 +132,7 @@ function table(found: SceneInfo): string {
     ['bounds min', point(found.bounds.min)],
     ['bounds max', point(found.bounds.max)],
     ['origin', point(found.origin)],
+    ['position step', stepText(found)],
     ['SH degree', shDegreeText(found)],
     ...(found.paletteEntries
       ? ([['SH palette', `${found.paletteEntries.toLocaleString('en')} entries`]] as [string, string][])

@@ -1,4 +1,6 @@
+import { floatStep } from '../../data/math/float-step.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
+import { selectValue } from '../../data/math/select-value.ts';
 import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
@@ -10,6 +12,9 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
+
+/** Part of the splats of which a step is told. */
+const BULK = 9 / 10;
 
 /** Facts about the splats of a file, of which some pieces have come. */
 export class PieceFacts {
@@ -24,8 +29,9 @@ export class PieceFacts {
   readonly #sample = new PositionSample();
   #isWide = false;
 
-  add({ count, positions, origin, harmonics, dropped, isAntialiased, fileFacts }: SplatSet<Harmonics>): void {
-    this.#sample.addAll(positions, count, origin, this.count);
+  add(piece: SplatSet<Harmonics>): void {
+    const { count, positions, logScales, origin, harmonics, dropped, isAntialiased, fileFacts } = piece;
+    this.#sample.addAll(positions, count, origin, this.count, logScales);
     this.#isWide ||= origin.some((value) => value !== 0);
     this.count += count;
     this.shDegree = harmonics.degree;
@@ -42,5 +48,31 @@ export class PieceFacts {
   /** Point that positions of all pieces together would be relative to. */
   get origin(): Vec3 {
     return chooseOrigin(this.#sample.axes, this.bounds, this.#isWide);
+  }
+
+  /** Whether positions of a piece are relative to an origin, and so may be finer than float32. */
+  get isWide(): boolean {
+    return this.#isWide;
+  }
+
+  /** Median size of the splats, as standard deviation in scene units: see `splatSize`. */
+  get medianSize(): number {
+    return this.#sample.medianSize;
+  }
+
+  /**
+   * Distance of neighbouring positions that float32 tells apart, in scene units: nine of ten splats
+   * lie where steps are as fine, or finer. Steps are those of the file if all of its positions are
+   * float32 numbers, and else those about `origin`. 0 without splats.
+   */
+  get positionStep(): number {
+    const { origin } = this;
+    const axes = this.#sample.axes;
+    const isFloat32 = axes.every((values) => values.every((value) => Math.fround(value) === value));
+    const places = isFloat32 ? axes : axes.map((values, k) => values.map((value) => value - origin[k]));
+    const steps = Float64Array.from(axes[0], (_, i) =>
+      floatStep(Math.max(...places.map((p) => Math.abs(p[i])))),
+    );
+    return steps.length > 0 ? selectValue(steps, Math.ceil(BULK * steps.length) - 1) : 0;
   }
 }

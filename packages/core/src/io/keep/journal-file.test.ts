@@ -22,7 +22,7 @@ const ENTRIES: readonly JournalEntry[] = [
     ],
     bounds: [{ min: [-0, -1, -2.5], max: [0, 1, 1 / 3] }],
     told: [null, true],
-    sample: Float64Array.of(7, 1e6 + 0.1, -0, 2 ** -40),
+    sample: Float64Array.of(7, 1e6 + 0.1, -0, 2 ** -40, 0.1),
   },
   { kind: 'divided', depth: 1, first: 12, sizes: [4, 5, 0] },
   {

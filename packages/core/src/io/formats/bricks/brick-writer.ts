@@ -229,7 +229,7 @@ export class BrickWriter {
   async add(set: SplatSet<Harmonics>): Promise<void> {
     const file = await this.#openArrived();
     if (set.count > 0) this.#told.add(set.isAntialiased);
-    this.#sample.addAll(set.positions, set.count, set.origin, this.#count);
+    this.#sample.addAll(set.positions, set.count, set.origin, this.#count, set.logScales);
     for (let from = 0; from < set.count; from += SLICE_SPLATS) {
       this.#signal?.throwIfAborted();
       const slice = sliceOf(set, from, Math.min(set.count, from + SLICE_SPLATS));
