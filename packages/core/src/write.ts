@@ -21,12 +21,14 @@ export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-
 export { taskBuffers as brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';
+export type { PartAddress } from './io/formats/sog/image-addresses.ts';
 export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
 export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-format.ts';
 export {
   canWritePieces,
   openBrickWriter,
   runBrickTask,
+  sogImageAddresses,
   writeSplatPieces,
   writeSplats,
 } from './io/formats/writers.ts';

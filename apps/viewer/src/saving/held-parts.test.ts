@@ -53,23 +53,60 @@ test('files are held as they came, by their titles and names', async () => {
   ]);
 });
 
-test('a SOG on a server is held with its images', async () => {
-  const meta = JSON.stringify({
-    means: { mins: [0], files: ['m_l.webp', 'm_u.webp'] },
-    shN: { files: ['s.webp'] },
+/** Metadata of a SOG with these images, and more. */
+function metaOf(means: readonly string[], more: object = {}): string {
+  const codebook = Array(256).fill(0);
+  return JSON.stringify({
+    version: 2,
+    count: 1,
+    means: { mins: [0, 0, 0], maxs: [1, 1, 1], files: means },
+    scales: { codebook, files: ['scales.webp'] },
+    quats: { files: ['quats.webp'] },
+    sh0: { codebook, files: ['sh0.webp'] },
+    ...more,
   });
-  serve({ 'room/meta.json': meta, 'room/m_l.webp': 'l', 'room/m_u.webp': 'u', 'room/s.webp': 's' });
+}
+
+const IMAGES = ['scales.webp', 'quats.webp', 'sh0.webp'];
+
+test('a SOG on a server is held with its images', async () => {
+  const meta = metaOf(['m_l.webp', 'm_u.webp']);
+  const names = ['m_l.webp', 'm_u.webp', 'quats.webp', 'scales.webp', 'sh0.webp'];
+  serve({ 'room/meta.json': meta, ...Object.fromEntries(names.map((name) => [`room/${name}`, name])) });
   expect(await texts(url('room/meta.json'))).toEqual([
-    {
-      title: 'room',
-      files: [
-        ['meta.json', meta],
-        ['m_l.webp', 'l'],
-        ['m_u.webp', 'u'],
-        ['s.webp', 's'],
-      ],
-    },
+    { title: 'room', files: [['meta.json', meta], ...names.map((name) => [name, name])] },
   ]);
+});
+
+test('of a SOG on a server only what the engine reads is fetched', async () => {
+  const fetched: string[] = [];
+  const serveMeta = (meta: string) => {
+    fetched.length = 0;
+    vi.stubGlobal('fetch', async (address: URL) => {
+      fetched.push(String(address));
+      return new Response(String(address).endsWith('.json') ? meta : 'image');
+    });
+  };
+  const others = ['https://evil.example/x', '../secret', '/private', 'other.webp'];
+  serveMeta(metaOf(['l.webp', 'u.webp'], { files: others, extra: { deep: { files: others } } }));
+  const [{ files }] = await read(url('room/meta.json'));
+  const expected = ['meta.json', 'l.webp', 'u.webp', ...IMAGES].sort();
+  expect(files.map(({ path }) => path).sort()).toEqual(expected);
+  expect(fetched.toSorted()).toEqual(expected.map((name) => `https://example.org/room/${name}`).sort());
+  for (const outside of [
+    ...others.slice(0, 3),
+    '..\\secret',
+    '%2e%2e/secret',
+    'http:evil.example',
+    '.\t./x',
+  ]) {
+    serveMeta(metaOf([outside, 'u.webp']));
+    await expect(read(url('room/meta.json'))).rejects.toMatchObject({
+      name: 'Error',
+      advice: expect.any(String),
+    });
+    expect(fetched).toEqual(['https://example.org/room/meta.json']);
+  }
 });
 
 test('scenes that no page can hold are refused, with what to do', async () => {

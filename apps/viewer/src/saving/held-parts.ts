@@ -1,3 +1,4 @@
+import { type PartAddress, sogImageAddresses } from '@websplatter/core/write';
 import { baseName, formatBytes } from '../formatting/format.ts';
 import { type SceneSource, titleOf } from '../scene/scene-source.ts';
 import type { HeldFile, HeldPart } from '../scene-page/page-text.ts';
@@ -49,6 +50,11 @@ export async function readParts(
   return parts;
 }
 
+interface FetchedFile extends HeldFile {
+  /** The address that answered. */
+  readonly url: string;
+}
+
 async function filesOf(
   source: SceneSource,
   mostBytes: number,
@@ -83,29 +89,31 @@ async function fetchFiles(url: URL, mostBytes: number, options: ReadPartsOptions
     );
   const first = await fetchFile(url, mostBytes, options);
   if (!/\.json$/i.test(name)) return [first];
-  const files = [first];
+  // Archives are read by this name.
+  const files: HeldFile[] = [{ ...first, path: 'meta.json' }];
   let leftBytes = mostBytes - first.bytes.size;
-  for (const path of listedFiles(JSON.parse(await first.bytes.text()))) {
-    const { bytes } = await fetchFile(new URL(path, url), leftBytes, options);
+  for (const { path, url: partUrl } of await imagesOf(first)) {
+    const { bytes } = await fetchFile(new URL(partUrl), leftBytes, options);
     leftBytes -= bytes.size;
     files.push({ path, bytes });
   }
   return files;
 }
 
-/** Names of the images of a SOG, which its meta.json lists by what they hold. */
-function listedFiles(meta: unknown): string[] {
-  if (typeof meta !== 'object' || meta === null) return [];
-  return Object.entries(meta).flatMap(([name, value]) =>
-    name === 'files' && Array.isArray(value) ? value.map(String) : listedFiles(value),
-  );
+/** The images of a SOG: the files that the engine has read, and no others that its metadata may name. */
+async function imagesOf({ path, bytes, url }: FetchedFile): Promise<PartAddress[]> {
+  try {
+    return await sogImageAddresses(new Uint8Array(await bytes.arrayBuffer()), url);
+  } catch (error) {
+    throw notRead(path, error);
+  }
 }
 
 async function fetchFile(
   url: URL,
   mostBytes: number,
   { kind, signal, onPart }: ReadPartsOptions,
-): Promise<HeldFile> {
+): Promise<FetchedFile> {
   const name = baseName(url.href);
   onPart(undefined);
   const response = await fetch(url, { signal }).catch((error: unknown) => {
@@ -131,7 +139,7 @@ async function fetchFile(
     signal.throwIfAborted();
     throw error instanceof PageRefusal ? error : notRead(name, error);
   }
-  return { path: name, bytes: new Blob(pieces) };
+  return { path: name, bytes: new Blob(pieces), url: response.url || url.href };
 }
 
 function notRead(name: string, reason: unknown): PageRefusal {

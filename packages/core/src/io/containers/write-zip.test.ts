@@ -24,3 +24,9 @@ test('files come back by their names', async () => {
 test('an archive without files', () => {
   expect(readZipDirectory(zipFiles({}), 'a.zip')).toEqual([]);
 });
+
+test.each(['../a', '/a', 'a/..', 'a\\..\\..\\b', 'C:a', 'a\0'])('a file at %j is refused', (path) => {
+  expect(() => zipFiles({ 'meta.json': new Uint8Array(0), [path]: new Uint8Array(1) })).toThrow(
+    "which may lie outside of the archive's folder",
+  );
+});

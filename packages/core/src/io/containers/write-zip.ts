@@ -1,3 +1,6 @@
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { shown } from '../../data/printable.ts';
+import { isInnerPath } from '../sources/inner-path.ts';
 import { crc32 } from './crc32.ts';
 import { DIRECTORY_END, DIRECTORY_ENTRY, LOCAL_HEADER, STORED } from './zip-format.ts';
 
@@ -12,9 +15,15 @@ const DATE = (1 << 5) | 1;
  * Puts files into a zip archive, as they are: none is packed.
  *
  * @param files By path, with folders by `/`; at most 65,534, and less than 4 GiB in all.
- * @throws RangeError if no ArrayBuffer can be that large
+ * @throws InvalidArgumentError 'files' for a path that may lead out of the folder where the archive
+ *   is unpacked; RangeError if no ArrayBuffer can be that large
  */
 export function zipFiles(files: Readonly<Record<string, Uint8Array>>): Uint8Array<ArrayBuffer> {
+  const outer = Object.keys(files).find((path) => !isInnerPath(path));
+  if (outer !== undefined) {
+    const message = `files has "${shown(outer)}", which may lie outside of the archive's folder; give it another path.`;
+    throw new InvalidArgumentError('files', message);
+  }
   const entries = Object.entries(files).map(([path, bytes]) => ({
     name: new TextEncoder().encode(path),
     bytes,

@@ -1,14 +1,12 @@
 import { SplatFileError } from '../../data/errors.ts';
 import { shown } from '../../data/printable.ts';
 import { FewRequests } from '../sources/few-requests.ts';
+import { isInnerPath } from '../sources/inner-path.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { openPart, readOpenedPart } from '../sources/read-part.ts';
 import type { UncheckedBytes } from '../sources/splat-source.ts';
 import type { ReadProgress } from './progress.ts';
 import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
-
-/** Far above the limit of any file system, and short enough for a message. */
-const MOST_PATH = 1024;
 
 /** A file whose bytes may turn out to be wrong. */
 export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {
@@ -78,7 +76,7 @@ export class PartReader {
 
 /** @throws SplatFileError 'damaged' unless a path stays within the folder of its scene. */
 export function checkPath(path: string, scene: string): void {
-  if (path.length <= MOST_PATH && !path.split('/').some((part) => /^\.{0,2}$/.test(part))) return;
+  if (isInnerPath(path)) return;
   const message = `it names a file "${shown(path)}", which may lie outside of its folder. Export the scene again.`;
   throw new SplatFileError('damaged', scene, message);
 }

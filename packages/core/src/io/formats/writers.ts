@@ -6,6 +6,7 @@ import { givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { BrickResult, BrickTask, PackZlib } from './bricks/brick-tasks.ts';
 import type { BrickWriter, BrickWriterOptions } from './bricks/brick-writer.ts';
+import type { PartAddress } from './sog/image-addresses.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } from './write-format.ts';
 
@@ -38,6 +39,24 @@ export async function writeSplats(
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[pathOf(formatName)]();
   return write(set, options);
+}
+
+/**
+ * Addresses of the images of a SOG that was fetched: those that reading it fetches, which all lie in
+ * its folder. For programs that keep a scene as it came, by `zipFiles` say.
+ *
+ * Rejects with SplatFileError if it is no metadata of a SOG, or names files out of its folder.
+ *
+ * @param meta bytes of its `meta.json`.
+ * @param address the absolute one that answered with them.
+ * @example
+ * const response = await fetch('https://example.org/room/meta.json');
+ * const meta = new Uint8Array(await response.arrayBuffer());
+ * const images = await sogImageAddresses(meta, response.url);
+ */
+export async function sogImageAddresses(meta: Uint8Array, address: string): Promise<PartAddress[]> {
+  const { imageAddresses } = await import('./sog/image-addresses.ts');
+  return imageAddresses(meta, address);
 }
 
 /** A writer of scenes of any size in bricks, whose code is fetched first. See `BrickWriter`. */

@@ -70,11 +70,11 @@ function openFetched(
 }
 
 /**
- * Address of another file of a scene that was fetched. Parts come from the origin of the scene:
+ * Address of another file of a scene that was fetched. Parts come from the folder of the scene:
  * credentials go with them.
  *
  * @param path from the folder of `input`.
- * @throws SplatFileError 'missing-part' for scenes that were not fetched, and other origins.
+ * @throws SplatFileError 'missing-part' for scenes that were not fetched, and other folders.
  */
 export function fetchedPart(
   { name, fetched }: Pick<SplatInput, 'name' | 'fetched'>,
@@ -85,9 +85,10 @@ export function fetchedPart(
     throw missing(`it needs ${path}, another file. Open all files of the scene together, or its address.`);
   const { url: base, request } = fetched;
   const url = URL.canParse(path, base) ? new URL(path, base) : null;
-  if (url?.origin !== new URL(base).origin) {
-    const advice = 'Put all files of the scene together';
+  const advice = 'Put all files of the scene together';
+  if (url?.origin !== new URL(base).origin)
     throw missing(`it needs ${shortName(path)}, which lies on another server. ${advice}.`);
-  }
+  if (!url.href.startsWith(new URL('.', base).href))
+    throw missing(`it needs ${shortName(path)}, which lies outside of its folder. ${advice}.`);
   return { url: url.href, request };
 }
