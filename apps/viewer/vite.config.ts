@@ -145,7 +145,8 @@ function serveLab(): Plugin {
         configFile,
         base,
         cacheDir: `${repositoryRoot}/node_modules/.vite-lab`,
-        server: { middlewareMode: true, hmr: false },
+        // Without `ws`, its web socket would listen on all of the machine's addresses.
+        server: { middlewareMode: true, hmr: false, ws: false },
       });
       httpServer?.once('close', () => lab.close());
       middlewares.use((request, response, next) =>
