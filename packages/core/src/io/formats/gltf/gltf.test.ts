@@ -3,6 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { SplatFileError } from '../../../data/errors.ts';
 import { type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { expectSamePicture } from '../../../testing/expect-same-picture.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import {
   type AnyJson,
@@ -109,6 +110,23 @@ describe('reads', () => {
     const found = await read(glbBytes(gltfOf(attributes)));
     expect([...coefficientsOf(found)]).toEqual([...set.harmonics.coefficients]);
     expect(found.fileFacts?.notes).toEqual(['Its harmonics of degree 4 are left out.']);
+  });
+
+  test('the words that drafts had, and what they left out', async () => {
+    const fixture = gltfOf(splatAttributes(randomSplats({ count: 20, shDegree: 1, halfExtent: 0.5 })));
+    const own = fixture.json.meshes[0].primitives[0].extensions;
+    const expected = await read(glbBytes(fixture));
+    for (const words of [
+      { kernel: 'ellipse', colorSpace: 'BT.709-sRGB', projection: 'perspective' },
+      { kernel: 'ellipse', colorSpace: 'BT.709-srgb', sortingMethod: 'cameraDistance' },
+      { colorSpace: 'BT.709' },
+      {},
+    ]) {
+      own[SPLATTING] = words;
+      const found = await read(glbBytes(fixture));
+      expect(found).toEqual(expected);
+      expectSamePicture(found, expected, 100);
+    }
   });
 
   test.each([
@@ -445,13 +463,19 @@ describe('files that are refused', () => {
       (json) => (json.nodes[0].matrix = [1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1]),
     ],
     ['bad-property', /mode of meshes\[0\]\.primitives\[0\] is 4/, (json) => (primitiveOf(json).mode = 4)],
-    ['bad-property', /kernel of .* is undefined/, (json) => delete extensionOf(json).kernel],
+    ['bad-property', /kernel of .* is null/, (json) => (extensionOf(json).kernel = null)],
     ['bad-property', /kernel of .* is box/, (json) => (extensionOf(json).kernel = 'box')],
     [
       'bad-property',
-      /colorSpace .* is lin_rec709_display; only srgb_rec709_display can/,
+      /colorSpace .* is lin_rec709_display; only srgb_rec709_display or BT\.709-sRGB or .* can/,
       (json) => (extensionOf(json).colorSpace = 'lin_rec709_display'),
     ],
+    [
+      'bad-property',
+      /colorSpace .* is BT\.709-linear; only srgb_rec709_display/,
+      (json) => (extensionOf(json).colorSpace = 'BT.709-linear'),
+    ],
+    ['bad-property', /is Display-P3/, (json) => (extensionOf(json).colorSpace = 'Display-P3')],
     ['bad-property', /projection/, (json) => (extensionOf(json).projection = 'fisheye')],
     ['bad-property', /sortingMethod/, (json) => (extensionOf(json).sortingMethod = 'none')],
     [

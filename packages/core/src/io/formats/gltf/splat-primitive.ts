@@ -13,18 +13,17 @@ const POINTS = 0;
 const BY_DISTANCE = 'cameraDistance';
 
 /**
- * Values that are drawn as they are meant. `lin_rec709_display` is not: its splats must be blended
- * before they are encoded for the display, and a renderer that blends encoded colours cannot make
- * up for that in those of single splats.
+ * Values that are drawn as they are meant, today's word first; the others are of drafts, in which
+ * the first is also the default of each. `lin_rec709_display`, BT.709-linear in drafts, is not: its
+ * splats must be blended before they are encoded for the display, and a renderer that blends encoded
+ * colours cannot make up for that in those of single splats.
  */
 const VALUES_READ: Readonly<Record<string, readonly string[]>> = {
   kernel: ['ellipse'],
-  colorSpace: ['srgb_rec709_display'],
+  colorSpace: ['srgb_rec709_display', 'BT.709-sRGB', 'BT.709-srgb', 'BT.709'],
   projection: ['perspective'],
-  // The second is of a draft.
   sortingMethod: [BY_DISTANCE, 'zDepth'],
 };
-const OPTIONAL: readonly string[] = ['projection', 'sortingMethod'];
 
 /** Splats of a primitive; their rows can be read any number of times. */
 export interface SplatPrimitive {
@@ -66,12 +65,8 @@ export async function splatPrimitiveOf(
   }
   const [compression, spz] =
     Object.entries(objectOf(extension.extensions)).find(([name]) => SPZ_COMPRESSIONS.includes(name)) ?? [];
-  for (const [property, read] of Object.entries(VALUES_READ)) {
-    // The draft of the compression leaves out properties that the extension requires.
-    const isOptional = OPTIONAL.includes(property) || compression !== undefined;
-    if (!(isOptional && extension[property] === undefined))
-      checkValue(json, extension, property, read, element);
-  }
+  for (const [property, read] of Object.entries(VALUES_READ))
+    checkValue(json, extension, property, read, element);
   const { sortBy } = objectOf(objectOf(extension.extras)[OWN_EXTRAS]);
   const isSortedByDistance = (extension.sortingMethod ?? BY_DISTANCE) === BY_DISTANCE && sortBy !== BY_DEPTH;
   if (compression) return spzPrimitiveOf(buffers, objectOf(spz), element, isSortedByDistance);
@@ -123,7 +118,7 @@ function checkValue(
   element: string,
 ): void {
   const value = extension[property];
-  if (typeof value === 'string' && read.includes(value)) return;
+  if (value === undefined || (typeof value === 'string' && read.includes(value))) return;
   const message = `${property} of ${element} is ${shown(value)}; only ${read.join(' or ')} can be drawn as meant.`;
   throw json.error('bad-property', message, { element, property });
 }
