@@ -62,7 +62,7 @@ const HOST_MUTATIONS: readonly HostMutation[] = [
   {
     remedy: 'positions are rounded to float32 about an origin',
     module: '../../core/src/data/packing/origin.ts',
-    replace: () => ({ chooseOrigin: () => [0, 0, 0] }),
+    replace: () => ({ originOfSamples: () => [0, 0, 0] }),
     caseName: 'placement-node-far',
   },
   {
