@@ -218,7 +218,10 @@ describe('radix sort', () => {
           );
           const lower = Uint32Array.from({ length: count }, (_, i) => random() * (i % 2 ? 4 : 2 ** 32));
           const order = await sortOnGpu(lower, shape, count + 17, row, upper);
-          expect(order).toEqual(radixSort(lower, { ...shape, blockKeys }, upper));
+          const expected = radixSort(lower, { ...shape, blockKeys }, upper);
+          // Vitest runs out of memory where it shows two long lists that differ.
+          const place = order.findIndex((index, i) => index !== expected[i]);
+          expect(place, `${count} keys in blocks of ${blockKeys}: first place that differs`).toBe(-1);
         }
       }
     });
