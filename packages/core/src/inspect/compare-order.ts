@@ -71,9 +71,11 @@ async function narrowOrderFlaws(frame: InspectedFrame): Promise<(string | null)[
  */
 export function orderFlaw(keys: ArrayLike<number> | readonly KeyBounds[], order: Uint32Array): string | null {
   if (order.length !== keys.length) return `${order.length} places for ${keys.length} keys`;
-  const bounds = Array.from<number | KeyBounds, KeyBounds>(keys, (key) =>
-    typeof key === 'number' ? { least: key, most: key } : key,
-  );
+  // One at a time: bounds of all keys would fill the heap where millions are sorted.
+  const boundsOf = (index: number): KeyBounds => {
+    const key = keys[index];
+    return typeof key === 'number' ? { least: key, most: key } : key;
+  };
   const seen = new Uint8Array(keys.length);
   /** The place before with the key that is surely the largest, the last of equal ones. */
   let last = -1;
@@ -81,13 +83,13 @@ export function orderFlaw(keys: ArrayLike<number> | readonly KeyBounds[], order:
     if (index >= keys.length || seen[index])
       return `order: place ${place} holds ${index}, which is out of range or a duplicate`;
     seen[index] = 1;
-    const key = bounds[index];
+    const key = boundsOf(index);
     const before = order[last];
-    const { least, most } = bounds[before] ?? NO_KEY;
+    const { least, most } = last < 0 ? NO_KEY : boundsOf(before);
     const isSure = key.least === key.most;
     const isSame = isSure && least === most && least === key.least;
     if (key.most < least || (isSame && index < before))
-      return `order: place ${last} holds key ${named(bounds[before])} (of ${before}), place ${place} holds ${named(key)} (of ${index})`;
+      return `order: place ${last} holds key ${named(boundsOf(before))} (of ${before}), place ${place} holds ${named(key)} (of ${index})`;
     if (key.least > least || (key.least === least && isSure)) last = place;
   }
   return null;
