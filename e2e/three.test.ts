@@ -830,6 +830,13 @@ describe('three 0.187', () => {
       expect([mostHeld, left]).toEqual([2, 0]);
     });
 
+    test('are picked, and ready for rays, within a few frames of a loop that never waits', async () => {
+      const { isFound, ...frames } = await run('framesUntilAnswers', 100);
+      expect(isFound).toBe(true);
+      // Three wait for the GPU; shaders, a worker and each answer take some more.
+      for (const count of Object.values(frames)) expect(count, JSON.stringify(frames)).toBeLessThan(20);
+    });
+
     test('are picked exactly, and hit by rays at about the same place', async () => {
       const { pick, otherCloud, nothing, ray } = await run('pickAndRaycast');
       expect(pick).toMatchObject({ splatIndex: 1, isOwn: true });

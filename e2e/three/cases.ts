@@ -1314,6 +1314,50 @@ export const cases = {
     };
   },
 
+  /**
+   * Frames of a loop that nothing but the GPU holds back until the answers of `pick` and
+   * `prepareRays`: of a canvas that is not on the screen. At most `most` are counted.
+   */
+  framesUntilAnswers: async (most: number) => {
+    const widthPx = 128;
+    const renderer = await makeRenderer({});
+    renderer.domElement.remove();
+    renderer.setSize(widthPx, widthPx, false);
+    const { scene, camera } = newScene();
+    const file = new Blob([encodePly(splatSet(manySplats(8000))) as BlobPart]);
+    const data = await new SplatLoader().detectSupport(renderer).loadAsync(file);
+    const cloud = new SplatCloudObjectClass(data);
+    scene.add(cloud);
+    let frames = 0;
+    const inFrame: ((frame: number) => void)[] = [];
+    const first = new Promise((resolve) => cloud.addEventListener('firstframe', resolve));
+    await renderer.setAnimationLoop(() => {
+      frames++;
+      camera.position.x = 0.3 * Math.sin(frames / 10);
+      renderer.render(scene, camera);
+      for (const listener of inFrame) listener(frames);
+    });
+    const whenFrame = (frame: number) =>
+      new Promise<void>((resolve) => inFrame.push((now) => now >= frame && resolve()));
+    await first;
+    await whenFrame(frames + 40);
+    const framesUntil = async (answer: () => Promise<unknown>) => {
+      const before = frames;
+      await Promise.race([answer(), whenFrame(before + most)]);
+      return frames - before;
+    };
+    const pick = () => cloud.pick(renderer, camera, widthPx / 2, widthPx / 2);
+    const counted = {
+      firstPick: await framesUntil(pick),
+      pick: await framesUntil(pick),
+      prepareRays: await framesUntil(() => data.prepareRays()),
+    };
+    const found = await pick();
+    await renderer.setAnimationLoop(null);
+    await renderer.dispose();
+    return { ...counted, isFound: found !== null };
+  },
+
   stageTimings: async () => {
     const stage = await newStage();
     stage.scene.add(splatCloud({}));

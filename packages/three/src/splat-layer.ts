@@ -33,6 +33,7 @@ import { layerDetail } from './layer-detail.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
 import type { LayerOutputs } from './layer-outputs.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
+import { paceAnimationLoop } from './loop-pace.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
 
@@ -341,6 +342,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
       return drawn && view;
     });
     if (!views.some(Boolean)) return;
+    paceAnimationLoop(renderer, engine.device.queue);
     pass.interrupt((part, encoder) => {
       const view = views[part];
       if (!view) return;
