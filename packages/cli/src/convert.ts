@@ -70,6 +70,8 @@ interface Result {
   readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
   readonly shDegree: ShDegree;
   readonly content: OutputFile['content'];
+  /** What the format does not keep, once the content is written. */
+  readonly losses: () => readonly string[];
   /** To be called once the content is written, or cannot be. */
   end?(): Promise<void>;
 }
@@ -105,7 +107,8 @@ export async function convert(args: readonly string[], console: Console): Promis
           total: 2 * scenes.length,
           label: `reading ${printable(scenes[index].name)}`,
         });
-  const { inputs, set, shDegree, content, end } = await wayOf(scenes, options)(scenes, options, onFraction);
+  const result = await wayOf(scenes, options)(scenes, options, onFraction);
+  const { inputs, set, shDegree, content, end } = result;
   let bytes = 0;
   const counted: PutContent = (put) =>
     putContent(content, (part) => {
@@ -126,7 +129,7 @@ export async function convert(args: readonly string[], console: Console): Promis
     bytes,
     inputBytes: inputs.reduce((sum, input) => sum + input.bytes, 0),
     elapsedMs: performance.now() - startMs,
-    notes: notesOf(inputs, set, options),
+    notes: [...notesOf(inputs, set, options), ...result.losses()],
   };
   for (const note of conversion.notes) console.err(`note: ${note}\n`);
   report(options.json ? `${JSON.stringify(conversion, null, 2)}\n` : line(conversion));
@@ -148,8 +151,10 @@ async function whole(
     inputs.push({ name: scene.name, isBuiltin: scene.isBuiltin, set, bytes });
   }
   const set = edited(mergeSplats(inputs.map((input) => input.set)), options, cropSplats);
-  const content = await writeSplats(set, options.format.name, { onProgress: onFraction });
-  return { inputs, set, shDegree: set.harmonics.degree, content };
+  const losses: string[] = [];
+  const onNote = (note: string) => losses.push(note);
+  const content = await writeSplats(set, options.format.name, { onProgress: onFraction, onNote });
+  return { inputs, set, shDegree: set.harmonics.degree, content, losses: () => losses };
 }
 
 /** How scenes are converted: as a whole, or in pieces where they may be too large to be held. */
@@ -212,6 +217,7 @@ async function inBuckets(
       set: { count: writer.count, isAntialiased: writer.isAntialiased, fileFacts: undefined },
       shDegree,
       content,
+      losses: () => writer.notes,
       end,
     };
   } catch (error) {
@@ -257,10 +263,16 @@ async function inPieces(
     if (now.count !== facts.count)
       throw new SplatSourceError(scene.name, 'it changed while it was read; convert it again');
   };
+  const losses: string[] = [];
+  const onNote = (note: string) => losses.push(note);
+  const writing = { onProgress: onFraction, onNote };
   const content: PutContent = (put) =>
-    writeSplatPieces({ facts, read: readAgain }, options.format.name, { onProgress: onFraction }, put);
+    writeSplatPieces({ facts, read: readAgain }, options.format.name, writing, put);
   const { name, isBuiltin } = scene;
-  return { inputs: [{ name, isBuiltin, set: facts, bytes }], set: facts, shDegree: facts.shDegree, content };
+  return {
+    inputs: [{ name, isBuiltin, set: facts, bytes }],
+    ...{ set: facts, shDegree: facts.shDegree, content, losses: () => losses },
+  };
 }
 
 /** Moved, cropped and simplified, in this order. */

@@ -87,8 +87,7 @@ export class PositionSample {
 
   /** Whether a row is sampled. Rows before may be no more, then. */
   #takes(row: number): boolean {
-    const halvings = halvingsOf(row + 1);
-    if (halvings > this.#halvings) this.#halve(halvings);
+    if (row >= ALL_SAMPLED * 2 ** this.#halvings) this.#halve(halvingsOf(row + 1));
     return isSampled(row, this.#halvings);
   }
 

@@ -10,6 +10,12 @@ export interface WriteOptions {
   readonly signal?: AbortSignal;
   /** Told how much of the work is done, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
+  /**
+   * Told what the format cannot keep of these splats, a sentence each, with figures and what to do:
+   * steps of positions that are coarse beside the splats' sizes, sizes and colours beyond its range,
+   * harmonics below its steps.
+   */
+  readonly onNote?: (note: string) => void;
 }
 
 /**

@@ -38,6 +38,14 @@ const ENTRIES: readonly JournalEntry[] = [
       errors: Uint16Array.of(1, 65_535, 3),
       fragments: [{ first: 4096, words: Uint32Array.of(2 ** 32 - 1) }],
       samples: Float32Array.of(0.1),
+      rounding: {
+        splats: 9,
+        positions: { count: 1, excess: 1.5, worst: 1e-3 },
+        float32Positions: { count: 0, excess: 0, worst: 0 },
+        scales: { count: 0, excess: 0, worst: 0 },
+        colors: { count: 0, excess: 0, worst: 0 },
+        harmonics: { values: 0, changes: 0, count: 0 },
+      },
     },
   },
 ];

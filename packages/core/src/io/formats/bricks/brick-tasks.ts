@@ -5,6 +5,7 @@ import { type Blobs, type Leaves, mergeCell } from '../../../data/bricks/merge-c
 import { CHUNK_WORDS } from '../../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
+import { centerBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf, logScalesOf, maxScaleOf } from '../../../data/packing/chunks.ts';
 import { packGeometry } from '../../../data/packing/geometry.ts';
 import { type Harmonics, type PackedHarmonics, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
@@ -16,9 +17,10 @@ import {
 } from '../../../data/packing/morton-order.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
-import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
+import type { ShDegree, SplatColumns, SplatSet } from '../../../data/splats/splat-set.ts';
 import { Turns } from '../../../data/turns.ts';
 import { packZlib } from '../../containers/pack-gzip.ts';
+import { type Rounding, RoundingMeter } from '../rounding-meter.ts';
 import {
   joinRecords,
   type RecordFacts,
@@ -27,6 +29,7 @@ import {
   recordWords,
   splatsOfRecords,
 } from './brick-records.ts';
+import { POSITION_BITS } from './bricks-layout.ts';
 import { encodeGeometry } from './encode-geometry.ts';
 import { encodeHarmonics } from './encode-harmonics.ts';
 
@@ -42,6 +45,8 @@ const NOTHING = new Uint8Array(0);
 export interface SceneFacts extends RecordFacts {
   readonly frame: MortonFrame;
   readonly splatCount: number;
+  /** Of the splats: see `splatSize`. */
+  readonly medianSize: number;
 }
 
 /** Splats, to be kept as records. */
@@ -126,6 +131,8 @@ interface Results {
     readonly fragments: readonly { readonly first: number; readonly words: Uint32Array<ArrayBuffer> }[];
     /** Positions that robust bounds are taken from. */
     readonly samples: Float32Array<ArrayBuffer>;
+    /** What rounding does to splats of these bricks. */
+    readonly rounding: Rounding;
   };
   readonly blobs: BricksMade;
 }
@@ -221,11 +228,23 @@ async function bricksOfSplats(
     sampled.push(positions[at], positions[at + 1], positions[at + 2]);
   }
   const maker = new BrickMaker(0, degree, chunkCountOf(to - from), pack);
+  const meter = new RoundingMeter(facts.medianSize);
   for (let start = from; start < to; start += BRICK_LEAVES) {
     const stop = Math.min(to, start + BRICK_LEAVES);
-    await maker.addSplats(splatsOfRecords(records, order.subarray(start - first, stop - first), facts));
+    const splats = splatsOfRecords(records, order.subarray(start - first, stop - first), facts);
+    for (let chunk = 0; chunk < splats.count; chunk += CHUNK_SPLATS)
+      measureChunk(splats, chunk, Math.min(splats.count, chunk + CHUNK_SPLATS), meter);
+    await maker.addSplats(splats);
   }
-  return { ...maker.made(), first: from, fragments, samples: Float32Array.from(sampled) };
+  const samples = Float32Array.from(sampled);
+  return { ...maker.made(), first: from, fragments, samples, rounding: meter.rounding };
+}
+
+/** Adds what splats that lie within the same bounds lose. */
+function measureChunk(splats: SplatColumns, from: number, to: number, meter: RoundingMeter): void {
+  const { min, max } = centerBounds(splats.positions.subarray(3 * from), to - from);
+  const step = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / (2 ** POSITION_BITS - 1);
+  for (let i = from; i < to; i++) meter.position(splats, i, step);
 }
 
 async function bricksOfBlobs(task: BlobsTask, pack: PackZlib): Promise<BricksMade> {

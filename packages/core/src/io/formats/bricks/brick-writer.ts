@@ -14,6 +14,7 @@ import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/pac
 import { PositionSample } from '../../../data/packing/position-sample.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { addRounding, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
 import { writeBrickHeader } from './brick-header.ts';
 import {
@@ -71,6 +72,11 @@ const THREAD_BUCKETS = 4;
 /** Bricks of upper levels that are made at once. */
 const TASK_BRICKS = 8;
 
+const ADVICE: RoundingAdvice = {
+  title: '.bricks',
+  positions: 'Crop splats far outside of the others, or write PLY or glTF',
+};
+
 /** How far the work is when each of its steps ends. */
 const PROGRESS = { counted: 0.03, divided: 0.1, splats: 0.9, blobs: 0.97, written: 1 } as const;
 
@@ -113,6 +119,8 @@ interface LowestLevel {
   readonly whole: Map<number, Records>;
   /** Positions that robust bounds are taken from. */
   readonly samples: Float32Array[];
+  /** What rounding does to the splats. */
+  readonly meter: RoundingMeter;
   madeCells: number;
 }
 
@@ -212,6 +220,11 @@ export class BrickWriter {
     const entry = { rows, runs: this.#runs.slice(slices), bounds: this.#bounds.slice(slices), told, sample };
     this.#noted = { slices: this.#runs.length, rows, splats: this.#count };
     await this.#journal.note({ kind: 'arrived', ...entry });
+  }
+
+  /** What the file does not keep, once it is written: see `WriteOptions.onNote`. */
+  get notes(): readonly string[] {
+    return this.#lowest?.meter.notes(ADVICE) ?? [];
   }
 
   /** Bytes of temporary files, at most, that so many splats take. @param degree of their harmonics. */
@@ -341,6 +354,7 @@ export class BrickWriter {
         degree: trueShDegree(reach),
         frame: cloudFrame(about(this.#sample.axes, origin), own),
         splatCount: this.#count,
+        medianSize: this.#sample.medianSize,
       },
       bounds: { min: inScene(own.min), max: inScene(own.max) },
     };
@@ -364,7 +378,8 @@ export class BrickWriter {
   async #newLowest(): Promise<LowestLevel> {
     const { facts } = this.#facts();
     const level = await this.#newLevel(new BrickShape(facts.splatCount), 0, facts);
-    return { facts, level, seams: new Seams(facts), whole: new Map(), samples: [], madeCells: 0 };
+    const meter = new RoundingMeter(facts.medianSize);
+    return { facts, level, seams: new Seams(facts), whole: new Map(), samples: [], meter, madeCells: 0 };
   }
 
   /** Makes the bricks of splats. Resolves with the positions that robust bounds are taken from. */
@@ -571,6 +586,7 @@ export class BrickWriter {
       if (seam) whole.set(seam.first, seam.records);
     }
     samples.push(made.samples);
+    addRounding(lowest.meter.rounding, made.rounding);
     lowest.madeCells += made.errors.length;
     level.byteCount = Math.max(level.byteCount, at + byteCount);
     takeMade(level, made.first / CHUNK_SPLATS, made, at, byteCount);

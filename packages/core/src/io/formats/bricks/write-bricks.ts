@@ -12,7 +12,7 @@ const TAKEN = 0.05;
  *
  * Rejects with InvalidArgumentError 'set' for no splats, or any that is not finite.
  */
-export const write: WriteFormat = async (set, { signal, onProgress }) => {
+export const write: WriteFormat = async (set, { signal, onProgress, onNote }) => {
   const writer = new BrickWriter({ signal });
   const parts: Uint8Array<ArrayBuffer>[] = [];
   let byteCount = 0;
@@ -26,6 +26,7 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
       },
       (fraction) => onProgress?.(TAKEN + (1 - TAKEN) * fraction),
     );
+    for (const note of writer.notes) onNote?.(note);
   } finally {
     await writer.end();
   }

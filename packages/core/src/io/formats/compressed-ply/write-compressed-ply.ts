@@ -7,6 +7,7 @@ import { colorOf, opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { Turns } from '../../../data/turns.ts';
 import { antialiasComments } from '../ply/write-ply.ts';
+import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import {
   fileMemory,
   partOfProgress,
@@ -22,6 +23,13 @@ const CHUNK_PROPERTIES = Object.values(BOUNDED).flatMap(boundsNames);
 const BOUNDED_VALUES = 9;
 /** As others write them: one extremely large or thin splat would take its chunk's precision. */
 const MOST_LOG_SCALE = 20;
+/** Steps of harmonics per 1, and the largest. */
+const SH_STEPS = 32;
+const MOST_SH = 4;
+const ADVICE: RoundingAdvice = {
+  title: 'compressed PLY',
+  positions: 'Crop splats far outside of the others, move the scene to 0, or write PLY or glTF',
+};
 const VERTEX_BYTES = 4 * PACKED.length;
 /** Part of the work that is done when the order of the splats is found. */
 const ORDERED = 0.25;
@@ -46,6 +54,7 @@ export const write: WriteFormat = async (set, options) => {
   const view = new DataView(bytes.buffer);
   const order = await chunkOrder(set, partOfProgress(options, 0, ORDERED));
   const chunk = new Chunk(set);
+  const meter = new RoundingMeter(medianSizeOf(set));
   const sh = new Float32Array(shValues);
   await writeInTurns(count, partOfProgress(options, ORDERED, 1), (from, to) => {
     for (let row = from; row < to; row++) {
@@ -54,10 +63,12 @@ export const write: WriteFormat = async (set, options) => {
         chunk.putBounds(view, header.length + (row / CHUNK_ROWS) * chunkBytes);
       }
       chunk.putSplat(row % CHUNK_ROWS, order[row], view, vertexStart + row * VERTEX_BYTES);
+      chunk.measure(order[row], meter);
       readCoefficients(harmonics, order[row], sh);
       putHarmonics(sh, bytes, shStart + row * shValues);
     }
   });
+  for (const note of meter.notes(ADVICE)) options.onNote?.(note);
   return bytes;
 };
 
@@ -128,7 +139,7 @@ class Chunk {
       for (let k = 0; k < 3; k++) {
         const from = 3 * splats[i] + k;
         this.#values[at + k] = positions[from] + origin[k];
-        this.#values[at + 3 + k] = Math.max(-MOST_LOG_SCALE, Math.min(MOST_LOG_SCALE, logScales[from]));
+        this.#values[at + 3 + k] = cutLogScale(logScales[from]);
         this.#values[at + 6 + k] = colorOf(colorDc[from]);
       }
       for (let k = 0; k < BOUNDED_VALUES; k++) {
@@ -161,6 +172,16 @@ class Chunk {
     view.setUint32(byteOffset + 12, color, true);
   }
 
+  /** Adds what a splat of the chunk loses. */
+  measure(splat: number, meter: RoundingMeter): void {
+    const set = this.#set;
+    const stepOf = (value: number, most: number) => (this.#greatest[value] - this.#least[value]) / most;
+    meter.position(set, splat, Math.max(stepOf(0, 2047), stepOf(1, 1023), stepOf(2, 2047)));
+    meter.float32Position(set, splat);
+    meter.scales(set, splat, (axis) => cutLogScale(set.logScales[3 * splat + axis]));
+    meter.harmonics(set, splat, (value) => (harmonicsByte(value) + 0.5) / SH_STEPS - MOST_SH);
+  }
+
   /** The step, 0 to `most`, nearest to a value of a splat. */
   #stepOf(i: number, value: number, most: number): number {
     const least = this.#least[value];
@@ -181,11 +202,19 @@ function smallestThree(rotation: Float64Array): number {
   return packed;
 }
 
-/** The step, of 256 between −4 and 4, of each coefficient: all of red, then green, then blue. */
+function cutLogScale(logScale: number): number {
+  return Math.max(-MOST_LOG_SCALE, Math.min(MOST_LOG_SCALE, logScale));
+}
+
+/** The step of a coefficient, of 256 between −4 and 4. */
+function harmonicsByte(coefficient: number): number {
+  return Math.max(0, Math.min(255, Math.floor(SH_STEPS * (coefficient + MOST_SH))));
+}
+
+/** The step of each coefficient: all of red, then green, then blue. */
 function putHarmonics(sh: Float32Array, bytes: Uint8Array, byteOffset: number): void {
   let at = byteOffset;
   for (let channel = 0; channel < 3; channel++) {
-    for (let k = channel; k < sh.length; k += 3, at++)
-      bytes[at] = Math.max(0, Math.min(255, Math.floor(32 * sh[k] + 128)));
+    for (let k = channel; k < sh.length; k += 3, at++) bytes[at] = harmonicsByte(sh[k]);
   }
 }

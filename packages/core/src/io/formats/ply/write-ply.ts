@@ -60,6 +60,7 @@ function plyOf(
     ...set,
     shDegree: givenSet(set).harmonics.degree,
     isAntialiased: set.isAntialiased,
+    isWide: set.origin.some((value) => value !== 0),
   });
   const bytes = memoryOf(header.length + set.count * strideBytes);
   bytes.set(header);
@@ -67,7 +68,7 @@ function plyOf(
   return { bytes, putRows: (from, to) => putRows(set, from, to, view) };
 }
 
-type PlyFacts = Pick<PieceFacts, 'count' | 'origin' | 'shDegree' | 'isAntialiased'>;
+type PlyFacts = Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased' | 'isWide'>;
 
 interface Layout {
   readonly header: Uint8Array<ArrayBuffer>;
@@ -78,7 +79,7 @@ interface Layout {
 
 function layoutOf(facts: PlyFacts): Layout {
   const shValues = coefficientsPerSplat(facts.shDegree);
-  const isWide = facts.origin.some((value) => value !== 0);
+  const { isWide } = facts;
   const positionBytes = isWide ? 8 : 4;
   const header = new TextEncoder().encode(headerText(facts, shValues, isWide ? 'double' : 'float'));
   const strideBytes = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);

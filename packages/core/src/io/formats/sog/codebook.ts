@@ -34,6 +34,11 @@ export class Codebook {
     }
     return low;
   }
+
+  /** The nearest value. */
+  rounded(value: number): number {
+    return this.values[this.nearest(value)];
+  }
 }
 
 /**

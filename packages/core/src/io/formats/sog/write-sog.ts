@@ -7,17 +7,22 @@ import { mortonOrderInTurns } from '../../../data/packing/morton-order.ts';
 import { largestComponent, normalizedRotation } from '../../../data/packing/rotation.ts';
 import { ROWS_AT_ONCE } from '../../../data/packing/split-rows.ts';
 import { opacityOf } from '../../../data/splats/color-values.ts';
-import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { Turns } from '../../../data/turns.ts';
 import { MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
 import { encodeWebp } from '../../containers/write-webp.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
+import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import { partOfProgress, type WriteFormat } from '../write-format.ts';
 import { type Codebook, findCodebook } from './codebook.ts';
 import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';
 
 /** Sides of images are multiples of it, as GPUs compress textures in such blocks. */
 const SIDE_UNIT_PX = 4;
+const ADVICE: RoundingAdvice = {
+  title: 'SOG',
+  positions: 'Crop splats far outside of the others, move the scene to 0, or write PLY or glTF',
+};
 /** Parts of the work that are done when the palette is found, the codebooks, and the order. */
 const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
 
@@ -31,7 +36,7 @@ const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
  * Rejects with InvalidArgumentError 'set' for no splats, more than 2²⁸, or any that is not finite
  * (log scales of −∞ are flat).
  */
-export const write: WriteFormat = async (set, { signal, onProgress }) => {
+export const write: WriteFormat = async (set, { signal, onProgress, onNote }) => {
   const turns = new Turns(signal);
   const { count } = set;
   const { width, height } = sizeOf(count);
@@ -49,6 +54,24 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
   const { onProgress: onOrdering } = partOfProgress({ onProgress }, PROGRESS.codebooks, PROGRESS.order);
   const order = await mortonOrderInTurns(set.positions, count, turns, onOrdering);
   const { mins, maxs } = await rangeOf(set, turns);
+  const meter = new RoundingMeter(medianSizeOf(set));
+  for (let i = 0; i < count; i++) {
+    if (i % ROWS_AT_ONCE === 0) await turns.give();
+    let step = 0;
+    for (let axis = 0; axis < 3; axis++) {
+      const value = Math.abs(set.positions[3 * i + axis] + set.origin[axis]);
+      step = Math.max(step, ((1 + value) * (maxs[axis] - mins[axis])) / POSITION_STEPS);
+    }
+    meter.position(set, i, step);
+    meter.float32Position(set, i);
+    meter.scales(set, i, (axis) => scales.rounded(set.logScales[3 * i + axis]));
+    meter.color(set, i, (k) => colors.rounded(set.colorDc[3 * i + k]));
+    if (palette && coefficients) {
+      const entry = palette.indices[i] * coefficientsPerSplat(palette.degree);
+      meter.harmonics(set, i, (_, k) => coefficients.rounded(palette.entries[entry + k]));
+    }
+  }
+  for (const note of meter.notes(ADVICE)) onNote?.(note);
   const images: Record<string, Uint8Array> = {};
   const imageCount = palette ? 7 : 5;
   const addImage = async (name: string, pixels: Uint8Array, imageWidth = width, imageHeight = height) => {

@@ -5,6 +5,7 @@ import { opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { packGzip, packGzipTo } from '../../containers/pack-gzip.ts';
 import type { PieceFacts } from '../piece-facts.ts';
+import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import {
   fileMemory,
   partOfProgress,
@@ -21,6 +22,10 @@ const VERSION = 3;
 /** As every writer has it: positions are multiples of 1/4096, in 24 bits. */
 const FRACTIONAL_BITS = 12;
 const MOST_POSITION = 2 ** 23 - 1;
+/** Log scales are multiples of 1/16, from −10 on. */
+const SCALE_STEPS = 16;
+const LEAST_LOG_SCALE = -10;
+const ADVICE: RoundingAdvice = { title: 'SPZ', positions: 'Scale the scene up, or write PLY or glTF' };
 /** Most bytes that writing in pieces holds besides those pieces. */
 const HELD_BYTES = 1 << 28;
 /** Held bytes that are packed at once. */
@@ -42,12 +47,14 @@ const ENCODED = 0.5;
  *
  * Rejects with InvalidArgumentError 'set' if a coordinate is not between −2048 and 2048.
  */
-export const write: WriteFormat = async (set, { signal, onProgress }) => {
+export const write: WriteFormat = async (set, { signal, onProgress, onNote }) => {
   const { count, isAntialiased, harmonics } = set;
+  const meter = new RoundingMeter(medianSizeOf(set));
   const attributes = attributesOf(harmonics.degree);
   const bytes = fileMemory(HEADER_BYTES + count * bytesOf(attributes));
   bytes.set(headerOf({ count, isAntialiased, shDegree: harmonics.degree }));
   const putRows = (from: number, to: number) => {
+    for (let i = from; i < to; i++) measure(set, i, meter);
     let start = HEADER_BYTES;
     for (const { splatBytes, put } of attributes) {
       const part = bytes.subarray(start + from * splatBytes);
@@ -56,13 +63,15 @@ export const write: WriteFormat = async (set, { signal, onProgress }) => {
     }
   };
   await writeInTurns(count, { signal, onProgress }, putRows, ENCODED);
+  for (const note of meter.notes(ADVICE)) onNote?.(note);
   const onPacked = (fraction: number) => onProgress?.(ENCODED + (1 - ENCODED) * fraction);
   return packGzip(bytes, { signal, onProgress: onPacked });
 };
 
 /** As `write`, in passes over the pieces, each for as many more attributes as may be held. */
 export const writePieces: WritePieces = async (pieces, options, put) => {
-  const { count } = pieces.facts;
+  const { count, medianSize } = pieces.facts;
+  const meter = new RoundingMeter(medianSize);
   const passes = passesOf(attributesOf(pieces.facts.shDegree), HELD_BYTES / count);
   await packGzipTo(put, async (pack) => {
     await pack(headerOf(pieces.facts));
@@ -71,7 +80,10 @@ export const writePieces: WritePieces = async (pieces, options, put) => {
       const part = partOfProgress(options, pass / passes.length, (pass + 1) / passes.length);
       await readInTurns(pieces, part, async (piece, before) => {
         const streamed = new Uint8Array(piece.count * first.splatBytes);
-        for (let i = 0; i < piece.count; i++) first.put(piece, i, streamed, i * first.splatBytes, before);
+        for (let i = 0; i < piece.count; i++) {
+          first.put(piece, i, streamed, i * first.splatBytes, before);
+          if (pass === 0) measure(piece, i, meter);
+        }
         for (const [k, { splatBytes, put: putOther }] of others.entries())
           for (let i = 0; i < piece.count; i++)
             putOther(piece, i, held[k], (before + i) * splatBytes, before);
@@ -82,7 +94,16 @@ export const writePieces: WritePieces = async (pieces, options, put) => {
           await pack(bytes.subarray(at, at + PACKED_AT_ONCE));
     }
   });
+  for (const note of meter.notes(ADVICE)) options.onNote?.(note);
 };
+
+/** Adds what splat `i` loses. */
+function measure(set: SplatSet<Harmonics>, i: number, meter: RoundingMeter): void {
+  meter.position(set, i, 2 ** -FRACTIONAL_BITS);
+  meter.scales(set, i, (axis) => scaleByte(set.logScales[3 * i + axis]) / SCALE_STEPS + LEAST_LOG_SCALE);
+  meter.color(set, i, (k) => (colorByte(set.colorDc[3 * i + k]) / 255 - 0.5) / COLOR_SCALE);
+  meter.harmonics(set, i, (value, k) => (shByte(value, k) - 128) / 128);
+}
 
 /** One value of each splat; those of all splats follow each other in the file. */
 interface Attribute {
@@ -106,14 +127,13 @@ function attributesOf(shDegree: ShDegree): Attribute[] {
     {
       splatBytes: 3,
       put(set, i, bytes, at) {
-        for (let k = 0; k < 3; k++)
-          bytes[at + k] = toByte(255 * (COLOR_SCALE * set.colorDc[3 * i + k] + 0.5));
+        for (let k = 0; k < 3; k++) bytes[at + k] = colorByte(set.colorDc[3 * i + k]);
       },
     },
     {
       splatBytes: 3,
       put(set, i, bytes, at) {
-        for (let k = 0; k < 3; k++) bytes[at + k] = toByte(16 * (set.logScales[3 * i + k] + 10));
+        for (let k = 0; k < 3; k++) bytes[at + k] = scaleByte(set.logScales[3 * i + k]);
       },
     },
     {
@@ -194,6 +214,14 @@ function putRotation(rotation: Float64Array, bytes: Uint8Array, at: number): voi
     word = (word << 10) | (value < 0 !== isReversed ? 512 : 0) | magnitude;
   }
   for (let i = 0; i < 4; i++) bytes[at + i] = word >>> (8 * i);
+}
+
+function scaleByte(logScale: number): number {
+  return toByte(SCALE_STEPS * (logScale - LEAST_LOG_SCALE));
+}
+
+function colorByte(coefficient: number): number {
+  return toByte(255 * (COLOR_SCALE * coefficient + 0.5));
 }
 
 function shByte(value: number, index: number): number {
