@@ -80,6 +80,27 @@ test('several scenes are merged, moved, cropped and simplified, in this order', 
   expect(found).toEqual(expected);
 });
 
+test('what the format does not keep is told, with a figure and what to do', async () => {
+  const folder = new TestFolder();
+  const set = threeSplats();
+  const positions = set.positions.map((value) => value + 0.1);
+  const scene = folder.scene('far.ply', { ...set, positions, origin: [500_000, 5_300_000, 700] });
+  const sog = await runMain('convert', scene, folder.file('far.sog'));
+  expect(sog.status).toBe(0);
+  expect(sog.err).toMatch(
+    /^note: other readers of SOG place \d of 3 splats in steps of 0\.5, .* Move the scene to 0, or write PLY or glTF$/m,
+  );
+  const { err } = await runMain('convert', scene, folder.file('far.bricks'));
+  expect(err).not.toContain('steps');
+  const tiny = await runMain('convert', folder.scene(), folder.file('tiny.spz'), '--scale', '1e-5', '--json');
+  expect(JSON.parse(tiny.out).notes).toEqual([
+    expect.stringMatching(
+      /^SPZ places 3 of 3 splats in steps of up to 0\.00024; the splats' median size is 0\.000002\. /,
+    ),
+    expect.stringMatching(/^SPZ changes the sizes of 3 of 3 splats, by a factor of up to 23\. /),
+  ]);
+});
+
 test('notes tell surprises', async () => {
   const folder = new TestFolder();
   const set = { ...threeSplats(), isAntialiased: true };

@@ -6,6 +6,7 @@ import { GpuLimitError, SplatFileError } from '../../data/errors.ts';
 import { packSet } from '../../data/packing/pack-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../data/splats/splat-set.ts';
 import { encodePly } from '../../io/formats/ply/write-ply.ts';
+import { writeSplats } from '../../io/formats/writers.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
 import { deviceWith } from '../../testing/device-with.ts';
 import {
@@ -188,6 +189,17 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     expect(Math.abs(origin[2] + 70_000)).toBeLessThan(1);
     await expectSame(plyOf(set), PACKED, small);
     await expectSame(plyOf(set), FINEST, large);
+  });
+
+  gpuTest('far from its origin, in finer steps than those of float32', async () => {
+    const set = randomSplats({ count: 600, shDegree: 0, origin: [500_000.25, 5_300_000.5, 700] });
+    for (const format of ['sog', 'compressed-ply']) {
+      const file = new Blob([await writeSplats(set, format)]);
+      const { origin } = await readSplats(file);
+      expect(Math.abs(origin[1] - set.origin[1])).toBeLessThan(1);
+      await expectSame(file, PACKED, small);
+      await expectSame(file, FINEST, large);
+    }
   });
 
   gpuTest('of any positions', async () => {

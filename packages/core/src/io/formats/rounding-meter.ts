@@ -11,10 +11,10 @@ const MOST_LOG_SCALE_ERROR = 1 / 4;
 const MOST_COLOR_ERROR = 0.18;
 /** Harmonics are lost if they change by this part of themselves, and by this much: RMS of coefficients. */
 const MOST_SH_ERROR = { part: 1 / 2, rms: 0.02 } as const;
-/** A loss is told if it concerns this part of the splats. */
-const TOLD_SHARE = 0.01;
-/** Or if it is this many times as large as the largest that is none, for any splat. */
+/** A loss is told if any splat loses so many times the most that is no loss. */
 const TOLD_EXCESS = 20;
+/** Or if multiples of it add up to this part of the number of splats: one of twenty loses that much. */
+const TOLD_SHARE = 0.05;
 
 /** Splats that lose something, and how much. */
 interface Loss {
@@ -23,6 +23,8 @@ interface Loss {
   excess: number;
   /** That change. */
   worst: number;
+  /** Sum of such multiples, each up to `TOLD_EXCESS`. */
+  sum: number;
 }
 
 /** What rounding to the steps of a format does to splats. Can be posted. */
@@ -40,7 +42,7 @@ export interface Rounding {
   readonly harmonics: { values: number; changes: number; count: number };
 }
 
-const noLoss = (): Loss => ({ count: 0, excess: 0, worst: 0 });
+const noLoss = (): Loss => ({ count: 0, excess: 0, worst: 0, sum: 0 });
 
 function noRounding(): Rounding {
   return {
@@ -58,6 +60,7 @@ export function addRounding(total: Rounding, other: Rounding): void {
   total.splats += other.splats;
   for (const kind of ['positions', 'float32Positions', 'scales', 'colors'] as const) {
     total[kind].count += other[kind].count;
+    total[kind].sum += other[kind].sum;
     if (other[kind].excess > total[kind].excess) {
       total[kind].excess = other[kind].excess;
       total[kind].worst = other[kind].worst;
@@ -156,9 +159,11 @@ export class RoundingMeter {
 function take(loss: Loss, change: number, most: number): void {
   // Splats without any size are not seen, and may be anywhere.
   if (!(change > most && most > 0)) return;
+  const excess = change / most;
   loss.count++;
-  if (change / most <= loss.excess) return;
-  loss.excess = change / most;
+  loss.sum += Math.min(excess, TOLD_EXCESS);
+  if (excess <= loss.excess) return;
+  loss.excess = excess;
   loss.worst = change;
 }
 
@@ -182,8 +187,7 @@ export function roundingNotes(
   { title, positions: advice }: RoundingAdvice,
 ): string[] {
   const notes: string[] = [];
-  const isTold = ({ count, excess }: Loss) =>
-    count >= TOLD_SHARE * splats ? count > 0 : excess > TOLD_EXCESS;
+  const isTold = ({ excess, sum }: Loss) => excess > TOLD_EXCESS || sum > TOLD_SHARE * splats;
   const some = ({ count }: Loss) => `${count.toLocaleString('en')} of ${splats.toLocaleString('en')} splats`;
   const size = `the splats' median size is ${short(medianSize)}`;
   if (isTold(positions)) {
