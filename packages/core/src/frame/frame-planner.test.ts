@@ -200,4 +200,11 @@ describe('frames before', () => {
     expect(planner.last).toBeNull();
     expect(plan(requestOf(100)).shape.keyBits).toBe(narrow);
   });
+
+  test('by wide keys leave others as narrow as they are', () => {
+    const { plan, draw } = plannerWith();
+    const narrow = plan(requestOf(100)).shape.keyBits;
+    expect(draw(requestOf(100), 'tiles', 'reference').shape.keyBits).toBe(56);
+    expect(plan(requestOf(100)).shape.keyBits).toBe(narrow);
+  });
 });

@@ -3,14 +3,14 @@ import { describe, expect, test } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
 import { cloudView } from '../data/camera/cloud-view.ts';
-import { orderedBits, sortDistance } from '../data/layout/depth-key.ts';
+import { orderedBits, orderedWords, sortDistance } from '../data/layout/depth-key.ts';
 import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { anyCamera, anyModel } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { uniform } from '../testing/uniform.ts';
-import { keyBitsFor } from './key-bits.ts';
+import { keyBitsFor, wideKeysFor } from './key-bits.ts';
 
 function planned({ viewMatrix }: Camera, set: SplatSet, modelMatrix: Mat4 = identity4()) {
   const cloud = packCloud(set, { geometryPrecision: 'f32' }) as unknown as SplatCloud;
@@ -121,5 +121,57 @@ describe('keyBitsFor', () => {
     const clouds = [planned(camera, randomSplats({ count: 100, shDegree: 0, halfExtent: 1 }), wide)];
     expect(keyBitsFor(camera, clouds, false)).toBe(24);
     expect(keyBitsFor(camera, clouds, true)).toBe(27);
+  });
+});
+
+describe('wideKeysFor', () => {
+  /** Upper words of the splats that float32 keeps between near and far. */
+  function highWordsOf(set: SplatSet, camera: Camera, modelMatrix: Mat4, isByDistance: boolean): number[] {
+    const { linear, translation } = cloudView(camera.viewMatrix, modelMatrix, set.origin, false);
+    return Array.from({ length: set.count }, (_, i) => {
+      const terms = [0, 1, 2].map((row) => [
+        linear[row] * set.positions[3 * i],
+        linear[row + 3] * set.positions[3 * i + 1],
+        linear[row + 6] * set.positions[3 * i + 2],
+        translation[row],
+      ]);
+      const [x, y, z] = terms.map((list) => list.reduce((sum, term) => sum + term));
+      const rounding = 6 * 2 ** -24 * terms[2].reduce((sum, term) => sum + Math.abs(term), 0);
+      return { depth: -z, rounding, key: isByDistance ? x * x + y * y + z * z : -z };
+    })
+      .filter(({ depth, rounding }) => depth > camera.near - rounding && depth <= camera.far + rounding)
+      .map(({ key }) => orderedWords(key).high);
+  }
+
+  test('bounds the upper words of any splats that may be kept, and the farthest of them', () => {
+    const coordinate = uniform(-50, 50);
+    const scene = fc.record({
+      seed: fc.nat(),
+      halfExtent: fc.constantFrom(1e-4, 0.01, 1, 30),
+      origin: fc.oneof(fc.constant([0, 0, 0] as const), fc.tuple(coordinate, coordinate, coordinate)),
+    });
+    fc.assert(
+      fc.property(anyCamera, anyModel, scene, fc.boolean(), (camera, modelMatrix, options, isByDistance) => {
+        const set = randomSplats({ count: 50, shDegree: 0, ...options });
+        const { bits, farthestHigh } = wideKeysFor(camera, [planned(camera, set, modelMatrix)], isByDistance);
+        for (const high of highWordsOf(set, camera, modelMatrix, isByDistance)) {
+          expect(high).toBeLessThanOrEqual(farthestHigh);
+          expect(farthestHigh - high).toBeLessThan(2 ** (bits - 32));
+        }
+      }),
+      { numRuns: 500 },
+    );
+  });
+
+  test('is 56 bits for depths within a factor of 2^15, and 64 either side of the eye', () => {
+    const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 60, aspect: 1 });
+    const clouds = [planned(camera, randomSplats({ count: 100, shDegree: 0, halfExtent: 100 }))];
+    expect(wideKeysFor({ near: 0.01, far: 300 }, clouds, false).bits).toBe(56);
+    expect(wideKeysFor({ near: 0.01, far: 300 }, clouds, true).bits).toBe(64);
+    expect(wideKeysFor({ near: -10, far: 10 }, clouds, false).bits).toBe(64);
+    expect(wideKeysFor({ near: 0.01, far: 300 }, [], false)).toEqual({
+      bits: 56,
+      farthestHigh: expect.any(Number),
+    });
   });
 });

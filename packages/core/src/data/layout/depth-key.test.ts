@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { depthKey, orderedBits, shortDepthKey } from './depth-key.ts';
+import { depthKey, orderedBits, orderedWords, shortDepthKey, type WideKey, wideKey } from './depth-key.ts';
 
 const anyDepth = fc.float({ noNaN: true, noDefaultInfinity: true });
 
@@ -33,6 +33,34 @@ describe('depth keys', () => {
     expect(depthKey(9.5, farthest)).toBeLessThan(depthKey(9, farthest));
     expect(depthKey(-5, farthest)).toBeGreaterThan(depthKey(5, farthest));
     expect(depthKey(-3e38, orderedBits(3e38))).toBeLessThan(2 ** 32);
+  });
+});
+
+describe('wide keys', () => {
+  const any = fc.double({ noNaN: true, noDefaultInfinity: true });
+  const order = (a: WideKey, b: WideKey) => Math.sign(a.high - b.high) || Math.sign(a.low - b.low);
+
+  test('order numbers as float64 does, negative ones and neighbours included, and both zeros as one', () => {
+    const pair = fc.oneof(
+      fc.tuple(any, any),
+      any.map((value) => [value, value * (1 + 2 ** -52)] as const),
+    );
+    fc.assert(
+      fc.property(pair, ([a, b]) => {
+        fc.pre(Number.isFinite(b));
+        expect(order(orderedWords(a), orderedWords(b))).toBe(Math.sign(a - b) + 0);
+      }),
+      { numRuns: 2000 },
+    );
+    expect(orderedWords(-0)).toEqual(orderedWords(0));
+  });
+
+  test('are far first, and those beyond the farthest begin with 0', () => {
+    const { high } = orderedWords(10);
+    expect(wideKey(10.5, high).high).toBe(0);
+    expect(wideKey(1e300, high).high).toBe(0);
+    expect(order(wideKey(9, high), wideKey(9 - 2 ** -49, high))).toBe(-1);
+    expect(order(wideKey(1, high), wideKey(-1, high))).toBe(-1);
   });
 });
 
