@@ -36,7 +36,7 @@ export function keyBitsFor(
 }
 
 /** What the wide sort keys of a frame follow from. */
-export interface WideKeyRange {
+interface WideKeyRange {
   /** Number of bits in which they can differ: 56 or 64, the widths that sorts are made for. */
   readonly bits: number;
   /** See `wideKey`. */
