@@ -130,4 +130,42 @@ describe('the camera of a scene', () => {
     expect(camera.snapshot()).toEqual(before);
     expect(store.getState().look.fovDegrees).toBe(70);
   });
+
+  it.each([
+    ['far away', { target: [1e308, -1e308, 1e308] }],
+    ['farther than the scene can be seen from', { distance: 1e6 }],
+    ['infinitely far from its target', { distance: 1e308 }],
+    ['at its target', { distance: 1e-320 }],
+    ['at a pole', { polar: 1e-20 }],
+    ['of no field of view', {}, 1e-300],
+  ] as const)(
+    'shows the whole scene instead of a camera %s, and says so',
+    (_, change, fovDegrees: number = 50) => {
+      const { store, camera } = shown({ ...GROUND, isZUp: false });
+      const first = camera.snapshot();
+      const { pose } = first;
+      const view = { ...first, fovDegrees, pose: { ...pose, ...change } };
+      const isFirst = () => {
+        expect(camera.snapshot()).toEqual(first);
+        expect(camera.controls.isHome).toBe(true);
+        expect(store.getState().notice).toContain('The view cannot be shown: ');
+        expect(() => camera.orbitCamera).not.toThrow();
+        store.setState({ notice: null });
+      };
+      camera.showLinked(view);
+      isFirst();
+      camera.restore({ ...view, home: view.pose });
+      isFirst();
+      camera.goTo(view);
+      isFirst();
+    },
+  );
+
+  it('goes where stray splats are', () => {
+    const { store, camera } = shown({ ...GROUND, extent: { center: [0, 0, 0], radius: 1e7 } });
+    const { pose } = camera.controls;
+    camera.restore({ ...camera.snapshot(), pose: { ...pose, target: [9e6, 0, 0] } });
+    expect(camera.controls.pose.target).toEqual([9e6, 0, 0]);
+    expect(store.getState().notice).toBeNull();
+  });
 });

@@ -1,4 +1,4 @@
-import { type Camera, orthographicCamera, perspectiveCamera } from '@websplatter/core';
+import { type Camera, InvalidArgumentError, orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import { FIRST_LOOK, type Look } from '../state/look.ts';
 import type { KeptView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -11,7 +11,7 @@ import type { orbitNear } from './orbit-near.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
 import { type UpAxis, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
-import type { Vec3 } from './vec3.ts';
+import { subtract, type Vec3 } from './vec3.ts';
 
 /** Cameras that a scene comes with, and what moving on from them takes: few scenes need it. */
 export interface OwnCameras {
@@ -54,6 +54,11 @@ export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
 
 /** Moves the camera: called before each frame; returns whether another frame is needed. */
 export type CameraMotion = (elapsedMs: number) => boolean;
+
+/** A scene is smaller than a pixel from so many of its radii away. */
+const FARTHEST_RADII = 1e4;
+/** Stray splats may be farther, but not where numbers have no digits left for moves at the scene. */
+const FARTHEST_STRAY_RADII = 1e9;
 
 /** The camera of the shown scene: an orbit, or a camera of the scene until the view is moved. */
 export class ViewCamera {
@@ -162,7 +167,14 @@ export class ViewCamera {
     return { ...this.keptView, home: this.controls.home, cameraIndex };
   }
 
+  /** Shows a view as it was; one that no camera can have, or so far away that nothing is seen, as the first. */
   restore(snapshot: CameraSnapshot): void {
+    const fault = this.#faultOf(snapshot);
+    if (fault !== null) {
+      this.showFirstView();
+      this.#store.setState({ notice: `The view cannot be shown: ${fault} This is the whole scene.` });
+      return;
+    }
     const { pose, home, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp } = snapshot;
     this.#store.setState(({ look }) => ({
       look: { ...look, fovDegrees, isOrthographic },
@@ -262,6 +274,27 @@ export class ViewCamera {
     return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect, near, far });
   }
 
+  /** Why a view cannot be shown, in a sentence; null if it can. Addresses and files may have any numbers. */
+  #faultOf(view: ViewedCamera): string | null {
+    const subject = this.#subject;
+    if (!subject) return null;
+    const sphere = placed(subject.sphere, view.isFlipped);
+    const extent = placed(subject.extent, view.isFlipped);
+    const { target, distance } = view.pose;
+    const away = Math.hypot(...subtract(target, sphere.center)) + distance;
+    const strays = Math.hypot(...subtract(extent.center, sphere.center)) + extent.radius;
+    const { radius } = sphere;
+    const reach = Math.min(FARTHEST_RADII * radius + strays, FARTHEST_STRAY_RADII * radius);
+    if (!(away <= reach)) return 'It is too far from the scene.';
+    try {
+      this.cameraOf(view, this.#aspect);
+      return null;
+    } catch (error) {
+      if (error instanceof InvalidArgumentError) return error.message;
+      throw error;
+    }
+  }
+
   /** Names of the scene's own cameras. */
   get ownCameraNames(): readonly string[] {
     return Object.keys(this.#ownCameras());
@@ -288,8 +321,13 @@ export class ViewCamera {
     this.controls.setPose({ ...pose, up }, { ...home, up });
   }
 
-  /** Ends a path that is played, and goes to a view. */
+  /** Ends a path that is played, and goes to a view, if that can be shown. */
   goTo(view: KeptView): void {
+    const fault = this.#faultOf(view);
+    if (fault !== null) {
+      this.#store.setState({ notice: `The view cannot be shown: ${fault}` });
+      return;
+    }
     this.endPath();
     this.lookAs(view);
     this.controls.glideTo(view.pose);

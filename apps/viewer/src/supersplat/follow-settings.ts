@@ -5,17 +5,17 @@ import type { SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import { isAtEnd, poseOnTrack } from './camera-track.ts';
+import { textAt, textOf } from './read-text.ts';
 import {
   type CameraTrack,
+  checkDirections,
+  hasDirection,
   readSceneSettings,
   type SceneSettings,
   type SettingsAnnotation,
   type SettingsPose,
 } from './scene-settings.ts';
 import { backgroundOf, poseOf, shorterFov, uprightPoint } from './settings-pose.ts';
-
-/** A `settings.json` with more bytes than this is something else. */
-const MOST_BYTES = 16 * 2 ** 20;
 
 /**
  * Shows the first scene as the `settings.json` at `address` says: its background, its annotations,
@@ -49,7 +49,7 @@ export async function followDroppedSettings(
   viewer: Viewer,
 ): Promise<void> {
   const advice = 'Drop a settings.json of SuperSplat.';
-  const settings = await readOr(() => textOf(file, file.name), advice, store);
+  const settings = await readOr(() => textOf(file), advice, store);
   if (settings) show(settings, false, replaced, store, viewer);
 }
 
@@ -60,7 +60,9 @@ async function readOr(
   store: ViewerStore,
 ): Promise<SceneSettings | null> {
   try {
-    return readSceneSettings(await read());
+    const settings = readSceneSettings(await read());
+    checkDirections(settings);
+    return settings;
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error);
     store.setState({ failure: { title: 'The settings cannot be used', message, advice, isFault: false } });
@@ -85,22 +87,6 @@ function show(
     if (isWhole && track && !matchMedia('(prefers-reduced-motion: reduce)').matches)
       play(track, store, viewer);
   });
-}
-
-async function textAt(url: URL): Promise<string> {
-  const response = await fetch(url).catch(() => null);
-  if (!response?.ok) {
-    const status = response ? ` (${response.status})` : '';
-    throw new Error(
-      `${url.href} cannot be read${status}: check the address; the server must allow reading from this page.`,
-    );
-  }
-  return textOf(await response.blob(), url.href);
-}
-
-async function textOf(blob: Blob, name: string): Promise<string> {
-  if (blob.size > MOST_BYTES) throw new Error(`${name} has ${blob.size} bytes: that is no settings.json.`);
-  return blob.text();
 }
 
 /**
@@ -179,6 +165,8 @@ function play(track: CameraTrack, store: ViewerStore, { camera }: Viewer): void 
     }
     elapsedS += elapsedMs / 1000;
     const next = poseOnTrack(track, elapsedS);
+    // Between keys a camera may pass its target: it looks on as before until it is past that.
+    if (!hasDirection(next)) return true;
     const fovDegrees = fovOf(next, store);
     if (fovDegrees !== store.getState().look.fovDegrees) camera.setLook({ fovDegrees });
     shown = poseOf(next);

@@ -1,5 +1,5 @@
 import { shown } from '@websplatter/core';
-import type { Vec3 } from '../camera/vec3.ts';
+import { subtract, type Vec3 } from '../camera/vec3.ts';
 
 /** A camera as SuperSplat has it: metres of its world, y up. */
 export interface SettingsPose {
@@ -73,6 +73,33 @@ export function readSceneSettings(text: string): SceneSettings {
   if (version === undefined) return firstVersion(settings);
   if (version === 2) return secondVersion(settings);
   throw new SettingsError('version', version, '2, or absent');
+}
+
+/** Coordinates beyond this are those of no scene: squares of them would soon exceed float32. */
+const FARTHEST = 1e15;
+/** Least part of its own coordinates that a camera is away from its target. */
+const LEAST_APART = 1e-12;
+
+/** Whether a camera looks anywhere: it is away from its target, and both are places of a scene. */
+export function hasDirection({ position, target }: Pick<SettingsPose, 'position' | 'target'>): boolean {
+  const largest = Math.max(...[...position, ...target].map(Math.abs));
+  return largest <= FARTHEST && Math.hypot(...subtract(position, target)) > LEAST_APART * largest;
+}
+
+/**
+ * Checks that each camera of the settings looks somewhere.
+ *
+ * @throws SettingsError naming the one that does not.
+ */
+export function checkDirections({ camera, track, annotations }: SceneSettings): void {
+  const check = (place: string, pose: SettingsPose | undefined) => {
+    if (!pose || hasDirection(pose)) return;
+    const needed = `a place other than its position, ${shown(pose.position)}, and both within ±${FARTHEST}`;
+    throw new SettingsError(`The target of ${place}`, pose.target, needed);
+  };
+  check('the camera', camera ?? undefined);
+  for (const [i, { pose }] of (track?.keys ?? []).entries()) check(`key ${i} of the track`, pose);
+  for (const [i, each] of annotations.entries()) check(`annotations[${i}].camera`, each.camera);
 }
 
 type Json = Readonly<Record<string, unknown>>;
@@ -152,7 +179,7 @@ function trackAt(tracks: readonly unknown[], index: number, fovDegrees: number |
   const fovPath = `${path}.keyframes.values.fov`;
   const fovs = fovDegrees === null ? numbersAt(fovPath, columns.fov, frames.length) : null;
   const keys = frames.map((frame, i) => ({
-    timeS: frame / framesPerS,
+    timeS: numberAt(`${path}.keyframes.times[${i}] by frameRate`, frame / framesPerS),
     pose: {
       position: [positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]] as const,
       target: [targets[3 * i], targets[3 * i + 1], targets[3 * i + 2]] as const,
