@@ -45,7 +45,7 @@ export class StorageRoomError extends WebSplatterError {
     super(
       'no-room',
       `${printable(fileName)}: arranging it for streaming needs ${inMegabytes(neededBytes)} of this browser's ` +
-        `storage, which has ${inMegabytes(availableBytes)} left for this page. Free space on the disk, or convert it by "websplatter convert" and open that.`,
+        `storage, which has ${inMegabytes(availableBytes)} left for this page. Free space on the disk, or convert it by "npx @websplatter/cli convert" and open that.`,
     );
     this.neededBytes = neededBytes;
     this.availableBytes = availableBytes;
@@ -67,7 +67,7 @@ async function scenesFolder(): Promise<FileSystemDirectoryHandle> {
     const root = await navigator.storage.getDirectory();
     return await root.getDirectoryHandle(FOLDER, { create: true });
   } catch (cause) {
-    const message = `Scenes cannot be kept: ${(cause as Error).message}. The browser may have no private file system, or none in private windows and on pages that are not loaded securely. Convert the file by "websplatter convert".`;
+    const message = `Scenes cannot be kept: ${(cause as Error).message}. The browser may have no private file system, or none in private windows and on pages that are not loaded securely. Convert the file by "npx @websplatter/cli convert".`;
     throw new WebSplatterError('storage-unavailable', message, { cause });
   }
 }

@@ -66,7 +66,8 @@ function numbersOf(origin: Vec3, bounds: Bounds, robust: Bounds): [at: number, v
 export function readFileHeader(bytes: Uint8Array, file: string): FileHeader {
   const magic = latin1(bytes.subarray(0, BRICKS_MAGIC.length));
   if (magic !== BRICKS_MAGIC.slice(0, magic.length)) {
-    const message = 'it does not begin as a scene in bricks does. Make one with websplatter convert.';
+    const message =
+      'it does not begin as a scene in bricks does. Make one with npx @websplatter/cli convert.';
     throw new SplatFileError('unknown-format', file, message, { byte: 0 });
   }
   if (bytes.length < FILE_HEADER_BYTES) {
