@@ -18,6 +18,9 @@ import { pathToFileURL } from 'node:url';
 import { fail, repositoryRoot } from './setup.mjs';
 import { slimShaders } from './slim-shaders.mjs';
 
+/** Code of third parties that becomes a part of packages, which depend on none: docs/dependencies.md. */
+const BUNDLED = ['meshoptimizer'];
+
 /**
  * Packages in order of dependence. `entries` are the modules that may be imported, and the workers,
  * which must be files of their own. `hosted` are scripts that others serve as they are: each is one
@@ -195,6 +198,7 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
     configFile: false,
     root: folder,
     logLevel: 'warn',
+    ssr: { noExternal: BUNDLED },
     // Vite's build for Node leaves `new URL(…, import.meta.url)` alone; its build for browsers
     // would make the worker's address one that only a web server's root can resolve.
     build: {
@@ -208,7 +212,11 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
         input,
         // Directives inside a bundle have no effect; checkDirectives checks those of the entries.
         checks: { moduleLevelDirective: false },
-        external: (id) => !id.startsWith('.') && !id.startsWith('\0') && !isAbsolute(id),
+        external: (id) =>
+          !id.startsWith('.') &&
+          !id.startsWith('\0') &&
+          !isAbsolute(id) &&
+          !BUNDLED.includes(id.split('/')[0]),
         output: {
           format: 'es',
           entryFileNames: '[name].js',

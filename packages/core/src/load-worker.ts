@@ -3,6 +3,7 @@ import { type BuildPort, serveBuilder } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { SCENE_TASKS } from './io/formats/scene-tasks.ts';
+import { withPageDecoder } from './io/loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
 import { type ScenePort, serveScene } from './io/loading/serve-scene.ts';
 
@@ -13,7 +14,7 @@ const port = self as unknown as LoadPort & BuildPort & ScenePort;
 
 port.onmessage = (event: MessageEvent) => {
   // Each takes the place of this listener: a worker reads files, builds one thing, or does the tasks of a scene.
-  if ('kind' in event.data) serveLoad(port, ALL_READERS);
+  if ('kind' in event.data) serveLoad(port, withPageDecoder(port, ALL_READERS));
   else if ('task' in event.data) serveScene(port, SCENE_TASKS);
   else serveBuilder(port, { ...RAY_BUILDERS, ...COLLIDER_BUILDERS });
   port.onmessage?.(event);

@@ -1,4 +1,5 @@
 import { writeSplats } from '@websplatter/core/write';
+import { MeshoptEncoder } from 'meshoptimizer/encoder';
 import { type GLTF, GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { type Group, Mesh } from 'three/webgpu';
 import { expect, it, vi } from 'vitest';
@@ -34,6 +35,23 @@ async function glb(change: (json: Json) => void = () => {}): Promise<ArrayBuffer
   changed.writeUint32LE(changed.length, 8);
   changed.writeUint32LE(text.length + spaces.length, 12);
   return Uint8Array.from(changed).buffer;
+}
+
+function glbOf(json: object, binary: Buffer): ArrayBuffer {
+  const chunk = (type: number, content: Buffer, padding: string) => {
+    const padded = Buffer.concat([content, Buffer.alloc(-content.length & 3, padding)]);
+    const head = Buffer.alloc(8);
+    head.writeUint32LE(padded.length, 0);
+    head.writeUint32LE(type, 4);
+    return Buffer.concat([head, padded]);
+  };
+  const chunks = Buffer.concat([
+    chunk(0x4e4f534a, Buffer.from(JSON.stringify(json)), ' '),
+    chunk(0x004e4942, binary, '\0'),
+  ]);
+  const head = Buffer.alloc(12);
+  for (const [i, word] of [0x46546c67, 2, 12 + chunks.length].entries()) head.writeUint32LE(word, 4 * i);
+  return Uint8Array.from(Buffer.concat([head, chunks])).buffer;
 }
 
 function load(file: ArrayBuffer, splats?: SplatLoader): Promise<GLTF> {
@@ -106,4 +124,33 @@ it('reads by the loader that it is given, and rejects with its errors', async ()
     json.meshes[0].primitives[0].extensions!.KHR_gaussian_splatting.kernel = 'box';
   });
   await expect(load(await damaged)).rejects.toThrow(/kernel/);
+});
+
+it('unpacks bufferViews of meshopt without the decoder that three asks for', async () => {
+  await MeshoptEncoder.ready;
+  const bytes = Buffer.from(await glb());
+  const binaryAt = 20 + bytes.readUint32LE(12);
+  const json = JSON.parse(bytes.toString('utf8', 20, binaryAt));
+  const parts: Uint8Array[] = [];
+  let packedAt = 0;
+  json.bufferViews = json.bufferViews.map((view: { byteOffset?: number; byteLength: number }) => {
+    const { byteOffset = 0, byteLength } = view;
+    const place = { count: SET.count, byteStride: byteLength / SET.count, mode: 'ATTRIBUTES' };
+    const start = binaryAt + 8 + byteOffset;
+    const source = Uint8Array.from(bytes.subarray(start, start + byteLength));
+    const part = MeshoptEncoder.encodeGltfBuffer(source, place.count, place.byteStride, place.mode);
+    parts.push(part);
+    packedAt += part.length;
+    const packed = { buffer: 0, byteOffset: packedAt - part.length, byteLength: part.length, ...place };
+    return { buffer: 1, byteLength, extensions: { EXT_meshopt_compression: packed } };
+  });
+  const { byteLength } = json.buffers[0];
+  json.buffers = [
+    { byteLength: packedAt },
+    { byteLength, extensions: { EXT_meshopt_compression: { fallback: true } } },
+  ];
+  json.extensionsRequired = ['EXT_meshopt_compression'];
+  const { scene } = await load(glbOf(json, Buffer.concat(parts)));
+  const [cloud] = cloudsIn(scene);
+  expect(cloud.data).toMatchObject({ count: 3, bounds: { max: { x: 1, y: 2, z: 3 } } });
 });

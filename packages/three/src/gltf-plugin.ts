@@ -3,6 +3,10 @@ import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatLoader } from './splat-loader.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
+/** Extensions of primitives that are splats; the second is of Cesium's first tiles. */
+const OF_SPLATS = [SPLATTING, 'KHR_spz_gaussian_splats_compression'];
+/** Extensions of bufferViews that core unpacks, without the decoder that three asks for. */
+const MESHOPT = ['KHR_meshopt_compression', 'EXT_meshopt_compression'];
 /** Chunks of a binary glTF: their types, and the multiple of bytes that each fills. */
 const MAGIC = 0x46546c67;
 const JSON_CHUNK = 0x4e4f534a;
@@ -25,7 +29,20 @@ interface GltfJson {
   readonly asset: object;
   readonly meshes: readonly GltfMesh[];
   readonly accessors?: readonly { readonly bufferView?: number }[];
-  readonly bufferViews?: readonly { readonly byteStride?: number }[];
+  readonly bufferViews?: readonly GltfView[];
+}
+
+interface GltfView {
+  readonly byteLength: number;
+  readonly byteStride?: number;
+  readonly extensions?: Readonly<Record<string, PackedBytes>>;
+}
+
+/** The place of a view's packed bytes in a buffer. */
+interface PackedBytes {
+  readonly buffer: number;
+  readonly byteOffset?: number;
+  readonly byteLength: number;
 }
 
 interface GltfMesh {
@@ -89,11 +106,16 @@ export class SplatGltfPlugin {
     const views: object[] = bufferViews.map(() => ({ buffer: 0, byteLength: 1 }));
     let byteOffset = 0;
     for (const view of used) {
-      // Decompressed, where the view is compressed.
-      const buffer = (await this.#parser.getDependency('bufferView', view)) as ArrayBuffer;
-      const { byteStride } = bufferViews[view];
+      const { byteStride, byteLength, extensions = {} } = bufferViews[view];
+      const meshopt = MESHOPT.find((name) => extensions[name]);
+      const buffer = await this.#bytesOf(view, meshopt ? extensions[meshopt] : undefined);
       const padding = -buffer.byteLength & (VIEW_ALIGNMENT - 1);
-      views[view] = { buffer: 0, byteOffset, byteLength: buffer.byteLength, byteStride };
+      views[view] = meshopt
+        ? {
+            ...{ buffer: 0, byteLength, byteStride },
+            extensions: { [meshopt]: { ...extensions[meshopt], buffer: 0, byteOffset } },
+          }
+        : { buffer: 0, byteOffset, byteLength: buffer.byteLength, byteStride };
       bytes.push(buffer, new Uint8Array(padding));
       byteOffset += buffer.byteLength + padding;
     }
@@ -114,10 +136,18 @@ export class SplatGltfPlugin {
     const parts = [head, text, spaces, Uint32Array.of(byteOffset, BINARY_CHUNK), ...bytes];
     return new Blob(parts as BlobPart[]);
   }
+
+  /** The bytes of a view; its packed ones if it has such. */
+  async #bytesOf(view: number, packed: PackedBytes | undefined): Promise<ArrayBuffer> {
+    if (!packed) return (await this.#parser.getDependency('bufferView', view)) as ArrayBuffer;
+    const { byteOffset = 0, byteLength } = packed;
+    const buffer = (await this.#parser.getDependency('buffer', packed.buffer)) as ArrayBuffer;
+    return buffer.slice(byteOffset, byteOffset + byteLength);
+  }
 }
 
 function isOfSplats({ extensions }: GltfPrimitive): boolean {
-  return extensions?.[SPLATTING] !== undefined;
+  return OF_SPLATS.some((name) => extensions?.[name] !== undefined);
 }
 
 /** Views with the attributes of a primitive, and those that its extensions name. */

@@ -143,13 +143,14 @@ export function glbOfSpz(
   packed: Uint8Array,
   primitiveCount = 1,
   name = SPZ_EXTENSION,
+  extensions: object = { [EXTENSION]: { extensions: { [name]: { bufferView: 0 } } } },
 ): Uint8Array<ArrayBuffer> {
   const { json } = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
   json.extensionsRequired = [EXTENSION, name];
   const primitive = {
     mode: 0,
     attributes: {},
-    extensions: { [EXTENSION]: { extensions: { [name]: { bufferView: 0 } } } },
+    extensions,
   };
   json.meshes[0].primitives = Array.from({ length: primitiveCount }, () => primitive);
   json.accessors = [];

@@ -1,7 +1,9 @@
 import { browserDecoder } from '../containers/browser-webp.ts';
+import { withPageDecoder } from '../loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from '../loading/serve-load.ts';
 import { ALL_READERS } from './readers.ts';
 
 // Of a SOG: the answer is there before the images are.
 void browserDecoder();
-serveLoad(self as unknown as LoadPort, ALL_READERS);
+const port = self as unknown as LoadPort;
+serveLoad(port, withPageDecoder(port, ALL_READERS));

@@ -1,6 +1,7 @@
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import type { DecodeMeshopt } from '../containers/meshopt.ts';
 import type { ByteReader } from '../sources/byte-reader.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
 import type { Passed, RowsTo } from './row-sink.ts';
@@ -44,6 +45,8 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
   readonly maxBytes: number | undefined;
   /** Files beside it that are fetched at once; default `MOST_REQUESTS`. */
   readonly requestsAtOnce?: number;
+  /** Undefined where no file of the thread's formats needs it. */
+  readonly decodeMeshopt?: DecodeMeshopt;
 }
 
 /** Number of a file's first bytes that formats are told by. */
@@ -69,6 +72,8 @@ export interface FormatReaders {
    * @param fileNames see `SplatInput`.
    */
   pick(firstBytes: Uint8Array, file: string, fileNames: readonly string[]): ReadFormat | null;
+  /** See `SplatFormatOptions`. */
+  readonly decodeMeshopt?: DecodeMeshopt;
   /** For formats that have several files. */
   readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
 }

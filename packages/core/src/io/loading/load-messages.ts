@@ -10,6 +10,7 @@ import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import { shown } from '../../data/printable.ts';
+import type { PackedView } from '../containers/meshopt.ts';
 import type { RowFiles } from '../formats/row-sink.ts';
 import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-source.ts';
 
@@ -44,9 +45,16 @@ export type LoadReply =
   | { readonly kind: 'layout'; readonly layout: RowLayout }
   | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
   | { readonly kind: 'rows-end' }
+  /** A part of the file that takes code to unpack which only the page can fetch. */
+  | { readonly kind: 'packed-view'; readonly view: PackedView; readonly reply: MessagePort }
   /** The file is no PLY. A stream goes on, from its beginning, with the one given back. */
   | { readonly kind: 'other-format'; readonly stream: ReadableStream<Uint8Array> | null }
   | { readonly kind: 'error'; readonly error: PostedError };
+
+/** Page to worker, by the port of a packed view. */
+export type UnpackedReply =
+  | { readonly bytes: Uint8Array<ArrayBuffer> | null }
+  | { readonly error: PostedError };
 
 /** An error as plain data: structured clone keeps neither classes nor fields. */
 export interface PostedError {

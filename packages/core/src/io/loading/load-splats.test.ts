@@ -8,6 +8,8 @@ import {
   WebSplatterError,
 } from '../../data/errors.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
+import { type AnyJson, glbBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
+import { meshoptPacked } from '../../testing/meshopt-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
@@ -20,6 +22,7 @@ import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
 import { setWorkerUrl } from './hosted-worker.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
 import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
+import { withPageDecoder } from './page-decoder.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
@@ -108,7 +111,7 @@ class FakeWorker {
       postMessage: (reply, transfer) => this.#inside.postMessage(reply, transfer as never),
     };
     inside.on('message', (data) => port.onmessage?.({ data } as MessageEvent<LoadRequest>));
-    serveLoad(port, READERS[this.kind]);
+    serveLoad(port, this.kind === 'ply' ? READERS.ply : withPageDecoder(port, READERS[this.kind]));
   }
 }
 
@@ -336,6 +339,32 @@ test.each([
   useWorkers('works');
   expect(await loadSplats(source, options)).toMatchObject({ count: 300 });
   expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(kinds);
+});
+
+describe('a glTF that meshopt has packed', () => {
+  const fixture = gltfOf(splatAttributes(randomSplats({ count: 300, shDegree: 1 })));
+  const packedFile = async (change: (json: AnyJson) => void = () => {}) => {
+    const file = await meshoptPacked(fixture);
+    change(file.json);
+    return new File([glbBytes(file)], 'a.glb');
+  };
+
+  test('is unpacked by the page, which alone fetches the code, and read in the worker', async () => {
+    const file = await packedFile();
+    const here = await loadSplats(file);
+    useWorkers('works');
+    expect(await loadSplats(file)).toEqual(here);
+    expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(['formats']);
+    expect(here.count).toBe(300);
+  });
+
+  test('damaged, it ends the load', async () => {
+    const file = await packedFile(
+      (json) => json.bufferViews[0].extensions.EXT_meshopt_compression.byteLength--,
+    );
+    useWorkers('works');
+    expect(await failure(loadSplats(file))).toMatchObject({ name: 'SplatFileError', code: 'damaged' });
+  });
 });
 
 test('a worker that dies', async () => {

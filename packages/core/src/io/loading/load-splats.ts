@@ -125,11 +125,11 @@ async function readHere(
   watch: Watch,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
-  const [{ readAndPack }, { ALL_READERS }] = await Promise.all([
+  const [{ readAndPack }, { THREAD_READERS }] = await Promise.all([
     import('./serve-load.ts'),
-    import('../formats/readers.ts'),
+    import('../formats/thread-readers.ts'),
   ]);
-  return readAndPack(source, settings, watch, ALL_READERS, rowsTo);
+  return readAndPack(source, settings, watch, THREAD_READERS, rowsTo);
 }
 
 const loadWorkers = () => import('./workers.ts');
@@ -184,6 +184,7 @@ function loadInWorker(
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
       else if (data.kind === 'rows-end') then(() => finish('passed'));
+      else if (data.kind === 'packed-view') answerView(data).catch(reject);
       else if (data.kind === 'other-format') resolve(data);
       else if (data.kind === 'error') reject(fromPostedError(data.error));
       else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
@@ -193,6 +194,12 @@ function loadInWorker(
       if (unposted) resolve(readHere(unposted, settings, watch, rowsTo));
     }, reject);
   });
+}
+
+/** Few files need this: its code is fetched by those that do. */
+async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
+  const { answerPackedView } = await import('./answer-packed-view.ts');
+  await answerPackedView(packed);
 }
 
 function callOrReject(call: () => void, reject: (reason: unknown) => void): void {

@@ -35,7 +35,7 @@ export async function readSource(
 export async function readSource(
   source: SplatSource,
   options: ReadSourceOptions,
-  { pick, openFiles }: FormatReaders,
+  { pick, openFiles, decodeMeshopt }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
   const {
@@ -70,6 +70,7 @@ export async function readSource(
         onProgress,
         onPiece,
         requestsAtOnce,
+        decodeMeshopt,
       },
       rowsTo,
     );

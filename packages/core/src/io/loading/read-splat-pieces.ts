@@ -14,9 +14,9 @@ export async function readSplatPieces(
   options: ReadSplatsOptions,
   onPiece: OnPiece,
 ): Promise<void> {
-  const [{ readSource }, { ALL_READERS }] = await Promise.all([
+  const [{ readSource }, { THREAD_READERS }] = await Promise.all([
     import('./read-source.ts'),
-    import('../formats/readers.ts'),
+    import('../formats/thread-readers.ts'),
   ]);
-  await onPiece(await readSource(source, { ...options, onPiece }, ALL_READERS));
+  await onPiece(await readSource(source, { ...options, onPiece }, THREAD_READERS));
 }

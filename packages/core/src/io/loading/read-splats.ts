@@ -22,9 +22,9 @@ export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
 ): Promise<SplatSet<ReadHarmonics>> {
-  const [{ readSource }, { ALL_READERS }] = await Promise.all([
+  const [{ readSource }, { THREAD_READERS }] = await Promise.all([
     import('./read-source.ts'),
-    import('../formats/readers.ts'),
+    import('../formats/thread-readers.ts'),
   ]);
-  return readSource(source, options, ALL_READERS);
+  return readSource(source, options, THREAD_READERS);
 }

@@ -1,3 +1,4 @@
+import { CodeUnavailableError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { decodeDataUri, isDataUri } from '../../containers/data-uri.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
@@ -7,6 +8,7 @@ import { readPart } from '../../sources/read-part.ts';
 import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
+import { meshoptOf, packedViewOf } from './packed-view.ts';
 
 /** Characters of an address: enough for any name, and for most signatures behind it. */
 const LONGEST_PATH = 1000;
@@ -27,7 +29,9 @@ export class GltfBuffers {
   readonly #progress: ReadProgress;
   readonly #buffers = new Map<number, Uint8Array<ArrayBuffer>>();
   readonly #files = new Map<string, Uint8Array<ArrayBuffer>>();
+  readonly #unpacked = new Map<JsonObject, BufferView>();
   #byteCount = 0;
+  #unpackedBytes = 0;
 
   /** @param binary the buffer without an address, in a .glb. */
   constructor(
@@ -49,28 +53,71 @@ export class GltfBuffers {
     return this.#byteCount;
   }
 
-  /** Most bytes that may be unpacked of those. */
+  /** Bytes of bufferViews that were unpacked. */
+  get unpackedBytes(): number {
+    return this.#unpackedBytes;
+  }
+
+  /** Most bytes that may be unpacked of those of buffers. */
   get mostUnpackedBytes(): number {
     return unpackedLimit(this.#options, { totalBytes: this.#byteCount });
   }
 
   /**
-   * Reads a bufferView.
+   * Reads a bufferView, and unpacks it if meshopt has packed it.
    *
-   * Rejects with SplatFileError 'bad-header', 'damaged', 'truncated', 'too-large'; as `readPart`.
+   * Rejects with SplatFileError 'bad-header', 'bad-property', 'damaged', 'truncated', 'too-large'; as
+   * `readPart`, and as `DecodeMeshopt`.
    */
   async view(index: unknown, user: string): Promise<BufferView> {
     const json = this.#json;
     const view = json.entryOf('bufferViews', index, user);
     const element = `bufferViews[${index}]`;
-    const start = json.countOf(view, 'byteOffset', element, 0);
-    const length = json.countOf(view, 'byteLength', element);
+    const packed = meshoptOf(view);
+    if (packed) return this.#unpack(view, packed, element);
     const strideBytes = view.byteStride === undefined ? undefined : json.countOf(view, 'byteStride', element);
-    const buffer = await this.#buffer(view, element);
-    if (length <= buffer.length - start)
-      return { bytes: buffer.subarray(start, start + length), strideBytes };
+    return { bytes: await this.#part(view, element), strideBytes };
+  }
+
+  /** Bytes of a buffer. @param place has `buffer`, `byteOffset` and `byteLength`. */
+  async #part(place: JsonObject, element: string): Promise<Uint8Array<ArrayBuffer>> {
+    const json = this.#json;
+    const start = json.countOf(place, 'byteOffset', element, 0);
+    const length = json.countOf(place, 'byteLength', element);
+    const buffer = await this.#buffer(place, element);
+    if (length <= buffer.length - start) return buffer.subarray(start, start + length);
     const message = `${element} has bytes ${start} to ${start + length} of a buffer of ${buffer.length}. Export it again.`;
     throw json.error('damaged', message, { element });
+  }
+
+  /** Unpacks a view once: attributes may share one. */
+  async #unpack(view: JsonObject, packed: JsonObject, element: string): Promise<BufferView> {
+    const known = this.#unpacked.get(view);
+    if (known) return known;
+    const json = this.#json;
+    const about = packedViewOf(json, view, packed, element);
+    const { count, strideBytes, mode } = about;
+    const bytes = await this.#part(packed, element);
+    this.#unpackedBytes += count * strideBytes;
+    if (this.#unpackedBytes > this.mostUnpackedBytes) {
+      const message = `its bufferViews unpack to ${this.#unpackedBytes} bytes or more, out of ${this.#byteCount}. Pass a larger maxBytes if that is right.`;
+      throw json.error('too-large', message, { element });
+    }
+    const { decodeMeshopt, signal } = this.#options;
+    if (!decodeMeshopt) {
+      const cause = new Error('these readers have none');
+      throw new CodeUnavailableError('decoder of meshopt', { cause });
+    }
+    // Copied: a worker hands it to its page.
+    const unpacked = await decodeMeshopt({ ...about, bytes: bytes.slice() });
+    signal?.throwIfAborted();
+    if (!unpacked)
+      throw json.error('damaged', `${element} cannot be unpacked by meshopt. Download or export it again.`, {
+        element,
+      });
+    const result = { bytes: unpacked, strideBytes: mode === 'ATTRIBUTES' ? strideBytes : undefined };
+    this.#unpacked.set(view, result);
+    return result;
   }
 
   /**

@@ -1,7 +1,7 @@
 import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { parseJson } from '../parse-json.ts';
-import { SPLATTING } from './gltf-semantics.ts';
+import { FIRST_SPZ, SPLATTING } from './gltf-semantics.ts';
 
 /** Scenes of splats have a few hundred. */
 const MOST_VALUES = 2 ** 20;
@@ -13,7 +13,15 @@ export const SPZ_COMPRESSIONS: readonly string[] = [
   'KHR_gaussian_splatting_compression_spz_2',
   'KHR_gaussian_splatting_compression_spz',
 ];
-const READ_EXTENSIONS: readonly string[] = [SPLATTING, 'KHR_mesh_quantization', ...SPZ_COMPRESSIONS];
+/** Names by which bufferViews are packed by meshopt, today's first. */
+export const MESHOPT_COMPRESSIONS: readonly string[] = ['KHR_meshopt_compression', 'EXT_meshopt_compression'];
+const READ_EXTENSIONS: readonly string[] = [
+  SPLATTING,
+  FIRST_SPZ,
+  'KHR_mesh_quantization',
+  ...SPZ_COMPRESSIONS,
+  ...MESHOPT_COMPRESSIONS,
+];
 
 export type JsonObject = Readonly<Record<string, unknown>>;
 

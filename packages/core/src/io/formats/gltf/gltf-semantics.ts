@@ -2,6 +2,8 @@ import type { ShDegree } from '../../../data/splats/splat-set.ts';
 
 /** Splats as attributes of points. */
 export const SPLATTING = 'KHR_gaussian_splatting';
+/** The first draft, of Cesium's first tiles: a primitive is an .spz, which this extension names. */
+export const FIRST_SPZ = 'KHR_spz_gaussian_splats_compression';
 
 /**
  * Key in the extension's `extras` for values without a key of its own: it defines a single order,

@@ -87,7 +87,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
     }
     for (const primitive of primitives) {
       rowCount += primitive.count;
-      const byteCount = buffers.byteCount + unpackedBytes;
+      const byteCount = buffers.byteCount + buffers.unpackedBytes + unpackedBytes;
       if (rowCount > Math.max(HARMLESS_ROWS, MOST_ROWS_PER_BYTE * byteCount)) {
         const message = `its nodes show ${rowCount} splats or more, in ${parts.length + 1} places, out of ${byteCount} bytes. Show them less often.`;
         throw json.error('too-large', message, { element });

@@ -24,7 +24,8 @@ const RULES = {
   scale: {
     semantic: `${SPLATTING}:SCALE`,
     type: 'VEC3',
-    kinds: ['float', 'unsigned', 'unsigned normalized'],
+    // The last is of drafts.
+    kinds: ['float', 'unsigned', 'unsigned normalized', 'signed normalized'],
   },
   rotation: { semantic: `${SPLATTING}:ROTATION`, type: 'VEC4', kinds: ['float', 'signed normalized'] },
   opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
@@ -72,7 +73,8 @@ export async function splatAttributesOf(
     ...harmonicsSemantics(shDegree).map((semantic, k) => ({
       semantic,
       type: 'VEC3' as const,
-      kinds: ['float'] as const,
+      // The second is of drafts.
+      kinds: ['float', 'signed normalized'] as const,
       slot: k === 0 ? ROW_SLOT.colorDc : ROW_SLOT.harmonics + 3 * (k - 1),
     })),
   ];

@@ -5,7 +5,7 @@ import { readSpzContents } from '../spz/read-spz.ts';
 import { emptyAttributes, type SpzAttributes, spzPosition, spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import { type GltfJson, type JsonObject, objectOf, SPZ_COMPRESSIONS } from './gltf-json.ts';
-import { BY_DEPTH, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts';
+import { BY_DEPTH, FIRST_SPZ, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts';
 import { attributePosition, attributeRows, splatAttributesOf } from './splat-attributes.ts';
 
 const POINTS = 0;
@@ -41,7 +41,8 @@ export interface SplatPrimitive {
 
 /** Whether a primitive is splats. */
 export function isSplats(primitive: JsonObject): boolean {
-  return objectOf(primitive.extensions)[SPLATTING] !== undefined;
+  const extensions = objectOf(primitive.extensions);
+  return extensions[SPLATTING] !== undefined || extensions[FIRST_SPZ] !== undefined;
 }
 
 /**
@@ -58,11 +59,15 @@ export async function splatPrimitiveOf(
   primitive: JsonObject,
   element: string,
 ): Promise<SplatPrimitive> {
-  const extension = objectOf(objectOf(primitive.extensions)[SPLATTING]);
+  const extensions = objectOf(primitive.extensions);
+  const extension = objectOf(extensions[SPLATTING]);
   if (primitive.mode !== POINTS) {
     const message = `the mode of ${element} is ${shown(primitive.mode)}; that of splats is 0, points. Export it again.`;
     throw json.error('bad-property', message, { element, property: 'mode' });
   }
+  // It says nothing of an order: that of an .spz holds.
+  if (extensions[SPLATTING] === undefined)
+    return spzPrimitiveOf(buffers, objectOf(extensions[FIRST_SPZ]), element, false);
   const [compression, spz] =
     Object.entries(objectOf(extension.extensions)).find(([name]) => SPZ_COMPRESSIONS.includes(name)) ?? [];
   for (const [property, read] of Object.entries(VALUES_READ))

@@ -1,0 +1,16 @@
+import { decodeHere } from '../formats/thread-readers.ts';
+import { type LoadReply, toPostedError, type UnpackedReply } from './load-messages.ts';
+
+/** Unpacks a view for a worker, which `withPageDecoder` has made wait for it. */
+export async function answerPackedView({
+  view,
+  reply,
+}: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
+  const answer = (message: UnpackedReply, transfer: Transferable[]) => reply.postMessage(message, transfer);
+  try {
+    const bytes = await decodeHere(view);
+    answer({ bytes }, bytes ? [bytes.buffer] : []);
+  } catch (error) {
+    answer({ error: toPostedError(error) }, []);
+  }
+}

@@ -1,0 +1,19 @@
+import type { DecodeMeshopt } from '../containers/meshopt.ts';
+import type { FormatReaders } from '../formats/splat-format.ts';
+import { fromPostedError, type UnpackedReply } from './load-messages.ts';
+import type { LoadPort } from './serve-load.ts';
+
+/** `readers` for a worker, whose page unpacks what takes code that a worker cannot fetch. */
+export function withPageDecoder(port: LoadPort, readers: FormatReaders): FormatReaders {
+  const decodeMeshopt: DecodeMeshopt = (view) =>
+    new Promise((resolve, reject) => {
+      const { port1, port2 } = new MessageChannel();
+      port1.onmessage = ({ data }: MessageEvent<UnpackedReply>) => {
+        port1.close();
+        if ('error' in data) reject(fromPostedError(data.error));
+        else resolve(data.bytes);
+      };
+      port.postMessage({ kind: 'packed-view', view, reply: port2 }, [port2, view.bytes.buffer]);
+    });
+  return { ...readers, decodeMeshopt };
+}
