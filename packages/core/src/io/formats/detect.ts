@@ -1,7 +1,7 @@
 import { SplatFileError } from '../../data/errors.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
 import { latin1 } from './latin1.ts';
-import { OTHER_FILES } from './other-files.ts';
+import { OTHER_FILES, UNREAD } from './other-files.ts';
 import { recognised, SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
@@ -12,6 +12,15 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
     pattern: /^version https:\/\/git-lfs/,
     message: 'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository',
   },
+  { pattern: /^(?:\xef\xbb\xbf)?#usda\s/, message: UNREAD.usd },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*<(?:svg[\s>]|(?:\?xml|!--|!doctype\s+svg).*<svg[\s>])/is,
+    message: 'it is a drawing (SVG), not splats; give the PLY itself',
+  },
+  {
+    pattern: /^# \.PCD/,
+    message: 'it is a scan by points (PCD), not splats; splats come from training',
+  },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
     message: 'it is a web page or XML, as servers send for a wrong address or a missing login; check the URL',
@@ -19,6 +28,10 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
     message: 'it is a tileset of 3D Tiles, which is not read; open one of its .glb files',
+  },
+  {
+    pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:totalSplats|totalLevel)"|^(?:\xef\xbb\xbf)?\s*\{.*"XGrids/s,
+    message: UNREAD.lcc,
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,

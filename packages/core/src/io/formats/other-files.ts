@@ -1,8 +1,31 @@
+/** Formats of scenes that are not read, and how to get a PLY of one. */
+export const UNREAD = {
+  usd: 'it is a scene in USD, which is not read; export a PLY from the program that made it',
+  numpy:
+    "it is arrays of NumPy, whose names and meanings are the program's own; have that export a PLY (gsplat: export_splats)",
+  pytorch: "it is a checkpoint of PyTorch, not a scene yet; export a PLY by the trainer's own command",
+  lcc: 'it is the index of a scene by XGRIDS (.lcc), which is not read; export a PLY from LCC Studio, or convert it by "splat-transform scene.lcc scene.ply"',
+  gsplatPng:
+    'it is a folder of PNGs by gsplat (PngCompression), which is not read; decompress it there, and write a PLY by export_splats',
+} as const;
+
 /** First bytes of files that are no scenes. A number at the start of rows has them once in 2²⁸. */
 export const OTHER_FILES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
   {
     pattern: /^(?:\x89PNG|\xff\xd8\xff[\xc0-\xfe]|RIFF....WEBP|GIF8|II\*\0|MM\0\*)/s,
     message: 'it is an image; give the PLY itself',
+  },
+  { pattern: /^PXR-USDC/, message: UNREAD.usd },
+  { pattern: /^\x93NUMPY/, message: UNREAD.numpy },
+  {
+    pattern: /^(?:b3dm|i3dm|pnts|cmpt)/,
+    message:
+      'it is content of 3D Tiles of a kind that has no splats; open one of the .glb files of the tileset',
+  },
+  {
+    pattern: /^(?:Kaydara FBX Binary|BLENDER|DRACO|ASTM-E57|LASF)/,
+    message:
+      'it is a mesh or a scan by points (FBX, Blender, Draco, E57 or LAS), not splats; splats come from training',
   },
   { pattern: /^(?:\x7fELF|MZ\x90\0|[\xce\xcf]\xfa\xed\xfe|\0asm)/, message: 'it is a program, and no scene' },
   {
@@ -11,7 +34,7 @@ export const OTHER_FILES: readonly { readonly pattern: RegExp; readonly message:
   },
   {
     // biome-ignore lint/suspicious/noControlCharactersInRegex: Matroska begins with one
-    pattern: /^(?:%PDF|SQLite|\x89HDF|\x93NUMPY|LASF|RIFF|OggS|\x1aE\xdf\xa3|....ftyp)/s,
+    pattern: /^(?:%PDF|SQLite|\x89HDF|RIFF|OggS|\x1aE\xdf\xa3|....ftyp)/s,
     message: 'it is a document, a recording or a table of data, and no scene',
   },
 ];

@@ -447,6 +447,31 @@ describe('filter_3D of Mip-Splatting', () => {
   });
 });
 
+test('splats of Spacetime Gaussians are shown as a still, with a note', async () => {
+  const { properties, ...element } = splatElement(3);
+  const names = ['trbf_center', 'trbf_scale'];
+  names.push(
+    ...Array.from({ length: 9 }, (_, i) => `motion_${i}`),
+    'omega_0',
+    'omega_1',
+    'omega_2',
+    'omega_3',
+  );
+  const moving = names.map((name) => ({ name, type: 'float', values: [0, 0.5, 1] }));
+  const found = await readFixture({ ...element, properties: [...properties, ...moving] });
+  expectDistinctValues(found, 3, 0);
+  expect(found.fileFacts?.notes).toEqual([expect.stringMatching(/Spacetime Gaussians.* still/)]);
+  expect((await readFixture(splatElement(3))).fileFacts?.notes).toBeUndefined();
+});
+
+test('anchors of Scaffold-GS are named, which are no splats yet', async () => {
+  const { properties, ...element } = splatElement(2);
+  const anchors = properties.filter(({ name }) => !name.startsWith('f_dc'));
+  anchors.push({ name: 'f_anchor_feat_0', type: 'float', values: [0, 0] });
+  const error = await fileErrorOf(readFixture({ ...element, properties: anchors }));
+  expect(error).toMatchObject({ code: 'not-splats', message: expect.stringContaining('Scaffold-GS') });
+});
+
 describe('rows that are not finite', () => {
   const bad = [Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
   const reasonOf = (name: string) => {

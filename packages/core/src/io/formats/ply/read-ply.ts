@@ -59,6 +59,10 @@ const FLAT: PlyVariant = {
   note: 'Its splats have no third scale (2DGS): they are flat.',
 };
 
+/** Spacetime Gaussians: a time, and polynomials of it, for each splat. */
+const MOVING_NOTE =
+  'It is a moving scene (Spacetime Gaussians), shown as a still one: splats of all times at once.';
+
 /** Most elements that a message names. */
 const MOST_LISTED = 8;
 /** Files of few rows that come within this time are packed before shaders for that would compile. */
@@ -115,9 +119,13 @@ export async function readPlyWith(
   checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
   const progress = new ReadProgress(input, options.onProgress);
   const { isAntialiased, writer } = header;
-  const notes = [variant?.note, sh.note, filteredAxes > 0 ? FILTER_NOTE : undefined].filter(
-    (note) => note !== undefined,
-  );
+  const { properties } = declared.elements[vertexIndex];
+  const notes = [
+    variant?.note,
+    sh.note,
+    filteredAxes > 0 ? FILTER_NOTE : undefined,
+    properties.some(({ name }) => name === 'trbf_center') ? MOVING_NOTE : undefined,
+  ].filter((note) => note !== undefined);
   const fileFacts: FileFacts = {
     format: 'ply',
     variant: header.format,
@@ -219,6 +227,10 @@ function notSplatsError(
 
 function describeKind(header: PlyHeader, missing: readonly string[]): string {
   const lacksShape = ['scale_0', 'rot_0', 'f_dc_0'].every((name) => missing.includes(name));
+  const isAnchors = header.elements.some(({ properties }) =>
+    properties.some(({ name }) => name === 'f_anchor_feat_0'),
+  );
+  if (isAnchors) return 'these are anchors of Scaffold-GS, of which a network makes splats';
   if (!lacksShape) return 'these are not complete splats';
   const faces = header.elements.find(
     ({ name, count }) => (name === 'face' || name === 'tristrips') && count > 0,

@@ -4,6 +4,7 @@ import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { JsonFields } from '../json-fields.ts';
+import { UNREAD } from '../other-files.ts';
 import { parseJson } from '../parse-json.ts';
 
 /** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
@@ -72,6 +73,9 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
     throw new SplatFileError('unknown-format', file, message, { property: 'version' });
   }
   const means = meta.fields('means');
+  // The format that SOG came from has its files beside it under fixed names.
+  if (version === undefined && !means.has('files') && means.has('dtype'))
+    throw new SplatFileError('unknown-format', file, `${UNREAD.gsplatPng}.`, { property: 'means' });
   const scales = meta.fields('scales');
   const sh0 = meta.fields('sh0');
   const shN = meta.has('shN') ? meta.fields('shN') : null;

@@ -16,6 +16,7 @@ import {
 import { rgbaWebp, vp8lBytes, webpBytes } from '../../../testing/webp-fixture.ts';
 import { zipBytes } from '../../../testing/zip-fixture.ts';
 import { readSource } from '../../loading/read-source.ts';
+import { readSplats } from '../../loading/read-splats.ts';
 import type { LoadProgress, ReadSplatsOptions, SplatSource } from '../../sources/splat-source.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ALL_READERS } from '../readers.ts';
@@ -519,4 +520,14 @@ describe('refuses', () => {
     const bytes = Math.max(...Object.values(sogFiles(example)).map(({ length }) => length));
     expect(await failure(example, { maxBytes: bytes + 10 })).toMatchObject({ code: 'too-large' });
   });
+});
+
+test('the PNG folder of gsplat, from which the format came, is told by its metadata', async () => {
+  const array = { shape: [9, 9], dtype: 'float32', mins: [0], maxs: [1] };
+  const meta = { means: array, scales: array, quats: array, opacities: array, sh0: array, shN: array };
+  const file = new File([JSON.stringify(meta)], 'meta.json');
+  const image = new File([Uint8Array.of(1)], 'means_l.png');
+  const error = await readSplats({ files: [file, image] }).catch((reason) => reason);
+  expect(error).toMatchObject({ name: 'SplatFileError', code: 'unknown-format' });
+  expect(error.message).toMatch(/PNGs by gsplat .* PLY/);
 });

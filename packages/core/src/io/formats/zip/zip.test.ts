@@ -332,3 +332,15 @@ describe('refuses', () => {
     expect(await failure(stored, { maxBytes: 100 })).toMatchObject({ code: 'too-large' });
   });
 });
+
+test.each([
+  [/scene in USD, which is not read; export a PLY/, ['scene.usdc', 'textures/0.png']],
+  [/arrays of NumPy/, ['means.npy', 'scales.npy']],
+  [/checkpoint of PyTorch.* export a PLY/, ['archive/data.pkl', 'archive/data/0', 'archive/version']],
+  [/XGRIDS .* export a PLY/, ['scan/scan.lcc', 'scan/data.bin', 'scan/index.bin']],
+])('archives of scenes that are not read say how to get a PLY: %s', async (message, names) => {
+  const error = await failure(zipBytes(Object.fromEntries(names.map((name) => [name, text('x')]))));
+  expect(error.message).toMatch(message);
+  expect(error.message).not.toContain('Unpack');
+  expect(error.code).toBe('unknown-format');
+});

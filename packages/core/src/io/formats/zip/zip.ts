@@ -6,6 +6,7 @@ import { ByteReader } from '../../sources/byte-reader.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { OpenedSource } from '../../sources/splat-source.ts';
+import { UNREAD } from '../other-files.ts';
 import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { clip } from '../ply/ply-header.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
@@ -89,7 +90,17 @@ function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
   throw new SplatFileError('unknown-format', file, message);
 }
 
+/** Archives that hold a scene of a format that is not read, by the names of their files. */
+const UNREAD_ARCHIVES: readonly (readonly [name: RegExp, message: string])[] = [
+  [/\.usd[acz]?$/, UNREAD.usd],
+  [/\.npy$/, UNREAD.numpy],
+  [/^data\.pkl$/, UNREAD.pytorch],
+  [/\.lcc$/, UNREAD.lcc],
+];
+
 function nothingReadMessage(entries: readonly ZipEntry[]): string {
+  const unread = UNREAD_ARCHIVES.find(([name]) => entries.some((entry) => name.test(nameOf(entry))));
+  if (unread) return `${unread[1]}.`;
   const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
   const titles = ['SOG', ...PACKED_TITLES].join(', ');
   return `it is a zip archive with ${found}; read out of archives are ${titles}. Unpack it, and open what is in it.`;
