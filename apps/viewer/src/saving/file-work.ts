@@ -9,6 +9,8 @@ export interface FileTask {
   /** `Saving`, `Drawing`: what is cancelled. */
   readonly doing: string;
   readonly make: (signal: AbortSignal) => Promise<Blob>;
+  /** Sentences without a full stop that are told once it is saved. */
+  readonly notes?: readonly string[];
   readonly failureOf: (error: unknown) => Omit<FailureReport, 'message'>;
   /** Called in the end, however it ends. */
   readonly onEnd: () => void;
@@ -30,14 +32,18 @@ export abstract class FileWork {
   }
 
   /** The store learns how it has ended. */
-  protected async run({ fileName, doing, make, failureOf, onEnd }: FileTask): Promise<void> {
+  protected async run({ fileName, doing, make, notes = [], failureOf, onEnd }: FileTask): Promise<void> {
     const { store } = this;
     const work = new AbortController();
     this.#work = work;
     try {
       const file = await make(work.signal);
       download(file, fileName);
-      store.setState({ notice: `Saved ${fileName} (${formatBytes(file.size)}).` });
+      const sentences = [
+        `Saved ${fileName} (${formatBytes(file.size)}).`,
+        ...notes.map((note) => `Note: ${note}.`),
+      ];
+      store.setState({ notice: sentences.join(' ') });
     } catch (error) {
       if (work.signal.aborted) store.setState({ notice: `${doing} ${fileName} was cancelled.` });
       else {

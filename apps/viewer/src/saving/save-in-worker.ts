@@ -8,8 +8,13 @@ export async function save(
   reply: (message: SaveReply, transfer: Transferable[]) => void,
 ): Promise<void> {
   try {
-    const bytes = await writeScene(request, (progress) => reply({ kind: 'progress', ...progress }, []));
-    reply({ kind: 'done', bytes }, [bytes.buffer]);
+    const notes: string[] = [];
+    const bytes = await writeScene(
+      request,
+      (progress) => reply({ kind: 'progress', ...progress }, []),
+      (note) => notes.push(note),
+    );
+    reply({ kind: 'done', bytes, notes }, [bytes.buffer]);
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error);
     reply({ kind: 'failed', message, isFault: !(error instanceof WebSplatterError) }, []);

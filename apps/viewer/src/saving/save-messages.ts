@@ -36,6 +36,7 @@ export interface SaveRequest {
 
 export type SaveReply =
   | ({ readonly kind: 'progress' } & Pick<SavingState, 'phase' | 'part'>)
-  | { readonly kind: 'done'; readonly bytes: Uint8Array<ArrayBuffer> }
+  /** `notes`: what the format does not keep. */
+  | { readonly kind: 'done'; readonly bytes: Uint8Array<ArrayBuffer>; readonly notes: readonly string[] }
   /** `isFault`: it was not thrown on purpose. */
   | { readonly kind: 'failed'; readonly message: string; readonly isFault: boolean };

@@ -7,6 +7,7 @@ import type { ShownPart } from '../scene/shown-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { createViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
+import { save } from './save-in-worker.ts';
 import type { SaveReply } from './save-messages.ts';
 import { savedName } from './saved-name.ts';
 import { savingOf } from './saving.ts';
@@ -168,6 +169,25 @@ test('progress is shown; saving can be cancelled, and started again', async () =
   expect(store.getState().notice).toContain('cancelled');
   void saving.start(WRITABLE_FORMATS[0]);
   expect(FakeWorker.started.length).toBe(2);
+});
+
+test('what the format does not keep is told once the file is there', async () => {
+  const logScales = new Float32Array(3).fill(-3);
+  const far = { ...oneSplat, logScales, origin: [5e5 + 0.3, 5.3e6 + 0.3, 0.3] as const };
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(far)], 'a.ply') };
+  const replies: SaveReply[] = [];
+  const parts = [{ source, placement: null, opacity: 1, rows: null }];
+  const request = { kind: 'save', parts, formatName: 'sog', up: '-y', crop: null } as const;
+  await save(request, (reply) => replies.push(reply));
+  const done = replies.at(-1)!;
+  expect(done).toMatchObject({ kind: 'done', notes: [expect.stringContaining('in steps of 0.5')] });
+  const { store, worker } = startSaving(source);
+  vi.stubGlobal('document', { createElement: () => ({ click: () => {} }) });
+  worker?.onmessage?.({ data: done });
+  await vi.waitFor(() => expect(store.getState().saving).toBeNull());
+  expect(store.getState().notice).toMatch(
+    /^Saved a\.\w+ \(.*\)\. Note: other readers of SOG .* PLY or glTF\.$/,
+  );
 });
 
 test('a scene that cannot be saved is told with the reason, and stays', async () => {

@@ -31,10 +31,12 @@ class Saving extends FileWork {
     store.setState({ failure: null });
     const up = upAxisOf(state);
     const request: SaveRequest = { kind: 'save', parts, formatName: format.name, up, crop };
+    const notes: string[] = [];
     await this.run({
       fileName,
       doing: 'Saving',
-      make: (signal) => savedFile(request, report, signal),
+      make: (signal) => savedFile(request, report, (note) => notes.push(note), signal),
+      notes,
       failureOf: (error) => ({
         title: `${fileName} cannot be saved`,
         advice: '',
@@ -55,6 +57,7 @@ class SaveRefusal extends Error {}
 function savedFile(
   request: SaveRequest,
   onProgress: (progress: Pick<SavingState, 'phase' | 'part'>) => void,
+  onNote: (note: string) => void,
   signal: AbortSignal,
 ): Promise<Blob> {
   const worker = new Worker(new URL('../reload/scene.worker.ts', import.meta.url), { type: 'module' });
@@ -65,8 +68,10 @@ function savedFile(
     });
     worker.onmessage = ({ data }: MessageEvent<SaveReply>) => {
       if (data.kind === 'progress') onProgress({ phase: data.phase, part: data.part });
-      else if (data.kind === 'done') resolve(new Blob([data.bytes]));
-      else reject(data.isFault ? new Error(data.message) : new SaveRefusal(data.message));
+      else if (data.kind === 'done') {
+        for (const note of data.notes) onNote(note);
+        resolve(new Blob([data.bytes]));
+      } else reject(data.isFault ? new Error(data.message) : new SaveRefusal(data.message));
     };
     worker.onerror = ({ message }) => reject(new Error(message || NOT_STARTED));
     worker.postMessage(request);

@@ -16,10 +16,15 @@ import type { SavedRows, SaveRequest } from './save-messages.ts';
 
 export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
 
-/** Reads a scene again and writes it as a file that other viewers show the same way up. */
+/**
+ * Reads a scene again and writes it as a file that other viewers show the same way up.
+ *
+ * @param onNote told what the format does not keep.
+ */
 export async function writeScene(
   { parts, formatName, up, crop }: Omit<SaveRequest, 'kind'>,
   onProgress: OnSaving,
+  onNote: (note: string) => void = () => {},
 ): Promise<Uint8Array<ArrayBuffer>> {
   onProgress({ phase: 'read', part: undefined });
   const sets: SplatSet<Harmonics>[] = [];
@@ -39,7 +44,10 @@ export async function writeScene(
   // In formats whose y axis points down, what is up goes there.
   const toY = hasYUp ? up : oppositeAxis(up);
   const turned = toY === 'y' ? set : transformSplats(set, { rotation: uprightRotation(toY) });
-  return writeSplats(turned, formatName, { onProgress: (part) => onProgress({ phase: 'write', part }) });
+  return writeSplats(turned, formatName, {
+    onProgress: (part) => onProgress({ phase: 'write', part }),
+    onNote,
+  });
 }
 
 function savedSplats(set: SplatSet<Harmonics>, { words, areSaved }: SavedRows): SplatSet<Harmonics> {
