@@ -161,6 +161,15 @@ describe('the camera of a scene', () => {
     },
   );
 
+  it('frames a scene that is so far from 0 that its size is lost there', () => {
+    const sphere = { center: [1e21, 0, 0], radius: 1 } as const;
+    const { camera } = shown({ ...GROUND, sphere, extent: sphere });
+    expect(() => camera.orbitCamera).not.toThrow();
+    const { min } = camera.controls.distanceRange;
+    camera.controls.setPose({ ...camera.controls.pose, distance: min, polar: 0.01 });
+    expect(() => camera.orbitCamera).not.toThrow();
+  });
+
   it('goes where stray splats are', () => {
     const { store, camera } = shown({ ...GROUND, extent: { center: [0, 0, 0], radius: 1e7 } });
     const { pose } = camera.controls;

@@ -60,6 +60,9 @@ const FARTHEST_RADII = 1e4;
 /** Stray splats may be farther, but not where numbers have no digits left for moves at the scene. */
 const FARTHEST_STRAY_RADII = 1e9;
 
+/** Of a scene's distance from 0: the least radius that it is framed with, a centimetre at 10,000 km. */
+const LEAST_RADIUS_PART = 1e-9;
+
 /** The camera of the shown scene: an orbit, or a camera of the scene until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
@@ -85,8 +88,10 @@ export class ViewCamera {
 
   /** Looks at `subject` from now on; the pose stays until `showFirstView` or `restore`. */
   follow(subject: CameraSubject): void {
-    this.#subject = subject;
-    const { radius } = subject.sphere;
+    const { center } = subject.sphere;
+    // Of places that are far from 0 few digits are left for a camera to be away from its target.
+    const radius = Math.max(subject.sphere.radius, LEAST_RADIUS_PART * Math.hypot(...center));
+    this.#subject = { ...subject, sphere: { ...subject.sphere, radius } };
     this.controls.distanceRange = { min: radius * 1e-3, max: radius * 100 };
   }
 

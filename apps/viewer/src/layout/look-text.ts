@@ -55,6 +55,10 @@ export function decodeLook(text: string): (file: PlacedFile) => PartLook {
   };
 }
 
+/** Their product is a float32, as the numbers of a matrix must be. */
+const FARTHEST = 1e24;
+const LARGEST_SCALE = 1e12;
+
 const NAMES = ['move', 'turn', 'scale', 'about', 'up', 'opacity', 'hidden'];
 
 function vectorIn(name: string, text: string): Vec3 {
@@ -72,6 +76,8 @@ function axesIn(text: string): { up: UpAxis; sceneUp: UpAxis } {
 function scaleIn(text: string): number {
   const scale = numberIn(text);
   if (scale <= 0) throw refused(`scale:${text} is not above 0`);
+  if (scale > LARGEST_SCALE || scale < 1 / LARGEST_SCALE)
+    throw refused(`scale:${text} does not lie between ${1 / LARGEST_SCALE} and ${LARGEST_SCALE}`);
   return scale;
 }
 
@@ -81,7 +87,11 @@ function opacityIn(text: string): number {
   return opacity;
 }
 
-const numberIn = (text: string) => numberPart(text, refused);
+function numberIn(text: string): number {
+  const value = numberPart(text, refused);
+  if (Math.abs(value) > FARTHEST) throw refused(`${text} is not within ±${FARTHEST}`);
+  return value;
+}
 
 function isZero(vector: Vec3): boolean {
   return vector.every((value) => value === 0);
