@@ -12,7 +12,7 @@ const TOLD_TOGETHER_MS = 4;
  * canvas that is not on the screen, would submit frames faster than a slow GPU draws them. Each
  * answer of the GPU, such as that of `pick`, would then wait for all of them.
  */
-export class LoopPace {
+class LoopPace {
   #waiting = 0;
   #most = FEWEST_WAITING;
   #toldMs = Number.NEGATIVE_INFINITY;

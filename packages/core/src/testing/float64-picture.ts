@@ -36,7 +36,7 @@ const transpose = (m: Columns): Columns => [0, 1, 2].map((row) => rowOf(m, row))
  * The orthogonal matrix nearest to one: the mean of a matrix and of the transpose of its inverse,
  * again and again.
  */
-export function nearestRotation(m: Columns): Columns {
+function nearestRotation(m: Columns): Columns {
   let found = m;
   for (let step = 0; step < 100; step++) {
     const [a, b, c] = found;

@@ -181,7 +181,7 @@ export interface RoundingAdvice {
  *
  * @param medianSize of the scene's splats, in scene units.
  */
-export function roundingNotes(
+function roundingNotes(
   { splats, positions, float32Positions, scales, colors, harmonics }: Rounding,
   medianSize: number,
   { title, positions: advice }: RoundingAdvice,
