@@ -98,10 +98,7 @@ export class PositionSample {
 
   #halve(halvings: number): void {
     this.#halvings = halvings;
-    const values = this.#values;
-    this.#values = [];
-    for (let at = 0; at < values.length; at += ROW_VALUES)
-      if (isSampled(values[at], halvings)) this.#values.push(...values.slice(at, at + ROW_VALUES));
+    this.#values = this.#values.filter((_, i) => isSampled(this.#values[i - (i % ROW_VALUES)], halvings));
   }
 }
 

@@ -69,10 +69,8 @@ export class PieceFacts {
     const { origin } = this;
     const axes = this.#sample.axes;
     const isFloat32 = axes.every((values) => values.every((value) => Math.fround(value) === value));
-    const places = isFloat32 ? axes : axes.map((values, k) => values.map((value) => value - origin[k]));
-    const steps = Float64Array.from(axes[0], (_, i) =>
-      floatStep(Math.max(...places.map((p) => Math.abs(p[i])))),
-    );
+    const [x, y, z] = isFloat32 ? axes : axes.map((values, k) => values.map((value) => value - origin[k]));
+    const steps = x.map((value, i) => floatStep(Math.max(Math.abs(value), Math.abs(y[i]), Math.abs(z[i]))));
     return steps.length > 0 ? selectValue(steps, Math.ceil(BULK * steps.length) - 1) : 0;
   }
 }

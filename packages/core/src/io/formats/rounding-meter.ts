@@ -119,7 +119,7 @@ export class RoundingMeter {
    */
   scales({ logScales }: SplatColumns, i: number, written: (axis: number) => number): void {
     const own = [logScales[3 * i], logScales[3 * i + 1], logScales[3 * i + 2]];
-    const thinnest = own.indexOf(Math.min(...own));
+    const thinnest = own.indexOf(Math.min(own[0], own[1], own[2]));
     let error = 0;
     for (let axis = 0; axis < 3; axis++)
       if (axis !== thinnest && Number.isFinite(own[axis]))
