@@ -37,6 +37,18 @@ export async function openFile(path: string, onFile?: OnFile): Promise<SplatSour
   return (await findFile(path, onFile && (() => onFile(path)))).asBlob();
 }
 
+/**
+ * The bytes of one file or pipe, whatever its name, once. Fails as readings of `openFile` do.
+ *
+ * @throws as `openFile`.
+ */
+export async function streamFile(path: string): Promise<ReadableStream<Uint8Array<ArrayBuffer>>> {
+  const found = await stat(path);
+  if (found.isDirectory())
+    throw Object.assign(new Error(`${path} is a folder, not a file`), { code: 'EISDIR' });
+  return found.isFile() ? (await findFile(path)).asBlob().stream() : openPipe(path, found);
+}
+
 /** The standard input of this process, once. @throws SplatSourceError if it is a terminal. */
 export function openStdin(): ReadableStream<Uint8Array<ArrayBuffer>> {
   if (process.stdin.isTTY) throw terminalError('standard input');

@@ -40,7 +40,7 @@ function checkNoTerminal(path: string): void {
 
 /** For what would wait for keys. */
 export function terminalError(path: string): SplatSourceError {
-  return new SplatSourceError(path, 'it is a terminal; give a file, or send a scene through a pipe');
+  return new SplatSourceError(path, 'it is a terminal; give a file or a pipe');
 }
 
 /** Nothing blocks: a thread that waits for a writer would keep the process from ending. */
