@@ -84,7 +84,8 @@ export class FramePlanner {
       planCloud(instance, camera, projection, accuracy, detail),
     );
     const budget = cutBudget(detail, clouds);
-    const wide = accuracy.sortKeyBits === 64 ? wideKeysFor(camera, clouds, sortsByDistance) : null;
+    const isWide = hasWideKeys({ keyBits: sizes?.keyBits ?? accuracy.sortKeyBits });
+    const wide = isWide ? wideKeysFor(camera, clouds, sortsByDistance) : null;
     const needs = {
       visibleSplats: mostVisibleSplats(clouds, budget),
       depthBits: wide?.bits ?? keyBitsFor(camera, clouds, sortsByDistance),
