@@ -12,8 +12,10 @@ const OURS = ['@websplatter/react', '@websplatter/three'];
 /** At the versions of this repository's lockfile. */
 const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
 
-/** Parts of an app besides React, three and our packages. */
+/** Parts of an app besides its dependencies. */
 export interface FreshAppParts {
+  /** Names of its dependencies; default React, three, react-three-fiber and our packages. */
+  readonly dependencies?: readonly string[];
   /** Packages at the versions of this repository's lockfiles: the root's, and that of esbuild. */
   readonly lockedPackages?: readonly string[];
   /** Other packages, each with its exact version. */
@@ -49,6 +51,7 @@ export interface FreshApp {
  * from packed tarballs, and everything else in versions that are told exactly.
  */
 export async function makeFreshApp({
+  dependencies = [...OURS, ...DEPENDENCIES],
   lockedPackages = [],
   packages: pinned = {},
   manifest: more = {},
@@ -75,17 +78,21 @@ export async function makeFreshApp({
       `file:tarballs/${basename(path)}`,
     ]),
   );
-  const packages = { ...(await locked('packages/tools/package-checks')), ...(await locked('.')) };
+  const packages = {
+    // drei, for apps that ask for it.
+    ...(dependencies.includes('@react-three/drei') && (await locked('apps/examples'))),
+    ...(await locked('packages/tools/package-checks')),
+    ...(await locked('.')),
+  };
   const versionsOf = (names: readonly string[]) =>
     names.map((name): [string, string] => [name, packages[`node_modules/${name}`].version]);
   const manifest = {
     name: 'fresh',
     private: true,
     type: 'module',
-    dependencies: Object.fromEntries([
-      ...OURS.map((name) => [name, packed.get(name)]),
-      ...versionsOf(DEPENDENCIES),
-    ]),
+    dependencies: Object.fromEntries(
+      dependencies.map((name) => [name, packed.get(name) ?? packages[`node_modules/${name}`].version]),
+    ),
     devDependencies: { ...Object.fromEntries(versionsOf(lockedPackages)), ...pinned },
     // The packages depend on each other, and no registry has them.
     overrides: Object.fromEntries(packed),

@@ -5,17 +5,15 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
-import { completedExample, examplesIn } from './readme-examples.ts';
+import { completedExample, examplesIn, installedBy, packagesOf } from './readme-examples.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
 /** Arrays of own splats. */
 const ARRAYS = { positions: 'Float32Array', scales: 'Float32Array', colors: 'Float32Array' };
 
-interface Examples {
-  readonly of: string;
-  readonly given: Readonly<Record<string, string>>;
-}
+/** Names that examples presuppose, with their types. */
+type Given = Readonly<Record<string, string>>;
 
 /** Names that draw a frame of the engine, with their types. */
 const FRAME = {
@@ -26,45 +24,46 @@ const FRAME = {
   heightPx: 'number',
 };
 
-/** READMEs by the package that they are about, and the names that their examples presuppose. */
-const READMES: Readonly<Record<string, Examples>> = {
-  'README.md': {
-    of: '@websplatter/react',
-    given: { canvas: 'HTMLCanvasElement' },
+/** READMEs, and the names that their examples presuppose. */
+const READMES: Readonly<Record<string, Given>> = {
+  'README.md': {},
+  'packages/node/README.md': {},
+  'packages/core/README.md': {
+    ...FRAME,
+    engine: "import('@websplatter/core').SplatEngine",
+    clouds: "import('@websplatter/core').CloudInstance[]",
+    frame: "import('@websplatter/core').FrameRequest",
+    from: "import('@websplatter/core').SplatSet",
+    to: "import('@websplatter/core').SplatSet",
+    selection: "import('@websplatter/core/effects').SplatSelection",
+    rotations: 'Float32Array',
+    opacities: 'Float32Array',
+    ...ARRAYS,
   },
-  'packages/node/README.md': { of: '@websplatter/node', given: {} },
   'packages/react/README.md': {
-    of: '@websplatter/react',
-    given: {
-      Placeholder: "() => import('react').ReactNode",
-      OrbitControls:
-        "(props: { target: import('three').Vector3; onChange: (event?: { target: { target: import('three').Vector3 } }) => void }) => import('react').ReactNode",
-      splats: "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>",
-      center: "import('three').Vector3",
-      radius: 'number',
-      sources: 'string[]',
-      ...ARRAYS,
-    },
+    Placeholder: "() => import('react').ReactNode",
+    splats: "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>",
+    center: "import('three').Vector3",
+    radius: 'number',
+    sources: 'string[]',
+    ...ARRAYS,
   },
   'packages/three/README.md': {
-    of: '@websplatter/three',
-    given: {
-      canvas: 'HTMLCanvasElement',
-      renderer: "import('three/webgpu').WebGPURenderer",
-      scene: "import('three/webgpu').Scene",
-      camera: "import('three/webgpu').PerspectiveCamera",
-      cloud: "import('@websplatter/three').SplatCloudObject",
-      data: "import('@websplatter/three').SplatData",
-      calm: "import('@websplatter/three/own-data').SplatsInMemory",
-      smiling: "import('@websplatter/three/own-data').SplatsInMemory",
-      files: 'File[]',
-      render: '() => void',
-      pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",
-      min: "import('three').Vector3",
-      max: "import('three').Vector3",
-      selection: "import('@websplatter/core/effects').SplatSelection",
-      ...ARRAYS,
-    },
+    canvas: 'HTMLCanvasElement',
+    renderer: "import('three/webgpu').WebGPURenderer",
+    scene: "import('three/webgpu').Scene",
+    camera: "import('three/webgpu').PerspectiveCamera",
+    cloud: "import('@websplatter/three').SplatCloudObject",
+    data: "import('@websplatter/three').SplatData",
+    calm: "import('@websplatter/three/own-data').SplatsInMemory",
+    smiling: "import('@websplatter/three/own-data').SplatsInMemory",
+    files: 'File[]',
+    render: '() => void',
+    pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",
+    min: "import('three').Vector3",
+    max: "import('three').Vector3",
+    selection: "import('@websplatter/core/effects').SplatSelection",
+    ...ARRAYS,
   },
 };
 
@@ -127,35 +126,47 @@ function compile(modules: Readonly<Record<string, string>>): string {
 
 test('examples of READMEs, and of the site’s pages, type-check, strictly; a wrong one is found', () => {
   const modules: Record<string, string> = {};
-  const pages = Object.entries(PAGES).map(([page, given]): [string, Examples] => [
+  const pages = Object.entries(PAGES).map(([page, given]): [string, Given] => [
     `apps/docs/pages/${page}`,
-    { of: '@websplatter/react', given },
+    given,
   ]);
-  for (const [path, { of, given }] of [...Object.entries(READMES), ...pages]) {
+  for (const [path, given] of [...Object.entries(READMES), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
     expect(examples.length, path).toBeGreaterThan(path.endsWith('README.md') ? 1 : 0);
     for (const { line, language, code } of examples)
-      modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, of, given);
+      modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, given);
   }
-  const wrong = 'const cloud = useRef<SplatCloudObject>(null);\ncloud.current.pick(1, 2);\n';
-  modules['wrong.tsx'] = completedExample(wrong, '@websplatter/react', {});
+  const wrong = `import type { SplatCloudObject } from '@websplatter/react';
+import { useRef } from 'react';
+
+const cloud = useRef<SplatCloudObject>(null);
+cloud.current.pick(1, 2);
+`;
+  modules['wrong.tsx'] = completedExample(wrong, {});
   const said = compile(modules).trim().split('\n');
   expect(said).toEqual([
-    expect.stringMatching(/^wrong\.tsx\(3,1\): error TS18047: 'cloud\.current' is possibly/),
+    expect.stringMatching(/^wrong\.tsx\(6,1\): error TS18047: 'cloud\.current' is possibly/),
   ]);
 });
+
+test.each(Object.keys(READMES).filter((path) => path !== 'packages/node/README.md'))(
+  'what examples of %s import is in an install line of it',
+  (path) => {
+    const text = readFileSync(join(repositoryRoot, path), 'utf8');
+    const installed = installedBy(text);
+    for (const { line, code } of examplesIn(text))
+      expect(installed, `${path}:${line}`).toEqual(expect.arrayContaining(packagesOf(code)));
+  },
+);
 
 test('an example gets the names that it lacks, and no others', () => {
   const code =
     "import { Canvas } from '@react-three/fiber';\nconst splats = useRef(Splats), more = a.tint;\n";
-  const { 0: first, length } = completedExample(code, '@websplatter/react', {
-    splats: 'never',
-    a: 'any',
-  }).split('\n');
-  expect(first).toBe(
-    "import { Splats } from '@websplatter/react'; import { useRef } from 'react'; declare const a: any; export {};",
-  );
+  const { 0: first, length } = completedExample(code, { splats: 'never', a: 'any' }).split('\n');
+  expect(first).toBe('declare const a: any; export {};');
   expect(length).toBe(4);
+  expect(packagesOf(code)).toEqual(['@react-three/fiber']);
+  expect(installedBy('npm install a @b/c\nnpm install --save-dev d # for e\n')).toEqual(['a', '@b/c', 'd']);
   expect(examplesIn('# A\n\n```ts\na\n```\n\n```\nno\n```\n```tsx\n<b />\n```\n')).toEqual([
     { line: 4, language: 'ts', code: 'a\n' },
     { line: 11, language: 'tsx', code: '<b />\n' },

@@ -1,0 +1,117 @@
+// The first thing that people do: paste a README's install line and its first block.
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { encodePly } from '@websplatter/core';
+import type { Browser } from 'playwright-core';
+import { afterAll, beforeAll, expect, it } from 'vitest';
+import { launchBrowser, newWatchedPage } from './browser.ts';
+import { makeFreshApp } from './fresh-app.ts';
+import { examplesIn } from './readme-examples.ts';
+import { type Screenshot, screenshot } from './screenshot.ts';
+import { slowDisplay } from './slow-display.ts';
+import { manySplats, splatSet } from './three/splats.ts';
+
+const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
+
+/** A README of a folder, and the number of its install line and block that are tried. */
+const BLOCKS = [
+  ['README.md', 0],
+  ['README.md', 1],
+  ['packages/react/README.md', 0],
+  ['packages/three/README.md', 0],
+  ['packages/core/README.md', 0],
+] as const;
+
+let browser: Browser;
+
+beforeAll(async () => {
+  browser = await launchBrowser();
+});
+afterAll(() => browser?.close());
+
+/** Finds the install line of this number, the packages in it, and the first block that follows. */
+function pastedFrom(readme: string, number: number) {
+  const text = readFileSync(join(repositoryRoot, readme), 'utf8');
+  const line = [...text.matchAll(/^npm install (@websplatter\/.*)$/gm)][number];
+  const [{ language, code }] = examplesIn(text.slice(line.index));
+  return { dependencies: line[1].split(' '), language, code };
+}
+
+/** An app as `npm create vite` makes it: with React where the block is one of it, else without. */
+function viteApp(language: string, code: string) {
+  const page = (script: string) =>
+    `<!doctype html><html lang="en"><head><title>Fresh</title><link rel="icon" href="/icon.svg"></head>` +
+    `<body style="margin: 0"><div id="root"></div><script type="module" src="/src/${script}"></script></body></html>`;
+  const icon = { 'public/icon.svg': '<svg xmlns="http://www.w3.org/2000/svg" />' };
+  if (language === 'ts') return { ...icon, 'index.html': page('main.ts'), 'src/main.ts': code };
+  return {
+    ...icon,
+    'index.html': page('main.tsx'),
+    'src/App.tsx': code,
+    'src/main.tsx': `import { StrictMode } from 'react';
+import { createRoot } from 'react-dom/client';
+import App from './App.tsx';
+
+createRoot(document.getElementById('root')!).render(
+  <StrictMode>
+    <App />
+  </StrictMode>,
+);
+`,
+    'vite.config.ts': `import react from '@vitejs/plugin-react';
+import { defineConfig } from 'vite';
+
+export default defineConfig({ plugins: [react()] });
+`,
+  };
+}
+
+/** Different colours among pixels spread over the image: a background alone has one or few. */
+function colorsIn({ data }: Screenshot): number {
+  const colors = new Set<number>();
+  for (let at = 0; at < data.length; at += 4 * 37)
+    colors.add((data[at] >> 3) | ((data[at + 1] >> 3) << 5) | ((data[at + 2] >> 3) << 10));
+  return colors.size;
+}
+
+it.each(BLOCKS)('%s: install line and block %i show a scene', async (readme, number) => {
+  const { dependencies, language, code } = pastedFrom(readme, number);
+  expect(code).toMatch(/["']garden\.ply["']/);
+  const app = await makeFreshApp({
+    dependencies,
+    lockedPackages: ['@vitejs/plugin-react', 'vite'],
+    sources: viteApp(language, code),
+    // Coloured specks in a cube of two metres: they look alike upside down.
+    files: { 'garden.ply': encodePly(splatSet(manySplats(3000))) },
+  });
+  try {
+    await app.run('vite/bin/vite.js', ['build', '--logLevel', 'warn']);
+    const args = ['preview', '--host', '127.0.0.1', '--port', '0', '--logLevel', 'info'];
+    const server = await app.serve('vite/bin/vite.js', args);
+    const { page, problems } = await newWatchedPage(browser, {});
+    try {
+      await page.addInitScript(slowDisplay);
+      await page.goto(server.url);
+      await expect
+        .poll(async () => problems.length > 0 || colorsIn(await screenshot(page)) > 100, { interval: 250 })
+        .toBe(true);
+      expect(problems).toEqual([]);
+      keepPicture(`${readme.replaceAll('/', '-')}-${number}.png`, await page.screenshot());
+    } finally {
+      await page.context().close();
+      await server.close();
+    }
+  } finally {
+    await app.remove();
+  }
+});
+
+/** Keeps a picture to look at, in the folder that `WEBSPLATTER_PICTURES` names. */
+function keepPicture(name: string, png: Buffer): void {
+  const folder = process.env.WEBSPLATTER_PICTURES;
+  if (folder === undefined) return;
+  const path = join(folder, name);
+  mkdirSync(dirname(path), { recursive: true });
+  writeFileSync(path, png);
+}
