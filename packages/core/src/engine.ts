@@ -23,6 +23,7 @@ import type { BrickScene } from './data/bricks/brick.ts';
 import { FIRST_PIECE } from './data/bricks/brick-files.ts';
 import { CodeUnavailableError, DestroyedError, GpuLimitError } from './data/errors.ts';
 import { CLOUD, given } from './data/given.ts';
+import { callListener } from './data/listeners.ts';
 import type { Harmonics } from './data/packing/harmonics.ts';
 import { packSet } from './data/packing/pack-set.ts';
 import type { PackedCloud } from './data/packing/packed-cloud.ts';
@@ -244,7 +245,11 @@ export class SplatEngine {
   /** Aborts when the engine or its device ends. */
   readonly #ended = new AbortController();
   readonly #onLoss: OnLoss = {
-    react: (because) => this.#stopWork(because),
+    react: (because) => {
+      this.#stopWork(because);
+      // Nothing of it is on the device any more.
+      this.#memory.destroyAll();
+    },
   };
 
   /** @internal Use `SplatEngine.create`, which checks the options. */
@@ -499,14 +504,15 @@ export class SplatEngine {
     return [...this.#clouds];
   }
 
-  /** GPU memory that the engine holds now. */
+  /** GPU memory that the engine holds now; none once it was destroyed, or its device was lost. */
   memory(): EngineMemory {
-    const clouds = [...this.#clouds].map((cloud) => ({
+    const hasEnded = this.#destroyedBecause !== null;
+    const clouds = (hasEnded ? [] : [...this.#clouds]).map((cloud) => ({
       name: cloud.name,
       ...cloud.planes.memory(),
       ...(cloud.levels && { levelsBytes: cloud.levels.bytes, totalBytes: cloud.bytes }),
     }));
-    const views = [...this.#views].map((view) => view.memory);
+    const views = (hasEnded ? [] : [...this.#views]).map((view) => view.memory);
     return {
       ...this.#memory.report(),
       scene: { totalBytes: totalOf(clouds), clouds },
@@ -524,8 +530,9 @@ export class SplatEngine {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#onLoss.react = null;
     this.#stopWork('the engine was destroyed');
-    for (const view of [...this.#views]) view.destroy();
-    for (const cloud of [...this.#clouds]) cloud.end('its engine was destroyed');
+    // What goes wrong with the end of one keeps no other from its own.
+    for (const view of [...this.#views]) callListener(() => view.destroy());
+    for (const cloud of [...this.#clouds]) callListener(() => cloud.end('its engine was destroyed'));
     // A host submits what embedded views have recorded before it yields to microtasks.
     queueMicrotask(() => {
       this.#memory.destroyAll();

@@ -42,6 +42,7 @@ export {
 } from './data/camera/camera.ts';
 export type { DepthConvention } from './data/camera/depth-convention.ts';
 export * from './data/errors.ts';
+export { callListener, Listeners } from './data/listeners.ts';
 export type { Vec3 } from './data/math/mat4.ts';
 export { type CloudFacts, cloudFacts } from './data/packing/cloud-facts.ts';
 export { GEOMETRY_WORDS } from './data/packing/geometry.ts';

@@ -30,7 +30,8 @@ export class FirstPicture {
 
   #tellIfShown(): void {
     if (!this.#isDrawn || this.#readings > 0) return;
-    this.#tell?.();
+    const tell = this.#tell;
     this.end();
+    tell?.();
   }
 }

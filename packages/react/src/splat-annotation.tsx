@@ -1,5 +1,5 @@
 import { extend, type ThreeElements, useFrame, useStore, useThree } from '@react-three/fiber';
-import { InvalidArgumentError } from '@websplatter/core';
+import { callListener, InvalidArgumentError } from '@websplatter/core';
 import { type CSSProperties, type ReactNode, useEffect, useLayoutEffect, useRef } from 'react';
 import { createRoot, type Root } from 'react-dom/client';
 import { type Camera, Group, type OrthographicCamera } from 'three';
@@ -96,7 +96,7 @@ function Label({
     const made = createRoot(element.content);
     root.current = made;
     const cover = (isCovered: boolean) => {
-      if (element.cover(isCovered)) latest.current.onOcclude?.(isCovered);
+      if (element.cover(isCovered)) callListener(latest.current.onOcclude, isCovered);
     };
     const leave = boardOf(store).add({
       object: group.current!,

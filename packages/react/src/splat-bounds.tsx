@@ -1,5 +1,5 @@
 import { extend, type ThreeElements, useFrame, useStore, useThree } from '@react-three/fiber';
-import { InvalidArgumentError } from '@websplatter/core';
+import { callListener, InvalidArgumentError } from '@websplatter/core';
 import {
   createContext,
   type ReactNode,
@@ -142,7 +142,7 @@ function Bounds({
     before.current = new Map(clouds.map((cloud) => [cloud, cloud.data]));
     if (clouds.length === 0) return;
     if (fit === 'each' || (fit === 'once' && !hasFitted.current)) hasFitted.current = api.fit();
-    onChange?.(api);
+    callListener(onChange, api);
   });
 
   return (

@@ -1,5 +1,6 @@
 import {
   type AccuracyRequest,
+  callListener,
   InvalidArgumentError,
   lastingSource,
   type SceneFiles,
@@ -139,7 +140,7 @@ export class SplatCache<Data> {
     const abort = new AbortController();
     const watchers = new Set<CacheWatcher>();
     const onProgress = (progress: ProgressEvent) => {
-      for (const watcher of [...watchers]) watcher.onProgress?.(progress);
+      for (const { onProgress } of [...watchers]) callListener(onProgress, progress);
     };
     const onPreview = (preview: Data) => this.#change(entry, { ...pending, data: preview });
     const settled = this.#load(request, { signal: abort.signal, onProgress, onPreview }).then(
@@ -165,7 +166,7 @@ export class SplatCache<Data> {
       this.#drop(entry);
       return;
     }
-    for (const watcher of [...entry.watchers]) watcher.onChange?.();
+    for (const { onChange } of [...entry.watchers]) callListener(onChange);
   }
 
   #dropLater(entry: Entry<Data>, graceMs: number): void {

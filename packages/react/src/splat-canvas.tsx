@@ -1,6 +1,7 @@
 import { Canvas, type CanvasProps, type RootState, useThree } from '@react-three/fiber';
 import {
   type AccuracyRequest,
+  callListener,
   DEFAULT_ACCURACY,
   DestroyedError,
   type Detail,
@@ -132,7 +133,7 @@ function Canvases({
       tellSplatDevice(pace, generation > 0 ? 'lost' : 'pending');
       if (workerUrl) setWorkerUrl(workerUrl);
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy, detail });
-      const picture = new FirstPicture(() => latest.current?.());
+      const picture = new FirstPicture(() => callListener(latest.current));
       canvasStates.set(renderer, { pace, picture, accuracyKey: JSON.stringify(accuracy) });
       tellSplatDevice(pace, 'ready');
       onDeviceLost(renderer, ({ reason, message }) => {

@@ -1,3 +1,5 @@
+import { Listeners } from '@websplatter/core';
+
 /** How a `<SplatCanvas>` is doing for a GPU. */
 export interface SplatDevice {
   /**
@@ -19,7 +21,7 @@ export const NO_DEVICE: SplatDevice = { status: 'none', retryInSeconds: null };
 const states = new WeakMap<object, SplatDevice>();
 /** Those that are mounted, and those that have given up since another one was mounted. */
 const owners = new Set<object>();
-const listeners = new Set<() => void>();
+const listeners = new Listeners();
 let worst = NO_DEVICE;
 
 /** Returns the state of the page's owner; of several, that of the one that fares worst. */
@@ -29,8 +31,7 @@ export function splatDevice(): SplatDevice {
 
 /** Calls `listener` when the state changes, until the returned function is called. */
 export function watchSplatDevice(listener: () => void): () => void {
-  listeners.add(listener);
-  return () => listeners.delete(listener);
+  return listeners.add(listener);
 }
 
 export function tellSplatDevice(
@@ -63,5 +64,5 @@ function update(): void {
     if (rankOf(state) > rankOf(worst)) worst = state;
   }
   if (worst.status === before.status && worst.retryInSeconds === before.retryInSeconds) return;
-  for (const listener of [...listeners]) listener();
+  listeners.call();
 }

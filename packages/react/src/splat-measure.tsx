@@ -1,5 +1,5 @@
 import { useFrame, useStore, useThree } from '@react-three/fiber';
-import { InvalidArgumentError } from '@websplatter/core';
+import { callListener, InvalidArgumentError } from '@websplatter/core';
 import { findSplatEngine, pickSplat } from '@websplatter/three';
 import { type ReactNode, useEffect, useLayoutEffect, useRef } from 'react';
 import type { WebGPURenderer } from 'three/webgpu';
@@ -65,7 +65,7 @@ function Measure({ unit = {}, onMeasure }: SplatMeasureProps): ReactNode {
         return place && [place.x, place.y];
       },
       unit: () => latest.current.unit,
-      onMeasure: (measurement) => latest.current.onMeasure?.(measurement),
+      onMeasure: (measurement) => callListener(latest.current.onMeasure, measurement),
     });
     tool.current = made;
     return () => made.remove();

@@ -2,6 +2,7 @@ import { type EventHandlers, extend, type ThreeElement, useThree } from '@react-
 import {
   type AccuracyChoice,
   type AccuracyRequest,
+  callListener,
   checkAccuracy,
   type Detail,
   GpuLimitError,
@@ -215,7 +216,7 @@ function Cloud({
     onProgress,
   );
   useEffect(() => {
-    if (load?.status === 'failed') latest.current.onError?.(load.error);
+    if (load?.status === 'failed') callListener(latest.current.onError, load.error);
   }, [load, latest]);
 
   // react-three-fiber casts rays for onClick, onContextMenu, onDoubleClick, onPointer… and onWheel.
@@ -227,7 +228,7 @@ function Cloud({
     if (hasHandlers) splats.prepareRays().catch(() => {});
     if (splats === reported.current) return;
     reported.current = splats;
-    latest.current.onLoad?.(splats);
+    callListener(latest.current.onLoad, splats);
   }, [splats, latest, hasHandlers]);
 
   const [drawError, setDrawError] = useState<{ readonly error: unknown } | null>(null);
@@ -236,13 +237,14 @@ function Cloud({
     const listeners = {
       firstframe: () => {
         canvasStates.get(renderer)?.pace.recovered();
-        latest.current.onFirstFrame?.();
+        callListener(latest.current.onFirstFrame);
       },
       complete: () => {
         canvasStates.get(renderer)?.picture.drawn();
-        latest.current.onComplete?.();
+        callListener(latest.current.onComplete);
       },
-      accuracychosen: ({ choice }: { choice: AccuracyChoice }) => latest.current.onAccuracyChosen?.(choice),
+      accuracychosen: ({ choice }: { choice: AccuracyChoice }) =>
+        callListener(latest.current.onAccuracyChosen, choice),
       needsframe: () => invalidate(),
     };
     const all = Object.entries(listeners) as [keyof typeof listeners, () => void][];
@@ -250,7 +252,7 @@ function Cloud({
     // Stays when this effect ends, which it also does where React only hides the cloud.
     cloud.addEventListener('removed', freeIfUnmounted);
     cloud.onError = (error) => {
-      if (latest.current.onError) latest.current.onError(error);
+      if (latest.current.onError) callListener(latest.current.onError, error);
       else if (LACKS.some((Lack) => error instanceof Lack)) setDrawError({ error });
       else if (error instanceof SplatsPrecisionError || error instanceof SplatsStreamError)
         console.warn(error);
@@ -269,7 +271,7 @@ function Cloud({
   );
 
   useEffect(
-    () => listenForDeviceLoss(renderer, (info) => latest.current.onDeviceLost?.(info)),
+    () => listenForDeviceLoss(renderer, (info) => callListener(latest.current.onDeviceLost, info)),
     [renderer, latest],
   );
 

@@ -1,4 +1,4 @@
-import { checkAccuracy } from '@websplatter/core';
+import { callListener, checkAccuracy } from '@websplatter/core';
 import { findSplatEngine, type SplatData, SplatLoader } from '@websplatter/three';
 import { SplatSequence, type SplatSequenceOptions } from '@websplatter/three/sequence';
 import { useCallback, useEffect, useRef, useState } from 'react';
@@ -72,7 +72,7 @@ export function useSplatSequence(
     const made = new SplatSequence(list, makeLoader, latest.current);
     sequence.current = made;
     made.onError = (error, frame) => {
-      if (latest.current.onError) latest.current.onError(error, frame);
+      if (latest.current.onError) callListener(latest.current.onError, error, frame);
       else console.error(error);
     };
     made.addEventListener('change', () => {

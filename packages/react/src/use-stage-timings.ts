@@ -1,4 +1,4 @@
-import type { FrameStatistics } from '@websplatter/core';
+import { callListener, type FrameStatistics } from '@websplatter/core';
 import { onStageTimings } from '@websplatter/three';
 import { useEffect, useMemo } from 'react';
 import { useLatest } from './use-latest.ts';
@@ -33,7 +33,7 @@ export function useStageTimings(
     () =>
       source.subscribe((statistics) => {
         source.current = statistics;
-        latest.current?.(statistics);
+        callListener(latest.current, statistics);
       }),
     [source, latest],
   );

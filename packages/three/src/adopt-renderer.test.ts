@@ -143,7 +143,7 @@ describe('a renderer that somebody else made', () => {
     expect(splatEngineOf(failing)).toBeDefined();
   });
 
-  test('tells where its device cannot draw as exactly as is asked', () => {
+  test('tells where its device cannot draw as exactly as is asked', async () => {
     const { renderer: of, fields } = fakeRenderer();
     fields.getMRT = () => null;
     const { engine } = fakeEngine();
@@ -162,6 +162,7 @@ describe('a renderer that somebody else made', () => {
     scene.updateMatrixWorld();
     const [layer] = layersAround(cloud);
     for (let frame = 0; frame < 2; frame++) layer.onBeforeRender(of, scene, camera);
+    await null;
     expect(errors).toEqual([expect.stringMatching(/^SplatsPrecisionError: .*cannot blend rgba32float/)]);
   });
 

@@ -1,4 +1,10 @@
-import { type AccuracyRequest, type Detail, InvalidArgumentError, SplatEngine } from '@websplatter/core';
+import {
+  type AccuracyRequest,
+  type Detail,
+  InvalidArgumentError,
+  Listeners,
+  SplatEngine,
+} from '@websplatter/core';
 import type { WebGPURenderer } from 'three/webgpu';
 import { SplatsUnsupportedRendererError } from './errors.ts';
 import { type LossListener, tellOfLoss } from './tell-of-loss.ts';
@@ -22,7 +28,7 @@ interface RendererState extends LossListener {
   /** Why there is no engine. */
   failure: { readonly error: unknown } | null;
   detail: Detail;
-  readonly lostListeners: Set<(info: GPUDeviceLostInfo) => void>;
+  readonly lostListeners: Listeners<[GPUDeviceLostInfo]>;
   isDisposed: boolean;
 }
 
@@ -102,9 +108,7 @@ export function splatDetailOf(renderer: object): Detail {
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
  */
 export function onDeviceLost(renderer: object, listener: (info: GPUDeviceLostInfo) => void): () => void {
-  const { lostListeners } = stateOf(renderer);
-  lostListeners.add(listener);
-  return () => lostListeners.delete(listener);
+  return stateOf(renderer).lostListeners.add(listener);
 }
 
 /** Lets an engine draw the splats of `renderer`, once it is made. `dispose` ends both. */
@@ -136,9 +140,9 @@ function newState(renderer: WebGPURenderer): RendererState {
     making: new Promise(() => {}),
     failure: null,
     detail: 'full',
-    lostListeners: new Set(),
+    lostListeners: new Listeners(),
     onLost: (info) => {
-      if (!state.isDisposed) for (const listener of [...state.lostListeners]) listener(info);
+      if (!state.isDisposed) state.lostListeners.call(info);
     },
     isDisposed: false,
   };

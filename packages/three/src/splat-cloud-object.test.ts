@@ -334,7 +334,7 @@ describe('data', () => {
     expect(onError).not.toHaveBeenCalled();
   });
 
-  test('that does not fit is reported once, and not tried again', () => {
+  test('that does not fit is reported once, and not tried again', async () => {
     const { engine, addPacked } = fakeEngine();
     const error = new Error('too large');
     addPacked.mockImplementation(() => {
@@ -345,9 +345,11 @@ describe('data', () => {
     cloud.onError = onError;
     for (let i = 0; i < 3; i++) expect(cloud.uploadedTo(engine)).toBeNull();
     expect(addPacked).toHaveBeenCalledTimes(1);
+    await null;
     expect(onError.mock.calls).toEqual([[error]]);
     cloud.data = splatDataAt([1, 0, 0]);
     expect(cloud.uploadedTo(engine)).toBeNull();
+    await null;
     expect(onError).toHaveBeenCalledTimes(2);
   });
 

@@ -4,6 +4,7 @@ import {
   type AccuracySettings,
   type ChooseAccuracyOptions,
   type CloudStream,
+  callListener,
   DestroyedError,
   type Detail,
   GpuLimitError,
@@ -398,14 +399,15 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     const text = String(error);
     if (!this.#reported.has(text)) {
       this.#reported.add(text);
-      this.onError(error as Error);
+      // three may be in the middle of its frame.
+      queueMicrotask(() => callListener(this.onError, error as Error));
     }
     return true;
   }
 
   /** @internal */
   requestFrame(): void {
-    this.dispatchEvent({ type: 'needsframe' });
+    callListener(() => this.dispatchEvent({ type: 'needsframe' }));
   }
 
   /**
@@ -453,7 +455,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   /** Dispatches an event once three, which is in the middle of its frame, is done with that. */
   #announce(type: 'firstframe' | 'complete'): void {
-    queueMicrotask(() => this.dispatchEvent({ type }));
+    queueMicrotask(() => callListener(() => this.dispatchEvent({ type })));
   }
 
   #followerOf(stream: CloudStream): StreamFollower {
@@ -464,7 +466,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
       onComplete: () => this.#announce('complete'),
       onError: (error: SplatsStreamError) =>
         queueMicrotask(() => {
-          if (this.onError) this.onError(error);
+          if (this.onError) callListener(this.onError, error);
           else console.warn(error);
         }),
     });
@@ -487,7 +489,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     // Several views of a scene share a choice.
     if (choice === this.#choice) return;
     this.#choice = choice;
-    this.dispatchEvent({ type: 'accuracychosen', choice });
+    callListener(() => this.dispatchEvent({ type: 'accuracychosen', choice }));
   }
 
   /** Lets go of the splats on the screen, unless they are `data`, which take their place. */

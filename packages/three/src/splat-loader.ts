@@ -1,6 +1,7 @@
 import {
   type AccuracyRequest,
   type AccuracySettings,
+  callListener,
   checkAccuracy,
   DEFAULT_ACCURACY,
   DestroyedError,
@@ -108,12 +109,12 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
     const item = address || ((source as Partial<File>).name ?? 'splats');
     manager.itemStart(item);
     const onFailure = (error: unknown) => {
-      if (onError) onError(error);
+      if (onError) callListener(onError, error);
       else console.error(error);
       manager.itemError(item);
     };
     this.#load(address || source, this.sourceOptions.name ?? item, onProgress)
-      .then(onLoad, onFailure)
+      .then((data) => callListener(onLoad, data), onFailure)
       .finally(() => manager.itemEnd(item));
   }
 

@@ -1,4 +1,4 @@
-import { InvalidArgumentError, type SplatSource } from '@websplatter/core';
+import { callListener, InvalidArgumentError, type SplatSource } from '@websplatter/core';
 import { EventDispatcher } from 'three/webgpu';
 import type { SplatData } from './splat-data.ts';
 import type { SplatLoader } from './splat-loader.ts';
@@ -39,7 +39,8 @@ export type FrameLoader = Pick<SplatLoader, 'abort' | 'loadAsync'>;
 /** A frame in the pool. */
 interface HeldFrame {
   readonly source: SplatSource;
-  readonly loader: FrameLoader;
+  /** Null before it is made. */
+  loader: FrameLoader | null;
   /** Null while it is loaded. */
   data: SplatData | null;
 }
@@ -235,7 +236,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     if (this.#isPlaying && !this.#isAwaited && this.#after(this.#current) !== null)
       this.#timer = setTimeout(() => this.#update(), this.#nextMs - performance.now());
     if ([this.#shown, this.#frame, this.isBuffering].some((value, i) => value !== before[i]))
-      this.dispatchEvent({ type: 'change' });
+      callListener(() => this.dispatchEvent({ type: 'change' }));
   }
 
   /** Time at which the current frame gives way. */
@@ -309,8 +310,8 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   #drop(held: HeldFrame): void {
     this.#pool.delete(held.source);
     this.#leaving.add(held);
-    if (held.data) held.data.dispose();
-    else held.loader.abort();
+    // Neither keeps others from being let go of: loaders may be of the caller's own.
+    callListener(() => (held.data ? held.data.dispose() : held.loader?.abort()));
   }
 
   /** Holds a frame again that is still on the screen; returns false if there is none. */
@@ -328,27 +329,32 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   }
 
   async #load(source: SplatSource): Promise<void> {
-    const loader = this.#makeLoader();
-    const held: HeldFrame = { source, loader, data: null };
+    const held: HeldFrame = { source, loader: null, data: null };
     this.#pool.set(source, held);
     const isHeld = () => this.#pool.get(source) === held;
+    let failure: { readonly error: unknown } | null = null;
+    // The caller's function may change the sequence, which is in the middle of a change.
+    await null;
     try {
-      const data = await loader.loadAsync(source);
-      if (isHeld()) {
+      if (isHeld()) held.loader = this.#makeLoader();
+      const data = isHeld() ? await held.loader!.loadAsync(source) : null;
+      if (data && isHeld()) {
         data.isCached = true;
         data.onUse = () => this.#updateSoon();
         held.data = data;
-      } else data.dispose();
+      } else data?.dispose();
     } catch (error) {
       if (isHeld()) {
         this.#pool.delete(source);
         this.#failed.add(source);
-        if (this.onError) this.onError(error, this.#sources.indexOf(source));
-        else console.error(error);
+        failure = { error };
       }
     }
     if (!held.data) this.#leaving.delete(held);
     this.#update();
+    if (!failure) return;
+    if (this.onError) callListener(this.onError, failure.error, this.#sources.indexOf(source));
+    else console.error(failure.error);
   }
 }
 

@@ -1,8 +1,8 @@
-import type { FrameStatistics } from '@websplatter/core';
+import { type FrameStatistics, Listeners } from '@websplatter/core';
 
 type Listener = (statistics: FrameStatistics) => void;
 
-const listenersOf = new WeakMap<object, Set<Listener>>();
+const listenersOf = new WeakMap<object, Listeners<[FrameStatistics]>>();
 
 /**
  * Calls `listener` with the cost of each measured frame of splats, some frames after it was drawn.
@@ -13,13 +13,12 @@ const listenersOf = new WeakMap<object, Set<Listener>>();
 export function onStageTimings(renderer: object, listener: Listener): () => void {
   let listeners = listenersOf.get(renderer);
   if (!listeners) {
-    listeners = new Set();
+    listeners = new Listeners();
     listenersOf.set(renderer, listeners);
   }
-  listeners.add(listener);
-  return () => listeners.delete(listener);
+  return listeners.add(listener);
 }
 
 export function reportStageTimings(renderer: object, statistics: FrameStatistics): void {
-  for (const listener of [...(listenersOf.get(renderer) ?? [])]) listener(statistics);
+  listenersOf.get(renderer)?.call(statistics);
 }

@@ -1,3 +1,4 @@
+import { callListener } from '../data/listeners.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { hostedWorker } from '../io/loading/hosted-worker.ts';
@@ -47,7 +48,7 @@ export async function buildOfGeometry<Plan, Result extends object>(
     for await (const piece of geometryPieces(splats)) {
       await builder.add(piece);
       taken += piece.words.length / GEOMETRY_WORDS[piece.precision];
-      onProgress?.(taken / splats.count);
+      callListener(onProgress, taken / splats.count);
     }
     return await builder.finish();
   } finally {

@@ -1,4 +1,7 @@
 import { SplatSourceError } from '../data/errors.ts';
+import { hasSameFields } from '../data/has-same-fields.ts';
+import { Listeners } from '../data/listeners.ts';
+import { nextTask } from '../data/turns.ts';
 import type { CloudSight, CloudStream, StreamReport } from './cloud-stream.ts';
 import { FetchRate } from './fetch-rate.ts';
 import { OwnFrames } from './own-frames.ts';
@@ -28,7 +31,10 @@ export abstract class ViewedStream implements CloudStream {
   readonly #viewers = new Map<object, Viewer>();
   #sights: readonly CloudSight[] | null = null;
   #foreseen: readonly CloudSight[] | null = null;
-  readonly #listeners = new Set<() => void>();
+  readonly #listeners = new Listeners();
+  #isTellDue = false;
+  /** The report that listeners were told of last. */
+  #told: StreamReport | null = null;
   /** Views that are drawing what has changed, and those that are to draw it once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
@@ -168,10 +174,23 @@ export abstract class ViewedStream implements CloudStream {
   }
 
   subscribe(listener: () => void): () => void {
-    // Each call has an entry of its own.
-    const entry = () => listener();
-    this.#listeners.add(entry);
-    return () => this.#listeners.delete(entry);
+    return this.#listeners.add(listener);
+  }
+
+  /**
+   * Tells listeners if the report has changed. In a task of its own, after all changes of this one: a
+   * listener that retries or draws leads to the next call, and others get their turns before that.
+   */
+  async #tellSoon(): Promise<void> {
+    if (this.#isTellDue || this.#listeners.size === 0) return;
+    this.#isTellDue = true;
+    await nextTask();
+    this.#isTellDue = false;
+    const report = this.report();
+    const isNew = !this.#told || !hasSameFields(this.#told, report);
+    this.#told = report;
+    if (isNew) this.#listeners.call();
+    if (this.isEnded) this.#listeners.clear();
   }
 
   leave(view: object): void {
@@ -194,7 +213,10 @@ export abstract class ViewedStream implements CloudStream {
   }
 
   retry(): void {
+    if (this.isEnded || this.error === null) return;
     this.error = null;
+    // The same failure is told again.
+    this.#told = null;
     this.followSoon();
   }
 
@@ -204,7 +226,6 @@ export abstract class ViewedStream implements CloudStream {
     globalThis.removeEventListener?.('online', this.#onOnline);
     this.#viewers.clear();
     this.settle(true);
-    this.#listeners.clear();
   }
 
   /** What one view sees. */
@@ -239,7 +260,7 @@ export abstract class ViewedStream implements CloudStream {
       this.#wait?.end();
       this.#wait = null;
     } else this.#wait ??= pending();
-    for (const listener of [...this.#listeners]) listener();
+    void this.#tellSoon();
     this.#arrangeTurn(false);
   }
 

@@ -8,6 +8,7 @@ import {
 import type { Camera } from '../data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../data/given.ts';
+import { callListener } from '../data/listeners.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
 import { checkDetail, type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
@@ -353,7 +354,7 @@ class Measurement {
       const order = round % 2 === 0 ? [...measured].reverse() : measured;
       for (const each of order) {
         await this.#visit(each, frames, `Timing ${each.candidate.name} again`);
-        onTable?.(this.#tableOf(measured));
+        callListener(onTable, this.#tableOf(measured));
       }
     }
     return this.#tableOf(measured);
@@ -451,7 +452,7 @@ class Measurement {
           const point = { ...worstOf(found), candidate, frames: cameras.map(() => []) };
           await this.#visit(point, frames, label);
           measured.push(point);
-          onTable?.(this.#tableOf(measured));
+          callListener(onTable, this.#tableOf(measured));
         }
       }
     });
@@ -538,7 +539,8 @@ class Measurement {
 
   #step(label: string, point?: Candidate): void {
     this.#options.signal?.throwIfAborted();
-    this.#options.onProgress?.({ done: this.#done++, total: this.#total, label, point });
+    const { onProgress } = this.#options;
+    callListener(onProgress, { done: this.#done++, total: this.#total, label, point });
   }
 }
 

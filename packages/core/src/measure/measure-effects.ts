@@ -1,5 +1,6 @@
 import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { given } from '../data/given.ts';
+import { callListener } from '../data/listeners.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { AUTOMATIC_FEATURES } from '../frame/ledger/automatic-features.ts';
 import type { EffectEntry } from '../frame/ledger/ledger.ts';
@@ -80,7 +81,8 @@ export async function measureEffects(
       for (let pair = 0; pair < frames; pair++) {
         signal?.throwIfAborted();
         const done = index * frames + pair;
-        onProgress?.({ done, total: comparisons.length * frames, label: `Timing ${entry.label}` });
+        const total = comparisons.length * frames;
+        callListener(onProgress, { done, total, label: `Timing ${entry.label}` });
         // Alternate the order, so that drift slows first and second of a pair equally often.
         let withoutMs = pair % 2 === 0 ? null : await frameTimer.timeMs(comparison.without);
         const withMs = await frameTimer.timeMs(comparison.with);

@@ -1,6 +1,7 @@
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import type { Camera } from '../data/camera/camera.ts';
+import { callListener } from '../data/listeners.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { leastBytes, type PassBytes } from '../frame/least-bytes.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
@@ -187,7 +188,7 @@ async function drawFrames(
   let done = 0;
   const step = (label: string) => {
     signal?.throwIfAborted();
-    onProgress?.({ done: done++, total, label });
+    callListener(onProgress, { done: done++, total, label });
   };
   let { settings } = asked;
   const frame = (camera: Camera): FrameRequest => ({

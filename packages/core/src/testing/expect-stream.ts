@@ -31,12 +31,12 @@ export async function expectReports(
   const request = { ...look, clouds: [{ cloud }] };
   view.render(request);
   // What is lacking is fetched once the frame is submitted.
-  await null;
-  expect(seen.at(-1)).toMatchObject({ isComplete: false, ...fetching });
+  await expect.poll(() => seen.at(-1)).toMatchObject({ isComplete: false, ...fetching });
   give();
   await view.whenComplete();
+  const atRest = { isComplete: true, missingBricks: 0, bytesPerSecond: 0 };
+  await expect.poll(() => seen.at(-1)).toMatchObject(atRest);
   expect(seen.some(({ bytesPerSecond }) => bytesPerSecond > 0)).toBe(true);
-  expect(seen.at(-1)).toMatchObject({ isComplete: true, missingBricks: 0, bytesPerSecond: 0 });
   const before = seen.length;
   stop();
   view.render({ ...request, detail: { maxSplats: splats } });
@@ -46,6 +46,7 @@ export async function expectReports(
   expect(seen).toHaveLength(before);
   stream.subscribe(() => seen.push(stream.report()));
   cloud.destroy();
+  await expect.poll(() => seen.length).toBeGreaterThan(before);
   expect(seen.at(-1)).toMatchObject({ isComplete: false });
   view.destroy();
 }

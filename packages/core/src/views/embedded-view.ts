@@ -1,6 +1,7 @@
 import type { DepthConvention } from '../data/camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
 import { given } from '../data/given.ts';
+import { callListener } from '../data/listeners.ts';
 import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -117,12 +118,15 @@ export class EmbeddedView extends View {
   }
 
   protected override drawAgain(): void {
-    this.onReady?.();
+    // Hosts may be told in the middle of a frame of theirs, or of a change here.
+    queueMicrotask(() => {
+      if (!this.isDestroyed) callListener(this.onReady);
+    });
   }
 
   /** The host may have drawn fewer clouds meanwhile, those with shaders: it has to try again. */
   protected override retry(): null {
-    this.onReady?.();
+    this.drawAgain();
     return null;
   }
 

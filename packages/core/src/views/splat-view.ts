@@ -1,6 +1,7 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
+import { callListener } from '../data/listeners.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
@@ -173,8 +174,9 @@ export class SplatView extends View {
   /** Frees the view's GPU memory; the clouds stay. */
   destroy(): void {
     if (!this.end()) return;
-    this.#canvas?.unconfigure();
     this.parts.destroy();
+    // Canvases are the caller's.
+    callListener(() => this.#canvas?.unconfigure());
   }
 
   protected override drawAgain(request: FrameRequest): void {

@@ -67,7 +67,7 @@ export class ViewAccuracy implements TargetView {
   }
 
   onChosen(choice: AccuracyChoice, request: FrameRequest): void {
-    // An error in one listener must not keep the other views from being notified.
+    // Once all views of the scene know it.
     queueMicrotask(() => {
       if (this.choice !== choice || this.#reported === choice) return;
       this.#reported = choice;

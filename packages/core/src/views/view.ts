@@ -2,6 +2,7 @@ import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
+import { callListener } from '../data/listeners.ts';
 import { effectsOf } from '../frame/cloud-plan.ts';
 import { type FixedDetail, isFixedDetail, isSameDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
@@ -143,7 +144,10 @@ export abstract class View {
     });
     this.#accuracy = new ViewAccuracy(context, (choice, request) => {
       this.drawAgain(request);
-      this.onAccuracyChosen?.(choice);
+      // Behind `onReady`, which waits for the end of this, too.
+      queueMicrotask(() => {
+        if (!this.#isDestroyed) callListener(this.onAccuracyChosen, choice);
+      });
     });
   }
 
@@ -579,7 +583,7 @@ export abstract class View {
     // Frames that were planned before this was known need what it leads to as well.
     if (isSameDetail(this.#reached.detail, this.prepared.detail))
       this.streams.learn(this.prepared, this.#reached.errorPx);
-    this.onStatistics?.(statistics);
+    callListener(this.onStatistics, statistics);
     return statistics;
   }
 

@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { given, SPLATS, wrongArgument } from '../../data/given.ts';
+import { callListener } from '../../data/listeners.ts';
 import type { Bounds, PackedCloud } from '../../data/packing/packed-cloud.ts';
 import { shown } from '../../data/printable.ts';
 import { buildOfGeometry } from '../build-of-geometry.ts';
@@ -78,9 +79,9 @@ export async function makeColliderMesh(
     makeWorker: () => new Worker(new URL('./collider-worker.ts', import.meta.url), { type: 'module' }),
     make: () => new ColliderBuilder(plan, signal),
     signal,
-    onProgress: (part) => onProgress?.(READING_PART * part),
+    onProgress: (part) => callListener(onProgress, READING_PART * part),
   });
-  onProgress?.(1);
+  callListener(onProgress, 1);
   return { ...mesh, cellSize };
 }
 

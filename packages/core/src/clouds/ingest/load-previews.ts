@@ -1,3 +1,4 @@
+import { callListener } from '../../data/listeners.ts';
 import type { CloudPlanes } from '../cloud-planes.ts';
 import { type CloudContents, SplatCloud } from '../splat-cloud.ts';
 
@@ -19,16 +20,13 @@ export class LoadPreviews {
     return this.#shown;
   }
 
-  /** Replaces the preview; the planes stay their owner's. @throws errors of the callback. */
+  /** Replaces the preview; the planes stay their owner's. */
   show(planes: CloudPlanes, contents: CloudContents, visibleLimit?: number): void {
     const before = this.#shown;
     const options = { name: this.#name, isPreview: true, visibleLimit };
     this.#shown = new SplatCloud(this.#device, planes, contents, options);
-    try {
-      this.#onPreview(this.#shown);
-    } finally {
-      before?.destroy();
-    }
+    callListener(this.#onPreview, this.#shown);
+    before?.destroy();
   }
 
   /** Frames keep the image of the preview until the next one is shown. */

@@ -271,7 +271,7 @@ export class RowIngest implements RowSink {
   /**
    * Puts the splats into storage order. The planes are the caller's then; all else is freed.
    *
-   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept; errors of `onPreview`;
+   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept;
    *   nothing is left allocated then.
    */
   async finish(): Promise<IngestedCloud> {

@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
+import { guarded } from '../../data/listeners.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
 import { givenSet } from '../../data/splats/check-set.ts';
@@ -38,7 +39,7 @@ export async function writeSplats(
   given(options);
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[pathOf(formatName)]();
-  return write(set, options);
+  return write(set, { ...options, onProgress: guarded(options.onProgress) });
 }
 
 /**
@@ -106,7 +107,7 @@ export async function writeSplatPieces(
     throw new InvalidArgumentError('formatName', `${shown(formatName)} cannot be written in pieces.`);
   if (pieces.facts.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await PIECE_WRITERS[pathOf(formatName)]();
-  await write(pieces, options, put);
+  await write(pieces, { ...options, onProgress: guarded(options.onProgress) }, put);
 }
 
 function pathOf(formatName: string): string {

@@ -1,5 +1,6 @@
 import { WebSplatterError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
+import { callListener } from '../../data/listeners.ts';
 import { fromPostedError } from '../loading/load-messages.ts';
 import { startWorker, workerStopped } from '../loading/start-worker.ts';
 import { shortName } from '../sources/source-kind.ts';
@@ -116,7 +117,7 @@ async function makeBricks(key: string, file: File, { signal, onProgress }: KeepO
         else if (data.kind === 'no-room')
           reject(new StorageRoomError(file.name, data.neededBytes, data.availableBytes));
         else if (data.kind === 'error') reject(fromPostedError(data.error));
-        else if (data.kind === 'progress' && !signal?.aborted) onProgress?.(data.fraction);
+        else if (data.kind === 'progress' && !signal?.aborted) callListener(onProgress, data.fraction);
       };
       const ports = helpers.flatMap((helper) => {
         if (!helper) return [];

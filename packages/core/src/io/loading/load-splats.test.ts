@@ -12,6 +12,7 @@ import { type AnyJson, glbBytes, gltfOf, splatAttributes } from '../../testing/g
 import { meshoptPacked } from '../../testing/meshopt-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { reportedErrors } from '../../testing/reported-errors.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
 import { read as readPly } from '../formats/ply/read-ply.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
@@ -407,13 +408,19 @@ describe('abort', () => {
     },
   );
 
-  test('a callback that throws ends the load', async () => {
-    useWorkers('works');
-    const onProgress = () => {
-      throw new Error('bad callback');
-    };
-    await expect(loadSplats(ply, { onProgress })).rejects.toThrow('bad callback');
-  });
+  test.each(['works', 'does not start'] as const)(
+    'an error of a callback is reported, and ends no load where a worker %s',
+    async (how) => {
+      useWorkers(how);
+      const reported = reportedErrors();
+      const error = new Error('bad callback');
+      const onProgress = () => {
+        throw error;
+      };
+      expect((await loadSplats(ply, { onProgress })).count).toBe(300);
+      expect(new Set(reported)).toEqual(new Set([error]));
+    },
+  );
 });
 
 describe('many loads at once', () => {

@@ -1,4 +1,5 @@
 import { given } from '../../data/given.ts';
+import { guarded } from '../../data/listeners.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
@@ -66,7 +67,8 @@ export async function loadOrPass(
   } = given(options, {
     name: 'a string?',
   });
-  const { signal, onProgress, requestsAtOnce } = options;
+  const { signal, requestsAtOnce } = options;
+  const onProgress = guarded(options.onProgress);
   signal?.throwIfAborted();
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
@@ -187,12 +189,10 @@ function loadInWorker(
       else if (data.kind === 'packed-view') answerView(data).catch(reject);
       else if (data.kind === 'other-format') resolve(data);
       else if (data.kind === 'error') reject(fromPostedError(data.error));
-      else if (data.kind === 'progress') callOrReject(() => watch.onProgress?.(data.progress), reject);
+      else if (data.kind === 'progress') watch.onProgress?.(data.progress);
     };
-    callOrReject(() => {
-      const unposted = post(worker, source, settings, rowsTo, watch.signal);
-      if (unposted) resolve(readHere(unposted, settings, watch, rowsTo));
-    }, reject);
+    const unposted = post(worker, source, settings, rowsTo, watch.signal);
+    if (unposted) resolve(readHere(unposted, settings, watch, rowsTo));
   });
 }
 
@@ -200,14 +200,6 @@ function loadInWorker(
 async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
   const { answerPackedView } = await import('./answer-packed-view.ts');
   await answerPackedView(packed);
-}
-
-function callOrReject(call: () => void, reject: (reason: unknown) => void): void {
-  try {
-    call();
-  } catch (error) {
-    reject(error);
-  }
 }
 
 /** Posts the job. If it cannot be posted, returns the source to read in this thread instead. */

@@ -1,4 +1,5 @@
 import { given } from '../../data/given.ts';
+import { guarded } from '../../data/listeners.ts';
 import { checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
@@ -40,7 +41,7 @@ export async function readSource(
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
   const {
     signal,
-    onProgress,
+
     onPiece,
     requestsAtOnce,
     shPrecision = 'u8',
@@ -67,7 +68,7 @@ export async function readSource(
         maxSplats,
         maxBytes: options.maxBytes,
         signal,
-        onProgress,
+        onProgress: guarded(options.onProgress),
         onPiece,
         requestsAtOnce,
         decodeMeshopt,

@@ -4,6 +4,7 @@ import { InvalidArgumentError } from '../../../data/errors.ts';
 import { inLanes } from '../../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
+import { guarded } from '../../../data/listeners.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { trueShDegree } from '../../../data/packing/cloud-facts.ts';
@@ -263,8 +264,8 @@ export class BrickWriter {
    *
    * Rejects with InvalidArgumentError 'set' if there are no splats; as `add` and `put` do.
    */
-  async finish(put: PutBytes, onProgress: WriteOptions['onProgress'] = () => {}): Promise<void> {
-    this.#progress = onProgress;
+  async finish(put: PutBytes, onProgress?: WriteOptions['onProgress']): Promise<void> {
+    this.#progress = guarded(onProgress) ?? (() => {});
     await this.#queue.drain();
     if (this.#count === 0)
       throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
