@@ -122,6 +122,8 @@ export class CellMerger {
         this.#merge(order[place], order[other], this.#leastCosts[place]);
         spare--;
       }
+      // Costs that overflow are no numbers, of which none is the least.
+      if (spare === count - CELL_ROOTS) this.#merge(order[0], order[1], 0);
       let kept = 0;
       for (let place = 0; place < count; place++)
         if (this.#into[order[place]] === order[place]) order[kept++] = order[place];

@@ -7,6 +7,8 @@ export interface StoredRun {
   readonly run: RecordRun;
   /** First byte. */
   readonly at: number;
+  /** See `sumOf`; undefined where it is not known. */
+  readonly sum?: number;
 }
 
 /** Splats came, and are in the file `arrived`. */
@@ -40,6 +42,8 @@ export interface StoredSplats {
   /** First byte of the bricks. */
   readonly at: number;
   readonly byteCount: number;
+  /** See `sumOf`; undefined where it is not known. */
+  readonly sum?: number;
 }
 
 /** Bricks were made. */

@@ -41,7 +41,14 @@ import { brickHeaderBytes, FILE_HEADER_BYTES } from './bricks-layout.ts';
 import { writeFileHeader } from './file-header.ts';
 import { batchesOf, bucketsOf, countOf, runOf, Seams } from './record-runs.ts';
 import { sliceOf } from './slice-set.ts';
-import { type MakeTemporaryFile, memoryFile, type TemporaryFile } from './temporary-files.ts';
+import {
+  type MakeTemporaryFile,
+  memoryFile,
+  readBack,
+  sumOf,
+  type TemporaryFile,
+  wrongStorage,
+} from './temporary-files.ts';
 import { type StartedTask, WorkQueue } from './work-queue.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
@@ -93,6 +100,7 @@ interface StoredBricks {
   readonly count: number;
   readonly at: number;
   readonly byteCount: number;
+  readonly sum: number | undefined;
 }
 
 /** A level of which bricks are made. */
@@ -103,6 +111,8 @@ interface WrittenLevel {
   byteCount: number;
   /** Roots of all cells: their geometry, then their harmonics. */
   readonly roots: TemporaryFile;
+  /** The sum of the bytes there; undefined where it is not known. */
+  rootsSum: number | undefined;
   /** See `BricksMade`, of all cells. */
   readonly bounds: Float32Array<ArrayBuffer>;
   readonly largestScales: Float32Array<ArrayBuffer>;
@@ -194,6 +204,7 @@ export class BrickWriter {
         this.#lowest ??= await this.#newLowest();
         if (entry.range) this.#made.add(entry.range);
         else this.#lowest.whole.delete(entry.made.first);
+        this.#lowest.level.rootsSum = undefined;
         this.#takeSplats(this.#lowest, entry);
       } else {
         for (const each of entry.told) this.#told.add(each ?? undefined);
@@ -252,9 +263,10 @@ export class BrickWriter {
       await this.#queue.start({ kind: 'records', set: slice }, async ({ run, words, bounds }) => {
         const at = this.#arrivedBytes;
         this.#arrivedBytes += words.byteLength;
-        this.#runs[number] = { run, at };
+        const bytes = bytesOf(words);
+        this.#runs[number] = { run, at, sum: sumOf(bytes) };
         this.#bounds[number] = bounds;
-        await file.write(bytesOf(words), at);
+        await file.write(bytes, at);
       });
     }
   }
@@ -368,6 +380,7 @@ export class BrickWriter {
       bricks: await this.#newFile(undefined, `bricks-${level}`),
       stored: [],
       byteCount: 0,
+      rootsSum: 0,
       roots: await this.#newFile(isTop ? 0 : 4 * cells * CELL_ROOTS * blobWords(facts), `roots-${level}`),
       bounds: new Float32Array(BOUNDS_WORDS * cells),
       largestScales: new Float32Array(cells),
@@ -391,7 +404,7 @@ export class BrickWriter {
       this.#queue.start({ kind: 'splats', parts, facts, first, boundsStep: step }, async (result) => {
         const { bytes, roots, ...made } = result;
         const at = level.byteCount;
-        const stored = { made, at, byteCount: bytes.length };
+        const stored = { made, at, byteCount: bytes.length, sum: sumOf(bytes) };
         level.byteCount += bytes.length;
         await this.#write(level, made.first / CHUNK_SPLATS, at, result, facts);
         await this.#journal?.note({ kind: 'made', range, ...stored });
@@ -456,15 +469,16 @@ export class BrickWriter {
     const name = bucketsName(depth, first);
     const file = await this.#newFile(4 * recordWords(facts.degree) * count, name);
     let sizes = this.#divided.get(name);
+    let sums: readonly number[] | undefined;
     if (!sizes) {
-      sizes = await this.#split(source, facts, depth, file);
+      ({ sizes, sums } = await this.#split(source, facts, depth, file));
       await this.#journal?.note({ kind: 'divided', depth, first, sizes });
     }
     if (depth === 0) await this.#remove(await source.open());
     let start = 0;
-    const parts = sizes.map((size) => {
+    const parts = sizes.map((size, bucket) => {
       const at = 4 * recordWords(facts.degree) * start;
-      const part = { run: runOf(size, facts), at, first: first + start };
+      const part = { run: runOf(size, facts), at, first: first + start, sum: sums?.[bucket] };
       start += size;
       return part;
     });
@@ -481,13 +495,13 @@ export class BrickWriter {
     return started;
   }
 
-  /** Writes records to `file` bucket by bucket. Resolves with the number in each. */
+  /** Writes records to `file` bucket by bucket. Resolves with the number in each, and their sums. */
   async #split(
     source: StoredRecords,
     facts: SceneFacts,
     depth: number,
     file: TemporaryFile,
-  ): Promise<readonly number[]> {
+  ): Promise<{ readonly sizes: readonly number[]; readonly sums: readonly number[] }> {
     const count = countOf(source.runs);
     const shift = MORTON_SHIFTS[depth];
     const counts = new Uint32Array(MORTON_DIGITS);
@@ -504,6 +518,7 @@ export class BrickWriter {
     }
     await this.#queue.drain(counting);
     const { buckets, sizes } = bucketsOf(counts, this.#mostSplats(facts));
+    const sums = sizes.map(() => 0);
     const next = new Float64Array(sizes.length);
     for (let i = 1; i < sizes.length; i++)
       next[i] = next[i - 1] + 4 * recordWords(facts.degree) * sizes[i - 1];
@@ -525,6 +540,7 @@ export class BrickWriter {
           for (const [bucket, own] of ready.counts.entries()) {
             if (own === 0) continue;
             const bytes = bytesOf(ready.words).subarray(from, from + 4 * recordWords(facts.degree) * own);
+            sums[bucket] = (sums[bucket] + sumOf(bytes)) | 0;
             writes.push(file.write(bytes, next[bucket]));
             from += bytes.length;
             next[bucket] += bytes.length;
@@ -537,7 +553,7 @@ export class BrickWriter {
       dividing.push(started);
     }
     await this.#queue.drain(dividing);
-    return sizes;
+    return { sizes, sums };
   }
 
   /** Most splats of a bucket. */
@@ -552,8 +568,8 @@ export class BrickWriter {
     this.#signal?.throwIfAborted();
     const file = await open();
     return Promise.all(
-      runs.map(async ({ run, at }) => {
-        const bytes = await file.read(at, 4 * run.words * run.count);
+      runs.map(async ({ run, at, sum }) => {
+        const bytes = await readBack(file, at, 4 * run.words * run.count, sum);
         return { run, words: new Uint32Array(bytes.buffer) };
       }),
     );
@@ -561,13 +577,14 @@ export class BrickWriter {
 
   /** Keeps bricks of a level, and the roots of their cells. */
   async #write(
-    { bricks, roots, errors }: WrittenLevel,
+    level: WrittenLevel,
     firstCell: number,
     at: number,
     made: Pick<BricksMade, 'bytes' | 'roots'>,
     facts: SceneFacts,
   ): Promise<void> {
     if (made.bytes.length === 0) return;
+    const { bricks, roots, errors } = level;
     const writes = [bricks.write(made.bytes, at)];
     if (errors.length > 1) {
       const { geometry, harmonics } = made.roots;
@@ -575,12 +592,14 @@ export class BrickWriter {
       const each = 4 * CELL_ROOTS * (blobWords(facts) - BLOB_WORDS);
       writes.push(roots.write(bytesOf(geometry), 4 * CELL_ROOTS * BLOB_WORDS * firstCell));
       if (each > 0) writes.push(roots.write(bytesOf(harmonics), places + each * firstCell));
+      for (const words of each > 0 ? [geometry, harmonics] : [geometry])
+        if (level.rootsSum !== undefined) level.rootsSum = (level.rootsSum + sumOf(bytesOf(words))) | 0;
     }
     await Promise.all(writes);
   }
 
   /** Takes what is known of bricks of splats. */
-  #takeSplats(lowest: LowestLevel, { made, at, byteCount }: StoredSplats): void {
+  #takeSplats(lowest: LowestLevel, { made, at, byteCount, sum }: StoredSplats): void {
     const { level, seams, samples, whole } = lowest;
     for (const fragment of made.fragments) {
       const seam = seams.add(fragment);
@@ -590,7 +609,7 @@ export class BrickWriter {
     addRounding(lowest.meter.rounding, made.rounding);
     lowest.madeCells += made.errors.length;
     level.byteCount = Math.max(level.byteCount, at + byteCount);
-    takeMade(level, made.first / CHUNK_SPLATS, made, at, byteCount);
+    takeMade(level, made.first / CHUNK_SPLATS, made, { at, byteCount, sum });
   }
 
   /** Makes the bricks of the last of these levels from the roots of the one below. */
@@ -598,6 +617,7 @@ export class BrickWriter {
     const level = levels.length - 1;
     const [below, own] = [levels[level - 1], levels[level]];
     const belowCells = below.errors.length;
+    let rootsSum = 0;
     for (let first = 0; first < own.errors.length; first += TASK_BRICKS * CELL_CHILDREN) {
       const end = Math.min(own.errors.length, first + TASK_BRICKS * CELL_CHILDREN);
       const [firstBelow, endBelow] = [first * CELL_CHILDREN, Math.min(belowCells, end * CELL_CHILDREN)];
@@ -609,7 +629,10 @@ export class BrickWriter {
       }
       const rootsOf = async (start: number, words: number) => {
         const each = 4 * CELL_ROOTS * words;
-        const found = await below.roots.read(start + each * firstBelow, each * (endBelow - firstBelow));
+        const byteCount = each * (endBelow - firstBelow);
+        if (byteCount === 0) return new Uint32Array(0);
+        const found = await readBack(below.roots, start + each * firstBelow, byteCount, undefined);
+        rootsSum = (rootsSum + sumOf(found)) | 0;
         // Cells have places for all leaves.
         const leaves = new Uint32Array((end - first) * CHUNK_SPLATS * words);
         leaves.set(new Uint32Array(found.buffer));
@@ -629,11 +652,13 @@ export class BrickWriter {
         const { length } = made.bytes;
         const at = own.byteCount;
         own.byteCount += length;
-        takeMade(own, first, { ...made, largestScales }, at, length);
+        takeMade(own, first, { ...made, largestScales }, { at, byteCount: length, sum: sumOf(made.bytes) });
         await this.#write(own, first, at, made, facts);
       });
     }
     await this.#queue.drain();
+    if (below.rootsSum !== undefined && below.rootsSum !== rootsSum)
+      throw wrongStorage('the roots of a level are not those that were written');
   }
 
   async #putLevel(
@@ -649,9 +674,9 @@ export class BrickWriter {
       return { number, offset: offsets[number], bytes: offsets[number + 1] - offsets[number] };
     };
     stored.sort((a, b) => a.firstBrick - b.firstBrick);
-    for (const { firstBrick, count, at, byteCount } of stored) {
+    for (const { firstBrick, count, at, byteCount, sum } of stored) {
       this.#signal?.throwIfAborted();
-      const payload = await bricks.read(at, byteCount);
+      const payload = await readBack(bricks, at, byteCount, sum);
       const start = offsets[firstNumber + firstBrick];
       const file = new Uint8Array(offsets[firstNumber + firstBrick + count] - start);
       let from = 0;
@@ -684,12 +709,11 @@ function takeMade(
   level: WrittenLevel,
   firstCell: number,
   made: Omit<BricksMade, 'bytes' | 'roots'>,
-  at: number,
-  byteCount: number,
+  stored: Pick<StoredBricks, 'at' | 'byteCount' | 'sum'>,
 ): void {
   if (made.errors.length === 0) return;
   const firstBrick = firstCell / CELL_CHILDREN;
-  level.stored.push({ firstBrick, count: made.sizes.length / 2, at, byteCount });
+  level.stored.push({ firstBrick, count: made.sizes.length / 2, ...stored });
   level.sizes.set(made.sizes, 2 * firstBrick);
   level.bounds.set(made.bounds, BOUNDS_WORDS * firstCell);
   level.largestScales.set(made.largestScales, firstCell);

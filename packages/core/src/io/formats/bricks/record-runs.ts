@@ -19,10 +19,11 @@ export function countOf(runs: readonly StoredRun[]): number {
 export function* batchesOf(runs: readonly StoredRun[], most: number): Generator<StoredRun[], void, void> {
   let batch: StoredRun[] = [];
   let room = most;
-  for (const { run, at } of runs) {
+  for (const { run, at, sum } of runs) {
     for (let from = 0; from < run.count; ) {
       const count = Math.min(room, run.count - from);
-      batch.push({ run: { ...run, count }, at: at + 4 * run.words * from });
+      const isWhole = count === run.count;
+      batch.push({ run: { ...run, count }, at: at + 4 * run.words * from, ...(isWhole && { sum }) });
       from += count;
       room -= count;
       if (room > 0) continue;

@@ -1,3 +1,5 @@
+import { SplatSourceError } from '../../../data/errors.ts';
+
 /** A file for data that does not fit the memory; any storage with random access can be one. */
 export interface TemporaryFile {
   /** Rejects where there is no room. The bytes are not kept. */
@@ -15,6 +17,42 @@ export interface TemporaryFile {
  *   not removed.
  */
 export type MakeTemporaryFile = (byteCount: number | undefined, name?: string) => Promise<TemporaryFile>;
+
+/** The sum of the words of bytes, by which storage that lost some is told. */
+export function sumOf({ buffer, byteOffset, byteLength }: Uint8Array<ArrayBuffer>): number {
+  let sum = 0;
+  for (const word of new Uint32Array(buffer, byteOffset, byteLength >> 2)) sum = (sum + word) | 0;
+  for (const byte of new Uint8Array(buffer, byteOffset + (byteLength & ~3), byteLength & 3))
+    sum = (sum + byte) | 0;
+  return sum;
+}
+
+/**
+ * Reads what was written before, in memory of its own. Rejects as the file, and with
+ * SplatSourceError where the storage gives other bytes.
+ *
+ * @param sum of the bytes; undefined where it is not known.
+ */
+export async function readBack(
+  file: TemporaryFile,
+  at: number,
+  byteCount: number,
+  sum: number | undefined,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const bytes = await file.read(at, byteCount);
+  if (!(bytes instanceof Uint8Array) || bytes.length !== byteCount)
+    throw wrongStorage(`${byteCount} bytes from ${at} on were read, and ${bytes?.length} came`);
+  // Words are read in place.
+  const own =
+    bytes.byteOffset % 4 === 0 && bytes.byteLength === bytes.buffer.byteLength ? bytes : bytes.slice();
+  if (sum !== undefined && sum !== sumOf(own))
+    throw wrongStorage(`the ${byteCount} bytes from ${at} on are not those that were written`);
+  return own;
+}
+
+export function wrongStorage(found: string): SplatSourceError {
+  return new SplatSourceError('temporary file', `${found}. Use other storage for makeFile, and write again.`);
+}
 
 /** Bytes of the first memory of a file whose size is not known. */
 const FIRST_BYTES = 1 << 20;

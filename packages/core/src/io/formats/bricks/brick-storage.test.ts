@@ -1,0 +1,56 @@
+import { expect, test } from 'vitest';
+import { CellMerger, emptyLeaf } from '../../../data/bricks/cell-merger.ts';
+import { SplatSourceError } from '../../../data/errors.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { BrickWriter } from './brick-writer.ts';
+import { memoryFile, type TemporaryFile } from './temporary-files.ts';
+
+const SET = randomSplats({ count: 9000, seed: 3, shDegree: 1 });
+
+type Read = (bytes: Uint8Array<ArrayBuffer>) => Uint8Array<ArrayBuffer>;
+
+/** Writes SET in buckets of few splats, over storage whose reads of files of that name `change`. */
+async function writeOver(change: Read, named: RegExp): Promise<void> {
+  const makeFile = async (byteCount?: number, name = ''): Promise<TemporaryFile> => {
+    const file = await memoryFile(byteCount);
+    if (!named.test(name)) return file;
+    return { ...file, read: async (at, count) => change(await file.read(at, count)) };
+  };
+  const writer = new BrickWriter({ makeFile, bucketSplats: 2048 });
+  try {
+    await writer.add(SET);
+    await writer.finish(async () => {});
+  } finally {
+    await writer.end();
+  }
+}
+
+test.each<[string, Read]>([
+  ['zeros', (bytes) => bytes.fill(0)],
+  ['nothing', () => new Uint8Array(0)],
+  ['half of it', (bytes) => bytes.slice(0, bytes.length / 2)],
+  ['ones', (bytes) => bytes.fill(255)],
+  ['another byte', (bytes) => bytes.fill(bytes[5] ^ 1, 5, 6)],
+  ['null', () => null as never],
+])('storage that reads %s is an error that says so', async (_, change) => {
+  for (const named of [/^arrived/, /^buckets/, /^bricks/, /^roots/, /./])
+    await expect(writeOver(change, named), String(named)).rejects.toThrow(SplatSourceError);
+});
+
+test('storage may give a part of other memory', async () => {
+  const within: Read = (bytes) => {
+    const larger = new Uint8Array(bytes.length + 3);
+    larger.set(bytes, 1);
+    return larger.subarray(1, 1 + bytes.length);
+  };
+  await writeOver(within, /./);
+});
+
+test('splats whose costs are no numbers are merged, too', () => {
+  const merger = new CellMerger();
+  const leaf = emptyLeaf();
+  leaf.position.fill(Number.NaN);
+  merger.begin();
+  for (let i = 0; i < 100; i++) merger.add(leaf, 0);
+  expect(merger.merge()).toBe(16);
+});
