@@ -1,4 +1,4 @@
-import { callListener, InvalidArgumentError, type SplatSource } from '@websplatter/core';
+import { callListener, InvalidArgumentError, type SplatSource, shown } from '@websplatter/core';
 import { EventDispatcher } from 'three/webgpu';
 import type { SplatData } from './splat-data.ts';
 import type { SplatLoader } from './splat-loader.ts';
@@ -109,6 +109,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     options: SplatSequenceOptions = {},
   ) {
     super();
+    check(Array.isArray(sources), 'sources', shown(sources), 'a list of sources');
     const { framesPerS = 30, isPlaying = true, loop = true, budgetBytes } = options;
     const { maxHeldFrames = budgetBytes ? Number.POSITIVE_INFINITY : DEFAULT_HELD } = options;
     check(maxHeldFrames >= FEWEST_HELD, 'maxHeldFrames', maxHeldFrames, `${FEWEST_HELD} or more`);

@@ -1,6 +1,7 @@
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import { checkPacked } from '../data/packing/packed-cloud.ts';
 import { buildOfGeometry } from './build-of-geometry.ts';
 import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
@@ -27,6 +28,7 @@ export async function makeRayTree(
   const { signal, mostBlobs = MOST_SMALL_BLOBS } = options;
   // The last frame may lack edits.
   if ('editing' in splats) splats.editing?.flush();
+  else checkPacked(splats);
   const { count, origin } = splats;
   const shares = blobsOfChunks(splats, Math.max(mostBlobs, count / SPLATS_PER_BLOB));
   const blobs = await buildOfGeometry(splats, {

@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from './errors.ts';
-import { isArrayOrTyped, shown } from './printable.ts';
+import { isArrayOrTyped, isDetached, shown } from './printable.ts';
 
 /** Tests of values, by the words that messages have for them. */
 const KINDS = {
@@ -9,7 +9,7 @@ const KINDS = {
   'a string': (value: unknown) => typeof value === 'string',
   'a list': Array.isArray,
   'a typed array': (value: unknown) => ArrayBuffer.isView(value) && isArrayOrTyped(value),
-  'an ArrayBuffer': (value: unknown) => tagOf(value) === 'ArrayBuffer',
+  'an ArrayBuffer': (value: unknown) => tagOf(value) === 'ArrayBuffer' && !isDetached(value),
   'an AbortSignal': (value: unknown) => tagOf(value) === 'AbortSignal',
 } as const;
 

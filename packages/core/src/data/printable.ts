@@ -31,14 +31,28 @@ export function shown(value: unknown): string {
   return whole.length <= MAX_VALUE_LENGTH ? whole : `${whole.slice(0, MAX_VALUE_LENGTH)}…`;
 }
 
-/** Whether a value is an array, or a typed one. */
+/** Whether a value is an array, or a typed one whose memory is there. */
 export function isArrayOrTyped(value: unknown): value is ArrayLike<unknown> {
-  return Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
+  if (Array.isArray(value)) return true;
+  return ArrayBuffer.isView(value) && !(value instanceof DataView) && !isDetached(value);
+}
+
+/** Whether a value's memory was transferred to another thread: it has no values any more. */
+export function isDetached(value: unknown): boolean {
+  if (!ArrayBuffer.isView(value) && !(value instanceof ArrayBuffer)) return false;
+  if (value.byteLength > 0) return false;
+  try {
+    new Uint8Array(ArrayBuffer.isView(value) ? value.buffer : value);
+    return false;
+  } catch {
+    return true;
+  }
 }
 
 /** Text of a value; what is behind its first `length` characters may be left out. */
 function textOf(value: unknown, length: number): string {
   try {
+    if (isDetached(value)) return 'memory that was transferred';
     const isList = isArrayOrTyped(value);
     if (!isList && !isPlain(value)) return String(value);
     const items = value as Readonly<Record<string | number, unknown>>;

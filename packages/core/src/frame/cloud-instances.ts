@@ -4,6 +4,7 @@ import { given, wrongArgument } from '../data/given.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { identity4, multiply4 } from '../data/math/mat4.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
+import { isDetached } from '../data/printable.ts';
 
 /**
  * Places in which a frame draws one cloud many times, with one upload and as many dispatches as for
@@ -78,7 +79,7 @@ export function checkInstances(instances: CloudInstances, { pool, name, count: s
     range: readonly [number, number],
     rule: string,
   ) => {
-    let isValid = Number.isInteger(count) && list.length === each * count;
+    let isValid = Number.isInteger(count) && !isDetached(list) && list.length === each * count;
     // NaN is in no range.
     for (let i = 0; isValid && i < list.length; i++) isValid = list[i] >= range[0] && list[i] <= range[1];
     if (isValid) return;

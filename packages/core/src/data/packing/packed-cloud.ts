@@ -120,7 +120,8 @@ export function packedHarmonics(
 /** @throws InvalidArgumentError naming the member that `packed` lacks, for callers without types. */
 export function checkPacked(packed: PackedCloud): void {
   const { geometry, harmonics } = given(packed, PACKED, 'packed');
-  given(geometry, { words: 'a typed array', precision: 'a string' }, 'packed.geometry');
+  const geometryMembers = { words: 'a typed array', chunks: 'a typed array', precision: 'a string' } as const;
+  given(geometry, geometryMembers, 'packed.geometry');
   given(harmonics, { degree: 'a number', precision: 'a string' }, 'packed.harmonics');
 }
 

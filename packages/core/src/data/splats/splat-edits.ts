@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { given, wrongArgument } from '../given.ts';
-import { isArrayOrTyped, shown } from '../printable.ts';
+import { callListener } from '../listeners.ts';
+import { isArrayOrTyped, isDetached, shown } from '../printable.ts';
 import { colorDcOf } from './color-values.ts';
 import { SplatSelection } from './splat-selection.ts';
 
@@ -278,7 +279,8 @@ export class SplatEdits {
 
   #announce(rows: RowRange | Uint32Array, changed: number): void {
     this.#version++;
-    for (const follower of [...this.#followers]) follower.rowsChanged(rows, changed);
+    for (const follower of [...this.#followers])
+      callListener((...change) => follower.rowsChanged(...change), rows, changed);
   }
 
   #write(rows: RowRange | Uint32Array, count: number, column: Column, values: ArrayLike<number>): void {
@@ -318,7 +320,8 @@ export class SplatEdits {
     const refuse = (what: string): never => {
       throw new InvalidArgumentError('rows', `${what}; rows are whole numbers from 0 to ${rowCount - 1}.`);
     };
-    if (typeof rows !== 'object' || rows === null) return refuse(`rows is ${shown(rows)}`);
+    if (typeof rows !== 'object' || rows === null || isDetached(rows))
+      return refuse(`rows is ${shown(rows)}`);
     if (rows instanceof SplatSelection) {
       const selected = rows.rows();
       const last = selected.at(-1) ?? 0;

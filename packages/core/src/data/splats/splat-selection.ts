@@ -1,4 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
+import { checkKind, wrongArgument } from '../given.ts';
+import { isDetached } from '../printable.ts';
 
 /** Largest row that can be selected: any file that fits a device has fewer rows. */
 const LAST_ROW = 2 ** 31 - 1;
@@ -43,8 +45,11 @@ export class SplatSelection {
   /**
    * Selects exactly the rows whose bits are set: bit `row % 32` of word `row / 32`; rows beyond the
    * words are not selected. For millions of rows, much faster than one by one.
+   *
+   * @throws InvalidArgumentError for anything but a typed array.
    */
   setWords(words: Uint32Array): void {
+    checkKind('words', words, 'a typed array');
     this.#words = words.slice();
     this.#count = countOfBits(words);
     this.#version = ++versionsGiven;
@@ -87,6 +92,8 @@ export class SplatSelection {
   }
 
   #set(rows: Iterable<number>, isSelected: boolean): void {
+    if (typeof rows?.[Symbol.iterator] !== 'function' || isDetached(rows))
+      throw wrongArgument('rows', rows, 'a list of rows');
     const checked = [...rows];
     for (const row of checked) {
       if (Number.isInteger(row) && row >= 0 && row <= LAST_ROW) continue;

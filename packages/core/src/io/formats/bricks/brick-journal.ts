@@ -1,3 +1,4 @@
+import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import type { RecordRun } from './brick-records.ts';
 import type { BrickResult, SplatsTask } from './brick-tasks.ts';
@@ -61,6 +62,39 @@ export interface BrickJournal {
   entries(): AsyncIterable<JournalEntry>;
   /** Resolves once the entry lasts, and all that was written to files with names before. */
   note(entry: JournalEntry): Promise<void>;
+}
+
+/** @throws InvalidArgumentError for what no writer has noted, as storage that lost a part has it. */
+export function checkEntry(entry: JournalEntry): void {
+  const { kind } = given(entry, { kind: 'a string' }, 'entry');
+  switch (entry.kind) {
+    case 'divided':
+      given(entry, { depth: 'a number', first: 'a number', sizes: 'a list' }, 'entry');
+      return;
+    case 'made': {
+      const { made, range } = given(entry, { at: 'a number', byteCount: 'a number' }, 'entry');
+      const columns = ['samples', 'sizes', 'bounds', 'largestScales', 'errors'] as const;
+      given(made, { first: 'a number', fragments: 'a list' }, 'entry.made');
+      for (const name of columns) checkKind(`entry.made.${name}`, made[name], 'a typed array');
+      for (const fragment of made.fragments)
+        given(fragment, { first: 'a number', words: 'a typed array' }, 'entry.made.fragments');
+      if (range) given(range, { first: 'a number', count: 'a number' }, 'entry.range');
+      return;
+    }
+    case 'arrived': {
+      const { runs, bounds } = entry;
+      given(entry, { rows: 'a number', runs: 'a list', bounds: 'a list', told: 'a list' }, 'entry');
+      for (const each of runs) {
+        const { run } = given(each, { at: 'a number' }, 'entry.runs');
+        given(run, { count: 'a number', words: 'a number', origin: 'a list', harmonics: 'an object' }, 'run');
+      }
+      for (const each of bounds) given(each, { min: 'a list', max: 'a list' }, 'entry.bounds');
+      if (bounds.length === runs.length) return;
+      throw wrongArgument('entry.bounds.length', bounds.length, `${runs.length}, one for each run`);
+    }
+    default:
+      throw wrongArgument('entry.kind', kind, 'arrived, divided or made');
+  }
 }
 
 export function bucketsName(depth: number, first: number): string {

@@ -14,6 +14,7 @@ import { chooseOrigin } from '../../../data/packing/origin.ts';
 import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
 import { PositionSample } from '../../../data/packing/position-sample.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
+import { givenSet } from '../../../data/splats/check-set.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { addRounding, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
@@ -21,6 +22,7 @@ import { writeBrickHeader } from './brick-header.ts';
 import {
   type BrickJournal,
   bucketsName,
+  checkEntry,
   type MadeEntry,
   MadeRanges,
   type StoredRun,
@@ -195,10 +197,12 @@ export class BrickWriter {
    * splats up to a `keep`, each division into buckets, and the bricks of each bucket. Bricks above
    * the lowest level are made anew, and so is the file.
    *
-   * @returns rows of the source that need not be added again. Rejects as the journal does.
+   * @returns rows of the source that need not be added again. Rejects as the journal does, and with
+   *   InvalidArgumentError for an entry that no writer has noted.
    */
   async resume(): Promise<number> {
     for await (const entry of this.#journal?.entries() ?? []) {
+      checkEntry(entry);
       if (entry.kind === 'divided') this.#divided.set(bucketsName(entry.depth, entry.first), entry.sizes);
       else if (entry.kind === 'made') {
         this.#lowest ??= await this.#newLowest();
@@ -248,10 +252,11 @@ export class BrickWriter {
   /**
    * Adds splats, whose memory may be used again once it resolves.
    *
-   * Rejects with InvalidArgumentError 'set' if some are not finite, maybe a later call; with the
+   * Rejects with InvalidArgumentError for what is no set, and if some are not finite, maybe a later call; with the
    * signal's reason; as the storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
+    givenSet(set);
     const file = await this.#openArrived();
     if (set.count > 0) this.#told.add(set.isAntialiased);
     this.#sample.addAll(set.positions, set.count, set.origin, this.#count, set.logScales);

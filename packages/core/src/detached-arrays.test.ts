@@ -1,0 +1,129 @@
+import { expect, test } from 'vitest';
+import { SplatSelection } from './data/splats/splat-selection.ts';
+import { checkInstances } from './frame/cloud-instances.ts';
+import * as core from './index.ts';
+import { BrickWriter } from './io/formats/bricks/brick-writer.ts';
+import * as ownData from './own-data.ts';
+import { randomSplats } from './testing/random-splats.ts';
+import * as write from './write.ts';
+
+type Typed = Float64Array | Float32Array | Uint32Array | Uint8Array | Uint16Array;
+
+/** A copy whose memory is then given away, as `postMessage` with a transfer list does. */
+function detached<Kind extends Typed | ArrayBuffer>(value: Kind): Kind {
+  const copy = structuredClone(value);
+  structuredClone(copy, { transfer: [copy instanceof ArrayBuffer ? copy : (copy.buffer as ArrayBuffer)] });
+  return copy;
+}
+
+/** `value` with each array in it, one after another, detached, null, or of null. */
+function wrongly(value: unknown): unknown[] {
+  if (ArrayBuffer.isView(value)) return [detached(value as Typed), null, [null]];
+  if (value instanceof ArrayBuffer) return [detached(value), null];
+  if (typeof value !== 'object' || value === null) return [];
+  return Object.entries(value).flatMap(([key, member]) =>
+    wrongly(member).map((wrong) =>
+      Array.isArray(value) ? value.with(Number(key), wrong) : { ...value, [key]: wrong },
+    ),
+  );
+}
+
+const SET = randomSplats({ count: 40, seed: 1, shDegree: 1 });
+const PACKED = core.packCloud(SET, { geometryPrecision: 'packed', shPrecision: 'u8' });
+const PRECISION = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
+const CLOUD = { pool: null, name: 'a cloud', count: 40 } as core.SplatCloud;
+const INSTANCES = {
+  modelMatrices: new Float64Array(32),
+  tints: new Float32Array(6),
+  opacities: new Float32Array(2),
+};
+const VALUES = {
+  positions: new Float32Array(3).fill(1),
+  scales: new Float32Array(3).fill(1),
+  rotations: new Float32Array(4).fill(1),
+  opacities: new Float32Array(1),
+  colors: new Float32Array(3),
+};
+const ROWS = new Uint32Array([1, 2]);
+const MATRIX = new Float64Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+const PLY = core.encodePly(SET);
+const journalOf = (entry: unknown) =>
+  ({
+    entries: async function* () {
+      yield entry;
+    },
+    note: async () => {},
+  }) as never;
+const ARRIVED = { kind: 'arrived', rows: 0, runs: [], bounds: [], told: [] };
+
+const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
+  ['instances', (value) => checkInstances(value, CLOUD), INSTANCES],
+  ['edited values', (value) => new ownData.SplatEdits(40).set({ first: 0, count: 1 }, value), VALUES],
+  ['edited rows', (value) => new ownData.SplatEdits(40).set(value, { visible: false }), ROWS],
+  ['cleared rows', (value) => new ownData.SplatEdits(40).clear(value), ROWS],
+  ['selected rows', (value) => new SplatSelection().add(value), ROWS],
+  ['deselected rows', (value) => new SplatSelection().delete(value), ROWS],
+  ['arrays', (value) => ownData.splatsFromArrays(value), { ...VALUES, opacities: new Float32Array([0.5]) }],
+  [
+    'packSet',
+    (value) => ownData.packSet(value, { geometryPrecision: 'packed', shPrecision: 'u8' } as never),
+    SET,
+  ],
+  ['packCloud', (value) => core.packCloud(value, PRECISION), SET],
+  ['encodePly', (value) => core.encodePly(value), SET],
+  ['makeRayTree', (value) => core.makeRayTree(value), PACKED],
+  ['SplatMorph', (value) => new ownData.SplatMorph(value, value, PRECISION), SET],
+  ['viewMatrix', (value) => core.cameraFromMatrices(value, MATRIX), MATRIX],
+  ['projectionMatrix', (value) => core.cameraFromMatrices(MATRIX, value), MATRIX],
+  ['selected words', (value) => new SplatSelection().setWords(value), ROWS],
+  ['readSplats', (value) => core.readSplats(value), PLY],
+  ['readSplats of memory', (value) => core.readSplats(value), PLY.buffer],
+  ['loadSplats', (value) => core.loadSplats(value), PLY],
+  ['writeSplats', (value) => write.writeSplats(value, 'ply'), SET],
+  ['mergeSplats', (value) => write.mergeSplats(value), [SET, SET]],
+  [
+    'cropSplats',
+    (value) => write.cropSplats(value, { center: [0, 0, 0], halfSize: [1, 1, 1] } as never),
+    SET,
+  ],
+  ['filterSplats', (value) => write.filterSplats(value, {} as never), SET],
+  ['limitDegree', (value) => write.limitDegree(value, 0), SET],
+  ['transformSplats', (value) => write.transformSplats(value, {} as never), SET],
+  [
+    'BrickWriter.add',
+    async (value) => {
+      const writer = new BrickWriter();
+      await writer.add(value).finally(() => writer.end());
+    },
+    SET,
+  ],
+  ['a journal', (value) => new BrickWriter({ journal: journalOf(value) }).resume(), null],
+  ['a journal', (value) => new BrickWriter({ journal: journalOf(value) }).resume(), {}],
+  [
+    'a journal',
+    (value) => new BrickWriter({ journal: journalOf(value) }).resume(),
+    { ...ARRIVED, runs: null },
+  ],
+  [
+    'a journal',
+    (value) => new BrickWriter({ journal: journalOf(value) }).resume(),
+    { ...ARRIVED, told: null },
+  ],
+  ['a journal', (value) => new BrickWriter({ journal: journalOf(value) }).resume(), { kind: 'divided' }],
+  ['a journal', (value) => new BrickWriter({ journal: journalOf(value) }).resume(), { kind: 'made' }],
+];
+
+test.each(CALLS)(
+  '%s that were transferred, or are missing, are taken or refused by name',
+  async (name, call, value) => {
+    const wrong: unknown[] = [];
+    for (const each of name === 'a journal' ? [value] : [null, ...wrongly(value)]) {
+      try {
+        await call(each as never);
+      } catch (error) {
+        if (!(error instanceof core.WebSplatterError)) wrong.push((error as Error).stack!);
+      }
+    }
+    expect(wrong).toEqual([]);
+  },
+);
