@@ -51,11 +51,15 @@ export interface StreamReport {
 export interface CloudStream {
   report(): StreamReport;
   /**
-   * Calls `listener` each time that the report may have changed, which is as often as views draw.
+   * Calls `listener` in a task of its own after the report has changed, once for all changes before.
+   * An error in it is reported as an uncaught one.
    * Returns a function that ends this; the end of the cloud does, too.
    */
   subscribe(listener: () => void): () => void;
-  /** Fetches again what could not be. Of a file that has changed on its server, that fails again. */
+  /**
+   * Fetches again what could not be; nothing without an error. Of a file that has changed on its
+   * server, that fails again.
+   */
   retry(): void;
   /** @internal Settles when nothing is missing that there is room for; null if nothing is. */
   readonly complete: Promise<void> | null;
