@@ -31,7 +31,7 @@ const VIEWER_APART = [
   'apps/viewer/src/saving/pages.ts',
   'apps/viewer/src/videos/video-writer.ts',
   'apps/viewer/src/walking/walks.ts',
-  'packages/core/src/io/formats/readers.ts',
+  'packages/core/src/io/formats/thread-readers.ts',
   'packages/core/src/io/loading/serve-load.ts',
   'packages/core/src/io/loading/read-source.ts',
 ].map((path) => posix.relative('apps/viewer', path));

@@ -1,4 +1,4 @@
-import { decodeHere } from '../formats/thread-readers.ts';
+import { decodeHere } from '../containers/decode-here.ts';
 import { type LoadReply, toPostedError, type UnpackedReply } from './load-messages.ts';
 
 /** Unpacks a view for a worker, which `withPageDecoder` has made wait for it. */
