@@ -8,9 +8,9 @@ import { type AnyJson, glbBytes, gltfOf, splatAttributes } from '../../../testin
 import { type MeshoptOptions, meshoptPacked } from '../../../testing/meshopt-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
+import { decodeHere } from '../../containers/decode-here.ts';
 import type { PackedView } from '../../containers/meshopt.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { decodeHere } from '../thread-readers.ts';
 
 const set = randomSplats({ count: 333, shDegree: 2, halfExtent: 0.6 });
 /** Unit rotations, as the filter for quaternions keeps them. */
