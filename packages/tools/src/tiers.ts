@@ -81,7 +81,7 @@ export const PACKAGES: Arrows = {
   /** Hard cases and benchmark in any browser, and this project beside other renderers. */
   lab: 'charts hardcases three scenes node core tools',
   /** Apps and packages in a browser. */
-  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests) node(tests)',
+  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
 };
 
 /** Files that reach into another package by path, and why. Others import a package's exports. */
@@ -102,5 +102,6 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'e2e/react-streaming.test.ts': "serves a streamed SOG, which core's tests alone write",
   'e2e/viewer-page-file.test.ts': 'unpacks a zip, which no package offers',
   'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",
+  'e2e/dev-server.test.ts': 'starts the development servers of apps, which export nothing',
   'e2e/examples.test.ts': "draws the examples' own scene and effect in float64; apps export nothing",
 };

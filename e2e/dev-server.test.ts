@@ -17,7 +17,7 @@ async function addressesOf(app: string): Promise<string[]> {
     listening.push(this);
     return Reflect.apply(listen, this, args);
   });
-  const configFile = fileURLToPath(new URL(`../../../apps/${app}/vite.config.ts`, import.meta.url));
+  const configFile = fileURLToPath(new URL(`../apps/${app}/vite.config.ts`, import.meta.url));
   const server = await createServer({ configFile, logLevel: 'error', server: { port: 0 } });
   try {
     await server.listen();
