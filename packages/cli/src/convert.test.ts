@@ -50,6 +50,25 @@ test('--json reports the work; progress goes to standard error', async () => {
   );
 });
 
+test('scenes that lie too far apart to be one are told of', async () => {
+  const folder = new TestFolder();
+  const sceneAt = (name: string, origin: SplatSet['origin']) =>
+    folder.scene(name, { ...threeSplats(), origin });
+  const [one, near, far] = [
+    sceneAt('one.ply', [500_000.123, 5_300_000.456, 700]),
+    sceneAt('near.ply', [500_020.789, 5_300_000.456, 700]),
+    sceneAt('far.ply', [-4_000_000.321, 100, 7_700_000.654]),
+  ];
+  const notesOf = async (second: string) => {
+    const { out } = await runMain('convert', one, second, folder.file('both.ply'), '--merge', '--json');
+    return JSON.parse(out).notes;
+  };
+  expect(await notesOf(near)).toEqual([]);
+  expect(await notesOf(far)).toEqual([
+    expect.stringMatching(/^the scenes lie too far apart for float32: together, .* in steps of 0\.5, /),
+  ]);
+});
+
 test('several scenes are merged, moved, cropped and simplified, in this order', async () => {
   const folder = new TestFolder();
   const out = folder.file('out.ply');

@@ -151,10 +151,29 @@ async function whole(
     inputs.push({ name: scene.name, isBuiltin: scene.isBuiltin, set, bytes });
   }
   const set = edited(mergeSplats(inputs.map((input) => input.set)), options, cropSplats);
-  const losses: string[] = [];
+  const losses = mergeLosses(inputs.map((input) => input.set));
   const onNote = (note: string) => losses.push(note);
   const content = await writeSplats(set, options.format.name, { onProgress: onFraction, onNote });
   return { inputs, set, shDegree: set.harmonics.degree, content, losses: () => losses };
+}
+
+/** A step is too coarse if it is longer than this part of the median size of splats. */
+const MOST_STEP = 1 / 2;
+
+/** What float32 loses where scenes that lie far apart become one, about one origin. */
+function mergeLosses(sets: readonly SplatSet<Harmonics>[]): string[] {
+  const factsOf = (parts: readonly SplatSet<Harmonics>[]) => {
+    const facts = new PieceFacts();
+    for (const part of parts) facts.add(part);
+    return facts;
+  };
+  const { positionStep, medianSize } = factsOf(sets);
+  const ownSteps = sets.map((set) => factsOf([set]).positionStep);
+  if (positionStep <= Math.max(MOST_STEP * medianSize, ...ownSteps)) return [];
+  const [step, size] = [positionStep, medianSize].map((value) => Number(value.toPrecision(2)));
+  return [
+    `the scenes lie too far apart for float32: together, splats are placed in steps of ${step}, and their median size is ${size}. Keep them in files of their own`,
+  ];
 }
 
 /** How scenes are converted: as a whole, or in pieces where they may be too large to be held. */

@@ -14,6 +14,7 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
+import { CoarsePlaces } from './coarse-places.ts';
 import { emptyError } from './empty-error.ts';
 import type { OnPiece } from './splat-format.ts';
 
@@ -67,6 +68,7 @@ export class SplatSetBuilder {
   readonly #shRow: Float64Array;
   readonly #wordsPerSplat: number;
   readonly #reach: ShReachMeter;
+  readonly #coarsePlaces = new CoarsePlaces();
   #dropped: DropCounts = {};
   #columns: Columns;
   #capacity = 0;
@@ -161,11 +163,18 @@ export class SplatSetBuilder {
   }
 
   #setOf({ positions, shWords, ...columns }: Columns): SplatSet<PackedHarmonics> {
-    const { isAntialiased, fileFacts } = this.#options;
+    const { isAntialiased, fileFacts, origin, widePositions } = this.#options;
+    const placed = { ...columns, count: this.#count, ...this.#placed(positions) };
+    // Those about a given origin were rounded to float32 before they were pushed.
+    if (origin || widePositions)
+      this.#coarsePlaces.add(
+        placed,
+        (at) => origin !== undefined || positions[at] - placed.origin[at % 3] !== placed.positions[at],
+      );
+    const { note } = this.#coarsePlaces;
+    const notes = note === undefined ? undefined : [...(fileFacts?.notes ?? []), note];
     return {
-      ...columns,
-      count: this.#count,
-      ...this.#placed(positions),
+      ...placed,
       harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
@@ -175,7 +184,7 @@ export class SplatSetBuilder {
       },
       dropped: this.#dropped,
       ...(isAntialiased !== undefined && { isAntialiased }),
-      ...(fileFacts && { fileFacts }),
+      ...(fileFacts && { fileFacts: { ...fileFacts, ...(notes && { notes }) } }),
     };
   }
 
