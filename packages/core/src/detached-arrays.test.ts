@@ -16,9 +16,27 @@ function detached<Kind extends Typed | ArrayBuffer>(value: Kind): Kind {
   return copy;
 }
 
-/** `value` with each array in it, one after another, detached, null, or of null. */
+/** An array of the same kind and length whose memory then became less than it views. */
+function shrunk(values: Typed): Typed {
+  const { byteLength, length } = values;
+  const buffer = new ArrayBuffer(byteLength, { maxByteLength: byteLength });
+  const array = new (values.constructor as Uint8ArrayConstructor)(buffer, 0, length);
+  buffer.resize(0);
+  return array;
+}
+
+/** Arrays without memory, and those of what is no number. */
+function wrongArrays(values: Typed): unknown[] {
+  const gone = detached(values);
+  const view = new DataView(new ArrayBuffer(values.byteLength));
+  structuredClone(view, { transfer: [view.buffer] });
+  const others = [null, Symbol('a number'), Object.create(null)].map((each) => [...values].with(0, each));
+  return [gone, shrunk(values), view, new BigInt64Array(values.length), ...others, null, [null]];
+}
+
+/** `value` with each array in it, one after another, wrong. */
 function wrongly(value: unknown): unknown[] {
-  if (ArrayBuffer.isView(value)) return [detached(value as Typed), null, [null]];
+  if (ArrayBuffer.isView(value)) return wrongArrays(value as Typed);
   if (value instanceof ArrayBuffer) return [detached(value), null];
   if (typeof value !== 'object' || value === null) return [];
   return Object.entries(value).flatMap(([key, member]) =>
@@ -114,7 +132,7 @@ const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
 ];
 
 test.each(CALLS)(
-  '%s that were transferred, or are missing, are taken or refused by name',
+  '%s without memory, of no numbers, or missing, are taken or refused by name',
   async (name, call, value) => {
     const wrong: unknown[] = [];
     for (const each of name === 'a journal' ? [value] : [null, ...wrongly(value)]) {

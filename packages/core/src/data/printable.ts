@@ -31,18 +31,22 @@ export function shown(value: unknown): string {
   return whole.length <= MAX_VALUE_LENGTH ? whole : `${whole.slice(0, MAX_VALUE_LENGTH)}…`;
 }
 
-/** Whether a value is an array, or a typed one whose memory is there. */
+/** Whether a value is an array, or a typed one of numbers (not BigInts) whose memory is there. */
 export function isArrayOrTyped(value: unknown): value is ArrayLike<unknown> {
   if (Array.isArray(value)) return true;
-  return ArrayBuffer.isView(value) && !(value instanceof DataView) && !isDetached(value);
+  if (!ArrayBuffer.isView(value) || value instanceof DataView || isDetached(value)) return false;
+  return !(value instanceof BigInt64Array || value instanceof BigUint64Array);
 }
 
-/** Whether a value's memory was transferred to another thread: it has no values any more. */
+/** Whether a value's memory is gone: transferred to another thread, or shrunk to less than it views. */
 export function isDetached(value: unknown): boolean {
-  if (!ArrayBuffer.isView(value) && !(value instanceof ArrayBuffer)) return false;
-  if (value.byteLength > 0) return false;
+  const isView = ArrayBuffer.isView(value);
+  if (!isView && !(value instanceof ArrayBuffer)) return false;
   try {
-    new Uint8Array(ArrayBuffer.isView(value) ? value.buffer : value);
+    if (value.byteLength > 0) return false;
+    // Those of no bytes tell by what fails without memory; the length of a DataView does, too.
+    if (!isView) new Uint8Array(value);
+    else if (!(value instanceof DataView)) (value as Uint8Array).values();
     return false;
   } catch {
     return true;
@@ -52,7 +56,7 @@ export function isDetached(value: unknown): boolean {
 /** Text of a value; what is behind its first `length` characters may be left out. */
 function textOf(value: unknown, length: number): string {
   try {
-    if (isDetached(value)) return 'memory that was transferred';
+    if (isDetached(value)) return 'memory that was transferred or shrunk';
     const isList = isArrayOrTyped(value);
     if (!isList && !isPlain(value)) return String(value);
     const items = value as Readonly<Record<string | number, unknown>>;

@@ -81,7 +81,8 @@ export function checkInstances(instances: CloudInstances, { pool, name, count: s
   ) => {
     let isValid = Number.isInteger(count) && !isDetached(list) && list.length === each * count;
     // NaN is in no range.
-    for (let i = 0; isValid && i < list.length; i++) isValid = list[i] >= range[0] && list[i] <= range[1];
+    for (let i = 0; isValid && i < list.length; i++)
+      isValid = typeof list[i] === 'number' && list[i] >= range[0] && list[i] <= range[1];
     if (isValid) return;
     throw wrongArgument(`instances.${argument}`, list, `a list of ${each} ${rule} for each instance`, name);
   };

@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { checkKind, wrongArgument } from '../given.ts';
-import { isDetached } from '../printable.ts';
+import { isDetached, shown } from '../printable.ts';
 
 /** Largest row that can be selected: any file that fits a device has fewer rows. */
 const LAST_ROW = 2 ** 31 - 1;
@@ -97,7 +97,7 @@ export class SplatSelection {
     const checked = [...rows];
     for (const row of checked) {
       if (Number.isInteger(row) && row >= 0 && row <= LAST_ROW) continue;
-      const message = `Row ${row} cannot be ${isSelected ? 'selected' : 'deselected'}; rows are whole numbers from 0 to ${LAST_ROW}.`;
+      const message = `Row ${shown(row)} cannot be ${isSelected ? 'selected' : 'deselected'}; rows are whole numbers from 0 to ${LAST_ROW}.`;
       throw new InvalidArgumentError('rows', message);
     }
     const before = this.#count;
