@@ -16,10 +16,13 @@ function detached<Kind extends Typed | ArrayBuffer>(value: Kind): Kind {
   return copy;
 }
 
+/** Of ES2024, which the types of this repository are older than. */
+type Resizable = ArrayBuffer & { resize(byteLength: number): void };
+
 /** An array of the same kind and length whose memory then became less than it views. */
 function shrunk(values: Typed): Typed {
   const { byteLength, length } = values;
-  const buffer = new ArrayBuffer(byteLength, { maxByteLength: byteLength });
+  const buffer = Reflect.construct(ArrayBuffer, [byteLength, { maxByteLength: byteLength }]) as Resizable;
   const array = new (values.constructor as Uint8ArrayConstructor)(buffer, 0, length);
   buffer.resize(0);
   return array;

@@ -1,4 +1,9 @@
-import { type FrameStatistics, type SplatEngine, WebSplatterError } from '@websplatter/core';
+import {
+  type AccuracyChoice,
+  type FrameStatistics,
+  type SplatEngine,
+  WebSplatterError,
+} from '@websplatter/core';
 import { beforeEach, expect, onTestFinished, test, vi } from 'vitest';
 import { attachEngine, onDeviceLost } from './adopt-renderer.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
@@ -58,6 +63,29 @@ test('errors of listeners of a cloud are reported, once its change is over', asy
   expect(reported).toEqual([]);
   await null;
   expect(new Set(reported)).toEqual(new Set([error]));
+});
+
+test('an error of one that follows a cloud or a sequence keeps no other from being told', async () => {
+  const cloud = new SplatCloudObject();
+  const told: unknown[] = [];
+  const tell = (event: { readonly type: string }) => void told.push(event.type);
+  for (const type of ['needsframe', 'firstframe', 'complete', 'accuracychosen'] as const) {
+    cloud.addEventListener(type, bad);
+    cloud.addEventListener(type, tell);
+  }
+  cloud.data = splatDataAt([0, 0, 0]);
+  cloud.announceDrawn(0, []);
+  cloud.announceAccuracy({} as AccuracyChoice);
+  await null;
+  expect(told.sort()).toEqual(['accuracychosen', 'complete', 'firstframe', 'needsframe']);
+  const loadAsync = async () => splatDataAt([0, 0, 0]);
+  const sequence = new SplatSequence(['0'], () => ({ loadAsync, abort: () => {} }) as unknown as FrameLoader);
+  sequence.addEventListener('change', bad);
+  const target = new Promise((resolve) =>
+    sequence.addEventListener('change', (event) => resolve(event.target)),
+  );
+  expect(await target).toBe(sequence);
+  sequence.dispose();
 });
 
 test('errors of callbacks of a loader are reported', async () => {

@@ -27,6 +27,7 @@ import {
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
+import { dispatch } from './dispatch.ts';
 import { SplatsPrecisionError, type SplatsStreamError } from './errors.ts';
 import type { CloudLayer } from './layer-cloud.ts';
 import { checkedReveal, isAnimation, type RevealAnimation } from './reveal-animation.ts';
@@ -407,7 +408,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   /** @internal */
   requestFrame(): void {
-    callListener(() => this.dispatchEvent({ type: 'needsframe' }));
+    dispatch(this, { type: 'needsframe' });
   }
 
   /**
@@ -455,7 +456,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   /** Dispatches an event once three, which is in the middle of its frame, is done with that. */
   #announce(type: 'firstframe' | 'complete'): void {
-    queueMicrotask(() => callListener(() => this.dispatchEvent({ type })));
+    queueMicrotask(() => dispatch(this, { type }));
   }
 
   #followerOf(stream: CloudStream): StreamFollower {
@@ -489,7 +490,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     // Several views of a scene share a choice.
     if (choice === this.#choice) return;
     this.#choice = choice;
-    callListener(() => this.dispatchEvent({ type: 'accuracychosen', choice }));
+    dispatch(this, { type: 'accuracychosen', choice });
   }
 
   /** Lets go of the splats on the screen, unless they are `data`, which take their place. */

@@ -1,5 +1,6 @@
 import { callListener, InvalidArgumentError, type SplatSource, shown } from '@websplatter/core';
 import { EventDispatcher } from 'three/webgpu';
+import { dispatch } from './dispatch.ts';
 import type { SplatData } from './splat-data.ts';
 import type { SplatLoader } from './splat-loader.ts';
 
@@ -237,7 +238,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     if (this.#isPlaying && !this.#isAwaited && this.#after(this.#current) !== null)
       this.#timer = setTimeout(() => this.#update(), this.#nextMs - performance.now());
     if ([this.#shown, this.#frame, this.isBuffering].some((value, i) => value !== before[i]))
-      callListener(() => this.dispatchEvent({ type: 'change' }));
+      dispatch(this, { type: 'change' });
   }
 
   /** Time at which the current frame gives way. */
