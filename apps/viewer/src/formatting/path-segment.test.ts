@@ -26,6 +26,7 @@ test.each([
   ['\ufeffa\u200b.ply', '_a_.ply'],
   ['NUL', '_NUL'],
   ['con.ply', '_con.ply'],
+  ['Aux .ply', '_Aux .ply'],
   ['Lpt1.compressed.ply', '_Lpt1.compressed.ply'],
   ['COM\u00b9.ply', '_COM\u00b9.ply'],
   ['a. . ', 'a_'],
@@ -36,6 +37,12 @@ test('long names keep their ends', () => {
   const segment = pathSegment(`${'庭'.repeat(300)}.compressed.ply`);
   expect(new TextEncoder().encode(segment).length).toBeLessThanOrEqual(200);
   expect(segment).toMatch(/^庭+\.compressed\.ply$/);
+});
+
+test.each(['. ', '.', ' '])('a long run of %j takes no longer than other text', (run) => {
+  const segment = pathSegment(`a${run.repeat(10_000)}b.ply`);
+  expect(segment).toMatch(/^a.+\.ply$/);
+  expect(pathSegment(`a${run.repeat(10_000)}`)).toBe('a_');
 });
 
 test('any text becomes one part of a path, once', () => {

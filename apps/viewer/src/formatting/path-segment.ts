@@ -2,9 +2,9 @@
 const MOST_BYTES = 200;
 /** What Windows, Unix or zip programs refuse or follow, what terminals obey, and what hides in text. */
 const REFUSED = /[\p{Cc}\p{Cs}\p{Zl}\p{Zp}\p{Bidi_C}\u200b\u2060\ufeff<>:"/\\|?*]/gu;
-/** Devices of Windows, with any end. */
+/** Devices of Windows, with any end; it passes over spaces before that. */
 const RESERVED =
-  /^(?:con|prn|aux|nul|com[\d\u00b9\u00b2\u00b3]|lpt[\d\u00b9\u00b2\u00b3]|conin\$|conout\$)(?=\.|$)/i;
+  /^(?:con|prn|aux|nul|com[\d\u00b9\u00b2\u00b3]|lpt[\d\u00b9\u00b2\u00b3]|conin\$|conout\$)(?= *(?:\.|$))/i;
 
 /**
  * A name from outside, of a file, a folder or a scene, as one part of a path or the name of a saved
@@ -16,8 +16,10 @@ const RESERVED =
 export function pathSegment(name: string): string {
   const plain = name
     .replace(REFUSED, '_')
-    // A leading dot hides a file, or configures a server; Windows drops dots and spaces at the end.
-    .replace(/^\.+|^ +| *[. ]+$/g, (found) => '_'.repeat(Math.min(1, found.length)));
+    // Windows drops dots and spaces at the end. Each run of them is tried once: names may be long.
+    .replace(/(?<![. ])[. ]+$/, '_')
+    // A leading dot hides a file, or configures a server.
+    .replace(/^(?:\.+| +)/, '_');
   return shortened(plain.replace(RESERVED, '_$&') || '_');
 }
 
