@@ -75,7 +75,10 @@ const journalOf = (entry: unknown) =>
     },
     note: async () => {},
   }) as never;
-const ARRIVED = { kind: 'arrived', rows: 0, runs: [], bounds: [], told: [] };
+const ARRIVED = { kind: 'arrived', rows: 0, runs: [], bounds: [], told: [], sample: new Float64Array() };
+const COLUMN = new Float32Array(1);
+const MADE_OF = { samples: COLUMN, sizes: COLUMN, bounds: COLUMN, largestScales: COLUMN, errors: COLUMN };
+const MADE = { kind: 'made', at: 0, byteCount: 4, made: { first: 0, fragments: [], ...MADE_OF } };
 
 const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
   ['instances', (value) => checkInstances(value, CLOUD), INSTANCES],
@@ -148,3 +151,34 @@ test.each(CALLS)(
     expect(wrong).toEqual([]);
   },
 );
+
+test.each<[string, unknown]>([
+  ['entry.rows', { ...ARRIVED, rows: -1 }],
+  ['entry.rows', { ...ARRIVED, rows: Number.NaN }],
+  ['entry.sample', { ...ARRIVED, sample: [1] }],
+  ['entry.sizes', { kind: 'divided', depth: 0, first: 0, sizes: [1e300] }],
+  ['entry.range.count', { ...MADE, range: { first: 0, count: 0 } }],
+  ['entry.range.count', { ...MADE, range: { first: 0, count: -1 } }],
+  ['entry.at', { ...MADE, at: 0.5, range: null }],
+])('a journal whose %s is none is refused', async (argument, entry) => {
+  const resuming = new BrickWriter({ journal: journalOf(entry) }).resume();
+  await expect(resuming).rejects.toMatchObject({ name: 'InvalidArgumentError', argument });
+});
+
+test.each<[string, object | null]>([
+  ['options', null],
+  ['threads', { threads: -1 }],
+  ['threads', { threads: Number.NaN }],
+  ['bucketSplats', { bucketSplats: 0 }],
+  ['run', { run: 5 }],
+  ['journal.entries', { journal: {} }],
+])('%s of a BrickWriter that are none are refused', (argument, options) => {
+  const making = () => new BrickWriter(options as never);
+  expect(making).toThrow(expect.objectContaining({ name: 'InvalidArgumentError', argument }));
+});
+
+test('storage that makes no file is refused, and the writer ends', async () => {
+  const writer = new BrickWriter({ makeFile: async () => null as never });
+  await expect(writer.add(SET)).rejects.toMatchObject({ name: 'InvalidArgumentError', argument: 'makeFile' });
+  await writer.end();
+});

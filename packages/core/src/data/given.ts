@@ -6,6 +6,7 @@ const KINDS = {
   'an object': (value: unknown) => typeof value === 'object' && value !== null,
   'a function': (value: unknown) => typeof value === 'function',
   'a number': (value: unknown) => typeof value === 'number',
+  'a whole number': (value: unknown) => Number.isSafeInteger(value) && (value as number) >= 0,
   'a string': (value: unknown) => typeof value === 'string',
   'a list': Array.isArray,
   'a typed array': (value: unknown) => ArrayBuffer.isView(value) && isArrayOrTyped(value),

@@ -67,26 +67,33 @@ export interface BrickJournal {
 /** @throws InvalidArgumentError for what no writer has noted, as storage that lost a part has it. */
 export function checkEntry(entry: JournalEntry): void {
   const { kind } = given(entry, { kind: 'a string' }, 'entry');
+  const whole = 'a whole number';
   switch (entry.kind) {
-    case 'divided':
-      given(entry, { depth: 'a number', first: 'a number', sizes: 'a list' }, 'entry');
+    case 'divided': {
+      const { sizes } = given(entry, { depth: whole, first: whole, sizes: 'a list' }, 'entry');
+      for (const size of sizes) checkKind('entry.sizes', size, whole);
       return;
+    }
     case 'made': {
-      const { made, range } = given(entry, { at: 'a number', byteCount: 'a number' }, 'entry');
+      const { made, range } = given(entry, { at: whole, byteCount: whole }, 'entry');
       const columns = ['samples', 'sizes', 'bounds', 'largestScales', 'errors'] as const;
-      given(made, { first: 'a number', fragments: 'a list' }, 'entry.made');
+      given(made, { first: whole, fragments: 'a list' }, 'entry.made');
       for (const name of columns) checkKind(`entry.made.${name}`, made[name], 'a typed array');
       for (const fragment of made.fragments)
-        given(fragment, { first: 'a number', words: 'a typed array' }, 'entry.made.fragments');
-      if (range) given(range, { first: 'a number', count: 'a number' }, 'entry.range');
+        given(fragment, { first: whole, words: 'a typed array' }, 'entry.made.fragments');
+      if (!range) return;
+      given(range, { first: whole, count: whole }, 'entry.range');
+      // One of no splats would lead on to itself.
+      if (range.count === 0) throw wrongArgument('entry.range.count', 0, 'above 0');
       return;
     }
     case 'arrived': {
       const { runs, bounds } = entry;
-      given(entry, { rows: 'a number', runs: 'a list', bounds: 'a list', told: 'a list' }, 'entry');
+      const lists = { runs: 'a list', bounds: 'a list', told: 'a list', sample: 'a typed array' } as const;
+      given(entry, { rows: whole, ...lists }, 'entry');
       for (const each of runs) {
-        const { run } = given(each, { at: 'a number' }, 'entry.runs');
-        given(run, { count: 'a number', words: 'a number', origin: 'a list', harmonics: 'an object' }, 'run');
+        const { run } = given(each, { at: whole }, 'entry.runs');
+        given(run, { count: whole, words: whole, origin: 'a list', harmonics: 'an object' }, 'run');
       }
       for (const each of bounds) given(each, { min: 'a list', max: 'a list' }, 'entry.bounds');
       if (bounds.length === runs.length) return;

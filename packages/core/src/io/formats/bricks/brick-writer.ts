@@ -1,6 +1,7 @@
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
+import { given, wrongArgument } from '../../../data/given.ts';
 import { inLanes } from '../../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
@@ -172,8 +173,18 @@ export class BrickWriter {
   /** Once all splats have come. */
   #lowest: LowestLevel | undefined;
 
+  /** @throws InvalidArgumentError for options that are none. */
   constructor(options: BrickWriterOptions = {}) {
-    const { makeFile = memoryFile, run = runTask, threads = 1, bucketSplats = BUCKET_SPLATS } = options;
+    const {
+      makeFile = memoryFile,
+      run = runTask,
+      threads = 1,
+      bucketSplats = BUCKET_SPLATS,
+    } = given(options, { makeFile: 'a function?', run: 'a function?', journal: 'an object?' });
+    if (options.journal) given(options.journal, { entries: 'a function', note: 'a function' }, 'journal');
+    for (const [name, value] of Object.entries({ threads, bucketSplats }))
+      if (!(Number.isSafeInteger(value) && value > 0))
+        throw wrongArgument(name, value, 'a whole number, 1 or more');
     this.#makeFile = makeFile;
     this.#bucketSplats = bucketSplats;
     this.#threads = threads;
@@ -321,7 +332,8 @@ export class BrickWriter {
   }
 
   async #newFile(byteCount: number | undefined, name?: string): Promise<TemporaryFile> {
-    const file = await this.#makeFile(byteCount, name);
+    const made = await this.#makeFile(byteCount, name);
+    const file = given(made, { write: 'a function', read: 'a function', remove: 'a function' }, 'makeFile');
     this.#files.add(file);
     return file;
   }
