@@ -807,6 +807,12 @@ describe('three 0.187', () => {
       expectEachPixel(loaded, expected, (pixel) => pixel, 1);
     });
 
+    test('have one picture by three’s loader and by ours, under nodes that scale unevenly and shear', async () => {
+      const { loaded, expected } = await run('gltfUneven');
+      expect(new Set(expected.data).size).toBeGreaterThan(100);
+      expectEachPixel(loaded, expected, (pixel) => pixel, 1);
+    });
+
     test('instances are drawn as objects of their own, and picks and rays tell which one they find', async () => {
       const { together, apart, ...found } = await run('instances');
       expect(found).toEqual({ errors: [], picked: 1, met: 1 });

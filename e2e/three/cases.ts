@@ -157,6 +157,22 @@ function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: Perspecti
 }
 
 /** Run by name from the tests, which know the results to expect. */
+/** A binary glTF with other nodes, of which the first is its scene. */
+function withNodes(file: Uint8Array<ArrayBuffer>, nodes: readonly object[]): Uint8Array<ArrayBuffer> {
+  const jsonEnd = 20 + new DataView(file.buffer).getUint32(12, true);
+  const json = JSON.parse(new TextDecoder().decode(file.subarray(20, jsonEnd)));
+  const text = JSON.stringify({ ...json, nodes, scenes: [{ nodes: [0] }], scene: 0 });
+  const padded = new TextEncoder().encode(text.padEnd(4 * Math.ceil(text.length / 4)));
+  const result = new Uint8Array(20 + padded.length + file.length - jsonEnd);
+  result.set(file.subarray(0, 20));
+  result.set(padded, 20);
+  result.set(file.subarray(jsonEnd), 20 + padded.length);
+  const header = new DataView(result.buffer);
+  header.setUint32(8, result.length, true);
+  header.setUint32(12, padded.length, true);
+  return result;
+}
+
 export const cases = {
   ...arrayCases,
   ...postCases,
@@ -218,6 +234,25 @@ export const cases = {
     const loaded = await shot(stage);
     stage.scene.remove(scene);
     stage.scene.add(new SplatCloudObjectClass(makeSplatData(set)));
+    return { loaded, expected: await shot(stage) };
+  },
+
+  /** A glTF whose nested nodes scale unevenly and shear, by three's loader and by `SplatLoader`. */
+  gltfUneven: async () => {
+    const stage = await newStage();
+    const splats = splatSet(manySplats(400));
+    const coefficients = Float32Array.from({ length: 9 * splats.count }, (_, i) => 0.5 * Math.sin(7 * i));
+    const harmonics = { degree: 1, coefficients } as const;
+    const file = withNodes(await writeSplats({ ...splats, harmonics }, 'gltf'), [
+      { children: [1], rotation: [0, 0.6, 0, 0.8], scale: [1.5, 0.6, 1.1] },
+      { mesh: 0, rotation: [0.48, 0, 0.64, 0.6], scale: [0.8, 1.2, -0.7] },
+    ]);
+    const loader = new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
+    const { scene } = await loader.parseAsync(file.slice().buffer, '');
+    stage.scene.add(scene);
+    const loaded = await shot(stage);
+    stage.scene.remove(scene);
+    stage.scene.add(new SplatCloudObjectClass(await new SplatLoader().loadAsync(new Blob([file]))));
     return { loaded, expected: await shot(stage) };
   },
 
