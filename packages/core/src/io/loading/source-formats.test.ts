@@ -26,7 +26,8 @@ beforeAll(async () => {
     const { pathname, searchParams } = new URL(request.url!, 'http://localhost');
     const disposition = searchParams.get('disposition');
     if (disposition) response.setHeader('content-disposition', disposition);
-    if (pathname === '/moved') response.writeHead(302, { location: '/files/scene.splat' }).end();
+    if (pathname.endsWith('.gz')) response.setHeader('content-encoding', 'gzip').end(gzipSync(splat));
+    else if (pathname === '/moved') response.writeHead(302, { location: '/files/scene.splat' }).end();
     else response.end(pathname === '/packed' ? gzipSync(splat) : splat);
   });
   await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
@@ -101,6 +102,13 @@ test('a server’s Content-Disposition tells the format, and an address that it 
   expect(await named('attachment; filename="scene.splat.gz"', 'packed')).toMatchObject({ count: 2 });
   await expect(named('attachment; filename="scene.bin"')).rejects.toThrow("format 'splat'");
   expect((await readSplats(`${base}/moved`)).count).toBe(2);
+});
+
+test('a .splat.gz that is unpacked on the way is a .splat', async () => {
+  const expected = { count: 2, fileFacts: { format: 'splat' } };
+  expect(await readSplats(`${base}/files/scene.splat.gz`)).toMatchObject(expected);
+  expect((await loadSplats(`${base}/files/scene.splat.gz`)).count).toBe(2);
+  expect(await readSplats(new File([gzipSync(splat)], 'scene.splat.gz'))).toMatchObject(expected);
 });
 
 test('formats are those that are read, by their names', async () => {

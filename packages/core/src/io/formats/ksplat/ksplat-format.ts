@@ -11,6 +11,6 @@ export const ksplatFormat: SplatFormat = {
     const text = latin1(firstBytes);
     // biome-ignore lint/suspicious/noControlCharactersInRegex: the header consists of them
     if (/^\0[^\0].{18}[\0-\x02]\0.{22}\0{200}/s.test(text)) return true;
-    return /\.ksplat$/i.test(fileName) && /[^\t\n\r\x20-\x7e]/.test(text.slice(0, 32));
+    return /\.ksplat(?:\.gz)?$/i.test(fileName) && /[^\t\n\r\x20-\x7e]/.test(text.slice(0, 32));
   },
 };

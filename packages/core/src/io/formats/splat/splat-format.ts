@@ -11,10 +11,12 @@ export const splatFormat: SplatFormat = {
   name: 'splat',
   title: '.splat',
   extensions: ['.splat'],
-  // No bytes tell it. But no splat consists of letters, as PLY, web pages or pointers to files do.
+  // No bytes tell it. But no splat consists of letters, as PLY, web pages or pointers to files do. A
+  // .gz is unpacked on the way where its server calls gzip its Content-Encoding.
   recognise: (firstBytes, fileName) => {
     const row = latin1(firstBytes.subarray(0, 32));
-    if (!/\.splat$/i.test(fileName) || !/[^\t\n\r\x20-\x7e]/.test(row) || OTHERS.test(row)) return false;
+    if (!/\.splat(?:\.gz)?$/i.test(fileName) || !/[^\t\n\r\x20-\x7e]/.test(row) || OTHERS.test(row))
+      return false;
     return !OTHER_FILES.some(({ pattern }) => pattern.test(row));
   },
 };
