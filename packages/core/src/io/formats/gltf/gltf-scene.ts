@@ -1,11 +1,16 @@
 import { identity4, type Mat4, multiply4 } from '../../../data/math/mat4.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 
+/** Shows a mesh in many places, which are not read. */
+const INSTANCING = 'EXT_mesh_gpu_instancing';
+
 /** A mesh where a node puts it. */
 export interface PlacedMesh {
   readonly mesh: unknown;
   /** Of the node, for messages. */
   readonly element: string;
+  /** Whether the node says that the mesh is shown in further places. */
+  readonly isInstanced: boolean;
   /** From the mesh's space to the scene's. */
   readonly matrix: Mat4;
 }
@@ -37,7 +42,8 @@ export function meshesOfScene(json: GltfJson): PlacedMesh[] {
     }
     visited.add(index);
     const matrix = isMoved(node) ? multiply4(parent, localMatrix(json, node, element)) : parent;
-    if (node.mesh !== undefined) meshes.push({ mesh: node.mesh, element, matrix });
+    const isInstanced = objectOf(node.extensions)[INSTANCING] !== undefined;
+    if (node.mesh !== undefined) meshes.push({ mesh: node.mesh, element, matrix, isInstanced });
     const children = json.listOf(node, 'children', element);
     for (let i = children.length - 1; i >= 0; i--)
       toVisit.push({ index: children[i], user: element, parent: matrix });

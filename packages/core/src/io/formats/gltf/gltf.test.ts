@@ -278,6 +278,21 @@ test('facts from the file, and notes on other drawing', async () => {
   expect((await read(glbBytes(fixture))).fileFacts).toEqual({ format: 'gltf', variant: 'glb' });
 });
 
+test('instances that are not read are told of, once and only where they are of splats', async () => {
+  const { json, binary } = gltfOf(splatAttributes(randomSplats({ count: 1, shDegree: 0 })));
+  const extensions = { EXT_mesh_gpu_instancing: { attributes: {} } };
+  const notesWith = async (...nodes: object[]) => {
+    json.nodes = nodes;
+    json.scenes = [{ nodes: nodes.map((_, i) => i) }];
+    return (await read(glbBytes({ json, binary }))).fileFacts?.notes;
+  };
+  json.meshes.push({ primitives: [{ attributes: { POSITION: 0 } }] });
+  expect(await notesWith({ mesh: 0, extensions }, { mesh: 0, extensions })).toEqual([
+    expect.stringMatching(/^Its instances \(EXT_mesh_gpu_instancing\) are left out/),
+  ]);
+  expect(await notesWith({ mesh: 0 }, { mesh: 1, extensions })).toEqual(['1 other primitive is left out.']);
+});
+
 describe('splats that are an .spz in a buffer', () => {
   const splats = [0, 1, 2].map((row) => distinctSplat(2, 1, row));
   const spz = gzipSync(spzBytes({ version: 2, degree: 1, splats, flags: FLAG_ANTIALIASED }));

@@ -38,6 +38,9 @@ interface GltfSplats {
   readonly otherCount: number;
 }
 
+const INSTANCED_NOTE =
+  'Its instances (EXT_mesh_gpu_instancing) are left out: splats are shown once for each node.';
+
 /**
  * Reads the splats of a glTF 2.0 by KHR_gaussian_splatting: those of all meshes in its scene, where
  * their nodes put them, in the scene's space (y up). Other geometry is left out.
@@ -65,7 +68,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   let isSortedByDistance = false;
   let unpackedBytes = 0;
   let rowCount = 0;
-  for (const { mesh, element, matrix } of meshes) {
+  for (const { mesh, element, matrix, isInstanced } of meshes) {
     let primitives = readByMesh.get(mesh);
     if (!primitives) {
       primitives = [];
@@ -80,6 +83,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
       readByMesh.set(mesh, primitives);
     }
     if (primitives.length === 0) continue;
+    if (isInstanced) notes.add(INSTANCED_NOTE);
     const reason = reasonNotToPlace(matrix);
     if (reason) {
       const message = `${element} cannot place splats: ${reason}. Apply its transformation to them, and export it again.`;
