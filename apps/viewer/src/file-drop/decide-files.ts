@@ -89,4 +89,4 @@ function leftOut(found: readonly FoundFile[], opened: readonly OpenedFiles[], sc
 
 const nameOf = (path: string) => path.replace(/^.*\//, '');
 /** With a slash at the end; empty for the outermost. */
-const folderOf = (path: string) => path.replace(/[^/]*$/, '');
+const folderOf = (path: string) => path.slice(0, path.lastIndexOf('/') + 1);

@@ -9,3 +9,11 @@ export function isInnerPath(path: string): boolean {
   if (path.length > MOST_PATH || /^[a-z]:|\p{Cc}/iu.test(path)) return false;
   return !path.split(/[/\\]/).some((part) => /^(?:\.|%2e){0,2}$/i.test(part));
 }
+
+/**
+ * The folder of a path, with its slash; none is empty. Found from the end: a pattern for what is
+ * behind the last slash looks for the end from each character, and archives have paths of 65,535.
+ */
+export function folderOf(path: string): string {
+  return path.slice(0, path.lastIndexOf('/') + 1);
+}

@@ -1,5 +1,6 @@
 import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
 import { isLeadingFile } from '../formats/formats.ts';
+import { folderOf } from './inner-path.ts';
 import { openBlob } from './open-blob.ts';
 import { isBlob } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
@@ -15,7 +16,7 @@ const MOST_LISTED = 5;
 export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
   const leading = leadingPath(source);
   const shownName = name ?? leading;
-  const folder = leading.replace(/[^/]*$/, '');
+  const folder = folderOf(leading);
   const { files, paths } = withPaths(source);
   const byPath = new Map(files.map((file, i) => [normalized(paths[i]), file]));
   const fileAt = (path: string): Blob => {

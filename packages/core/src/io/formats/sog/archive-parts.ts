@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
+import { folderOf } from '../../sources/inner-path.ts';
 import { openSource } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
@@ -20,7 +21,7 @@ export async function archiveParts(
   const entries = new Map(readZipDirectory(bytes, name).map((entry) => [entry.path, entry]));
   const leading = [...entries.keys()].filter((path) => LEADING.test(path) && !path.startsWith('__MACOSX/'));
   if (leading.length !== 1) return null;
-  const root = leading[0].replace(/[^/]*$/, '');
+  const root = folderOf(leading[0]);
   const unpack = async (entry: ZipEntry): Promise<Blob> => {
     const entryName = `${name}/${entry.path}`;
     const most = unpackedLimit(options, { totalBytes: bytes.length });

@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
+import { folderOf } from '../../sources/inner-path.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { limitsOf } from '../../sources/read-limits.ts';
 import type { OpenedSource, ReadOptions, SplatSource } from '../../sources/splat-source.ts';
@@ -23,7 +24,7 @@ export const LEADING = /(?:^|\/)lod-meta\.json$/i;
 
 /** Of paths in the folder of one: what they are from there. Null if that one is missing. */
 export function pathsBeside(leading: string, paths: readonly string[]): Map<string, string> | null {
-  const folder = leading.replace(/[^/]*$/, '');
+  const folder = folderOf(leading);
   const images = paths.filter((path) => path.startsWith(folder) && !/\.json$/i.test(path));
   if (!paths.includes(leading)) return null;
   return new Map([

@@ -1,4 +1,5 @@
 import { CodeUnavailableError } from '../../../data/errors.ts';
+import { folderOf } from '../../sources/inner-path.ts';
 import { leadingPath, openFiles, withPaths } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
 import { fetchedPart } from '../../sources/read-part.ts';
@@ -40,7 +41,7 @@ export async function openParts(
 /** The files of a scene that lie beside one of them, which leads to the others. */
 function besides(source: SceneFiles, path: string, name: string): SceneFiles {
   const { files, paths } = withPaths(source);
-  const inside = pathsBeside(leadingPath(source).replace(/[^/]*$/, '') + path, paths);
+  const inside = pathsBeside(folderOf(leadingPath(source)) + path, paths);
   if (!inside) throw missingPart(path, name);
   return { files: [...inside.keys()].map((at) => files[paths.indexOf(at)]), paths: [...inside.values()] };
 }

@@ -1,6 +1,7 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import type { PackedHarmonics, ReadHarmonics } from '../../../data/packing/harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { folderOf } from '../../sources/inner-path.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
@@ -97,7 +98,7 @@ async function openUnits(
   const units: OpenedUnit[] = [];
   for (const { path, count, runs } of files) {
     const unitJson = parseMeta(await parts.read(path), path);
-    const unit = await unitOf(path, path.replace(/[^/]*$/, ''), unitJson, count);
+    const unit = await unitOf(path, folderOf(path), unitJson, count);
     // Damage is known before the next is fetched.
     const images = await unit.decoded;
     units.push(runs ? unitOfRuns(unit, images, runs) : unit);

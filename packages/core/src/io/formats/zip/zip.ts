@@ -3,6 +3,7 @@ import type { ReadHarmonics } from '../../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../../data/splats/splat-set.ts';
 import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
+import { folderOf } from '../../sources/inner-path.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { OpenedSource } from '../../sources/splat-source.ts';
@@ -31,7 +32,7 @@ export async function readZip(
   const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
   const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
   const leading = findScene(entries, name);
-  const folder = leading.path.replace(/[^/]*$/, '');
+  const folder = folderOf(leading.path);
   let leftBytes = unpackedLimit(options, { totalBytes: bytes.length });
   const open = (entry: ZipEntry): OpenedSource => {
     const entryName = `${name}/${clip(entry.path)}`;
