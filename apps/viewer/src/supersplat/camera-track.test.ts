@@ -32,6 +32,19 @@ describe('a movement of the camera', () => {
     expect(xAt(track, 0.5)).toBeCloseTo(5);
   });
 
+  it('has a field of view whatever the file says of its smoothness', () => {
+    const flat = (timeS: number, fovDegrees: number) => {
+      const { pose } = keyAt(timeS, 10);
+      return { timeS, pose: { ...pose, fovDegrees } };
+    };
+    const track = { ...TRACK, smoothness: 1e308, keys: [flat(0, 1), flat(1, 179), flat(2, 1), flat(3, 179)] };
+    for (let timeS = 0; timeS < 3; timeS += 0.25) {
+      const { fovDegrees } = poseOnTrack(track, timeS);
+      expect(fovDegrees).toBeGreaterThanOrEqual(1);
+      expect(fovDegrees).toBeLessThanOrEqual(179);
+    }
+  });
+
   it('jumps in steps where it says so', () => {
     const track = { ...TRACK, isStepped: true };
     expect([0.9, 1, 2.9].map((timeS) => xAt(track, timeS))).toEqual([0, 10, 10]);

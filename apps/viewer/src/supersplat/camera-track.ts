@@ -27,14 +27,12 @@ export function poseOnTrack(track: CameraTrack, elapsedS: number): SettingsPose 
     value((pose) => pose[name][1]),
     value((pose) => pose[name][2]),
   ];
+  const fovDegrees = value((pose) => pose.fovDegrees);
   return {
     position: vector('position'),
     target: vector('target'),
-    fovDegrees: clamp(
-      value(({ fovDegrees }) => fovDegrees),
-      1,
-      179,
-    ),
+    // Slopes of a huge smoothness cancel out to no number.
+    fovDegrees: Number.isNaN(fovDegrees) ? from.pose.fovDegrees : clamp(fovDegrees, 1, 179),
   };
 }
 
