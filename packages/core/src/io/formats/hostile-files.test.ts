@@ -190,7 +190,9 @@ function checkOutcome(outcome: Outcome, { maxSplats = Number.POSITIVE_INFINITY }
   if (count < 1 || count > maxSplats || lengths.some((length) => length !== count))
     throw new Error(`${count} splats with columns of ${lengths}`);
   if (opacityLogits.some(Number.isNaN)) throw new Error('an opacity that is no number');
-  for (const column of [positions, logScales, rotations, colorDc, origin]) {
+  // Those of −∞ are flat.
+  if (!logScales.every((value) => value < Infinity)) throw new Error(`not sizes: ${logScales}`);
+  for (const column of [positions, rotations, colorDc, origin]) {
     if (!column.every(Number.isFinite)) throw new Error(`not finite: ${column}`);
   }
   const { geometry, bounds } = packCloud(outcome, { geometryPrecision: 'packed' });
