@@ -31,6 +31,7 @@ const files = {
   'b.ply': encodePly(dots(DOTS)),
   'dots.ply': encodePly(dots(DOTS)),
   'dot.ply': encodePly(dots([[0, 0, 0]])),
+  'many.ply': encodePly(testScene(8000)),
   // As opaque as a splat can be, 0.99, wherever the pixel is.
   'white.ply': encodePly({
     ...dots([[0, 0, 0]]),
@@ -823,6 +824,65 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   }
   expect(await pickAt(page, 'dots', [2, 2])).toBeNull();
 });
+
+it.each([
+  ['always', 'splats', 'shown'],
+  ['always', 'splats', 'out of sight'],
+  ['demand', 'splats', 'out of sight'],
+  ['always', 'foreign', 'out of sight'],
+] as const)(
+  'answers pick and prepareRays within a few frames, frameloop %s, renderer %s, %s',
+  async (frameloop, kind, place) => {
+    const page = await open(canvas({ kind, frameloop, splats: [{ id: 'a', src: 'many.ply' }] }));
+    await waitForLog(page, 'a firstframe');
+    await page.getByTestId('canvas').evaluate(({ style }, isShown) => {
+      Object.assign(style, { width: '480px', height: '320px', marginTop: isShown ? '0' : '10000px' });
+    }, place === 'shown');
+    const { isFound, ...frames } = await page.evaluate(async () => {
+      const { camera, get, gl, invalidate } = window.page.canvases.get('canvas')!;
+      const object = window.page.objects.get('a')!;
+      let frame = 0;
+      const inFrame: (() => void)[] = [];
+      const render = gl.render.bind(gl);
+      let isMoving = true;
+      gl.render = (...args) => {
+        frame++;
+        render(...args);
+        for (const listener of inFrame) listener();
+      };
+      const move = () => {
+        camera.position.x = 1.5 + 0.3 * Math.sin(performance.now() / 100);
+        invalidate();
+        if (isMoving) requestAnimationFrame(move);
+      };
+      move();
+      const whenFrame = (wanted: number) =>
+        new Promise<void>((resolve) => inFrame.push(() => frame >= wanted && resolve()));
+      await whenFrame(40);
+      const framesUntil = async (answer: () => Promise<unknown>) => {
+        const before = frame;
+        await Promise.race([answer(), whenFrame(before + 100)]);
+        return frame - before;
+      };
+      const pick = () => {
+        const { x, y } = camera.position.clone().set(2.5, 1, 0).project(camera);
+        const { width, height } = get().size;
+        return object.pick(((1 + x) / 2) * width, ((1 - y) / 2) * height);
+      };
+      const counted = {
+        firstPick: await framesUntil(pick),
+        pick: await framesUntil(pick),
+        prepareRays: await framesUntil(() => object.data!.prepareRays()),
+      };
+      const found = await pick();
+      isMoving = false;
+      return { ...counted, isFound: found !== null };
+    });
+    expect(isFound).toBe(true);
+    // A few wait for the GPU; shaders, a worker and each answer take some more.
+    for (const count of Object.values(frames)) expect(count, JSON.stringify(frames)).toBeLessThan(20);
+  },
+);
 
 it('draws as float64 does in a Canvas with a WebGPURenderer of its own, and leaves nothing on its GPU', async () => {
   const foreign = canvas({ kind: 'foreign', background: 'black', hasStreams: true });

@@ -94,12 +94,13 @@ vi.mock('@websplatter/three', async () => {
     };
   };
   const findSplatEngine = vi.fn();
-  const { checkedReveal, encodedColor, clipVolumeOf } =
+  const { checkedReveal, encodedColor, clipVolumeOf, LoopPace } =
     await vi.importActual<typeof import('@websplatter/three')>('@websplatter/three');
   return {
     checkedReveal,
     clipVolumeOf,
     encodedColor,
+    LoopPace,
     onDeviceLost,
     SplatCloudObject,
     SplatData,

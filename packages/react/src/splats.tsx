@@ -32,6 +32,7 @@ import { checkEffectProps, type EffectProps, isSameUses, takeEffectProps } from 
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
+import { useFramePace } from './use-frame-pace.ts';
 import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame, useSameOfEach } from './use-same.ts';
@@ -153,7 +154,8 @@ export interface SplatsProps extends EffectProps, ObjectProps {
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
-  const { failure } = useFoundEngine(renderer);
+  const { engine, failure } = useFoundEngine(renderer);
+  useFramePace(engine);
   if (!renderer) {
     if (isServer()) return null;
     throw new SplatsUnsupportedRendererError('<Splats> is outside of a Canvas: put it into a <SplatCanvas>.');

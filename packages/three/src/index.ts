@@ -32,6 +32,7 @@ export {
   SplatsUnsupportedRendererError,
   ThreeInternalsError,
 } from './errors.ts';
+export { LoopPace } from './loop-pace.ts';
 export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { coverageOf, pickSplat } from './scene-queries.ts';
 export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';

@@ -10,9 +10,20 @@ const TOLD_TOGETHER_MS = 4;
 /**
  * Decides whether an animation loop may go on. A loop that nothing holds back, such as that of a
  * canvas that is not on the screen, would submit frames faster than a slow GPU draws them. Each
- * answer of the GPU, such as that of `pick`, would then wait for all of them.
+ * answer of the GPU, such as that of `pick`, would then wait for all of them. `setAnimationLoop` of
+ * a renderer that draws splats is paced already.
+ *
+ * @example
+ * const pace = new LoopPace();
+ * const { queue } = splatEngineOf(renderer).device;
+ * requestAnimationFrame(function loop() {
+ *   requestAnimationFrame(loop);
+ *   if (pace.isBehind) return;
+ *   renderer.render(scene, camera);
+ *   pace.submitted(queue);
+ * });
  */
-class LoopPace {
+export class LoopPace {
   #waiting = 0;
   #most = FEWEST_WAITING;
   #toldMs = Number.NEGATIVE_INFINITY;
@@ -23,12 +34,16 @@ class LoopPace {
     return this.#waiting >= this.#most;
   }
 
-  /** Counts a call of the loop, which has submitted its work to `queue`. */
-  submitted(queue: Pick<GPUQueue, 'onSubmittedWorkDone'>): void {
+  /**
+   * Counts a call of the loop, which has submitted its work to `queue`.
+   *
+   * @returns a promise that resolves when the GPU has finished that work, or is lost.
+   */
+  submitted(queue: Pick<GPUQueue, 'onSubmittedWorkDone'>): Promise<void> {
     this.#waiting++;
     const finished = () => this.#finished(performance.now());
     // That of a lost device rejects in some browsers.
-    queue.onSubmittedWorkDone().then(finished, finished);
+    return queue.onSubmittedWorkDone().then(finished, finished);
   }
 
   #finished(nowMs: number): void {
@@ -63,7 +78,7 @@ export function paceAnimationLoop(
       if (renderer.xr.isPresenting) return loop(...frame);
       if (pace.isBehind) return;
       loop(...frame);
-      pace.submitted(queue);
+      void pace.submitted(queue);
     };
     pacedLoops.add(made);
     return made;
