@@ -17,7 +17,7 @@ import { manifestProblems } from './manifests.mjs';
 import { scriptSizes } from './script-sizes.mjs';
 
 /** Most gzip bytes of the viewer's scripts: before asking for a GPU, for the first picture, all. */
-const VIEWER_LIMITS = { start: 125_000, initial: 194_200, all: 431_000 };
+const VIEWER_LIMITS = { start: 125_000, initial: 194_200, all: 432_000 };
 
 /**
  * Not counted among all of them: the hard cases, pages in place of the viewer, which it never
