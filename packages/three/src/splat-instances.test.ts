@@ -52,6 +52,16 @@ describe('instances', () => {
     expect(modelMatrices[28]).toBe(5);
   });
 
+  test('are as many as there are matrices where `count` says more', () => {
+    const instances = new SplatInstances(2);
+    instances.setColorAt(0, new Color(1, 1, 1));
+    instances.count = Number.POSITIVE_INFINITY;
+    const { modelMatrices, tints } = instances.drawn();
+    expect([modelMatrices.length, tints!.length]).toEqual([32, 6]);
+    const unit = new Box3(new Vector3(0, 0, 0), new Vector3(1, 1, 1));
+    expect(instances.boundsOf(unit)).toEqual(unit);
+  });
+
   test('of no whole number are refused', () => {
     for (const count of [-1, 1.5, Number.NaN, undefined as unknown as number])
       expect(() => new SplatInstances(count)).toThrow(InvalidArgumentError);

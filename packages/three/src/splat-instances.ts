@@ -64,9 +64,15 @@ export class SplatInstances {
     this.opacities[index] = opacity;
   }
 
+  /** `count`, or fewer if there are fewer matrices. */
+  get #drawnCount(): number {
+    return Math.min(this.count, this.matrices.length / 16);
+  }
+
   /** @internal Returns copies for a frame: where it is refused, the last ones are drawn on. */
   drawn(): CloudInstances {
-    const { count, matrices, colors, opacities } = this;
+    const { matrices, colors, opacities } = this;
+    const count = this.#drawnCount;
     return {
       modelMatrices: matrices.slice(0, 16 * count),
       ...(colors && { tints: encodedColors(colors, count) }),
@@ -77,7 +83,8 @@ export class SplatInstances {
   /** @internal Returns the bounds of all instances of what has the bounds `each`. */
   boundsOf(each: Box3): Box3 {
     const [all, box, matrix] = [new Box3(), new Box3(), new Matrix4()];
-    for (let i = 0; i < this.count; i++) all.union(box.copy(each).applyMatrix4(this.getMatrixAt(i, matrix)));
+    const count = this.#drawnCount;
+    for (let i = 0; i < count; i++) all.union(box.copy(each).applyMatrix4(this.getMatrixAt(i, matrix)));
     return all;
   }
 }
