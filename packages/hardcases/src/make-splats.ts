@@ -26,6 +26,15 @@ export function logitOf(opacity: number): number {
   return Math.log(opacity / (1 - opacity));
 }
 
+/** A splat that fills a part of the images in front of the ordinary ones. */
+export const LARGE: SplatValues = {
+  position: [0.3, -0.2, 1.5],
+  logScales: [0.2, -0.5, -1],
+  rotation: [0.8, 0.3, -0.2, 0.4],
+  opacityLogit: logitOf(0.6),
+  color: [1, 0.3, 0.1],
+};
+
 /** Makes a set of `splats` in this order; positions are relative to `origin`. */
 export function splatsOf(
   splats: readonly SplatValues[],

@@ -1,17 +1,9 @@
 import { type Camera, cameraFromMatrices, orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import type { HardCase } from '../hard-case.ts';
 import { amongOrdinary, front, frontAndOblique, frontOnly, scenesOf } from '../make-cases.ts';
-import { logitOf, moved, ordinarySplats, type SplatValues, splatsOf, withRandomSh } from '../make-splats.ts';
+import { LARGE, moved, ordinarySplats, splatsOf, withRandomSh } from '../make-splats.ts';
 
 const scene = scenesOf('camera');
-
-const LARGE: SplatValues = {
-  position: [0.3, -0.2, 1.5],
-  logScales: [0.2, -0.5, -1],
-  rotation: [0.8, 0.3, -0.2, 0.4],
-  opacityLogit: logitOf(0.6),
-  color: [1, 0.3, 0.1],
-};
 
 const frontWith = (
   change: Partial<Parameters<typeof perspectiveCamera>[0]>,

@@ -2,7 +2,7 @@ import { type Camera, encodePly, orthographicCamera, perspectiveCamera } from '@
 import type { HardCase, HardCloud } from '../hard-case.ts';
 import { front, scenesOf } from '../make-cases.ts';
 import { glbOf } from '../make-glb.ts';
-import { logitOf, ordinarySplats, type SplatValues, splatsOf, withRandomSh } from '../make-splats.ts';
+import { LARGE, ordinarySplats, splatsOf, withRandomSh } from '../make-splats.ts';
 
 const scene = scenesOf('placement');
 
@@ -10,14 +10,6 @@ type Place = readonly [number, number, number];
 
 /** Coordinates in metres of a map projection, where float32 steps by half a metre. */
 const ON_MAP: Place = [500_000.25, 5_300_000.5, 700];
-
-const LARGE: SplatValues = {
-  position: [0.3, -0.2, 1.5],
-  logScales: [0.2, -0.5, -1],
-  rotation: [0.8, 0.3, -0.2, 0.4],
-  opacityLogit: logitOf(0.6),
-  color: [1, 0.3, 0.1],
-};
 
 /** Splats whose colours depend on the direction. */
 const colourful = () => splatsOf(withRandomSh([...ordinarySplats(5), LARGE], 3, 0.25), { shDegree: 3 });
