@@ -190,7 +190,7 @@ export class RowIngest implements RowSink {
           ranges,
           geometry,
           harmonics,
-          dropMask: create('drop mask', roundUp(count, CHUNK_SPLATS) / 8),
+          dropMask: create('drop mask', roundUp(count, CHUNK_SPLATS) / 8, COPY_SRC),
           facts,
           chunks,
           logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
