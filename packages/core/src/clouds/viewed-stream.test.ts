@@ -53,6 +53,25 @@ test('a listener that throws stops neither its stream, nor other listeners, nor 
   await nextTask();
 });
 
+test('a listener is told of a change to a report that others saw before it came', async () => {
+  const stream = await begin();
+  const stop = stream.subscribe(() => {});
+  look(stream);
+  await stream.complete;
+  stream.leave(stream);
+  stop();
+  // The call that was due finds nobody, and a report that is not complete.
+  await nextTask();
+  await nextTask();
+  look(stream);
+  await stream.complete;
+  expect(stream.report().isComplete).toBe(true);
+  const reports: StreamReport[] = [];
+  stream.subscribe(() => reports.push(stream.report()));
+  stream.leave(stream);
+  await expect.poll(() => reports).toMatchObject([{ isComplete: false }]);
+});
+
 test('listeners are called after changes, once for all of a task, where the report is another one', async () => {
   const stream = await begin();
   let isChanging = false;

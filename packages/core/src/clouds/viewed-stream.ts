@@ -33,7 +33,7 @@ export abstract class ViewedStream implements CloudStream {
   #foreseen: readonly CloudSight[] | null = null;
   readonly #listeners = new Listeners();
   #isTellDue = false;
-  /** The report that listeners were told of last. */
+  /** The report that listeners were told of last, or that the first of them found. */
   #told: StreamReport | null = null;
   /** Views that are drawing what has changed, and those that are to draw it once more. */
   readonly #drawing = new Set<object>();
@@ -174,6 +174,8 @@ export abstract class ViewedStream implements CloudStream {
   }
 
   subscribe(listener: () => void): () => void {
+    // Nobody was told of changes while nobody listened; the first listener sees the report as it is.
+    if (this.#listeners.size === 0) this.#told = this.report();
     return this.#listeners.add(listener);
   }
 
