@@ -16,6 +16,9 @@ const BULK = { wide: 1 / 2, float32: 9 / 10 } as const;
  * - |median| > 16 · the distance from the median within which the bulk lies. Strays do not count
  *   here: failed points at 0, or outliers.
  *
+ * The median is rounded to a multiple of a power of two, at most a quarter of the bulk's reach, so
+ * that samples of the same scene, such as its pieces, mostly have one origin.
+ *
  * Most files thus keep their coordinates as they are. `p − origin` is exact for float32 coordinates
  * from half to twice the origin (Sterbenz): for all in the first case, and for nine tenths or more in
  * the second. Only strays are rounded, to a step of the larger of the two. Positions of more
@@ -33,15 +36,24 @@ export function chooseOrigin(
   const [{ length }] = axes;
   if (length === 0) return [0, 0, 0];
   const { medians, spread } = bulkOf(axes, isWide ? BULK.wide : BULK.float32);
+  // The same for positions of both precisions: a file of doubles about an origin is read about it.
+  const halfSpread = isWide ? spread : bulkOf(axes, BULK.wide).spread;
   const halfExtent = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / 2;
   const nearest = Math.max(NEAREST, Math.min(4 * halfExtent, BULK_REACHES * spread));
   const originOf = (axis: number) => {
-    const origin = Math.fround(medians[axis]);
+    const origin = Math.fround(roundedTo(medians[axis], halfSpread / 4));
     // Strays at the other end of float32's range would be infinite.
     const isHeld = [min, max].every((corner) => Number.isFinite(Math.fround(corner[axis] - origin)));
-    return Math.abs(origin) > nearest && isHeld ? origin : 0;
+    return Math.abs(medians[axis]) > nearest && isHeld ? origin : 0;
   };
   return [originOf(0), originOf(1), originOf(2)];
+}
+
+/** A value rounded to a multiple of the largest power of two that is no longer than `length`. */
+function roundedTo(value: number, length: number): number {
+  const step = 2 ** Math.floor(Math.log2(length));
+  const rounded = Math.round(value / step) * step;
+  return Number.isFinite(rounded) ? rounded : value;
 }
 
 /** The origin for splats of which these positions, float64 in the scene's space, are a sample; 3N. */
