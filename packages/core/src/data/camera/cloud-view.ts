@@ -1,4 +1,12 @@
-import { invert3, linearPart, type Mat3, multiply4, transform3, type Vec3 } from '../math/mat4.ts';
+import {
+  invert3,
+  linearPart,
+  type Mat3,
+  multiply4,
+  scalesEvenly,
+  transform3,
+  type Vec3,
+} from '../math/mat4.ts';
 import { polarDecomposition } from '../math/polar-decomposition.ts';
 
 /** A cloud as the camera sees it, all in float64 and relative to the cloud's origin. */
@@ -75,7 +83,7 @@ export function cloudView(
 
 /** The stretch of a model's linear part over its largest entry: directions have no length. */
 function sightOf(model: Mat3): Mat3 {
-  if (scalesEvenly(model)) return IDENTITY;
+  if (scalesEvenly(model, ROUNDING)) return IDENTITY;
   const stretch = polarDecomposition(model)?.stretch;
   if (!stretch) return IDENTITY;
   const largest = Math.max(...stretch);
@@ -84,16 +92,3 @@ function sightOf(model: Mat3): Mat3 {
 
 /** Matrices that turn and scale all axes alike differ from that by the rounding of float64 only. */
 const ROUNDING = 1e-14;
-
-function scalesEvenly(m: Mat3): boolean {
-  const dot = (a: number, b: number) => m[a] * m[b] + m[a + 1] * m[b + 1] + m[a + 2] * m[b + 2];
-  const square = dot(0, 0);
-  const isClose = (value: number, expected: number) => Math.abs(value - expected) <= ROUNDING * square;
-  return (
-    isClose(dot(3, 3), square) &&
-    isClose(dot(6, 6), square) &&
-    isClose(dot(0, 3), 0) &&
-    isClose(dot(0, 6), 0) &&
-    isClose(dot(3, 6), 0)
-  );
-}

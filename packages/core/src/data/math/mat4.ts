@@ -95,3 +95,21 @@ export function stretchBound(m: ArrayLike<number>): number {
   for (let k = 0; k < 9; k++) sum += (m[k] / largest) ** 2;
   return largest * Math.sqrt(sum);
 }
+
+/**
+ * Whether a column-major 3×3 matrix turns, mirrors and scales all axes alike.
+ *
+ * @param tolerance of the products of its columns, as a part of the first one's square.
+ */
+export function scalesEvenly(m: Mat3, tolerance: number): boolean {
+  const dot = (a: number, b: number) => m[a] * m[b] + m[a + 1] * m[b + 1] + m[a + 2] * m[b + 2];
+  const square = dot(0, 0);
+  const isClose = (value: number, expected: number) => Math.abs(value - expected) <= tolerance * square;
+  return (
+    isClose(dot(3, 3), square) &&
+    isClose(dot(6, 6), square) &&
+    isClose(dot(0, 3), 0) &&
+    isClose(dot(0, 6), 0) &&
+    isClose(dot(3, 6), 0)
+  );
+}

@@ -1,4 +1,4 @@
-import { linearPart } from '../../../data/math/mat4.ts';
+import { linearPart, scalesEvenly } from '../../../data/math/mat4.ts';
 import type { FeatureOfCloud } from '../automatic-feature.ts';
 
 /** Lengths and angles that differ by less count as the same. */
@@ -22,15 +22,8 @@ export const transform: FeatureOfCloud = {
 /** Describes the effect of a matrix on a cloud; null for the identity. */
 function describe(matrix: ArrayLike<number>): string | null {
   const m = linearPart(matrix);
-  const dot = (a: number, b: number) =>
-    m[3 * a] * m[3 * b] + m[3 * a + 1] * m[3 * b + 1] + m[3 * a + 2] * m[3 * b + 2];
-  const square = dot(0, 0);
-  const isSimilar = (a: number, b: number) => Math.abs(a - b) <= TOLERANCE * square;
-  const isUniform =
-    isSimilar(dot(1, 1), square) &&
-    isSimilar(dot(2, 2), square) &&
-    [dot(0, 1), dot(0, 2), dot(1, 2)].every((each) => isSimilar(each, 0));
-  if (!isUniform) return 'it is stretched or sheared';
+  if (!scalesEvenly(m, TOLERANCE)) return 'it is stretched or sheared';
+  const square = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
   if (Math.abs(square - 1) > TOLERANCE) return 'it is scaled alike in all directions';
   if (m.some((value, i) => value !== (i % 4 === 0 ? 1 : 0))) return 'it is turned, at its own size';
   return [matrix[12], matrix[13], matrix[14]].some((value) => value !== 0) ? 'it is moved' : null;
