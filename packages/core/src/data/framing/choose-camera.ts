@@ -1,0 +1,345 @@
+import type { Vec3 } from '../math/mat4.ts';
+import { cross, dot, negated, plus, unit } from './directions.ts';
+import { exp, log, sinCos } from './portable-math.ts';
+import type { SceneDetail } from './scene-detail.ts';
+import type { SceneKind } from './scene-framing.ts';
+import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
+import { weightedQuantile } from './weighted-quantile.ts';
+
+/** Splats that trial pictures draw, of all candidates and of the best of them. */
+const FEW = 2048;
+const MANY = 8192;
+/** Splats by which distances are fitted. */
+const FITTED = 4096;
+/** Candidates that are drawn again with more splats. */
+const FINALISTS = 16;
+const DEGREE = Math.PI / 180;
+const FIRST_AZIMUTH = 0.35;
+const AZIMUTHS = Array.from({ length: 12 }, (_, i) => FIRST_AZIMUTH + (i * Math.PI) / 6);
+const ELEVATIONS = [6, 18, 32].map((degrees) => degrees * DEGREE);
+/** Part of the frame's half height and width that what is fitted may take. */
+const FITTED_PART = 0.9;
+/** A scene of which less is seen around it when one looks outwards is an object. */
+const OBJECT_AROUND = 0.15;
+/** A scene is enclosed if at least this much of what is seen from its middle is sharp. */
+const ENCLOSED_INSIDE = 0.3;
+
+/** A camera, in units of the detail. */
+export interface ChosenCamera {
+  readonly kind: SceneKind;
+  readonly position: Vec3;
+  readonly target: Vec3;
+  /** 0…1: how clearly the scene is of that kind. */
+  readonly confidence: number;
+}
+
+interface Candidate {
+  readonly azimuth: number;
+  readonly elevation: number;
+  readonly distance: number;
+  readonly target: Vec3;
+}
+
+interface Tried extends Candidate {
+  readonly score: number;
+  readonly position: Vec3;
+  readonly picture: TrialPicture;
+}
+
+/** Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame. */
+export function chooseCamera(
+  detail: SceneDetail,
+  up: Vec3,
+  shape: FrameShape,
+  wantedKind: SceneKind | null,
+): ChosenCamera {
+  const trial = new CameraTrial(detail, up, shape, wantedKind);
+  return trial.choose();
+}
+
+class CameraTrial {
+  readonly #up: Vec3;
+  readonly #x: Vec3;
+  readonly #z: Vec3;
+  readonly #shape: FrameShape;
+  readonly #few: TrialViews;
+  readonly #many: TrialViews;
+  readonly #fitted: FittedSplats;
+  readonly #around: number;
+  readonly #inside: number;
+  readonly #kind: SceneKind;
+  /** Elevation from which the scene is seen best, in radians. */
+  readonly #bestElevation: number;
+
+  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape, wantedKind: SceneKind | null) {
+    this.#up = up;
+    this.#x = unit(cross(up, Math.abs(up[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    this.#z = cross(this.#x, up);
+    this.#shape = shape;
+    this.#few = new TrialViews(detail, FEW, shape);
+    this.#many = new TrialViews(detail, MANY, shape);
+    this.#fitted = fittedSplats(detail, up);
+    this.#bestElevation = bestElevation(this.#fitted, this.#x, this.#z);
+    this.#around = this.#seenAround();
+    this.#inside = this.#seenInside();
+    const isObject = this.#around < OBJECT_AROUND && this.#inside < ENCLOSED_INSIDE;
+    const kind = isObject ? 'object' : this.#inside < ENCLOSED_INSIDE ? 'surrounded' : 'enclosed';
+    this.#kind = wantedKind ?? kind;
+  }
+
+  choose(): ChosenCamera {
+    const best = this.#refined(this.#best());
+    const { position, target } = best;
+    return { kind: this.#kind, position, target, confidence: this.#confidence() };
+  }
+
+  #confidence(): number {
+    const sides = [this.#around / OBJECT_AROUND, this.#inside / ENCLOSED_INSIDE].map((part) =>
+      Math.abs(part - 1),
+    );
+    return Math.min(1, sides[0], sides[1]);
+  }
+
+  #back(azimuth: number, elevation: number): Vec3 {
+    const [sinA, cosA] = sinCos(azimuth);
+    const [sinE, cosE] = sinCos(elevation);
+    const level = plus(scaled(this.#x, sinA), this.#z, cosA);
+    return plus(scaled(level, cosE), this.#up, sinE);
+  }
+
+  /** How full pictures are that look outwards from around the scene. */
+  #seenAround(): number {
+    let empty = 0;
+    for (let i = 0; i < AZIMUTHS.length; i += 2) {
+      const back = this.#back(AZIMUTHS[i], 0.02);
+      const distance = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, [0, 0, 0]);
+      const camera = { position: scaled(back, distance), target: scaled(back, 1.3 * distance) };
+      empty += this.#many.picture(camera, this.#up).empty;
+    }
+    return 1 - empty / (AZIMUTHS.length / 2);
+  }
+
+  /** How sharp pictures are that look outwards from the middle. */
+  #seenInside(): number {
+    let sharp = 0;
+    for (let i = 0; i < AZIMUTHS.length; i += 2) {
+      const camera = { position: [0, 0, 0] as const, target: scaled(this.#back(AZIMUTHS[i], 0), 0.3) };
+      sharp += this.#many.picture(camera, this.#up).sharp;
+    }
+    return sharp / (AZIMUTHS.length / 2);
+  }
+
+  #best(): Tried {
+    const candidates = ELEVATIONS.flatMap((elevation) =>
+      AZIMUTHS.flatMap((azimuth) => this.#candidates(azimuth, elevation)),
+    );
+    const ranked = this.#tried(candidates, this.#few);
+    const finalists = this.#tried(ranked.slice(0, FINALISTS), this.#many);
+    if (finalists.length > 0) return finalists[0];
+    // Every camera would be below the ground.
+    const camera = {
+      azimuth: FIRST_AZIMUTH,
+      elevation: ELEVATIONS[1],
+      distance: 2.5,
+      target: [0, 0, 0] as Vec3,
+    };
+    return this.#try(camera, this.#many);
+  }
+
+  #candidates(azimuth: number, elevation: number): Candidate[] {
+    const back = this.#back(azimuth, elevation);
+    if (this.#kind === 'object') return [{ azimuth, elevation, ...this.#whole(back) }];
+    const target: Vec3 = [0, 0, 0];
+    const far = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, target);
+    const outside = this.#kind === 'surrounded' ? [far, 0.75 * far, 0.55 * far] : [];
+    const near = [1, 0.65].filter((distance) => distance < 0.5 * far);
+    return [...outside, ...near].map((distance) => ({ azimuth, elevation, distance, target }));
+  }
+
+  /** Those above the ground, the best first. */
+  #tried(candidates: readonly Candidate[], views: TrialViews): Tried[] {
+    const above = candidates.filter((candidate) => this.#isAboveGround(this.#positionOf(candidate)));
+    return above.map((candidate) => this.#try(candidate, views)).sort((a, b) => b.score - a.score);
+  }
+
+  #positionOf({ azimuth, elevation, distance, target }: Candidate): Vec3 {
+    return plus(target, this.#back(azimuth, elevation), distance);
+  }
+
+  #try(candidate: Candidate, views: TrialViews): Tried {
+    const position = this.#positionOf(candidate);
+    const picture = views.picture({ position, target: candidate.target }, this.#up);
+    const { azimuth, elevation, distance, target } = candidate;
+    return {
+      azimuth,
+      elevation,
+      distance,
+      target,
+      position,
+      picture,
+      score: this.#score(elevation, picture),
+    };
+  }
+
+  #score(elevation: number, picture: TrialPicture): number {
+    const { framed, visible, sharp, sharpInMiddle, background, fog, empty } = picture;
+    const penalty = 2.5 * fog + (this.#around >= OBJECT_AROUND ? empty : 0);
+    const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
+    if (!(quality > 0)) return 0;
+    const tilt = (elevation - this.#bestElevation) / (26 * DEGREE);
+    return framed * Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
+  }
+
+  /** A better camera close by. */
+  #refined(first: Tried): Tried {
+    let best = first;
+    for (const step of [1, 1, 0.5, 0.5]) {
+      const [next] = this.#tried(this.#neighbours(best, step), this.#many);
+      if (next && next.score > best.score) best = next;
+    }
+    return best;
+  }
+
+  #neighbours({ azimuth, elevation, distance, target }: Candidate, step: number): Candidate[] {
+    const turned = [
+      { azimuth: azimuth + 0.26 * step, elevation },
+      { azimuth: azimuth - 0.26 * step, elevation },
+      { azimuth, elevation: elevation + 0.12 * step },
+      { azimuth, elevation: Math.max(0.03, elevation - 0.12 * step) },
+    ];
+    if (this.#kind === 'object')
+      return turned.map((turn) => ({ ...turn, ...this.#whole(this.#back(turn.azimuth, turn.elevation)) }));
+    const { right, above } = this.#axes(this.#back(azimuth, elevation));
+    const shift = 0.25 * step * distance * FITTED_PART * this.#shape.tangentY;
+    const factor = step === 1 ? 1.2 : 1.0954451150103321;
+    return [
+      ...turned.map((turn) => ({ ...turn, distance, target })),
+      ...[distance * factor, distance / factor].map((moved) => ({
+        azimuth,
+        elevation,
+        distance: moved,
+        target,
+      })),
+      ...[right, negated(right), above, negated(above)].map((axis) => ({
+        azimuth,
+        elevation,
+        distance,
+        target: plus(target, axis, shift),
+      })),
+    ];
+  }
+
+  #axes(back: Vec3): { readonly right: Vec3; readonly above: Vec3 } {
+    const right = unit(cross(negated(back), this.#up));
+    return { right, above: cross(right, negated(back)) };
+  }
+
+  /** The distance from which this part of the weight about `target` is in the frame. */
+  #fitDistance(back: Vec3, weights: Float64Array, part: number, target: Vec3): number {
+    const { right, above } = this.#axes(back);
+    const tangentX = FITTED_PART * this.#shape.tangentX;
+    const tangentY = FITTED_PART * this.#shape.tangentY;
+    const { count, x, y, z, scratch } = this.#fitted;
+    for (let i = 0; i < count; i++) {
+      const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
+      const across = Math.abs(dx * right[0] + dy * right[1] + dz * right[2]) / tangentX;
+      const along = Math.abs(dx * above[0] + dy * above[1] + dz * above[2]) / tangentY;
+      scratch[i] = Math.max(across, along) + dx * back[0] + dy * back[1] + dz * back[2];
+    }
+    return weightedQuantile(scratch, weights, count, part);
+  }
+
+  /** The target and distance that show the whole scene in the middle of the picture. */
+  #whole(back: Vec3): { readonly target: Vec3; readonly distance: number } {
+    const { count, x, y, z, details, scratch } = this.#fitted;
+    const { right, above } = this.#axes(back);
+    for (let i = 0; i < count; i++) scratch[i] = x[i] * back[0] + y[i] * back[1] + z[i] * back[2];
+    let target = scaled(back, this.#middleOf(0.01));
+    let distance = this.#fitDistance(back, details, 0.99, target);
+    for (let step = 0; step < 3; step++) {
+      for (const axis of [right, above]) {
+        for (let i = 0; i < count; i++) {
+          const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
+          const depth = Math.max(distance - (dx * back[0] + dy * back[1] + dz * back[2]), 0.05 * distance);
+          scratch[i] = (dx * axis[0] + dy * axis[1] + dz * axis[2]) / depth;
+        }
+        target = plus(target, axis, this.#middleOf(0.005) * distance);
+      }
+      distance = 1.03 * this.#fitDistance(back, details, 0.995, target);
+    }
+    return { target, distance };
+  }
+
+  /** The middle between what this part of the detail lies below and above. */
+  #middleOf(part: number): number {
+    const { count, details, scratch } = this.#fitted;
+    const [low, high] = [part, 1 - part].map((at) => weightedQuantile(scratch, details, count, at));
+    return (low + high) / 2;
+  }
+
+  #isAboveGround(position: Vec3): boolean {
+    const up = this.#up;
+    const height = dot(position, up);
+    const { count, x, y, z, heights, details, scratch, scratchWeights } = this.#fitted;
+    let found = 0;
+    for (let i = 0; i < count; i++) {
+      if (details[i] < 0.1) continue;
+      const [dx, dy, dz] = [x[i] - position[0], y[i] - position[1], z[i] - position[2]];
+      const dh = heights[i] - height;
+      if (dx * dx + dy * dy + dz * dz - dh * dh > 0.35 * 0.35) continue;
+      scratch[found] = heights[i];
+      scratchWeights[found++] = 1;
+    }
+    if (found < 3) return true;
+    return height > weightedQuantile(scratch, scratchWeights, found, 0.15) + 0.08;
+  }
+}
+
+/** A part of the splats, by which distances and heights are found. */
+interface FittedSplats {
+  readonly count: number;
+  readonly x: Float64Array;
+  readonly y: Float64Array;
+  readonly z: Float64Array;
+  readonly heights: Float64Array;
+  readonly details: Float64Array;
+  readonly nearDetails: Float64Array;
+  readonly scratch: Float64Array;
+  readonly scratchWeights: Float64Array;
+}
+
+function fittedSplats(detail: SceneDetail, up: Vec3): FittedSplats {
+  const step = Math.max(1, Math.floor(detail.count / FITTED));
+  const count = Math.ceil(detail.count / step);
+  const of = (values: Float64Array) => Float64Array.from({ length: count }, (_, i) => values[i * step]);
+  const [x, y, z] = [of(detail.x), of(detail.y), of(detail.z)];
+  return {
+    count,
+    x,
+    y,
+    z,
+    heights: x.map((value, i) => value * up[0] + y[i] * up[1] + z[i] * up[2]),
+    details: of(detail.details),
+    nearDetails: of(detail.nearDetails),
+    scratch: new Float64Array(count),
+    scratchWeights: new Float64Array(count),
+  };
+}
+
+/** Flat scenes are seen best from higher up. */
+function bestElevation(
+  { count, x, y, z, heights, nearDetails }: FittedSplats,
+  right: Vec3,
+  back: Vec3,
+): number {
+  const spread = (values: Float64Array) =>
+    weightedQuantile(values, nearDetails, count, 0.9) - weightedQuantile(values, nearDetails, count, 0.1);
+  const along = (axis: Vec3) => x.map((value, i) => value * axis[0] + y[i] * axis[1] + z[i] * axis[2]);
+  const length = Math.max(spread(along(right)), spread(along(back)));
+  const flatness = length > 0 ? Math.min(1, Math.max(0, 1 - (4 * spread(heights)) / length)) : 0;
+  return (14 + 18 * flatness) * DEGREE;
+}
+
+function scaled(v: Vec3, s: number): Vec3 {
+  return [v[0] * s, v[1] * s, v[2] * s];
+}

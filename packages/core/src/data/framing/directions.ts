@@ -1,0 +1,36 @@
+import type { Vec3 } from '../math/mat4.ts';
+import { sinCos } from './portable-math.ts';
+
+const GOLDEN_TURN = 0.6180339887498949;
+
+export function dot(a: Vec3, b: Vec3): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+export function cross(a: Vec3, b: Vec3): Vec3 {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+/** a + s·b. */
+export function plus(a: Vec3, b: Vec3, s = 1): Vec3 {
+  return [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
+}
+
+export function unit(v: Vec3): Vec3 {
+  const length = Math.sqrt(dot(v, v));
+  return [v[0] / length, v[1] / length, v[2] / length];
+}
+
+export function negated(v: Vec3): Vec3 {
+  return [-v[0], -v[1], -v[2]];
+}
+
+/** Directions spread evenly over the half of a sphere with z ≥ 0. */
+export function hemisphere(count: number): Vec3[] {
+  return Array.from({ length: count }, (_, i) => {
+    const z = 1 - (i + 0.5) / count;
+    const radius = Math.sqrt(1 - z * z);
+    const [sin, cos] = sinCos(2 * Math.PI * ((i * GOLDEN_TURN) % 1));
+    return [radius * cos, radius * sin, z];
+  });
+}

@@ -1,0 +1,183 @@
+import type { Vec3 } from '../math/mat4.ts';
+import { dot, hemisphere, negated, unit } from './directions.ts';
+import type { SceneDetail } from './scene-detail.ts';
+import { weightedQuantile } from './weighted-quantile.ts';
+
+/** Splats that are asked, and directions that are tried. */
+const MOST_FLAT = 4096;
+const DIRECTIONS = hemisphere(400);
+const FEWEST_FLAT = 100;
+/** Cosines: a floor's shortest axis is along up within 20°, that of a wall across it within 11.5°. */
+const ALONG = 0.94;
+const ACROSS = 0.2;
+/** Shares of all directions that are as near to an axis, or to the plane across it. */
+const RANDOM_ALONG = 1 - ALONG;
+const RANDOM_ACROSS = ACROSS;
+/** Least score of a direction that tells anything: 3 if normals point anywhere. */
+const TELLING = 4.8;
+/** An axis of the file with so much of the best score is up. */
+const ALMOST = 0.9;
+/** Cosine of 10°: nearer directions are that axis. */
+const NEAR_AXIS = 0.984807753012208;
+const GROUND_BINS = 40;
+
+/** Which way is up, and what tells so. */
+export interface FoundUp {
+  /** Unit vector. */
+  readonly up: Vec3;
+  readonly how: 'convention' | 'axis' | 'surfaces';
+  /** 0…1: how clearly floors and walls tell it. */
+  readonly confidence: number;
+  /** Height of the ground along up from the centre, in units of the detail; null if none was found. */
+  readonly ground: number | null;
+}
+
+/** What is found where up is known. */
+export function knownUp(detail: SceneDetail, up: Vec3): FoundUp {
+  const { height, isCeiling } = findGround(detail, up);
+  return { up, how: 'convention', confidence: 1, ground: isCeiling ? null : height };
+}
+
+/**
+ * Finds up by floors, whose splats have their shortest axis along it, and by walls, across it.
+ *
+ * @param convention up in most files of the format, where nothing else tells: a unit vector.
+ */
+export function findUp(detail: SceneDetail, convention: Vec3): FoundUp {
+  const flat = flatSplats(detail);
+  if (flat.count < FEWEST_FLAT) return { up: convention, how: 'convention', confidence: 0, ground: null };
+  let best = DIRECTIONS[0];
+  let bestScore = 0;
+  for (const direction of DIRECTIONS) {
+    const score = upScore(flat, direction);
+    if (score > bestScore) [best, bestScore] = [direction, score];
+  }
+  for (const cone of [0.94, 0.97, 0.985]) best = meanNormal(flat, best, cone);
+  const { up, how } = chooseUp(flat, best, bestScore, convention);
+  const { height, isCeiling } = findGround(detail, up);
+  const confidence = Math.min(1, Math.max(0, (bestScore - 3) / TELLING));
+  return {
+    up: isCeiling ? negated(up) : up,
+    how,
+    confidence,
+    ground: height === null || !isCeiling ? height : -height,
+  };
+}
+
+function chooseUp(
+  flat: FlatSplats,
+  best: Vec3,
+  bestScore: number,
+  convention: Vec3,
+): Pick<FoundUp, 'up' | 'how'> {
+  if (bestScore < TELLING) return { up: convention, how: 'convention' };
+  if (upScore(flat, convention) > ALMOST * bestScore) return { up: convention, how: 'convention' };
+  const z: Vec3 = [0, 0, 1];
+  const [towards, towardsZ] = [dot(best, convention), dot(best, z)];
+  const axis = Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
+  if (Math.max(Math.abs(towards), Math.abs(towardsZ)) > NEAR_AXIS) return { up: axis, how: 'axis' };
+  if (upScore(flat, z) > ALMOST * bestScore) return { up: z, how: 'axis' };
+  const sign = Math.abs(towards) < 0.2 ? towardsZ : towards;
+  return { up: sign < 0 ? negated(best) : best, how: 'surfaces' };
+}
+
+/** Splats of surfaces. */
+interface FlatSplats {
+  readonly count: number;
+  readonly normals: Float64Array;
+  /** Sum: 1. */
+  readonly weights: Float64Array;
+}
+
+function flatSplats({ count, distances, reach, sigmas, opacities, normals }: SceneDetail): FlatSplats {
+  const isFlat = (i: number) =>
+    distances[i] < reach && opacities[i] > 0.2 && sigmas[3 * i] < 0.5 * sigmas[3 * i + 1];
+  let found = 0;
+  for (let i = 0; i < count; i++) if (isFlat(i)) found++;
+  const step = Math.max(1, found / MOST_FLAT);
+  const rows: number[] = [];
+  for (let i = 0, seen = 0; i < count; i++) if (isFlat(i) && seen++ >= rows.length * step) rows.push(i);
+  const areas = Float64Array.from(rows, (i) => sigmas[3 * i + 1] * sigmas[3 * i + 2]);
+  const largest = weightedQuantile(
+    areas,
+    areas.map(() => 1),
+    areas.length,
+    0.8,
+  );
+  const weights = Float64Array.from(
+    rows,
+    (i, k) => opacities[i] * Math.min(areas[k], largest) * (1 - sigmas[3 * i] / sigmas[3 * i + 1]),
+  );
+  const total = weights.reduce((sum, weight) => sum + weight, 0);
+  return {
+    count: rows.length,
+    normals: Float64Array.from(
+      { length: 3 * rows.length },
+      (_, k) => normals[3 * rows[Math.floor(k / 3)] + (k % 3)],
+    ),
+    weights: weights.map((weight) => weight / total),
+  };
+}
+
+/** How many times more surfaces than by chance lie along and, twice, across: 3 by chance. */
+function upScore({ count, normals, weights }: FlatSplats, up: Vec3): number {
+  let along = 0;
+  let across = 0;
+  for (let i = 0; i < count; i++) {
+    const cosine = Math.abs(normals[3 * i] * up[0] + normals[3 * i + 1] * up[1] + normals[3 * i + 2] * up[2]);
+    if (cosine > ALONG) along += weights[i];
+    else if (cosine < ACROSS) across += weights[i];
+  }
+  return along / RANDOM_ALONG + (2 * across) / RANDOM_ACROSS;
+}
+
+/** The mean of the normals within a cone about `axis`, which may point either way. */
+function meanNormal({ count, normals, weights }: FlatSplats, axis: Vec3, cone: number): Vec3 {
+  let [x, y, z] = [1e-9 * axis[0], 1e-9 * axis[1], 1e-9 * axis[2]];
+  for (let i = 0; i < count; i++) {
+    const cosine = normals[3 * i] * axis[0] + normals[3 * i + 1] * axis[1] + normals[3 * i + 2] * axis[2];
+    if (Math.abs(cosine) <= cone) continue;
+    const weight = cosine < 0 ? -weights[i] : weights[i];
+    x += weight * normals[3 * i];
+    y += weight * normals[3 * i + 1];
+    z += weight * normals[3 * i + 2];
+  }
+  return unit([x, y, z]);
+}
+
+/** Where most surfaces lie flat. If nearly all else is below that, it is no floor, and up is down. */
+function findGround(
+  { count, x, y, z, distances, reach, opacities, sigmas, normals, details }: SceneDetail,
+  up: Vec3,
+): { readonly height: number | null; readonly isCeiling: boolean } {
+  const near: number[] = [];
+  for (let i = 0; i < count; i++) if (distances[i] < reach) near.push(i);
+  const ones = new Float64Array(near.length).fill(1);
+  const heights = Float64Array.from(near, (i) => x[i] * up[0] + y[i] * up[1] + z[i] * up[2]);
+  const low = weightedQuantile(heights, ones, near.length, 0.005);
+  const high = weightedQuantile(heights, ones, near.length, 0.995);
+  if (!(high > low)) return { height: null, isCeiling: false };
+  const areas = Float64Array.from(near, (i) => sigmas[3 * i + 1] * sigmas[3 * i + 2]);
+  const largest = weightedQuantile(areas, ones, near.length, 0.9);
+  const bins = new Float64Array(GROUND_BINS);
+  let flatTotal = 0;
+  for (const [k, i] of near.entries()) {
+    const cosine = normals[3 * i] * up[0] + normals[3 * i + 1] * up[1] + normals[3 * i + 2] * up[2];
+    const bin = Math.floor(((heights[k] - low) / (high - low)) * GROUND_BINS);
+    if (Math.abs(cosine) <= 0.9 || bin < 0 || bin >= GROUND_BINS) continue;
+    bins[bin] += opacities[i] * Math.min(areas[k], largest);
+  }
+  const smooth = bins.map((value, k) => value + (bins[k - 1] ?? 0) + (bins[k + 1] ?? 0));
+  for (const value of smooth) flatTotal += value;
+  let peak = 0;
+  for (let k = 1; k < GROUND_BINS; k++) if (smooth[k] > smooth[peak]) peak = k;
+  if (!(smooth[peak] > 0.1 * flatTotal)) return { height: null, isCeiling: false };
+  const height = low + ((peak + 0.5) / GROUND_BINS) * (high - low);
+  const margin = 0.05 * (high - low);
+  let [above, below] = [0, 0];
+  for (const [k, i] of near.entries()) {
+    if (heights[k] > height + margin) above += details[i];
+    else if (heights[k] < height - margin) below += details[i];
+  }
+  return { height, isCeiling: above < 0.2 * below };
+}

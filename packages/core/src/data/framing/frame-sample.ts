@@ -1,0 +1,39 @@
+import type { Vec3 } from '../math/mat4.ts';
+import { chooseCamera } from './choose-camera.ts';
+import { dot, plus, unit } from './directions.ts';
+import { type FoundUp, findUp, knownUp } from './find-up.ts';
+import { sinCos } from './portable-math.ts';
+import { type SceneDetail, sceneDetail } from './scene-detail.ts';
+import type { FramingWishes, SceneFraming } from './scene-framing.ts';
+import type { SplatSample } from './splat-sample.ts';
+
+/**
+ * Frames the scene that `sample` was taken from; null if no splat of it can be seen. The same
+ * arguments give the same result on every machine, bit for bit.
+ */
+export function frameSample(sample: SplatSample, wishes: FramingWishes): SceneFraming | null {
+  const detail = sceneDetail(sample);
+  if (!detail) return null;
+  const { aspect, fovYDegrees } = wishes;
+  const { up, ground, confidence } = upOf(detail, wishes);
+  const [sin, cos] = sinCos((fovYDegrees * Math.PI) / 360);
+  const shape = { tangentX: (sin / cos) * aspect, tangentY: sin / cos };
+  const chosen = chooseCamera(detail, up, shape, wishes.kind);
+  const { center, scale, reach } = detail;
+  const world = (point: Vec3) => plus(center, point, scale);
+  return {
+    kind: chosen.kind,
+    position: world(chosen.position),
+    target: world(chosen.target),
+    up,
+    fovYDegrees,
+    center,
+    radius: scale * reach,
+    groundHeight: ground === null ? null : dot(center, up) + scale * ground,
+    confidence: { up: confidence, kind: chosen.confidence },
+  };
+}
+
+function upOf(detail: SceneDetail, { up, usualUp }: FramingWishes): FoundUp {
+  return up ? knownUp(detail, unit(up)) : findUp(detail, usualUp);
+}

@@ -1,0 +1,130 @@
+import type { Vec3 } from '../math/mat4.ts';
+import { selectValue } from '../math/select-value.ts';
+import type { SplatSample } from './splat-sample.ts';
+import { weightedQuantile } from './weighted-quantile.ts';
+
+/** Fainter splats tell nothing. */
+const LEAST_OPACITY = 0.02;
+/** Weiszfeld's method, from the median of each axis. */
+const MEDIAN_STEPS = 8;
+
+/**
+ * Where a scene has its detail. Training puts small splats where the cameras were near, so that
+ * their number tells what people looked at; extents, areas and volumes tell of the sky.
+ *
+ * Lengths and places are in units of `scale` about `center`: within 1 lies half of the detail.
+ */
+export interface SceneDetail {
+  readonly count: number;
+  /** See `SplatSample`. */
+  readonly weight: number;
+  /** Geometric median of the detail, world space. */
+  readonly center: Vec3;
+  /** World units within which half of the detail lies about the centre. */
+  readonly scale: number;
+  /** N each. */
+  readonly x: Float64Array;
+  readonly y: Float64Array;
+  readonly z: Float64Array;
+  readonly opacities: Float32Array;
+  /** 3N each: ascending standard deviations; unit vectors along the shortest axis. */
+  readonly sigmas: Float32Array;
+  readonly normals: Float32Array;
+  /** N: distances from the centre. */
+  readonly distances: Float64Array;
+  /** N: how much detail a splat is: its opacity, less for large ones. */
+  readonly details: Float64Array;
+  /** N: the same, less for those far from the centre. */
+  readonly nearDetails: Float64Array;
+  /** Within this distance lie four fifths of the detail. */
+  readonly reach: number;
+}
+
+/** The detail of a sample; null if it has no splat that can be seen. */
+export function sceneDetail(sample: SplatSample): SceneDetail | null {
+  const rows = visibleRows(sample);
+  const count = rows.length;
+  if (count === 0) return null;
+  const pick = <Values extends Float32Array | Float64Array>(values: Values, per: number): Values => {
+    const picked = new (values.constructor as new (length: number) => Values)(per * count);
+    for (let i = 0; i < count; i++)
+      for (let k = 0; k < per; k++) picked[per * i + k] = values[per * rows[i] + k];
+    return picked;
+  };
+  const opacities = pick(sample.opacities, 1);
+  const sigmas = pick(sample.sigmas, 3);
+  const normals = pick(sample.normals, 3);
+  const [x, y, z] = [0, 1, 2].map((axis) =>
+    Float64Array.from(rows, (row) => sample.positions[3 * row + axis]),
+  );
+  const details = detailsOf(opacities, sigmas);
+  const center = geometricMedian([x, y, z], details);
+  for (const [axis, values] of [x, y, z].entries()) for (let i = 0; i < count; i++) values[i] -= center[axis];
+  const distances = new Float64Array(count);
+  for (let i = 0; i < count; i++) distances[i] = Math.sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+  const scale = weightedQuantile(distances, details, count, 0.5) || medianOf(sigmas) * 3 || 1;
+  for (const values of [x, y, z, distances, sigmas])
+    for (let i = 0; i < values.length; i++) values[i] /= scale;
+  const nearDetails = details.map((detail, i) => detail / (1 + distances[i] * distances[i]));
+  return {
+    count,
+    weight: sample.weight,
+    center,
+    scale,
+    x,
+    y,
+    z,
+    opacities,
+    sigmas,
+    normals,
+    distances,
+    details,
+    nearDetails,
+    reach: weightedQuantile(distances, details, count, 0.8),
+  };
+}
+
+function visibleRows({ count, positions, opacities, sigmas }: SplatSample): Uint32Array {
+  const rows = new Uint32Array(count);
+  let kept = 0;
+  for (let i = 0; i < count; i++) {
+    const sum = positions[3 * i] + positions[3 * i + 1] + positions[3 * i + 2];
+    if (opacities[i] >= LEAST_OPACITY && Number.isFinite(sum) && Number.isFinite(sigmas[3 * i + 2]))
+      rows[kept++] = i;
+  }
+  return rows.subarray(0, kept);
+}
+
+function detailsOf(opacities: Float32Array, sigmas: Float32Array): Float64Array {
+  const sizes = Float64Array.from(opacities, (_, i) => Math.sqrt(sigmas[3 * i + 1] * sigmas[3 * i + 2]));
+  const median = medianOf(sizes);
+  return sizes.map((size, i) => opacities[i] * (size > median ? median / size : 1));
+}
+
+function medianOf(values: Float32Array | Float64Array): number {
+  return selectValue(values.slice(), values.length >>> 1);
+}
+
+/** The point with the least sum of weighted distances: up to half of all weight may be astray. */
+function geometricMedian(axes: readonly Float64Array[], weights: Float64Array): Vec3 {
+  const [x, y, z] = axes;
+  let [cx, cy, cz] = axes.map(medianOf);
+  for (let step = 0; step < MEDIAN_STEPS; step++) {
+    let [sum, sumX, sumY, sumZ] = [0, 0, 0, 0];
+    for (let i = 0; i < x.length; i++) {
+      const [dx, dy, dz] = [x[i] - cx, y[i] - cy, z[i] - cz];
+      const distance = Math.sqrt(dx * dx + dy * dy + dz * dz);
+      if (distance === 0) continue;
+      const pull = weights[i] / distance;
+      sum += pull;
+      sumX += pull * dx;
+      sumY += pull * dy;
+      sumZ += pull * dz;
+    }
+    if (!(sum > 0)) break;
+    cx += sumX / sum;
+    cy += sumY / sum;
+    cz += sumZ / sum;
+  }
+  return [cx, cy, cz];
+}

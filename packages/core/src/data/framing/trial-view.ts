@@ -1,0 +1,289 @@
+import type { Vec3 } from '../math/mat4.ts';
+import { cross, dot, unit } from './directions.ts';
+import { exp } from './portable-math.ts';
+import type { SceneDetail } from './scene-detail.ts';
+
+/** A picture is tried as if its shorter side had so many pixels. */
+const SHORTER_SIDE_PX = 600;
+/** What is drawn reaches so far beyond the frame: large splats outside of it reach into it. */
+const PADDED = 1.5;
+/** Cells of the padded picture. */
+const LONG_CELLS = 48;
+const SHORT_CELLS = 32;
+const CELL_PX = (SHORTER_SIDE_PX * PADDED) / SHORT_CELLS;
+/** Slices of depth, of equally many splats. Splats of a slice do not hide each other. */
+const SLICES = 24;
+/** Splats are drawn into cells of about their size: 1, 2, 4, 8 or 16 wide. */
+const LEVELS = 5;
+/** Sharp splats have at most this standard deviation; blurred ones 2³ times as much. */
+const SHARP_PX = 4;
+const BLURRED_OCTAVES = 3;
+/** Area that a splat covers, in products of its standard deviations. */
+const AREA = 5;
+/** Where detail counts as in the frame: a margin stays free. */
+const FRAMED = 0.93;
+/** Nearer than this part of the distance to the target, splats are not drawn. */
+const NEAR_PART = 0.02;
+/** Bins of depth, 64 of each octave, as float32 has them in its upper bits. */
+const DEPTH_SHIFT = 17;
+const MOST_BINS = 1 << 11;
+
+/** A camera that is tried, in units of the detail. */
+export interface TrialCamera {
+  readonly position: Vec3;
+  readonly target: Vec3;
+}
+
+/** What a coarse picture shows; parts of 1. */
+export interface TrialPicture {
+  /** Of the detail: in the frame, and unhidden there. */
+  readonly framed: number;
+  readonly visible: number;
+  /** Of the picture: sharp, sharp with more weight in the middle, blurred behind the target, empty. */
+  readonly sharp: number;
+  readonly sharpInMiddle: number;
+  readonly background: number;
+  readonly empty: number;
+  /** The rest: blurred in front. */
+  readonly fog: number;
+}
+
+export interface FrameShape {
+  /** Tangents of half the field of view. */
+  readonly tangentX: number;
+  readonly tangentY: number;
+}
+
+/** Draws coarse pictures of a sample of a scene. */
+export class TrialViews {
+  readonly #count: number;
+  readonly #weight: number;
+  readonly #columns: readonly Float64Array[];
+  readonly #totalDetail: number;
+  readonly #shape: FrameShape;
+  readonly #grid: { readonly columns: number; readonly rows: number };
+  readonly #middleWeights: Float64Array;
+  /** By splat that is drawn. */
+  readonly #depthBits: Uint32Array;
+  readonly #drawn: Float64Array[];
+  readonly #levels: Uint8Array;
+  readonly #order: Uint32Array;
+  readonly #depthBins = new Uint32Array(MOST_BINS + 1);
+  /** By level, of one slice: optical depth, its sharp part, and its blurred part behind. */
+  readonly #slice: Float64Array[][];
+  readonly #transmittance: Float64Array;
+  readonly #sharp: Float64Array;
+  readonly #background: Float64Array;
+
+  /** @param most splats to draw, spread evenly over those of the detail. */
+  constructor(detail: SceneDetail, most: number, shape: FrameShape) {
+    const step = Math.max(1, Math.floor(detail.count / most));
+    const count = Math.ceil(detail.count / step);
+    const of = (value: (i: number) => number) =>
+      Float64Array.from({ length: count }, (_, i) => value(i * step));
+    const { x, y, z, sigmas, opacities, nearDetails } = detail;
+    this.#count = count;
+    this.#weight = (detail.weight * detail.count) / count;
+    this.#columns = [
+      of((i) => x[i]),
+      of((i) => y[i]),
+      of((i) => z[i]),
+      of((i) => sigmas[3 * i + 2]),
+      of((i) => AREA * sigmas[3 * i + 1] * sigmas[3 * i + 2]),
+      of((i) => opacities[i]),
+      of((i) => nearDetails[i]),
+    ];
+    this.#totalDetail = this.#columns[6].reduce((sum, value) => sum + value, 0);
+    this.#shape = shape;
+    const isWide = shape.tangentX >= shape.tangentY;
+    const [columns, rows] = isWide ? [LONG_CELLS, SHORT_CELLS] : [SHORT_CELLS, LONG_CELLS];
+    this.#grid = { columns, rows };
+    this.#middleWeights = middleWeights(columns, rows);
+    this.#depthBits = new Uint32Array(count);
+    this.#drawn = Array.from({ length: 6 }, () => new Float64Array(count));
+    this.#levels = new Uint8Array(count);
+    this.#order = new Uint32Array(count);
+    this.#slice = Array.from({ length: LEVELS }, (_, level) =>
+      Array.from({ length: 3 }, () => new Float64Array((columns >> level) * (rows >> level))),
+    );
+    this.#transmittance = new Float64Array(columns * rows);
+    this.#sharp = new Float64Array(columns * rows);
+    this.#background = new Float64Array(columns * rows);
+  }
+
+  picture({ position, target }: TrialCamera, up: Vec3): TrialPicture {
+    const offset: Vec3 = [target[0] - position[0], target[1] - position[1], target[2] - position[2]];
+    const distance = Math.sqrt(dot(offset, offset));
+    const forward = unit(offset);
+    const right = unit(cross(forward, up));
+    const above = cross(right, forward);
+    const { framed, kept } = this.#project(position, distance, { forward, right, above });
+    this.#sort(kept);
+    return { framed: framed / this.#totalDetail, ...this.#blend(kept) };
+  }
+
+  /** Finds where splats are in the picture, and how sharp. @returns the number that are drawn. */
+  #project(
+    [px, py, pz]: Vec3,
+    distance: number,
+    { forward, right, above }: { readonly forward: Vec3; readonly right: Vec3; readonly above: Vec3 },
+  ): { readonly framed: number; readonly kept: number } {
+    const { tangentX, tangentY } = this.#shape;
+    const { columns, rows } = this.#grid;
+    const [xs, ys, zs, sigmas, areas, opacities, details] = this.#columns;
+    const [cellX, cellY, depths, sharps, backgrounds, seen] = this.#drawn;
+    const focalPx = SHORTER_SIDE_PX / 2 / Math.min(tangentX, tangentY);
+    const nearest = NEAR_PART * distance;
+    let framed = 0;
+    let kept = 0;
+    for (let i = 0; i < this.#count; i++) {
+      const [dx, dy, dz] = [xs[i] - px, ys[i] - py, zs[i] - pz];
+      const depth = dx * forward[0] + dy * forward[1] + dz * forward[2];
+      if (!(depth > nearest)) continue;
+      const x = (dx * right[0] + dy * right[1] + dz * right[2]) / (depth * tangentX);
+      if (!(x > -PADDED && x < PADDED)) continue;
+      const y = (dx * above[0] + dy * above[1] + dz * above[2]) / (depth * tangentY);
+      if (!(y > -PADDED && y < PADDED)) continue;
+      if (x > -FRAMED && x < FRAMED && y > -FRAMED && y < FRAMED) framed += details[i];
+      const scale = focalPx / depth;
+      const sigmaPx = sigmas[i] * scale;
+      let level = 0;
+      for (let cell = CELL_PX / 4; sigmaPx > cell && level < LEVELS - 1; cell *= 2) level++;
+      const levelPx = CELL_PX * (1 << level);
+      const opticalDepth =
+        this.#weight * opacities[i] * Math.min(1, (areas[i] * scale * scale) / (levelPx * levelPx));
+      const sharp = Math.min(1, Math.max(0, 1 - octaves(sigmaPx / SHARP_PX) / BLURRED_OCTAVES));
+      cellX[kept] = Math.min(columns - 1, Math.floor(((x + PADDED) / (2 * PADDED)) * columns));
+      cellY[kept] = Math.min(rows - 1, Math.floor(((PADDED - y) / (2 * PADDED)) * rows));
+      depths[kept] = opticalDepth;
+      sharps[kept] = opticalDepth * sharp;
+      backgrounds[kept] = depth > distance ? opticalDepth * (1 - sharp) : 0;
+      seen[kept] = x > -1 && x < 1 && y > -1 && y < 1 ? details[i] : 0;
+      this.#levels[kept] = level;
+      this.#depthBits[kept] = depthBin(depth / nearest);
+      kept++;
+    }
+    return { framed, kept };
+  }
+
+  /** Orders the drawn splats by depth. */
+  #sort(kept: number): void {
+    const bins = this.#depthBins;
+    bins.fill(0);
+    for (let i = 0; i < kept; i++) bins[this.#depthBits[i] + 1]++;
+    for (let bin = 0; bin < MOST_BINS; bin++) bins[bin + 1] += bins[bin];
+    for (let i = 0; i < kept; i++) this.#order[bins[this.#depthBits[i]]++] = i;
+  }
+
+  #blend(kept: number): Omit<TrialPicture, 'framed'> {
+    const { columns, rows } = this.#grid;
+    const [cellX, cellY, depths, sharps, backgrounds, seen] = this.#drawn;
+    const transmittance = this.#transmittance.fill(1);
+    const sharp = this.#sharp.fill(0);
+    const background = this.#background.fill(0);
+    let visible = 0;
+    for (let slice = 0; slice < SLICES; slice++) {
+      const [start, end] = [slice, slice + 1].map((at) => Math.floor((at * kept) / SLICES));
+      if (start === end) continue;
+      for (const values of this.#slice) for (const each of values) each.fill(0);
+      let largest = 0;
+      for (let k = start; k < end; k++) {
+        const i = this.#order[k];
+        const level = this.#levels[i];
+        if (level > largest) largest = level;
+        const width = columns >> level;
+        const at = (cellY[i] >> level) * width + (cellX[i] >> level);
+        const [depth, sharpDepth, backgroundDepth] = this.#slice[level];
+        depth[at] += depths[i];
+        sharpDepth[at] += sharps[i];
+        backgroundDepth[at] += backgrounds[i];
+        if (seen[i] > 0) visible += seen[i] * transmittance[cellY[i] * columns + cellX[i]];
+      }
+      this.#spread(largest);
+      this.#composite(this.#slice[0]);
+    }
+    return { visible: visible / this.#totalDetail, ...this.#shares(transmittance, sharp, background, rows) };
+  }
+
+  /** Adds what large splats have put into coarse cells to the fine ones. */
+  #spread(largest: number): void {
+    const { columns, rows } = this.#grid;
+    for (let level = largest; level > 0; level--) {
+      const width = columns >> (level - 1);
+      const height = rows >> (level - 1);
+      for (let part = 0; part < 3; part++) {
+        const coarse = this.#slice[level][part];
+        const fine = this.#slice[level - 1][part];
+        for (let y = 0; y < height; y++)
+          for (let x = 0; x < width; x++) fine[y * width + x] += coarse[(y >> 1) * (width >> 1) + (x >> 1)];
+      }
+    }
+  }
+
+  #composite([depth, sharpDepth, backgroundDepth]: readonly Float64Array[]): void {
+    const transmittance = this.#transmittance;
+    for (let at = 0; at < depth.length; at++) {
+      if (depth[at] === 0 || transmittance[at] < 1e-4) continue;
+      const through = exp(-depth[at]);
+      const part = (transmittance[at] * (1 - through)) / depth[at];
+      this.#sharp[at] += part * sharpDepth[at];
+      this.#background[at] += part * backgroundDepth[at];
+      transmittance[at] *= through;
+    }
+  }
+
+  #shares(transmittance: Float64Array, sharp: Float64Array, background: Float64Array, rows: number) {
+    const { columns } = this.#grid;
+    const [left, top] = [columns, rows].map((cells) => Math.floor((cells - cells / PADDED) / 2));
+    const [right, bottom] = [columns - left, rows - top];
+    const sums = { sharp: 0, sharpInMiddle: 0, background: 0, empty: 0 };
+    let middle = 0;
+    for (let y = top; y < bottom; y++) {
+      for (let x = left; x < right; x++) {
+        const at = y * columns + x;
+        const weight = this.#middleWeights[at];
+        sums.sharp += sharp[at];
+        sums.sharpInMiddle += sharp[at] * weight;
+        sums.background += background[at];
+        sums.empty += transmittance[at];
+        middle += weight;
+      }
+    }
+    const cells = (right - left) * (bottom - top);
+    const [sharpPart, backgroundPart, empty] = [sums.sharp, sums.background, sums.empty].map(
+      (sum) => sum / cells,
+    );
+    return {
+      sharp: sharpPart,
+      sharpInMiddle: sums.sharpInMiddle / middle,
+      background: backgroundPart,
+      empty,
+      fog: Math.max(0, 1 - sharpPart - backgroundPart - empty),
+    };
+  }
+}
+
+/** By cell of the padded picture, 1 in its middle. */
+function middleWeights(columns: number, rows: number): Float64Array {
+  return Float64Array.from({ length: columns * rows }, (_, at) => {
+    const x = (((at % columns) + 0.5) / columns - 0.5) * 2 * PADDED;
+    const y = ((Math.floor(at / columns) + 0.5) / rows - 0.5) * 2 * PADDED;
+    return exp(-1.5 * (x * x + y * y));
+  });
+}
+
+const float = new Float32Array(1);
+const bits = new Uint32Array(float.buffer);
+
+/** The base-2 logarithm of a number above 0, to 0.01. */
+function octaves(value: number): number {
+  float[0] = value;
+  const mantissa = (bits[0] & 0x7fffff) / 0x800000;
+  return (bits[0] >>> 23) - 127 + mantissa * (1.3465 - 0.3465 * mantissa);
+}
+
+/** Ascends with depth, which is at least 1. */
+function depthBin(depth: number): number {
+  float[0] = depth;
+  return Math.min(MOST_BINS - 1, (bits[0] >>> DEPTH_SHIFT) - (0x3f800000 >>> DEPTH_SHIFT));
+}
