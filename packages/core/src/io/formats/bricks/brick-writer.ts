@@ -1,7 +1,7 @@
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
-import { given, wrongArgument } from '../../../data/given.ts';
+import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { inLanes } from '../../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
@@ -60,7 +60,7 @@ const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 export interface BrickWriterOptions {
   /** Default: makes files in memory. */
   readonly makeFile?: MakeTemporaryFile;
-  /** Does a task, and resolves with its result: `runBrickTask`, in any thread. Default: this one. */
+  /** Does a task, and resolves with the `result` of `runBrickTask`, in any thread. Default: this one. */
   readonly run?: (task: BrickTask) => Promise<BrickResult>;
   /** Tasks that `run` does at once; default 1. */
   readonly threads?: number;
@@ -212,7 +212,10 @@ export class BrickWriter {
    *   InvalidArgumentError for an entry that no writer has noted.
    */
   async resume(): Promise<number> {
-    for await (const entry of this.#journal?.entries() ?? []) {
+    const entries = this.#journal?.entries() ?? [];
+    if (!(Symbol.asyncIterator in Object(entries) || Symbol.iterator in Object(entries)))
+      throw wrongArgument('journal.entries', entries, 'a function that returns an async iterable');
+    for await (const entry of entries) {
       checkEntry(entry);
       if (entry.kind === 'divided') this.#divided.set(bucketsName(entry.depth, entry.first), entry.sizes);
       else if (entry.kind === 'made') {
@@ -239,6 +242,7 @@ export class BrickWriter {
 
   /** Notes that all splats of so many rows of the source have been added. Rejects as `add`. */
   async keep(rows: number): Promise<void> {
+    checkKind('rows', rows, 'a whole number');
     if (!this.#journal) return;
     await this.#queue.drain();
     const { slices, splats } = this.#noted;
@@ -263,8 +267,8 @@ export class BrickWriter {
   /**
    * Adds splats, whose memory may be used again once it resolves.
    *
-   * Rejects with InvalidArgumentError for what is no set, and if some are not finite, maybe a later call; with the
-   * signal's reason; as the storage does.
+   * Rejects with InvalidArgumentError for what is no set, and if some are not finite or `run` does not do a task,
+   * maybe a later call; with the signal's reason; as the storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
     givenSet(set);
@@ -290,9 +294,12 @@ export class BrickWriter {
   /**
    * Writes the file, of which `put` takes the bytes from the first to the last.
    *
-   * Rejects with InvalidArgumentError 'set' if there are no splats; as `add` and `put` do.
+   * Rejects with InvalidArgumentError 'set' if there are no splats, and for arguments that are none;
+   * as `add` and `put` do.
    */
   async finish(put: PutBytes, onProgress?: WriteOptions['onProgress']): Promise<void> {
+    checkKind('put', put, 'a function');
+    checkKind('onProgress', onProgress, 'a function?');
     this.#progress = guarded(onProgress) ?? (() => {});
     await this.#queue.drain();
     if (this.#count === 0)
