@@ -219,7 +219,10 @@ export class BrickWriter {
       checkEntry(entry);
       if (entry.kind === 'divided') this.#divided.set(bucketsName(entry.depth, entry.first), entry.sizes);
       else if (entry.kind === 'made') {
+        if (this.#count === 0)
+          throw wrongArgument('entry.kind', entry.kind, 'arrived, as no splats are there yet');
         this.#lowest ??= await this.#newLowest();
+        checkPlaces(entry.made, this.#lowest);
         if (entry.range) this.#made.add(entry.range);
         else this.#lowest.whole.delete(entry.made.first);
         this.#lowest.level.rootsSum = undefined;
@@ -400,17 +403,34 @@ export class BrickWriter {
   async #newLevel(shape: BrickShape, level: number, facts: SceneFacts): Promise<WrittenLevel> {
     const cells = shape.cellCounts[level];
     const isTop = level === shape.cellCounts.length - 1;
+    const columns = this.#columnsOf(cells);
     return {
       bricks: await this.#newFile(undefined, `bricks-${level}`),
       stored: [],
       byteCount: 0,
       rootsSum: 0,
       roots: await this.#newFile(isTop ? 0 : 4 * cells * CELL_ROOTS * blobWords(facts), `roots-${level}`),
-      bounds: new Float32Array(BOUNDS_WORDS * cells),
-      largestScales: new Float32Array(cells),
-      errors: new Uint16Array(cells),
-      sizes: new Uint32Array(2 * Math.ceil(cells / CELL_CHILDREN)),
+      ...columns,
     };
+  }
+
+  #columnsOf(cells: number): Pick<WrittenLevel, 'bounds' | 'largestScales' | 'errors' | 'sizes'> {
+    try {
+      return {
+        bounds: new Float32Array(BOUNDS_WORDS * cells),
+        largestScales: new Float32Array(cells),
+        errors: new Uint16Array(cells),
+        sizes: new Uint32Array(2 * Math.ceil(cells / CELL_CHILDREN)),
+      };
+    } catch (error) {
+      if (!(error instanceof RangeError)) throw error;
+      const [argument, advice] =
+        this.#noted.splats > 0
+          ? ['journal', 'If it is not that of this scene, write the scene without it']
+          : ['set', 'Write the scene in parts'];
+      const found = `There are ${this.#count} splats, and no memory for the facts about their bricks`;
+      throw new InvalidArgumentError(argument, `${found}. ${advice}.`);
+    }
   }
 
   async #newLowest(): Promise<LowestLevel> {
@@ -725,6 +745,24 @@ export class BrickWriter {
       await put(file);
       this.#report('blobs', 'written', offsets[firstNumber + firstBrick + count], offsets[shape.brickCount]);
     }
+  }
+}
+
+/**
+ * @throws InvalidArgumentError for bricks from a journal that have no place among those of the scene.
+ */
+function checkPlaces(
+  { first, errors, fragments }: StoredSplats['made'],
+  { facts, level }: LowestLevel,
+): void {
+  const cells = first / CHUNK_SPLATS + errors.length;
+  if (errors.length > 0 && !(first % BRICK_LEAVES === 0 && cells <= level.errors.length))
+    throw wrongArgument('entry.made.first', first, `that of a brick of ${facts.splatCount} splats`);
+  for (const fragment of fragments) {
+    const splats = fragment.words.length / recordWords(facts.degree);
+    const end = Math.floor(fragment.first / BRICK_LEAVES) * BRICK_LEAVES + BRICK_LEAVES;
+    if (!(Number.isInteger(splats) && fragment.first + splats <= Math.min(end, facts.splatCount)))
+      throw wrongArgument('entry.made.fragments', fragment.first, `the first of splats of one brick`);
   }
 }
 

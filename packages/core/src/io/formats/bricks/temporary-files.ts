@@ -57,13 +57,13 @@ export function wrongStorage(found: string): SplatSourceError {
 /** Bytes of the first memory of a file whose size is not known. */
 const FIRST_BYTES = 1 << 20;
 
-/** A temporary file in memory. */
+/** A temporary file in memory. Rejects with SplatSourceError where there is none. */
 export async function memoryFile(byteCount = FIRST_BYTES): Promise<TemporaryFile> {
-  let memory = new Uint8Array(byteCount);
+  let memory = memoryOf(byteCount);
   return {
     write: async (bytes, at) => {
       if (at + bytes.length > memory.length) {
-        const larger = new Uint8Array(Math.max(at + bytes.length, 2 * memory.length));
+        const larger = memoryOf(Math.max(at + bytes.length, 2 * memory.length));
         larger.set(memory);
         memory = larger;
       }
@@ -74,4 +74,13 @@ export async function memoryFile(byteCount = FIRST_BYTES): Promise<TemporaryFile
       memory = new Uint8Array(0);
     },
   };
+}
+
+function memoryOf(byteCount: number): Uint8Array<ArrayBuffer> {
+  try {
+    return new Uint8Array(byteCount);
+  } catch (error) {
+    if (error instanceof RangeError) throw wrongStorage(`there is no memory for ${byteCount} bytes`);
+    throw error;
+  }
 }
