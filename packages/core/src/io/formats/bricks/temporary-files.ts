@@ -1,4 +1,4 @@
-import { SplatSourceError } from '../../../data/errors.ts';
+import { InvalidArgumentError, SplatSourceError, WebSplatterError } from '../../../data/errors.ts';
 
 /** A file for data that does not fit the memory; any storage with random access can be one. */
 export interface TemporaryFile {
@@ -50,8 +50,17 @@ export async function readBack(
   return own;
 }
 
+/** In place of a name, in errors. */
+const TEMPORARY_FILE = 'temporary file';
+
 export function wrongStorage(found: string): SplatSourceError {
-  return new SplatSourceError('temporary file', `${found}. Use other storage for makeFile, and write again.`);
+  return new SplatSourceError(TEMPORARY_FILE, `${found}. Use other storage for makeFile, and write again.`);
+}
+
+/** Whether a writer failed over what is kept for it, and would again: not over its source, or for lack of a worker. */
+export function isOfStorage(error: unknown): boolean {
+  if (error instanceof SplatSourceError) return error.file === TEMPORARY_FILE;
+  return error instanceof InvalidArgumentError || !(error instanceof WebSplatterError);
 }
 
 /** Bytes of the first memory of a file whose size is not known. */
