@@ -185,6 +185,7 @@ function loadInWorker(
       if (data.kind === 'cloud') finish(data.cloud);
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
+      else if (data.kind === 'rows-note') then(() => rowsTo!.sink.note?.(data.text));
       else if (data.kind === 'rows-end') then(() => finish('passed'));
       else if (data.kind === 'packed-view') answerView(data).catch(reject);
       else if (data.kind === 'other-format') resolve(data);
