@@ -1,5 +1,6 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { cross, dot, negated, plus, unit } from './directions.ts';
+import { type FoundUp, turnedOver } from './find-up.ts';
 import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import type { SceneKind } from './scene-framing.ts';
@@ -16,19 +17,22 @@ const FINALISTS = 16;
 const DEGREE = Math.PI / 180;
 const FIRST_AZIMUTH = 0.35;
 const AZIMUTHS = Array.from({ length: 12 }, (_, i) => FIRST_AZIMUTH + (i * Math.PI) / 6);
+/** Azimuths of pictures that look outwards. */
+const OUTWARDS = AZIMUTHS.filter((_, i) => i % 2 === 0);
 const ELEVATIONS = [6, 18, 32].map((degrees) => degrees * DEGREE);
 /** Part of the frame's half height and width that what is fitted may take. */
 const FITTED_PART = 0.9;
 /** A scene of which less is seen around it when one looks outwards is an object. */
 const OBJECT_AROUND = 0.15;
-/** A scene is enclosed if at least this much of what is seen from its middle is sharp. */
-const ENCLOSED_INSIDE = 0.3;
+/** A scene is enclosed if at least this much of what is seen from within is sharp and full. */
+const ENCLOSED_INSIDE = 0.2;
 
 /** A camera, in units of the detail. */
 export interface ChosenCamera {
   readonly kind: SceneKind;
   readonly position: Vec3;
   readonly target: Vec3;
+  readonly up: FoundUp;
   /** 0…1: how clearly the scene is of that kind. */
   readonly confidence: number;
 }
@@ -46,15 +50,41 @@ interface Tried extends Candidate {
   readonly picture: TrialPicture;
 }
 
-/** Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame. */
+/** How much is seen outwards, which tells the kind of a scene. */
+interface SeenOutwards {
+  /** From around it. */
+  readonly around: number;
+  /** From within. */
+  readonly inside: number;
+}
+
+/**
+ * Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame.
+ *
+ * @param wantedKind null: what is found.
+ */
 export function chooseCamera(
   detail: SceneDetail,
-  up: Vec3,
+  up: FoundUp,
   shape: FrameShape,
   wantedKind: SceneKind | null,
 ): ChosenCamera {
-  const trial = new CameraTrial(detail, up, shape, wantedKind);
-  return trial.choose();
+  const trial = new CameraTrial(detail, up.up, shape);
+  const seen = trial.seenOutwards();
+  // All is below the ceiling of a room.
+  if (!up.isCeiling || kindOf(seen) === 'enclosed') return trial.choose(seen, up, wantedKind);
+  const turned = turnedOver(up);
+  return new CameraTrial(detail, turned.up, shape).choose(seen, turned, wantedKind);
+}
+
+function kindOf({ around, inside }: SeenOutwards): SceneKind {
+  if (inside >= ENCLOSED_INSIDE) return 'enclosed';
+  return around < OBJECT_AROUND ? 'object' : 'surrounded';
+}
+
+/** How far from another kind, 0…1. */
+function kindConfidence({ around, inside }: SeenOutwards): number {
+  return Math.min(1, Math.abs(around / OBJECT_AROUND - 1), Math.abs(inside / ENCLOSED_INSIDE - 1));
 }
 
 class CameraTrial {
@@ -65,13 +95,12 @@ class CameraTrial {
   readonly #few: TrialViews;
   readonly #many: TrialViews;
   readonly #fitted: FittedSplats;
-  readonly #around: number;
-  readonly #inside: number;
-  readonly #kind: SceneKind;
+  #kind: SceneKind = 'object';
+  #isSurrounded = false;
   /** Elevation from which the scene is seen best, in radians. */
   readonly #bestElevation: number;
 
-  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape, wantedKind: SceneKind | null) {
+  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape) {
     this.#up = up;
     this.#x = unit(cross(up, Math.abs(up[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
     this.#z = cross(this.#x, up);
@@ -80,24 +109,18 @@ class CameraTrial {
     this.#many = new TrialViews(detail, MANY, shape);
     this.#fitted = fittedSplats(detail, up);
     this.#bestElevation = bestElevation(this.#fitted, this.#x, this.#z);
-    this.#around = this.#seenAround();
-    this.#inside = this.#seenInside();
-    const isObject = this.#around < OBJECT_AROUND && this.#inside < ENCLOSED_INSIDE;
-    const kind = isObject ? 'object' : this.#inside < ENCLOSED_INSIDE ? 'surrounded' : 'enclosed';
-    this.#kind = wantedKind ?? kind;
   }
 
-  choose(): ChosenCamera {
+  seenOutwards(): SeenOutwards {
+    return { around: this.#seenAround(), inside: this.#seenInside() };
+  }
+
+  choose(seen: SeenOutwards, up: FoundUp, wantedKind: SceneKind | null): ChosenCamera {
+    this.#kind = wantedKind ?? kindOf(seen);
+    this.#isSurrounded = seen.around >= OBJECT_AROUND;
     const best = this.#refined(this.#best());
     const { position, target } = best;
-    return { kind: this.#kind, position, target, confidence: this.#confidence() };
-  }
-
-  #confidence(): number {
-    const sides = [this.#around / OBJECT_AROUND, this.#inside / ENCLOSED_INSIDE].map((part) =>
-      Math.abs(part - 1),
-    );
-    return Math.min(1, sides[0], sides[1]);
+    return { kind: this.#kind, position, target, up, confidence: kindConfidence(seen) };
   }
 
   #back(azimuth: number, elevation: number): Vec3 {
@@ -110,23 +133,33 @@ class CameraTrial {
   /** How full pictures are that look outwards from around the scene. */
   #seenAround(): number {
     let empty = 0;
-    for (let i = 0; i < AZIMUTHS.length; i += 2) {
-      const back = this.#back(AZIMUTHS[i], 0.02);
+    for (const azimuth of OUTWARDS) {
+      const back = this.#back(azimuth, 0.02);
       const distance = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, [0, 0, 0]);
       const camera = { position: scaled(back, distance), target: scaled(back, 1.3 * distance) };
       empty += this.#many.picture(camera, this.#up).empty;
     }
-    return 1 - empty / (AZIMUTHS.length / 2);
+    return 1 - empty / OUTWARDS.length;
   }
 
-  /** How sharp pictures are that look outwards from the middle. */
+  /** How sharp and full pictures are that look outwards from the place near the middle where most are. */
   #seenInside(): number {
-    let sharp = 0;
-    for (let i = 0; i < AZIMUTHS.length; i += 2) {
-      const camera = { position: [0, 0, 0] as const, target: scaled(this.#back(AZIMUTHS[i], 0), 0.3) };
-      sharp += this.#many.picture(camera, this.#up).sharp;
+    const places: Vec3[] = [
+      [0, 0, 0],
+      ...[this.#x, negated(this.#x), this.#z, negated(this.#z)].map((axis) => scaled(axis, 0.6)),
+    ];
+    return Math.max(...places.map((position) => this.#seenFrom(position)));
+  }
+
+  #seenFrom(position: Vec3): number {
+    let [sharp, empty] = [0, 0];
+    for (const azimuth of OUTWARDS) {
+      const target = plus(position, this.#back(azimuth, 0), 0.3);
+      const picture = this.#many.picture({ position, target }, this.#up);
+      sharp += picture.sharp / OUTWARDS.length;
+      empty += picture.empty / OUTWARDS.length;
     }
-    return sharp / (AZIMUTHS.length / 2);
+    return sharp * (1 - empty);
   }
 
   #best(): Tried {
@@ -183,7 +216,7 @@ class CameraTrial {
 
   #score(elevation: number, picture: TrialPicture): number {
     const { framed, visible, sharp, sharpInMiddle, background, fog, empty } = picture;
-    const penalty = 2.5 * fog + (this.#around >= OBJECT_AROUND ? empty : 0);
+    const penalty = 2.5 * fog + (this.#isSurrounded ? empty : 0);
     const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
     if (!(quality > 0)) return 0;
     const tilt = (elevation - this.#bestElevation) / (26 * DEGREE);

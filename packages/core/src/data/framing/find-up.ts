@@ -1,5 +1,5 @@
 import type { Vec3 } from '../math/mat4.ts';
-import { dot, hemisphere, negated, unit } from './directions.ts';
+import { cross, dot, hemisphere, negated, unit } from './directions.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import { weightedQuantile } from './weighted-quantile.ts';
 
@@ -17,9 +17,15 @@ const RANDOM_ACROSS = ACROSS;
 const TELLING = 4.8;
 /** An axis of the file with so much of the best score is up. */
 const ALMOST = 0.9;
+/** The same for an axis along which the scene is flat: walls of a room tell of every axis. */
+const ALMOST_FLAT = 0.7;
+/** Part of the least extent across an axis, along which a flat scene extends less. */
+const FLAT = 0.6;
 /** Cosine of 10°: nearer directions are that axis. */
 const NEAR_AXIS = 0.984807753012208;
 const GROUND_BINS = 40;
+/** A floor is looked for in so many of them. */
+const BOTTOM_BINS = 6;
 
 /** Which way is up, and what tells so. */
 export interface FoundUp {
@@ -30,12 +36,14 @@ export interface FoundUp {
   readonly confidence: number;
   /** Height of the ground along up from the centre, in units of the detail; null if none was found. */
   readonly ground: number | null;
+  /** Whether the ground seems to lie above all else: a ceiling, or up is down. */
+  readonly isCeiling: boolean;
 }
 
 /** What is found where up is known. */
 export function knownUp(detail: SceneDetail, up: Vec3): FoundUp {
   const { height, isCeiling } = findGround(detail, up);
-  return { up, how: 'convention', confidence: 1, ground: isCeiling ? null : height };
+  return { up, how: 'convention', confidence: 1, ground: isCeiling ? null : height, isCeiling: false };
 }
 
 /**
@@ -45,7 +53,8 @@ export function knownUp(detail: SceneDetail, up: Vec3): FoundUp {
  */
 export function findUp(detail: SceneDetail, convention: Vec3): FoundUp {
   const flat = flatSplats(detail);
-  if (flat.count < FEWEST_FLAT) return { up: convention, how: 'convention', confidence: 0, ground: null };
+  if (flat.count < FEWEST_FLAT)
+    return { up: convention, how: 'convention', confidence: 0, ground: null, isCeiling: false };
   let best = DIRECTIONS[0];
   let bestScore = 0;
   for (const direction of DIRECTIONS) {
@@ -53,25 +62,26 @@ export function findUp(detail: SceneDetail, convention: Vec3): FoundUp {
     if (score > bestScore) [best, bestScore] = [direction, score];
   }
   for (const cone of [0.94, 0.97, 0.985]) best = meanNormal(flat, best, cone);
-  const { up, how } = chooseUp(flat, best, bestScore, convention);
+  const { up, how } = chooseUp(detail, flat, { best, bestScore }, convention);
   const { height, isCeiling } = findGround(detail, up);
   const confidence = Math.min(1, Math.max(0, (bestScore - 3) / TELLING));
-  return {
-    up: isCeiling ? negated(up) : up,
-    how,
-    confidence,
-    ground: height === null || !isCeiling ? height : -height,
-  };
+  return { up, how, confidence, ground: height, isCeiling };
+}
+
+/** The same scene with what was up down. */
+export function turnedOver({ up, how, confidence, ground }: FoundUp): FoundUp {
+  return { up: negated(up), how, confidence, ground: ground === null ? null : -ground, isCeiling: false };
 }
 
 function chooseUp(
+  detail: SceneDetail,
   flat: FlatSplats,
-  best: Vec3,
-  bestScore: number,
+  { best, bestScore }: { readonly best: Vec3; readonly bestScore: number },
   convention: Vec3,
 ): Pick<FoundUp, 'up' | 'how'> {
   if (bestScore < TELLING) return { up: convention, how: 'convention' };
-  if (upScore(flat, convention) > ALMOST * bestScore) return { up: convention, how: 'convention' };
+  const enough = isFlatAlong(detail, convention) ? ALMOST_FLAT : ALMOST;
+  if (upScore(flat, convention) > enough * bestScore) return { up: convention, how: 'convention' };
   const z: Vec3 = [0, 0, 1];
   const [towards, towardsZ] = [dot(best, convention), dot(best, z)];
   const axis = Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
@@ -79,6 +89,17 @@ function chooseUp(
   if (upScore(flat, z) > ALMOST * bestScore) return { up: z, how: 'axis' };
   const sign = Math.abs(towards) < 0.2 ? towardsZ : towards;
   return { up: sign < 0 ? negated(best) : best, how: 'surfaces' };
+}
+
+/** Whether a scene is lower along an axis than it is wide across it, as rooms and places are. */
+function isFlatAlong({ count, x, y, z, nearDetails }: SceneDetail, axis: Vec3): boolean {
+  const across = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+  const [along, ...others] = [axis, across, cross(axis, across)].map((direction) => {
+    const values = x.map((value, i) => value * direction[0] + y[i] * direction[1] + z[i] * direction[2]);
+    const [low, high] = [0.05, 0.95].map((part) => weightedQuantile(values, nearDetails, count, part));
+    return high - low;
+  });
+  return along < FLAT * Math.min(...others);
 }
 
 /** Splats of surfaces. */
@@ -145,13 +166,16 @@ function meanNormal({ count, normals, weights }: FlatSplats, axis: Vec3, cone: n
   return unit([x, y, z]);
 }
 
-/** Where most surfaces lie flat. If nearly all else is below that, it is no floor, and up is down. */
+/**
+ * Where most surfaces lie flat. If nearly all else is below that, and nothing lies flat at the bottom,
+ * it is the ground, and up is down; a room has a ceiling and a floor.
+ */
 function findGround(
-  { count, x, y, z, distances, reach, opacities, sigmas, normals, details }: SceneDetail,
+  { count, x, y, z, distances, farReach, opacities, sigmas, normals, details }: SceneDetail,
   up: Vec3,
 ): { readonly height: number | null; readonly isCeiling: boolean } {
   const near: number[] = [];
-  for (let i = 0; i < count; i++) if (distances[i] < reach) near.push(i);
+  for (let i = 0; i < count; i++) if (distances[i] < farReach) near.push(i);
   const ones = new Float64Array(near.length).fill(1);
   const heights = Float64Array.from(near, (i) => x[i] * up[0] + y[i] * up[1] + z[i] * up[2]);
   const low = weightedQuantile(heights, ones, near.length, 0.005);
@@ -179,5 +203,8 @@ function findGround(
     if (heights[k] > height + margin) above += details[i];
     else if (heights[k] < height - margin) below += details[i];
   }
-  return { height, isCeiling: above < 0.2 * below };
+  let bottom = 0;
+  for (let k = 0; k < BOTTOM_BINS; k++) bottom += bins[k];
+  const isFloorless = bottom < 0.3 * smooth[peak];
+  return { height, isCeiling: above < 0.2 * below && isFloorless };
 }

@@ -15,10 +15,10 @@ export function frameSample(sample: SplatSample, wishes: FramingWishes): SceneFr
   const detail = sceneDetail(sample);
   if (!detail) return null;
   const { aspect, fovYDegrees } = wishes;
-  const { up, ground, confidence } = upOf(detail, wishes);
   const [sin, cos] = sinCos((fovYDegrees * Math.PI) / 360);
   const shape = { tangentX: (sin / cos) * aspect, tangentY: sin / cos };
-  const chosen = chooseCamera(detail, up, shape, wishes.kind);
+  const chosen = chooseCamera(detail, upOf(detail, wishes), shape, wishes.kind);
+  const { up, ground, confidence } = chosen.up;
   const { center, scale, reach } = detail;
   const world = (point: Vec3) => plus(center, point, scale);
   return {

@@ -3,7 +3,7 @@ import { selectValue } from '../math/select-value.ts';
 import type { SplatSample } from './splat-sample.ts';
 import { weightedQuantile } from './weighted-quantile.ts';
 
-/** Fainter splats tell nothing. */
+/** Splats fainter than this, or than half of them in a faint scene, tell nothing. */
 const LEAST_OPACITY = 0.02;
 /** Weiszfeld's method, from the median of each axis. */
 const MEDIAN_STEPS = 8;
@@ -36,8 +36,9 @@ export interface SceneDetail {
   readonly details: Float64Array;
   /** N: the same, less for those far from the centre. */
   readonly nearDetails: Float64Array;
-  /** Within this distance lie four fifths of the detail. */
+  /** Within these distances lie four fifths, and nineteen twentieths, of the detail. */
   readonly reach: number;
+  readonly farReach: number;
 }
 
 /** The detail of a sample; null if it has no splat that can be seen. */
@@ -81,15 +82,22 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
     details,
     nearDetails,
     reach: weightedQuantile(distances, details, count, 0.8),
+    farReach: weightedQuantile(distances, details, count, 0.95),
   };
 }
 
 function visibleRows({ count, positions, opacities, sigmas }: SplatSample): Uint32Array {
   const rows = new Uint32Array(count);
+  const least = count > 0 ? Math.min(LEAST_OPACITY, medianOf(opacities)) : 0;
   let kept = 0;
   for (let i = 0; i < count; i++) {
     const sum = positions[3 * i] + positions[3 * i + 1] + positions[3 * i + 2];
-    if (opacities[i] >= LEAST_OPACITY && Number.isFinite(sum) && Number.isFinite(sigmas[3 * i + 2]))
+    if (
+      opacities[i] >= least &&
+      opacities[i] > 0 &&
+      Number.isFinite(sum) &&
+      Number.isFinite(sigmas[3 * i + 2])
+    )
       rows[kept++] = i;
   }
   return rows.subarray(0, kept);
