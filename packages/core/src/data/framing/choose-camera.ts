@@ -1,9 +1,9 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { cross, dot, negated, plus, unit } from './directions.ts';
-import { type FoundUp, turnedOver } from './find-up.ts';
+import { type FoundUp, findSurfaces, findUp, knownUp, turnedOver } from './find-up.ts';
 import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
-import type { SceneKind } from './scene-framing.ts';
+import type { FramingWishes, SceneKind } from './scene-framing.ts';
 import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
 import { weightedQuantile } from './weighted-quantile.ts';
 
@@ -20,6 +20,14 @@ const AZIMUTHS = Array.from({ length: 12 }, (_, i) => FIRST_AZIMUTH + (i * Math.
 /** Azimuths of pictures that look outwards. */
 const OUTWARDS = AZIMUTHS.filter((_, i) => i % 2 === 0);
 const ELEVATIONS = [6, 18, 32].map((degrees) => degrees * DEGREE);
+/** Cameras within a scene look a little down. */
+const INSIDE_ELEVATION = 5 * DEGREE;
+/** Places of a grid, of so many on a side, that cameras within a scene are tried at. */
+const INSIDE_GRID = 7;
+/** Heights of their eyes, as parts of the height of most detail. */
+const EYES = [0.4, 0.6];
+/** Distance of the point about which a camera within a scene turns, before it is known. */
+const INSIDE_DISTANCE = 0.3;
 /** Part of the frame's half height and width that what is fitted may take. */
 const FITTED_PART = 0.9;
 /** A scene of which less is seen around it when one looks outwards is an object. */
@@ -58,23 +66,23 @@ interface SeenOutwards {
   readonly inside: number;
 }
 
-/**
- * Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame.
- *
- * @param wantedKind null: what is found.
- */
+/** Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame. */
 export function chooseCamera(
   detail: SceneDetail,
-  up: FoundUp,
   shape: FrameShape,
-  wantedKind: SceneKind | null,
+  { up, usualUp, kind }: Pick<FramingWishes, 'up' | 'usualUp' | 'kind'>,
 ): ChosenCamera {
-  const trial = new CameraTrial(detail, up.up, shape);
+  const surfaces = findSurfaces(detail);
+  let found = up ? knownUp(detail, unit(up)) : findUp(detail, surfaces, usualUp, 'place');
+  let trial = new CameraTrial(detail, found.up, shape);
   const seen = trial.seenOutwards();
+  const foundKind = kindOf(seen);
+  const first = found.up;
+  if (!up && foundKind === 'object') found = findUp(detail, surfaces, usualUp, 'object');
   // All is below the ceiling of a room.
-  if (!up.isCeiling || kindOf(seen) === 'enclosed') return trial.choose(seen, up, wantedKind);
-  const turned = turnedOver(up);
-  return new CameraTrial(detail, turned.up, shape).choose(seen, turned, wantedKind);
+  if (found.isCeiling && foundKind !== 'enclosed') found = turnedOver(found);
+  if (found.up !== first) trial = new CameraTrial(detail, found.up, shape);
+  return trial.choose(seen, found, kind);
 }
 
 function kindOf({ around, inside }: SeenOutwards): SceneKind {
@@ -119,8 +127,15 @@ class CameraTrial {
     this.#kind = wantedKind ?? kindOf(seen);
     this.#isSurrounded = seen.around >= OBJECT_AROUND;
     const best = this.#refined(this.#best());
-    const { position, target } = best;
+    const { position } = best;
+    const target = this.#kind === 'enclosed' ? this.#seenPoint(best) : best.target;
     return { kind: this.#kind, position, target, up, confidence: kindConfidence(seen) };
+  }
+
+  /** The point in the middle of the picture at the depth of what is seen. */
+  #seenPoint({ position, target, picture }: Tried): Vec3 {
+    const forward = unit(plus(target, position, -1));
+    return plus(position, forward, Math.max(picture.depth, INSIDE_DISTANCE));
   }
 
   #back(azimuth: number, elevation: number): Vec3 {
@@ -163,10 +178,7 @@ class CameraTrial {
   }
 
   #best(): Tried {
-    const candidates = ELEVATIONS.flatMap((elevation) =>
-      AZIMUTHS.flatMap((azimuth) => this.#candidates(azimuth, elevation)),
-    );
-    const ranked = this.#tried(candidates, this.#few);
+    const ranked = this.#tried(this.#candidates(), this.#few);
     const finalists = this.#tried(ranked.slice(0, FINALISTS), this.#many);
     if (finalists.length > 0) return finalists[0];
     // Every camera would be below the ground.
@@ -179,14 +191,52 @@ class CameraTrial {
     return this.#try(camera, this.#many);
   }
 
-  #candidates(azimuth: number, elevation: number): Candidate[] {
+  #candidates(): Candidate[] {
+    if (this.#kind === 'enclosed') return this.#insideCandidates();
+    return ELEVATIONS.flatMap((elevation) =>
+      AZIMUTHS.flatMap((azimuth) => this.#outsideCandidates(azimuth, elevation)),
+    );
+  }
+
+  #outsideCandidates(azimuth: number, elevation: number): Candidate[] {
     const back = this.#back(azimuth, elevation);
     if (this.#kind === 'object') return [{ azimuth, elevation, ...this.#whole(back) }];
     const target: Vec3 = [0, 0, 0];
     const far = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, target);
-    const outside = this.#kind === 'surrounded' ? [far, 0.75 * far, 0.55 * far] : [];
     const near = [1, 0.65].filter((distance) => distance < 0.5 * far);
-    return [...outside, ...near].map((distance) => ({ azimuth, elevation, distance, target }));
+    return [far, 0.75 * far, 0.55 * far, ...near].map((distance) => ({
+      azimuth,
+      elevation,
+      distance,
+      target,
+    }));
+  }
+
+  /** Places all over the scene at the height of eyes, and all directions. */
+  #insideCandidates(): Candidate[] {
+    const { count, heights, nearDetails } = this.#fitted;
+    const rangeOf = (values: Float64Array) =>
+      [0.05, 0.95].map((part) => weightedQuantile(values, nearDetails, count, part));
+    const [minX, maxX] = rangeOf(alongAxis(this.#fitted, this.#x));
+    const [minZ, maxZ] = rangeOf(alongAxis(this.#fitted, this.#z));
+    const [bottom, top] = rangeOf(heights);
+    const steps = Array.from({ length: INSIDE_GRID }, (_, i) => (i + 0.5) / INSIDE_GRID);
+    const places = EYES.flatMap((eye) =>
+      steps.flatMap((u) =>
+        steps.map((v): Vec3 => {
+          const level = plus(scaled(this.#x, minX + u * (maxX - minX)), this.#z, minZ + v * (maxZ - minZ));
+          return plus(level, this.#up, bottom + eye * (top - bottom));
+        }),
+      ),
+    );
+    return places.flatMap((place) =>
+      OUTWARDS.map((azimuth) => this.#insideCandidate(place, azimuth, INSIDE_ELEVATION)),
+    );
+  }
+
+  #insideCandidate(place: Vec3, azimuth: number, elevation: number): Candidate {
+    const target = plus(place, this.#back(azimuth, elevation), -INSIDE_DISTANCE);
+    return { azimuth, elevation, distance: INSIDE_DISTANCE, target };
   }
 
   /** Those above the ground, the best first. */
@@ -219,7 +269,10 @@ class CameraTrial {
     const penalty = 2.5 * fog + (this.#isSurrounded ? empty : 0);
     const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
     if (!(quality > 0)) return 0;
-    const tilt = (elevation - this.#bestElevation) / (26 * DEGREE);
+    const isInside = this.#kind === 'enclosed';
+    const tilt = (elevation - (isInside ? INSIDE_ELEVATION : this.#bestElevation)) / (26 * DEGREE);
+    // Within a scene, what is behind a wall is in the frame as well.
+    if (isInside) return Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
     return framed * Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
   }
 
@@ -242,6 +295,8 @@ class CameraTrial {
     ];
     if (this.#kind === 'object')
       return turned.map((turn) => ({ ...turn, ...this.#whole(this.#back(turn.azimuth, turn.elevation)) }));
+    if (this.#kind === 'enclosed')
+      return this.#insideNeighbours({ azimuth, elevation, distance, target }, step);
     const { right, above } = this.#axes(this.#back(azimuth, elevation));
     const shift = 0.25 * step * distance * FITTED_PART * this.#shape.tangentY;
     const factor = step === 1 ? 1.2 : 1.0954451150103321;
@@ -260,6 +315,22 @@ class CameraTrial {
         target: plus(target, axis, shift),
       })),
     ];
+  }
+
+  #insideNeighbours(candidate: Candidate, step: number): Candidate[] {
+    const { azimuth, elevation } = candidate;
+    const place = this.#positionOf(candidate);
+    const shift = 0.15 * step;
+    const turns = [0.26 * step, -0.26 * step].map((turn) =>
+      this.#insideCandidate(place, azimuth + turn, elevation),
+    );
+    const tilts = [0.1 * step, -0.1 * step].map((tilt) =>
+      this.#insideCandidate(place, azimuth, elevation + tilt),
+    );
+    const moves = [this.#x, this.#z, this.#up].flatMap((axis) =>
+      [shift, -shift].map((by) => this.#insideCandidate(plus(place, axis, by), azimuth, elevation)),
+    );
+    return [...turns, ...tilts, ...moves];
   }
 
   #axes(back: Vec3): { readonly right: Vec3; readonly above: Vec3 } {
@@ -360,17 +431,17 @@ function fittedSplats(detail: SceneDetail, up: Vec3): FittedSplats {
 }
 
 /** Flat scenes are seen best from higher up. */
-function bestElevation(
-  { count, x, y, z, heights, nearDetails }: FittedSplats,
-  right: Vec3,
-  back: Vec3,
-): number {
+function bestElevation(fitted: FittedSplats, right: Vec3, back: Vec3): number {
+  const { count, heights, nearDetails } = fitted;
   const spread = (values: Float64Array) =>
     weightedQuantile(values, nearDetails, count, 0.9) - weightedQuantile(values, nearDetails, count, 0.1);
-  const along = (axis: Vec3) => x.map((value, i) => value * axis[0] + y[i] * axis[1] + z[i] * axis[2]);
-  const length = Math.max(spread(along(right)), spread(along(back)));
+  const length = Math.max(spread(alongAxis(fitted, right)), spread(alongAxis(fitted, back)));
   const flatness = length > 0 ? Math.min(1, Math.max(0, 1 - (4 * spread(heights)) / length)) : 0;
   return (14 + 18 * flatness) * DEGREE;
+}
+
+function alongAxis({ x, y, z }: FittedSplats, axis: Vec3): Float64Array {
+  return x.map((value, i) => value * axis[0] + y[i] * axis[1] + z[i] * axis[2]);
 }
 
 function scaled(v: Vec3, s: number): Vec3 {

@@ -13,12 +13,16 @@ const ACROSS = 0.2;
 /** Shares of all directions that are as near to an axis, or to the plane across it. */
 const RANDOM_ALONG = 1 - ALONG;
 const RANDOM_ACROSS = ACROSS;
-/** Least score of a direction that tells anything: 3 if normals point anywhere. */
-const TELLING = 4.8;
-/** An axis of the file with so much of the best score is up. */
-const ALMOST = 0.9;
-/** The same for an axis along which the scene is flat: walls of a room tell of every axis. */
-const ALMOST_FLAT = 0.7;
+/**
+ * Least score of a direction that tells anything, 3 if normals point anywhere: of places, and of
+ * objects, which have no floor.
+ */
+const TELLING = { place: 4.8, object: 5.5 } as const;
+/**
+ * An axis of the file with so much of the best score is up; less is enough for one along which the
+ * scene is flat, as walls of a room tell of every axis.
+ */
+const ALMOST = { place: 0.9, object: 0.8, flat: 0.7 } as const;
 /** Part of the least extent across an axis, along which a flat scene extends less. */
 const FLAT = 0.6;
 /** Cosine of 10°: nearer directions are that axis. */
@@ -31,7 +35,6 @@ const BOTTOM_BINS = 6;
 export interface FoundUp {
   /** Unit vector. */
   readonly up: Vec3;
-  readonly how: 'convention' | 'axis' | 'surfaces';
   /** 0…1: how clearly floors and walls tell it. */
   readonly confidence: number;
   /** Height of the ground along up from the centre, in units of the detail; null if none was found. */
@@ -43,52 +46,69 @@ export interface FoundUp {
 /** What is found where up is known. */
 export function knownUp(detail: SceneDetail, up: Vec3): FoundUp {
   const { height, isCeiling } = findGround(detail, up);
-  return { up, how: 'convention', confidence: 1, ground: isCeiling ? null : height, isCeiling: false };
+  return { up, confidence: 1, ground: isCeiling ? null : height, isCeiling: false };
 }
 
-/**
- * Finds up by floors, whose splats have their shortest axis along it, and by walls, across it.
- *
- * @param convention up in most files of the format, where nothing else tells: a unit vector.
- */
-export function findUp(detail: SceneDetail, convention: Vec3): FoundUp {
+/** What the surfaces of a scene tell of its directions. */
+export interface Surfaces {
+  readonly flat: FlatSplats;
+  /** The direction that most tell to be up, either way, and how clearly. */
+  readonly best: Vec3;
+  readonly bestScore: number;
+}
+
+/** Looks for floors, whose splats have their shortest axis along up, and for walls, across it. */
+export function findSurfaces(detail: SceneDetail): Surfaces {
   const flat = flatSplats(detail);
-  if (flat.count < FEWEST_FLAT)
-    return { up: convention, how: 'convention', confidence: 0, ground: null, isCeiling: false };
   let best = DIRECTIONS[0];
   let bestScore = 0;
+  if (flat.count < FEWEST_FLAT) return { flat, best, bestScore };
   for (const direction of DIRECTIONS) {
     const score = upScore(flat, direction);
     if (score > bestScore) [best, bestScore] = [direction, score];
   }
   for (const cone of [0.94, 0.97, 0.985]) best = meanNormal(flat, best, cone);
-  const { up, how } = chooseUp(detail, flat, { best, bestScore }, convention);
+  return { flat, best, bestScore };
+}
+
+/**
+ * Finds up.
+ *
+ * @param convention up in most files of the format, where nothing else tells: a unit vector.
+ */
+export function findUp(
+  detail: SceneDetail,
+  surfaces: Surfaces,
+  convention: Vec3,
+  of: 'place' | 'object',
+): FoundUp {
+  const up = chooseUp(detail, surfaces, convention, of);
   const { height, isCeiling } = findGround(detail, up);
-  const confidence = Math.min(1, Math.max(0, (bestScore - 3) / TELLING));
-  return { up, how, confidence, ground: height, isCeiling };
+  const confidence = Math.min(1, Math.max(0, (surfaces.bestScore - 3) / 4));
+  return { up, confidence, ground: height, isCeiling };
 }
 
 /** The same scene with what was up down. */
-export function turnedOver({ up, how, confidence, ground }: FoundUp): FoundUp {
-  return { up: negated(up), how, confidence, ground: ground === null ? null : -ground, isCeiling: false };
+export function turnedOver({ up, confidence, ground }: FoundUp): FoundUp {
+  return { up: negated(up), confidence, ground: ground === null ? null : -ground, isCeiling: false };
 }
 
 function chooseUp(
   detail: SceneDetail,
-  flat: FlatSplats,
-  { best, bestScore }: { readonly best: Vec3; readonly bestScore: number },
+  { flat, best, bestScore }: Surfaces,
   convention: Vec3,
-): Pick<FoundUp, 'up' | 'how'> {
-  if (bestScore < TELLING) return { up: convention, how: 'convention' };
-  const enough = isFlatAlong(detail, convention) ? ALMOST_FLAT : ALMOST;
-  if (upScore(flat, convention) > enough * bestScore) return { up: convention, how: 'convention' };
+  of: 'place' | 'object',
+): Vec3 {
+  if (bestScore < TELLING[of]) return convention;
+  const enough = isFlatAlong(detail, convention) ? ALMOST.flat : ALMOST[of];
+  if (upScore(flat, convention) > enough * bestScore) return convention;
   const z: Vec3 = [0, 0, 1];
   const [towards, towardsZ] = [dot(best, convention), dot(best, z)];
-  const axis = Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
-  if (Math.max(Math.abs(towards), Math.abs(towardsZ)) > NEAR_AXIS) return { up: axis, how: 'axis' };
-  if (upScore(flat, z) > ALMOST * bestScore) return { up: z, how: 'axis' };
+  if (Math.max(Math.abs(towards), Math.abs(towardsZ)) > NEAR_AXIS)
+    return Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
+  if (upScore(flat, z) > ALMOST.place * bestScore) return z;
   const sign = Math.abs(towards) < 0.2 ? towardsZ : towards;
-  return { up: sign < 0 ? negated(best) : best, how: 'surfaces' };
+  return sign < 0 ? negated(best) : best;
 }
 
 /** Whether a scene is lower along an axis than it is wide across it, as rooms and places are. */
@@ -205,6 +225,6 @@ function findGround(
   }
   let bottom = 0;
   for (let k = 0; k < BOTTOM_BINS; k++) bottom += bins[k];
-  const isFloorless = bottom < 0.3 * smooth[peak];
+  const isFloorless = bottom < 0.45 * smooth[peak];
   return { height, isCeiling: above < 0.2 * below && isFloorless };
 }

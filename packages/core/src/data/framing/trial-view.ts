@@ -46,6 +46,8 @@ export interface TrialPicture {
   readonly empty: number;
   /** The rest: blurred in front. */
   readonly fog: number;
+  /** Mean depth of the detail that is visible; 0 if none is. */
+  readonly depth: number;
 }
 
 export interface FrameShape {
@@ -100,7 +102,7 @@ export class TrialViews {
     this.#grid = { columns, rows };
     this.#middleWeights = middleWeights(columns, rows);
     this.#depthBits = new Uint32Array(count);
-    this.#drawn = Array.from({ length: 6 }, () => new Float64Array(count));
+    this.#drawn = Array.from({ length: 7 }, () => new Float64Array(count));
     this.#levels = new Uint8Array(count);
     this.#order = new Uint32Array(count);
     this.#slice = Array.from({ length: LEVELS }, (_, level) =>
@@ -131,7 +133,7 @@ export class TrialViews {
     const { tangentX, tangentY } = this.#shape;
     const { columns, rows } = this.#grid;
     const [xs, ys, zs, sigmas, areas, opacities, details] = this.#columns;
-    const [cellX, cellY, depths, sharps, backgrounds, seen] = this.#drawn;
+    const [cellX, cellY, depths, sharps, backgrounds, seen, away] = this.#drawn;
     const focalPx = SHORTER_SIDE_PX / 2 / Math.min(tangentX, tangentY);
     const nearest = NEAR_PART * distance;
     let framed = 0;
@@ -159,6 +161,7 @@ export class TrialViews {
       sharps[kept] = opticalDepth * sharp;
       backgrounds[kept] = depth > distance ? opticalDepth * (1 - sharp) : 0;
       seen[kept] = x > -1 && x < 1 && y > -1 && y < 1 ? details[i] : 0;
+      away[kept] = depth;
       this.#levels[kept] = level;
       this.#depthBits[kept] = depthBin(depth / nearest);
       kept++;
@@ -177,11 +180,12 @@ export class TrialViews {
 
   #blend(kept: number): Omit<TrialPicture, 'framed'> {
     const { columns, rows } = this.#grid;
-    const [cellX, cellY, depths, sharps, backgrounds, seen] = this.#drawn;
+    const [cellX, cellY, depths, sharps, backgrounds, seen, away] = this.#drawn;
     const transmittance = this.#transmittance.fill(1);
     const sharp = this.#sharp.fill(0);
     const background = this.#background.fill(0);
     let visible = 0;
+    let visibleDepth = 0;
     for (let slice = 0; slice < SLICES; slice++) {
       const [start, end] = [slice, slice + 1].map((at) => Math.floor((at * kept) / SLICES));
       if (start === end) continue;
@@ -197,12 +201,20 @@ export class TrialViews {
         depth[at] += depths[i];
         sharpDepth[at] += sharps[i];
         backgroundDepth[at] += backgrounds[i];
-        if (seen[i] > 0) visible += seen[i] * transmittance[cellY[i] * columns + cellX[i]];
+        if (seen[i] === 0) continue;
+        const unhidden = seen[i] * transmittance[cellY[i] * columns + cellX[i]];
+        visible += unhidden;
+        visibleDepth += unhidden * away[i];
       }
       this.#spread(largest);
       this.#composite(this.#slice[0]);
     }
-    return { visible: visible / this.#totalDetail, ...this.#shares(transmittance, sharp, background, rows) };
+    const depth = visible > 0 ? visibleDepth / visible : 0;
+    return {
+      visible: visible / this.#totalDetail,
+      depth,
+      ...this.#shares(transmittance, sharp, background, rows),
+    };
   }
 
   /** Adds what large splats have put into coarse cells to the fine ones. */
