@@ -5,15 +5,15 @@ import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import type { FramingWishes, SceneKind } from './scene-framing.ts';
 import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
-import { weightedQuantile } from './weighted-quantile.ts';
+import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats that trial pictures draw, of all candidates and of the best of them. */
 const FEW = 2048;
 const MANY = 8192;
 /** Splats by which distances are fitted. */
-const FITTED = 4096;
+const FITTED = 2048;
 /** Candidates that are drawn again with more splats. */
-const FINALISTS = 16;
+const FINALISTS = 12;
 const DEGREE = Math.PI / 180;
 const FIRST_AZIMUTH = 0.35;
 const AZIMUTHS = Array.from({ length: 12 }, (_, i) => FIRST_AZIMUTH + (i * Math.PI) / 6);
@@ -24,8 +24,8 @@ const ELEVATIONS = [6, 18, 32].map((degrees) => degrees * DEGREE);
 const INSIDE_ELEVATION = 5 * DEGREE;
 /** Places of a grid, of so many on a side, that cameras within a scene are tried at. */
 const INSIDE_GRID = 7;
-/** Heights of their eyes, as parts of the height of most detail. */
-const EYES = [0.4, 0.6];
+/** Height of their eyes, as a part of the height of most detail. */
+const EYES = 0.5;
 /** Distance of the point about which a camera within a scene turns, before it is known. */
 const INSIDE_DISTANCE = 0.3;
 /** Part of the frame's half height and width that what is fitted may take. */
@@ -215,22 +215,17 @@ class CameraTrial {
   /** Places all over the scene at the height of eyes, and all directions. */
   #insideCandidates(): Candidate[] {
     const { count, heights, nearDetails } = this.#fitted;
-    const rangeOf = (values: Float64Array) =>
-      [0.05, 0.95].map((part) => weightedQuantile(values, nearDetails, count, part));
+    const rangeOf = (values: Float64Array) => weightedQuantiles(values, nearDetails, count, [0.05, 0.95]);
     const [minX, maxX] = rangeOf(alongAxis(this.#fitted, this.#x));
     const [minZ, maxZ] = rangeOf(alongAxis(this.#fitted, this.#z));
     const [bottom, top] = rangeOf(heights);
     const steps = Array.from({ length: INSIDE_GRID }, (_, i) => (i + 0.5) / INSIDE_GRID);
-    const places = EYES.flatMap((eye) =>
-      steps.flatMap((u) =>
-        steps.map((v): Vec3 => {
-          const level = plus(scaled(this.#x, minX + u * (maxX - minX)), this.#z, minZ + v * (maxZ - minZ));
-          return plus(level, this.#up, bottom + eye * (top - bottom));
-        }),
-      ),
-    );
-    return places.flatMap((place) =>
-      OUTWARDS.map((azimuth) => this.#insideCandidate(place, azimuth, INSIDE_ELEVATION)),
+    return steps.flatMap((u) =>
+      steps.flatMap((v) => {
+        const level = plus(scaled(this.#x, minX + u * (maxX - minX)), this.#z, minZ + v * (maxZ - minZ));
+        const place = plus(level, this.#up, bottom + EYES * (top - bottom));
+        return OUTWARDS.map((azimuth) => this.#insideCandidate(place, azimuth, INSIDE_ELEVATION));
+      }),
     );
   }
 
@@ -360,7 +355,7 @@ class CameraTrial {
     for (let i = 0; i < count; i++) scratch[i] = x[i] * back[0] + y[i] * back[1] + z[i] * back[2];
     let target = scaled(back, this.#middleOf(0.01));
     let distance = this.#fitDistance(back, details, 0.99, target);
-    for (let step = 0; step < 3; step++) {
+    for (let step = 0; step < 2; step++) {
       for (const axis of [right, above]) {
         for (let i = 0; i < count; i++) {
           const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
@@ -377,7 +372,7 @@ class CameraTrial {
   /** The middle between what this part of the detail lies below and above. */
   #middleOf(part: number): number {
     const { count, details, scratch } = this.#fitted;
-    const [low, high] = [part, 1 - part].map((at) => weightedQuantile(scratch, details, count, at));
+    const [low, high] = weightedQuantiles(scratch, details, count, [part, 1 - part]);
     return (low + high) / 2;
   }
 
@@ -433,8 +428,10 @@ function fittedSplats(detail: SceneDetail, up: Vec3): FittedSplats {
 /** Flat scenes are seen best from higher up. */
 function bestElevation(fitted: FittedSplats, right: Vec3, back: Vec3): number {
   const { count, heights, nearDetails } = fitted;
-  const spread = (values: Float64Array) =>
-    weightedQuantile(values, nearDetails, count, 0.9) - weightedQuantile(values, nearDetails, count, 0.1);
+  const spread = (values: Float64Array) => {
+    const [low, high] = weightedQuantiles(values, nearDetails, count, [0.1, 0.9]);
+    return high - low;
+  };
   const length = Math.max(spread(alongAxis(fitted, right)), spread(alongAxis(fitted, back)));
   const flatness = length > 0 ? Math.min(1, Math.max(0, 1 - (4 * spread(heights)) / length)) : 0;
   return (14 + 18 * flatness) * DEGREE;

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { cross, dot, hemisphere, negated, unit } from './directions.ts';
 import type { SceneDetail } from './scene-detail.ts';
-import { weightedQuantile } from './weighted-quantile.ts';
+import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats that are asked, and directions that are tried. */
 const MOST_FLAT = 4096;
@@ -27,6 +27,8 @@ const ALMOST = { place: 0.9, object: 0.8, flat: 0.7 } as const;
 const FLAT = 0.6;
 /** Cosine of 10°: nearer directions are that axis. */
 const NEAR_AXIS = 0.984807753012208;
+/** Splats by which the ground is found. */
+const MOST_NEAR = 8192;
 const GROUND_BINS = 40;
 /** A floor is looked for in so many of them. */
 const BOTTOM_BINS = 6;
@@ -116,7 +118,7 @@ function isFlatAlong({ count, x, y, z, nearDetails }: SceneDetail, axis: Vec3): 
   const across = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
   const [along, ...others] = [axis, across, cross(axis, across)].map((direction) => {
     const values = x.map((value, i) => value * direction[0] + y[i] * direction[1] + z[i] * direction[2]);
-    const [low, high] = [0.05, 0.95].map((part) => weightedQuantile(values, nearDetails, count, part));
+    const [low, high] = weightedQuantiles(values, nearDetails, count, [0.05, 0.95]);
     return high - low;
   });
   return along < FLAT * Math.min(...others);
@@ -195,11 +197,11 @@ function findGround(
   up: Vec3,
 ): { readonly height: number | null; readonly isCeiling: boolean } {
   const near: number[] = [];
-  for (let i = 0; i < count; i++) if (distances[i] < farReach) near.push(i);
+  const step = Math.max(1, Math.floor(count / MOST_NEAR));
+  for (let i = 0; i < count; i += step) if (distances[i] < farReach) near.push(i);
   const ones = new Float64Array(near.length).fill(1);
   const heights = Float64Array.from(near, (i) => x[i] * up[0] + y[i] * up[1] + z[i] * up[2]);
-  const low = weightedQuantile(heights, ones, near.length, 0.005);
-  const high = weightedQuantile(heights, ones, near.length, 0.995);
+  const [low, high] = weightedQuantiles(heights, ones, near.length, [0.005, 0.995]);
   if (!(high > low)) return { height: null, isCeiling: false };
   const areas = Float64Array.from(near, (i) => sigmas[3 * i + 1] * sigmas[3 * i + 2]);
   const largest = weightedQuantile(areas, ones, near.length, 0.9);
