@@ -8,7 +8,7 @@ const MUCH_MORE = {
   /** A direction that surfaces tell clearly. */
   surfaces: 1.15,
   /** One that they tell weakly. */
-  weak: 1.6,
+  weak: 1.8,
 } as const;
 /** The usual up is turned over if so many times more is visible from below. */
 const MUCH_LESS = {
