@@ -25,6 +25,8 @@ const TELLING = { place: 4.8, object: 5.5 } as const;
 const ALMOST = { place: 0.9, object: 0.8, flat: 0.7 } as const;
 /** Part of the least extent across an axis, along which a flat scene extends less. */
 const FLAT = 0.6;
+/** Most files keep to the convention, where nothing tells against it. */
+export const USUAL_CONFIDENCE = 0.6;
 /** Cosine of 10°: nearer directions are that axis. */
 const NEAR_AXIS = 0.984807753012208;
 /** Splats by which the ground is found. */
@@ -37,7 +39,7 @@ const BOTTOM_BINS = 6;
 export interface FoundUp {
   /** Unit vector. */
   readonly up: Vec3;
-  /** 0…1: how clearly floors and walls tell it. */
+  /** 0…1: below about 0.5 another is as likely. */
   readonly confidence: number;
   /** Height of the ground along up from the centre, in units of the detail; null if none was found. */
   readonly ground: number | null;
@@ -93,7 +95,8 @@ export function findUp(
         ? signed(surfaces.best, convention)
         : chooseUp(detail, surfaces, convention, by);
   const { height, isCeiling } = findGround(detail, up);
-  const confidence = Math.min(1, Math.max(0, (surfaces.bestScore - 3) / 4));
+  const told = Math.min(1, Math.max(0, (surfaces.bestScore - 3) / 4));
+  const confidence = up === convention ? Math.max(USUAL_CONFIDENCE, told) : told;
   return { up, confidence, ground: height, isCeiling };
 }
 

@@ -80,7 +80,7 @@ describe('up', () => {
     const cloud = new MadeScene().cloud([-1, -1, -1], [1, 1, 1], 3000, 0.02).sample();
     expect(framed(cloud).up).toEqual([0, -1, 0]);
     expect(framed(cloud, { usualUp: [0, 1, 0] }).up).toEqual([0, 1, 0]);
-    expect(framed(cloud).confidence.up).toBe(0);
+    expect(framed(cloud).confidence.up).toBeLessThan(0.7);
   });
 });
 
