@@ -1,6 +1,9 @@
 import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { BLOB_PRECISION } from '../../data/packing/precision.ts';
 import type { CloudSight, StreamReport } from '../cloud-stream.ts';
+import { type CoarseSplats, chunksWithoutBounds } from '../coarse-splats.ts';
 import { ViewedStream } from '../viewed-stream.ts';
 import {
   BrickDemand,
@@ -11,6 +14,7 @@ import {
   type ValuedBrick,
 } from './brick-demand.ts';
 import type { BrickPool, PlacedBrick, PlacedCell, PoolSlots } from './brick-pool.ts';
+import { STREAM_PRECISION } from './chunk-pages.ts';
 
 /** Runs of bricks that are fetched at once. */
 const FETCHED_AT_ONCE = 4;
@@ -85,6 +89,17 @@ export class BrickStream extends ViewedStream {
   lackingCells(): Set<number> {
     this.catchUp();
     return new Set(this.#missing.map(({ above }) => above.cell));
+  }
+
+  /** The leaves of the brick below the root, of which it stands for sixteen; of a scene of one brick, its splats. */
+  async coarse(signal?: AbortSignal): Promise<CoarseSplats> {
+    const { level, cells, geometry } = await this.#scene.read(
+      this.#root.cells[0].child ?? this.#scene.root,
+      signal,
+    );
+    const precision = level === 0 ? STREAM_PRECISION.geometryPrecision : BLOB_PRECISION.geometryPrecision;
+    const span = { first: 0, count: CHUNK_SPLATS * cells.length, chunks: chunksWithoutBounds(cells) };
+    return { count: span.count, precision, words: geometry, spans: () => [span] };
   }
 
   /** Makes room for more or fewer bricks; the most valuable ones stay. */

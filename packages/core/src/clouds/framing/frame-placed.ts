@@ -1,0 +1,31 @@
+import type { FramingWishes, SceneFraming } from '../../data/framing/scene-framing.ts';
+import { buildOfPieces } from '../build-of-geometry.ts';
+import { FramingBuilder, type FramingPlan, type FramingResult } from './framing-builder.ts';
+import { type PlacedCloud, readSamples } from './read-samples.ts';
+import type { SampledSplats } from './sampled-splats.ts';
+
+/**
+ * Frames placed clouds, in a worker where one can start. It does not take turns with loads: the
+ * first picture of their previews waits for it.
+ *
+ * @returns null if no splat can be seen.
+ * @throws as `readSamples`; WebSplatterError `worker-failed` if the worker dies.
+ */
+export async function framePlaced(
+  placed: readonly PlacedCloud[],
+  wishes: FramingWishes,
+  signal: AbortSignal | undefined,
+): Promise<SceneFraming | null> {
+  const { samples, weight } = await readSamples(placed, signal);
+  if (samples.every(({ instances }) => instances.length === 0)) return null;
+  const { framing } = await buildOfPieces<FramingPlan, FramingResult, SampledSplats>(samples, {
+    what: 'framing',
+    subject: 'The framing of a scene',
+    plan: { wishes, weight },
+    // In one piece, since this is the form that bundlers recognise.
+    makeWorker: () => new Worker(new URL('./framing-worker.ts', import.meta.url), { type: 'module' }),
+    make: (plan) => new FramingBuilder(plan, signal),
+    signal,
+  });
+  return framing;
+}

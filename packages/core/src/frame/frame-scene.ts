@@ -1,0 +1,33 @@
+import type { SceneFraming } from '../data/framing/scene-framing.ts';
+import { checkKind, given } from '../data/given.ts';
+import type { FrameSceneOptions } from './frame-clouds.ts';
+import type { CloudInstance } from './frame-request.ts';
+
+/**
+ * Finds a first camera for a scene: where its detail lies, which way is up, whether it is an object
+ * or a place, and from where most of the detail is sharp, in the frame and unhidden.
+ *
+ * It looks at up to 65,536 splats of all clouds, spread evenly, and works in a worker if one can
+ * start. Previews are framed by the splats that have arrived, streamed scenes by their coarsest
+ * level. Edits and morphs count; effects do not, but for opacities. The same splats give the same
+ * answer on every machine.
+ *
+ * @returns null if no splat can be seen.
+ * @throws InvalidArgumentError naming the invalid argument; DestroyedError if a cloud, its engine or
+ *   its device ends first; GpuLimitError if memory is lacking; SplatSourceError for a preview that is
+ *   about to be replaced, and for a streamed scene that cannot be read; WebSplatterError
+ *   `worker-failed` if the worker dies; the signal's reason.
+ * @example
+ * const framing = await frameScene([{ cloud }], { aspect: canvas.width / canvas.height });
+ * if (framing) camera = perspectiveCamera({ ...framing, aspect, near: 0.01, far: 1000 });
+ */
+export async function frameScene(
+  clouds: readonly CloudInstance[],
+  options: FrameSceneOptions = {},
+): Promise<SceneFraming | null> {
+  given(options);
+  checkKind('clouds', clouds, 'a list');
+  // Pages that frame nothing do not load this module.
+  const { frameClouds } = await import('./frame-clouds.ts');
+  return frameClouds(clouds, options);
+}
