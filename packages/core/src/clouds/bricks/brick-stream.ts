@@ -52,6 +52,9 @@ export class BrickStream extends ViewedStream {
   #refused = 0;
   #fetchedBytes: number;
   #askedBytes: number;
+  /** Bricks that `coarse` has read, by number, until a view asks for them or lacks nothing. */
+  readonly #ahead = new Map<number, Brick>();
+  #coarse: CoarseSplats | null = null;
 
   /** @param root the root of `scene`, in `pool`. */
   constructor(scene: BrickScene, pool: BrickPool, root: PlacedBrick) {
@@ -91,15 +94,29 @@ export class BrickStream extends ViewedStream {
     return new Set(this.#missing.map(({ above }) => above.cell));
   }
 
-  /** The leaves of the brick below the root, of which it stands for sixteen; of a scene of one brick, its splats. */
+  /** The leaves of the finest level that takes few enough bytes to read, whatever views have asked for. */
   async coarse(signal?: AbortSignal): Promise<CoarseSplats> {
-    const { level, cells, geometry } = await this.#scene.read(
-      this.#root.cells[0].child ?? this.#scene.root,
-      signal,
-    );
-    const precision = level === 0 ? STREAM_PRECISION.geometryPrecision : BLOB_PRECISION.geometryPrecision;
-    const span = { first: 0, count: CHUNK_SPLATS * cells.length, chunks: chunksWithoutBounds(cells) };
-    return { count: span.count, precision, words: geometry, spans: () => [span] };
+    this.#coarse ??= coarseSplats(await this.#coarseBricks(signal));
+    return this.#coarse;
+  }
+
+  async #coarseBricks(signal: AbortSignal | undefined): Promise<readonly Brick[]> {
+    let bricks: readonly Brick[] = [];
+    let below = addressesBelow(this.#root);
+    // The root itself, 256 blobs, tells too little.
+    while (below.length > 0 && (bricks.length === 0 || bytesOf(below) <= MOST_BYTES_AT_FIRST)) {
+      bricks = await Promise.all(below.map((address) => this.#readAhead(address, signal)));
+      below = bricks.flatMap(addressesBelow);
+    }
+    return bricks.length > 0 ? bricks : [await this.#scene.read(this.#scene.root, signal)];
+  }
+
+  /** Reads a brick, and keeps it until a view asks for it. */
+  async #readAhead(address: BrickAddress, signal: AbortSignal | undefined): Promise<Brick> {
+    const brick = await this.#scene.read(address, signal);
+    this.#fetchedBytes += address.bytes;
+    this.#ahead.set(address.number, brick);
+    return brick;
   }
 
   /** Makes room for more or fewer bricks; the most valuable ones stay. */
@@ -148,6 +165,7 @@ export class BrickStream extends ViewedStream {
     }
     const waitsForPicture =
       !this.isPictured && !this.error && !needed.every(({ number }) => this.#fetches.has(number));
+    if (this.isSeen && lacking.length === 0) this.#ahead.clear();
     const fetches = this.error ? this.#fetches.size : this.#neededFetches.length;
     this.settle(fetches === 0 && !waitsForPicture);
   }
@@ -214,9 +232,7 @@ export class BrickStream extends ViewedStream {
     this.#fetches.set(address.number, fetch);
     this.#askedBytes += address.bytes;
     try {
-      const brick = await this.#scene.read(address, ending.signal);
-      this.#fetchedBytes += address.bytes;
-      this.rate.take(address.bytes);
+      const brick = await this.#read(address, ending.signal);
       await this.#pool.ready(brick.level);
       fetch.brick = brick;
     } catch (error) {
@@ -224,6 +240,15 @@ export class BrickStream extends ViewedStream {
       if (!ending.signal.aborted) this.error = error as Error;
     }
     this.followSoon();
+  }
+
+  async #read(address: BrickAddress, signal: AbortSignal): Promise<Brick> {
+    const ahead = this.#ahead.get(address.number);
+    if (ahead) return ahead;
+    const brick = await this.#scene.read(address, signal);
+    this.#fetchedBytes += address.bytes;
+    this.rate.take(address.bytes);
+    return brick;
   }
 
   protected whenDone(): Promise<unknown> {
@@ -247,6 +272,7 @@ export class BrickStream extends ViewedStream {
     let placed = 0;
     for (const { brick, above, ending } of arrived) {
       this.#fetches.delete(above.child!.number);
+      this.#ahead.delete(above.child!.number);
       if (ending.signal.aborted) continue;
       try {
         placed += Number(this.#take(brick, above));
@@ -274,6 +300,29 @@ export class BrickStream extends ViewedStream {
   #ranked(level: number): readonly ResidentBrick[] {
     return this.#demand.ranked(this.#pool.bricks.filter((brick) => (brick.level === 0) === (level === 0)));
   }
+}
+
+/** The addresses of the bricks below one. */
+function addressesBelow({ cells }: Pick<Brick | PlacedBrick, 'cells'>): BrickAddress[] {
+  return cells.flatMap(({ child }) => child ?? []);
+}
+
+function bytesOf(addresses: readonly BrickAddress[]): number {
+  return addresses.reduce((sum, { bytes }) => sum + bytes, 0);
+}
+
+/** Leaves of bricks of one level. */
+function coarseSplats(bricks: readonly Brick[]): CoarseSplats {
+  const cells = bricks.flatMap((brick) => brick.cells);
+  const words = new Uint32Array(bricks.reduce((sum, { geometry }) => sum + geometry.length, 0));
+  let end = 0;
+  for (const { geometry } of bricks) {
+    words.set(geometry, end);
+    end += geometry.length;
+  }
+  const { geometryPrecision: precision } = bricks[0].level === 0 ? STREAM_PRECISION : BLOB_PRECISION;
+  const span = { first: 0, count: CHUNK_SPLATS * cells.length, chunks: chunksWithoutBounds(cells) };
+  return { count: span.count, precision, words, spans: () => [span] };
 }
 
 /** Whether views would draw a brick, as they are now. */
