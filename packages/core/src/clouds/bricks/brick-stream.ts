@@ -52,8 +52,11 @@ export class BrickStream extends ViewedStream {
   #refused = 0;
   #fetchedBytes: number;
   #askedBytes: number;
-  /** Bricks that `coarse` has read, by number, until a view asks for them or lacks nothing. */
-  readonly #ahead = new Map<number, Brick>();
+  /**
+   * Bricks that are being read, by number, and those that `coarse` has read, until a view asks for
+   * them or lacks nothing.
+   */
+  readonly #reads = new Map<number, Promise<Brick>>();
   #coarse: CoarseSplats | null = null;
 
   /** @param root the root of `scene`, in `pool`. */
@@ -105,18 +108,33 @@ export class BrickStream extends ViewedStream {
     let below = addressesBelow(this.#root);
     // The root itself, 256 blobs, tells too little.
     while (below.length > 0 && (bricks.length === 0 || bytesOf(below) <= MOST_BYTES_AT_FIRST)) {
-      bricks = await Promise.all(below.map((address) => this.#readAhead(address, signal)));
+      bricks = await Promise.all(below.map((address) => this.#read(address, signal)));
       below = bricks.flatMap(addressesBelow);
     }
     return bricks.length > 0 ? bricks : [await this.#scene.read(this.#scene.root, signal)];
   }
 
-  /** Reads a brick, and keeps it until a view asks for it. */
-  async #readAhead(address: BrickAddress, signal: AbortSignal | undefined): Promise<Brick> {
-    const brick = await this.#scene.read(address, signal);
-    this.#fetchedBytes += address.bytes;
-    this.#ahead.set(address.number, brick);
-    return brick;
+  /** Reads a brick once for all that ask for it meanwhile. */
+  async #read(address: BrickAddress, signal: AbortSignal | undefined): Promise<Brick> {
+    const { number, bytes } = address;
+    const other = this.#reads.get(number);
+    if (other) {
+      const brick = await other.catch(() => null);
+      if (brick) return brick;
+      // Whoever was reading it may have called that off.
+      signal?.throwIfAborted();
+    }
+    const reading = this.#scene.read(address, signal);
+    this.#reads.set(number, reading);
+    try {
+      const brick = await reading;
+      this.#fetchedBytes += bytes;
+      this.rate.take(bytes);
+      return brick;
+    } catch (error) {
+      if (this.#reads.get(number) === reading) this.#reads.delete(number);
+      throw error;
+    }
   }
 
   /** Makes room for more or fewer bricks; the most valuable ones stay. */
@@ -165,7 +183,7 @@ export class BrickStream extends ViewedStream {
     }
     const waitsForPicture =
       !this.isPictured && !this.error && !needed.every(({ number }) => this.#fetches.has(number));
-    if (this.isSeen && lacking.length === 0) this.#ahead.clear();
+    if (this.isSeen && lacking.length === 0) this.#reads.clear();
     const fetches = this.error ? this.#fetches.size : this.#neededFetches.length;
     this.settle(fetches === 0 && !waitsForPicture);
   }
@@ -235,20 +253,12 @@ export class BrickStream extends ViewedStream {
       const brick = await this.#read(address, ending.signal);
       await this.#pool.ready(brick.level);
       fetch.brick = brick;
+      this.#reads.delete(address.number);
     } catch (error) {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.error = error as Error;
     }
     this.followSoon();
-  }
-
-  async #read(address: BrickAddress, signal: AbortSignal): Promise<Brick> {
-    const ahead = this.#ahead.get(address.number);
-    if (ahead) return ahead;
-    const brick = await this.#scene.read(address, signal);
-    this.#fetchedBytes += address.bytes;
-    this.rate.take(address.bytes);
-    return brick;
   }
 
   protected whenDone(): Promise<unknown> {
@@ -272,7 +282,6 @@ export class BrickStream extends ViewedStream {
     let placed = 0;
     for (const { brick, above, ending } of arrived) {
       this.#fetches.delete(above.child!.number);
-      this.#ahead.delete(above.child!.number);
       if (ending.signal.aborted) continue;
       try {
         placed += Number(this.#take(brick, above));
