@@ -22,7 +22,7 @@ export interface FrameSceneOptions {
    * of the files defines it (glTF); else as floors and walls tell it.
    */
   readonly up?: Vec3;
-  /** How to look at the scene. Default: what is found. */
+  /** How to look at the scene. Default: the kind that is found. */
   readonly kind?: SceneKind;
   /** Calls the work off. */
   readonly signal?: AbortSignal;
@@ -41,7 +41,7 @@ export async function frameClouds(
 }
 
 /**
- * Returns what is to be framed, and how; null if no cloud is drawn.
+ * Returns the clouds to frame, and the wishes; null if no cloud is drawn.
  *
  * @throws InvalidArgumentError naming the argument, DestroyedError, GpuLimitError.
  */

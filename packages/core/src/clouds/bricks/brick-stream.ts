@@ -53,7 +53,7 @@ export class BrickStream extends ViewedStream {
   #fetchedBytes: number;
   #askedBytes: number;
   /**
-   * Bricks that are being read, by number, and those that `coarse` has read, until a view asks for
+   * By number: bricks that are being read, and bricks that `coarse` has read, until a view asks for
    * them or lacks nothing.
    */
   readonly #reads = new Map<number, Promise<Brick>>();
@@ -97,7 +97,7 @@ export class BrickStream extends ViewedStream {
     return new Set(this.#missing.map(({ above }) => above.cell));
   }
 
-  /** The leaves of the finest level that takes few enough bytes to read, whatever views have asked for. */
+  /** The leaves of the finest level that takes few enough bytes to read: the views do not matter. */
   async coarse(signal?: AbortSignal): Promise<CoarseSplats> {
     this.#coarse ??= coarseSplats(await this.#coarseBricks(signal));
     return this.#coarse;
@@ -121,7 +121,7 @@ export class BrickStream extends ViewedStream {
     if (other) {
       const brick = await other.catch(() => null);
       if (brick) return brick;
-      // Whoever was reading it may have called that off.
+      // The other caller may have called it off.
       signal?.throwIfAborted();
     }
     const reading = this.#scene.read(address, signal);

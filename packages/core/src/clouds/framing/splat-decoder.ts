@@ -4,8 +4,8 @@ import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
 /**
- * Brings sampled splats to the world, without those that are hidden, or have no opacity: the same
- * numbers on every machine, bit for bit.
+ * Brings sampled splats to the world and leaves hidden and fully transparent ones out. The numbers
+ * are the same on every machine, bit for bit.
  */
 export function decodeSamples(parts: readonly SampledSplats[], weight: number): SplatSample {
   const most = parts.reduce((sum, { instances }) => sum + instances.length, 0);
