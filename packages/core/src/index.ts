@@ -42,9 +42,11 @@ export {
 } from './data/camera/camera.ts';
 export type { DepthConvention } from './data/camera/depth-convention.ts';
 export * from './data/errors.ts';
+export type { SceneFraming, SceneKind } from './data/framing/scene-framing.ts';
 export { callListener, Listeners } from './data/listeners.ts';
 export type { Vec3 } from './data/math/mat4.ts';
 export { type CloudFacts, cloudFacts } from './data/packing/cloud-facts.ts';
+export { fileUp } from './data/packing/file-up.ts';
 export { GEOMETRY_WORDS } from './data/packing/geometry.ts';
 export {
   type Harmonics,
@@ -92,8 +94,10 @@ export {
   type FixedDetail,
   isFixedDetail,
 } from './frame/detail.ts';
+export type { FrameSceneOptions } from './frame/frame-clouds.ts';
 export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
+export { frameScene } from './frame/frame-scene.ts';
 export type { EffectEntry } from './frame/ledger/ledger.ts';
 export type { EmbeddedImage } from './frame/parts/compose.ts';
 export {

@@ -1,4 +1,5 @@
 import { COLLIDER_BUILDERS } from './clouds/collider/build-collider.ts';
+import { FRAMING_BUILDERS } from './clouds/framing/framing-builder.ts';
 import { type BuildPort, serveBuilder } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
@@ -16,7 +17,7 @@ port.onmessage = (event: MessageEvent) => {
   // Each takes the place of this listener: a worker reads files, builds one thing, or does the tasks of a scene.
   if ('kind' in event.data) serveLoad(port, withPageDecoder(port, ALL_READERS));
   else if ('task' in event.data) serveScene(port, SCENE_TASKS);
-  else serveBuilder(port, { ...RAY_BUILDERS, ...COLLIDER_BUILDERS });
+  else serveBuilder(port, { ...RAY_BUILDERS, ...COLLIDER_BUILDERS, ...FRAMING_BUILDERS });
   port.onmessage?.(event);
 };
 port.postMessage({ kind: 'ready' }, []);

@@ -7,11 +7,12 @@ import { fromPostedError } from '../io/loading/load-messages.ts';
 import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
 import { endWorker } from '../io/loading/try-worker.ts';
 import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
-import type { BuildReply, BuildRequest, GeometryBuilder } from './geometry-builder.ts';
+import type { BuildPiece, BuildReply, BuildRequest, GeometryBuilder } from './geometry-builder.ts';
 import { geometryPieces } from './geometry-pieces.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-export interface BuildOptions<Plan, Result> {
+/** How something is built of pieces. */
+export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeometry> {
   /** Name of a builder of the worker. */
   readonly what: string;
   readonly makeWorker: () => Worker;
@@ -19,11 +20,11 @@ export interface BuildOptions<Plan, Result> {
   readonly subject: string;
   readonly plan: Plan;
   /** Makes the builder for this thread, where no worker can start. */
-  readonly make: (plan: Plan) => GeometryBuilder<Result>;
+  readonly make: (plan: Plan) => GeometryBuilder<Result, Piece> | Promise<GeometryBuilder<Result, Piece>>;
   readonly signal?: AbortSignal;
-  /** Called with the part of the splats that have been taken, 0…1. */
-  readonly onProgress?: (part: number) => void;
 }
+
+type Pieces<Piece> = AsyncIterable<Piece> | Iterable<Piece>;
 
 /**
  * Builds something of the geometry of `splats`, piece by piece: in a worker where one can start,
@@ -35,34 +36,59 @@ export interface BuildOptions<Plan, Result> {
  */
 export async function buildOfGeometry<Plan, Result extends object>(
   splats: SplatCloud | PackedCloud,
-  options: BuildOptions<Plan, Result>,
+  options: BuildOptions<Plan, Result> & {
+    /** Called with the part of the splats that have been taken, 0…1. */
+    readonly onProgress?: (part: number) => void;
+  },
 ): Promise<Result> {
-  const { plan, make, makeWorker, signal, onProgress } = options;
+  const { signal, onProgress } = options;
   signal?.throwIfAborted();
   // The spare worker of a load reads files, and nothing else.
   endWorker(await takeTurn(signal));
-  let worker: Worker | null = null;
   try {
-    worker = await startWorker(async () => hostedWorker() ?? makeWorker, signal);
-    const builder = worker ? await remoteBuilder(worker, options) : make(plan);
     let taken = 0;
-    for await (const piece of geometryPieces(splats)) {
-      await builder.add(piece);
-      taken += piece.words.length / GEOMETRY_WORDS[piece.precision];
+    return await buildOfPieces(geometryPieces(splats), options, ({ words, precision }) => {
+      taken += words.length / GEOMETRY_WORDS[precision];
       callListener(onProgress, taken / splats.count);
-    }
-    return await builder.finish();
+    });
   } finally {
-    endWorker(worker);
     endTurn(null);
   }
 }
 
+/**
+ * Builds something of pieces, at once: in a worker where one can start, else on this thread.
+ *
+ * @param onTaken called with each piece that has been taken.
+ * @throws as the pieces and the builder; WebSplatterError `worker-failed` if the worker dies; the
+ *   signal's reason.
+ */
+export async function buildOfPieces<Plan, Result extends object, Piece extends BuildPiece>(
+  pieces: Pieces<Piece>,
+  options: BuildOptions<Plan, Result, Piece>,
+  onTaken?: (piece: Piece) => void,
+): Promise<Result> {
+  const { plan, make, makeWorker, signal } = options;
+  signal?.throwIfAborted();
+  let worker: Worker | null = null;
+  try {
+    worker = await startWorker(async () => hostedWorker() ?? makeWorker, signal);
+    const builder = worker ? await remoteBuilder(worker, options) : await make(plan);
+    for await (const piece of pieces) {
+      await builder.add(piece);
+      onTaken?.(piece);
+    }
+    return await builder.finish();
+  } finally {
+    endWorker(worker);
+  }
+}
+
 /** Does a builder's work, in a worker. */
-async function remoteBuilder<Plan, Result extends object>(
+async function remoteBuilder<Plan, Result extends object, Piece extends BuildPiece>(
   worker: Worker,
-  { what, subject, plan, signal }: BuildOptions<Plan, Result>,
-): Promise<GeometryBuilder<Result>> {
+  { what, subject, plan, signal }: BuildOptions<Plan, Result, Piece>,
+): Promise<GeometryBuilder<Result, Piece>> {
   const ask = (request: BuildRequest, transfer: Transferable[] = []) => {
     signal?.throwIfAborted();
     let ignoreSignal = () => {};
@@ -81,7 +107,7 @@ async function remoteBuilder<Plan, Result extends object>(
   };
   await ask({ build: 'begin', what, plan });
   return {
-    add: async (piece: PackedGeometry) => {
+    add: async (piece: Piece) => {
       // The worker gets a piece of its own: that of a cloud in memory stays there.
       const words = piece.words.slice();
       await ask({ build: 'piece', piece: { ...piece, words } }, [words.buffer]);

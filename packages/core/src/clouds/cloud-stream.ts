@@ -1,4 +1,5 @@
 import type { FrustumSide } from '../data/camera/frustum.ts';
+import type { CoarseSplats } from './coarse-splats.ts';
 
 /** How a view sees a cloud whose scene is not all on the GPU. */
 export interface CloudSight {
@@ -77,6 +78,12 @@ export interface CloudStream {
   missingFor(view: object): number;
   /** @internal Cells whose leaves, or splats, stand for what views lack. */
   lackingCells(): Set<number>;
+  /**
+   * @internal Returns splats or blobs that show all of the scene coarsely.
+   *
+   * @throws the errors of reads of the scene; the signal's reason.
+   */
+  coarse(signal?: AbortSignal): Promise<CoarseSplats>;
   /** @internal The view shows the scene no longer. */
   leave(view: object): void;
   /** @internal What is on the GPU stays as it is until `until` settles. */

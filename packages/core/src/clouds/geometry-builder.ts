@@ -2,16 +2,21 @@ import type { PackedGeometry } from '../data/packing/geometry.ts';
 import type { PostedError } from '../io/loading/load-messages.ts';
 import { toPostedError } from '../io/loading/load-messages.ts';
 
+/** Words of splats, with everything that decodes them. */
+export interface BuildPiece {
+  readonly words: Uint32Array;
+}
+
 /** Makes something of the geometry of a cloud, which comes piece by piece in storage order. */
-export interface GeometryBuilder<Result = object> {
-  add(piece: PackedGeometry): Promise<void>;
+export interface GeometryBuilder<Result = object, Piece extends BuildPiece = PackedGeometry> {
+  add(piece: Piece): Promise<void>;
   finish(): Promise<Result>;
 }
 
 /** Page to worker: builder, splats in pieces, their end. Each message waits for an answer. */
 export type BuildRequest =
   | { readonly build: 'begin'; readonly what: string; readonly plan: unknown }
-  | { readonly build: 'piece'; readonly piece: PackedGeometry }
+  | { readonly build: 'piece'; readonly piece: BuildPiece }
   | { readonly build: 'end' };
 
 /** Worker to page. */
@@ -30,14 +35,14 @@ export interface BuildPort {
 }
 
 /** Builders of a worker, by name. */
-export type GeometryBuilders = Readonly<Record<string, (plan: never) => GeometryBuilder>>;
+export type GeometryBuilders = Readonly<Record<string, (plan: never) => GeometryBuilder<object, never>>>;
 
 /** Builds the things that the page asks for. */
 export function serveBuilder(port: BuildPort, builders: GeometryBuilders): void {
-  let builder: GeometryBuilder;
+  let builder: GeometryBuilder<object, never>;
   const answer = async (request: BuildRequest) => {
     if (request.build === 'begin') builder = builders[request.what](request.plan as never);
-    else if (request.build === 'piece') await builder.add(request.piece);
+    else if (request.build === 'piece') await builder.add(request.piece as never);
     else {
       const result = await builder.finish();
       const buffers = Object.values(result).flatMap((value) =>

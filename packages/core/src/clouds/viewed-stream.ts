@@ -3,6 +3,7 @@ import { hasSameFields } from '../data/has-same-fields.ts';
 import { Listeners } from '../data/listeners.ts';
 import { nextTask } from '../data/turns.ts';
 import type { CloudSight, CloudStream, StreamReport } from './cloud-stream.ts';
+import type { CoarseSplats } from './coarse-splats.ts';
 import { FetchRate } from './fetch-rate.ts';
 import { OwnFrames } from './own-frames.ts';
 import { PartPace } from './part-pace.ts';
@@ -69,6 +70,7 @@ export abstract class ViewedStream implements CloudStream {
 
   abstract missingFor(view: object): number;
   abstract lackingCells(): Set<number>;
+  abstract coarse(signal?: AbortSignal): Promise<CoarseSplats>;
 
   /** Views see something else, what is there may change again, or what failed is to be fetched. */
   protected abstract follow(): void;

@@ -60,21 +60,47 @@ function keptRows(ranks: Uint32Array, mask: Uint32Array): Uint32Array<ArrayBuffe
 /** Reads x, y and z of the splats or slots that `indices` names. */
 function gatherCentres(
   context: DispatchContext,
-  { ranges, geometry, geometryPrecision }: SampledGeometry,
+  sampled: SampledGeometry,
   indices: Uint32Array<ArrayBuffer>,
 ): Promise<Float32Array[]> {
+  const parts = [0, 1, 2].map((word) => ({ word, words: 1 }));
+  return gather(context, sampled, indices, parts).then((axes) =>
+    axes.map(({ buffer }) => new Float32Array(buffer)),
+  );
+}
+
+/**
+ * Reads all words of the splats or slots that `indices` names, in its order. ingest-gather must have
+ * been compiled.
+ */
+export async function gatherGeometry(
+  context: DispatchContext,
+  sampled: Omit<SampledGeometry, 'count'>,
+  indices: Uint32Array<ArrayBuffer>,
+): Promise<Uint32Array<ArrayBuffer>> {
+  const parts = [{ word: 0, words: GEOMETRY_WORDS[sampled.geometryPrecision] }];
+  const [words] = await gather(context, sampled, indices, parts);
+  return words;
+}
+
+/** Reads these words of the splats or slots that `indices` names. Submits before it returns. */
+function gather(
+  context: DispatchContext,
+  { ranges, geometry, geometryPrecision }: Omit<SampledGeometry, 'count'>,
+  indices: Uint32Array<ArrayBuffer>,
+  parts: readonly { readonly word: number; readonly words: number }[],
+): Promise<Uint32Array<ArrayBuffer>[]> {
   const { device, dispatchRow } = context;
   const memory = context.memory.part();
   try {
     const list = memory.createFilledBuffer('ingest samples', indices);
     const dispatches = new Dispatches(context);
-    const axes = [0, 1, 2].map((word) => {
+    const gathered = parts.map((part) => {
       const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC;
-      const words = memory.createBuffer('ingest sampled words', 4 * indices.length, usage);
+      const words = memory.createBuffer('ingest sampled words', 4 * part.words * indices.length, usage);
       for (const [page, { start, end }] of ranges.entries()) {
         const parameters = PermuteParameters.pack({
-          word,
-          words: 1,
+          ...part,
           wordsPerSplat: GEOMETRY_WORDS[geometryPrecision],
           mask: 0xffffffff,
           pageStart: start,
@@ -89,8 +115,7 @@ function gatherCentres(
     });
     dispatches.submit('ingest samples');
     // Asked for at once, so that nothing is held while the answer is awaited.
-    const reading = Promise.all(axes.map((axis) => readWords(device, axis)));
-    return reading.then((words) => words.map(({ buffer }) => new Float32Array(buffer)));
+    return Promise.all(gathered.map((words) => readWords(device, words)));
   } finally {
     memory.destroyAll();
   }

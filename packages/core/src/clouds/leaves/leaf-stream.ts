@@ -1,5 +1,8 @@
 import type { LeafFile, LeafLevel, LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { STREAM_PRECISION } from '../bricks/chunk-pages.ts';
 import type { StreamReport } from '../cloud-stream.ts';
+import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../coarse-splats.ts';
 import { ViewedStream } from '../viewed-stream.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
@@ -103,6 +106,17 @@ export class LeafStream extends ViewedStream {
       drawn === null ? [] : levels[drawn]!.splats.flatMap((each) => each.runs),
     );
     return new Set(runs.flatMap(({ cells, first }) => cells.map((_, i) => first + i)));
+  }
+
+  /** The coarsest levels of the leaves that are a part of no other: they always stay. */
+  async coarse(): Promise<CoarseSplats> {
+    const spans = () =>
+      this.#placed.flatMap(({ levels }, i) => {
+        if (this.#scene.leaves[i].above !== undefined) return [];
+        return levels.at(-1)!.splats.flatMap(({ runs }) => runs.map(spanOf));
+      });
+    const count = spans().reduce((sum, span) => sum + span.count, 0);
+    return { count, precision: STREAM_PRECISION.geometryPrecision, words: null, spans };
   }
 
   /** Makes room for more or fewer chunks; levels that are planned for these stay. */
@@ -361,6 +375,11 @@ export class LeafStream extends ViewedStream {
       for (let each = levels.length - 1; each >= 0; each--) if (levels[each]) this.#remove(part, each);
     }
   }
+}
+
+function spanOf({ cells, first }: PlacedSplats['runs'][number]): SplatSpan {
+  const count = CHUNK_SPLATS * cells.length;
+  return { first: CHUNK_SPLATS * first, count, chunks: chunksWithoutBounds(cells) };
 }
 
 function chunkCountOf(splats: readonly PlacedSplats[]): number {

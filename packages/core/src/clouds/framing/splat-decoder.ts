@@ -1,0 +1,133 @@
+import { exp } from '../../data/framing/portable-math.ts';
+import type { SplatSample } from '../../data/framing/splat-sample.ts';
+import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
+import type { SampledSplats } from './sampled-splats.ts';
+
+/**
+ * Brings sampled splats to the world and leaves hidden and fully transparent ones out. The numbers
+ * are the same on every machine, bit for bit.
+ */
+export function decodeSamples(parts: readonly SampledSplats[], weight: number): SplatSample {
+  const most = parts.reduce((sum, { instances }) => sum + instances.length, 0);
+  const columns = {
+    positions: new Float64Array(3 * most),
+    opacities: new Float32Array(most),
+    sigmas: new Float32Array(3 * most),
+    normals: new Float32Array(3 * most),
+  };
+  let count = 0;
+  for (const part of parts) count = decodePart(part, columns, count);
+  return {
+    count,
+    weight,
+    positions: columns.positions.subarray(0, 3 * count),
+    opacities: columns.opacities.subarray(0, count),
+    sigmas: columns.sigmas.subarray(0, 3 * count),
+    normals: columns.normals.subarray(0, 3 * count),
+  };
+}
+
+type Columns = Pick<SplatSample, 'positions' | 'opacities' | 'sigmas' | 'normals'>;
+
+/** Adds the splats of a part behind the first `count`; returns how many there are then. */
+function decodePart(part: SampledSplats, columns: Columns, count: number): number {
+  const { precision, words, logScales, instances, origin, matrices, opacities } = part;
+  const stride = GEOMETRY_WORDS[precision];
+  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
+  const rotation = new Float64Array(4);
+  const scales = new Float64Array(3);
+  const axes = new Float64Array(9);
+  const world = new Float64Array(9);
+  const lengths = new Float64Array(3);
+  const [originX, originY, originZ] = origin;
+  const { positions, sigmas, normals } = columns;
+  for (let i = 0; i < instances.length; i++) {
+    const at = stride * i;
+    const m = 16 * instances[i];
+    const stored = precision === 'f32' ? floats[at + 3] : (words[at + 4] >>> 16) / 65535;
+    // Blobs of streamed scenes may be more than opaque in their middle.
+    const opacity = Math.min(1, stored) * opacities[instances[i]];
+    if (!(opacity > 0)) continue;
+    if (precision === 'f32') {
+      for (let k = 0; k < 4; k++) rotation[k] = floats[at + 4 + k];
+      for (let k = 0; k < 3; k++) scales[k] = floats[at + 8 + k];
+    } else {
+      unpackRotation(words[at + 6] >>> 16, words[at + 7], rotation);
+      const [least, step] = [logScales[2 * i], logScales[2 * i + 1]];
+      scales[0] = exp(least + step * (words[at + 5] & 0xffff));
+      scales[1] = exp(least + step * (words[at + 5] >>> 16));
+      scales[2] = exp(least + step * (words[at + 6] & 0xffff));
+    }
+    const target = 3 * count;
+    const x = originX + floats[at];
+    const y = originY + floats[at + 1];
+    const z = originZ + floats[at + 2];
+    writeAxes(rotation, axes);
+    for (let row = 0; row < 3; row++) {
+      const [mx, my, mz] = [matrices[m + row], matrices[m + 4 + row], matrices[m + 8 + row]];
+      positions[target + row] = mx * x + my * y + mz * z + matrices[m + 12 + row];
+      for (let axis = 0; axis < 9; axis += 3)
+        world[axis + row] = mx * axes[axis] + my * axes[axis + 1] + mz * axes[axis + 2];
+    }
+    columns.opacities[count] = opacity;
+    for (let axis = 0; axis < 3; axis++) {
+      const [ax, ay, az] = [world[3 * axis], world[3 * axis + 1], world[3 * axis + 2]];
+      lengths[axis] = scales[axis] * Math.sqrt(ax * ax + ay * ay + az * az);
+    }
+    writeNormal(world, placeOfLeast(lengths), normals, target);
+    writeAscending(lengths, sigmas, target);
+    count++;
+  }
+  return count;
+}
+
+/** Writes the three columns of the matrix of a unit quaternion w, x, y, z. */
+function writeAxes(rotation: Float64Array, axes: Float64Array): void {
+  // By index: taking apart a typed array takes longer than all else here.
+  const w = rotation[0];
+  const x = rotation[1];
+  const y = rotation[2];
+  const z = rotation[3];
+  axes[0] = 1 - 2 * (y * y + z * z);
+  axes[1] = 2 * (x * y + w * z);
+  axes[2] = 2 * (x * z - w * y);
+  axes[3] = 2 * (x * y - w * z);
+  axes[4] = 1 - 2 * (x * x + z * z);
+  axes[5] = 2 * (y * z + w * x);
+  axes[6] = 2 * (x * z + w * y);
+  axes[7] = 2 * (y * z - w * x);
+  axes[8] = 1 - 2 * (x * x + y * y);
+}
+
+/** Place of the least of three lengths; the first of several. */
+function placeOfLeast(lengths: Float64Array): number {
+  const least = lengths[1] < lengths[0] ? 1 : 0;
+  return lengths[2] < lengths[least] ? 2 : least;
+}
+
+function writeAscending(lengths: Float64Array, sigmas: Float32Array, at: number): void {
+  const [a, b, c] = [lengths[0], lengths[1], lengths[2]];
+  const least = Math.min(a, b, c);
+  const largest = Math.max(a, b, c);
+  sigmas[at] = least;
+  sigmas[at + 1] = Math.max(Math.min(a, b), Math.min(Math.max(a, b), c));
+  sigmas[at + 2] = largest;
+}
+
+/**
+ * Writes the unit normal of the plane of the other two axes, as uneven scales leave it, which is
+ * along the third axis wherever scales are even.
+ */
+function writeNormal(axes: Float64Array, third: number, normals: Float32Array, at: number): void {
+  const a = 3 * ((third + 1) % 3);
+  const b = 3 * ((third + 2) % 3);
+  const x = axes[a + 1] * axes[b + 2] - axes[a + 2] * axes[b + 1];
+  const y = axes[a + 2] * axes[b] - axes[a] * axes[b + 2];
+  const z = axes[a] * axes[b + 1] - axes[a + 1] * axes[b];
+  const length = Math.sqrt(x * x + y * y + z * z);
+  // A matrix that flattens the scene to a line or a point leaves no plane.
+  const isPlane = length > 0 && length < Number.POSITIVE_INFINITY;
+  normals[at] = isPlane ? x / length : 0;
+  normals[at + 1] = isPlane ? y / length : 0;
+  normals[at + 2] = isPlane ? z / length : 1;
+}
