@@ -264,15 +264,15 @@ export class CameraTrial {
   }
 
   #score(elevation: number, picture: TrialPicture): number {
-    const { framed, visible, sharp, sharpInMiddle, background, fog, empty } = picture;
+    const { framed, interesting, sharp, sharpInMiddle, background, fog, empty } = picture;
     const penalty = 2.5 * fog + (this.#kind === 'surrounded' ? empty : 0);
     const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
     if (!(quality > 0)) return 0;
     const isInside = this.#kind === 'enclosed';
     const tilt = (elevation - (isInside ? INSIDE_ELEVATION : this.#bestElevation)) / (26 * DEGREE);
     // Within a scene, what is behind a wall is in the frame as well.
-    if (isInside) return Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
-    return framed * Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
+    if (isInside) return Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
+    return framed * Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
   }
 
   /** A better camera close by. */
