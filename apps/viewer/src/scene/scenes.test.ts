@@ -365,9 +365,8 @@ describe('The first view', () => {
     newestLoad().options.onPreview(sceneOf(1));
     await loaded(sceneOf(4));
     expect(framings.map(({ radius }) => radius)).toEqual([1, 4]);
+    expect(framings[0].options.signal?.aborted).toBe(true);
     framings[1].resolve();
-    await settled();
-    framings[0].resolve();
     await settled();
     expect(camera.controls.pose.distance).toBe(12);
     expect(scenes).toMatchObject({ isPartial: false });

@@ -68,8 +68,8 @@ interface ArrivedPreview {
   readonly scene: ShownScene;
   readonly asked: AskedPart;
   readonly part: ShownPart;
-  /** Of its load. */
-  readonly signal: AbortSignal;
+  /** Of its load: one for all of its previews. */
+  readonly framing: AbortController;
 }
 
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
@@ -88,6 +88,8 @@ export class Scenes {
   #isBeginning = false;
   /** Whether more of it has come since its first view was found. */
   #isFramedInPart = false;
+  /** Whether that of all of it is being found. */
+  #isFramingWhole = false;
   /** Scenes that were replaced, but stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
@@ -119,9 +121,9 @@ export class Scenes {
     return this.#options.addressed.held !== undefined;
   }
 
-  /** Whether only a part of the scene can be drawn yet, or its first view is to be that of all of it. */
+  /** Whether only a part of the scene can be drawn yet, or its first view is about to be that of all of it. */
   get isPartial(): boolean {
-    return this.#preview !== null || this.#isFramedInPart;
+    return this.#preview !== null || this.#isFramingWhole;
   }
 
   /** Shows all detail of the scene from the side from which it is seen. */
@@ -237,6 +239,7 @@ export class Scenes {
     this.#framing?.abort();
     this.#isBeginning = false;
     this.#isFramedInPart = false;
+    this.#isFramingWhole = false;
     this.#endPreview();
   }
 
@@ -340,7 +343,7 @@ export class Scenes {
         onProgress: report,
         onPreview: (preview) => {
           if (!loading.signal.aborted && session === sessions.current)
-            this.#takePreview(session, asked, partOf(preview), loading.signal);
+            this.#takePreview(session, asked, partOf(preview));
         },
       });
       if (loading.signal.aborted || session !== sessions.current)
@@ -429,7 +432,7 @@ export class Scenes {
   async #show(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): Promise<void> {
     const { camera, store, onClouds, onShow } = this.#options;
     const { loaded, source } = part;
-    this.#arrived = null;
+    this.#leaveArrived();
     const scene = this.#sceneWith(session, part);
     if (this.#lacksView(scene)) {
       await this.#frame(scene, signal);
@@ -465,12 +468,15 @@ export class Scenes {
   /** All files that begin the scene are there: the first view is that of all of them. */
   async #endBeginning(): Promise<void> {
     const { camera } = this.#options;
-    const isFramedInPart = this.#isFramedInPart && this.#newest !== null;
     const isNew = this.#isBeginning;
     this.#isBeginning = false;
-    const isFound = isFramedInPart && (await this.#frameNewest());
-    this.#isFramedInPart = false;
-    if (isFound) camera.showFirstViewAgain();
+    if (this.#isFramedInPart) {
+      this.#isFramedInPart = false;
+      this.#isFramingWhole = true;
+      const isFound = await this.#frameNewest();
+      this.#isFramingWhole = false;
+      if (isFound) camera.showFirstViewAgain();
+    }
     const framing = this.#newest && this.#framer.framingOf(this.#newest);
     if (isNew && framing && camera.isFoundFirst) void this.#tellUncertain(framing);
   }
@@ -523,24 +529,25 @@ export class Scenes {
   }
 
   /** Shows a preview; the first of a scene once it is known from where to look. */
-  #takePreview(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): void {
+  #takePreview(session: Session, asked: AskedPart, part: ShownPart): void {
     const scene = this.#sceneWith(session, part);
     if (!this.#lacksView(scene)) {
       this.#showPreview(scene, asked, part);
       return;
     }
-    const isFraming = this.#arrived?.signal === signal;
-    this.#arrived = { scene, asked, part, signal };
-    if (!isFraming) void this.#framePreview(signal);
+    const begun = this.#arrived?.framing;
+    const framing = begun ?? new AbortController();
+    this.#arrived = { scene, asked, part, framing };
+    if (!begun) void this.#framePreview(framing.signal);
   }
 
   /** Finds the first view of the preview that has arrived, and shows the newest by then. */
   async #framePreview(signal: AbortSignal): Promise<void> {
-    for (let framed = this.#arrived; framed?.signal === signal; framed = this.#arrived) {
+    for (let framed = this.#arrived; framed?.framing.signal === signal; framed = this.#arrived) {
       const { scene } = framed;
       await this.#frame(scene, signal);
       const arrived = this.#arrived;
-      if (signal.aborted || arrived?.signal !== signal) return;
+      if (signal.aborted || !arrived) return;
       const isReplaced = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
       if (!isReplaced || this.#framer.isCurrent(scene)) {
         this.#arrived = null;
@@ -551,6 +558,12 @@ export class Scenes {
       // The one that comes next is framed.
       if (arrived === framed) this.#arrived = null;
     }
+  }
+
+  /** What has come since takes the place of a preview that was not shown. */
+  #leaveArrived(): void {
+    this.#arrived?.framing.abort();
+    this.#arrived = null;
   }
 
   #showPreview(scene: ShownScene, asked: AskedPart, part: ShownPart): void {
@@ -572,7 +585,7 @@ export class Scenes {
   /** Shows the scene again that was shown before the preview. */
   #endPreview(): void {
     const { store, camera, onShow } = this.#options;
-    this.#arrived = null;
+    this.#leaveArrived();
     const preview = this.#preview;
     if (!preview) return;
     this.#preview = null;
