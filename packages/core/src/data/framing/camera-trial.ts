@@ -103,7 +103,7 @@ export class CameraTrial {
     for (const azimuth of OUTWARDS) {
       const back = this.#back(azimuth, elevation);
       const { target, distance } = this.#fitted.whole(back);
-      visible += this.#few.picture({ position: plus(target, back, distance), target }, this.up).visible;
+      visible += this.#many.picture({ position: plus(target, back, distance), target }, this.up).visible;
     }
     return visible;
   }
@@ -259,7 +259,7 @@ export class CameraTrial {
     const isInside = kind === 'enclosed';
     const tilt = (elevation - (isInside ? INSIDE_ELEVATION : this.#bestElevation)) / (26 * DEGREE);
     // Within a scene, what is behind a wall is in the frame as well.
-    if (isInside) return Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
+    if (isInside) return interesting * exp(0.7 * log(quality) - tilt * tilt);
     return framed * Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
   }
 

@@ -44,7 +44,9 @@ export function chooseCamera(
   if (inside >= ENCLOSED_INSIDE) {
     const outside = trial.best(outsideKind);
     const within = trial.best('enclosed');
-    better = (within.score * (1 - within.picture.empty)) / outside.score;
+    // As much of what is visible counts as outside.
+    const score = within.score / Math.sqrt(within.picture.interesting);
+    better = (score * (1 - within.picture.empty)) / outside.score;
     best = better > ENCLOSED_BETTER ? within : outside;
   }
   const kind = kindOf(better);

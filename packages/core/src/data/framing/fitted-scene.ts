@@ -11,7 +11,7 @@ const STRAY = 3;
 /** Nearest camera before an object, which may be a single splat. */
 const LEAST_DISTANCE = 1.5;
 /** Part of the frame's half height and width that what is fitted may take. */
-export const FITTED_PART = 0.9;
+export const FITTED_PART = 0.88;
 /** Elevations, in degrees, from which an upright scene, and a flat one, are seen best. */
 const BEST_ELEVATIONS = { upright: 14, flat: 32 } as const;
 /** A camera stands so high above what lies under it within this distance. */
@@ -120,7 +120,7 @@ export class FittedScene {
         }
         target = plus(target, axis, this.#middleOf(0.005) * distance);
       }
-      distance = Math.max(LEAST_DISTANCE, 1.03 * this.#distance(back, details, 0.995, target));
+      distance = Math.max(LEAST_DISTANCE, 1.03 * this.#distance(back, details, 0.997, target));
     }
     return { target, distance };
   }

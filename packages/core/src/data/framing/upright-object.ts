@@ -11,11 +11,7 @@ import type { SceneDetail } from './scene-detail.ts';
  */
 const MUCH_MORE = { clearer: 1.25, clear: 1.3, weak: 1.8 } as const;
 /** The usual up is turned over if so many times more is visible from below. */
-const MUCH_LESS = {
-  /** Where most that lies flat lies above the rest. */
-  ceiling: 1.2,
-  alone: 1.4,
-} as const;
+const TURNED_OVER = 1.2;
 /** Scores of surfaces that tell clearly, and of those that are asked at all. */
 const TELLING = { clear: 7, weak: 4.5 } as const;
 
@@ -41,8 +37,7 @@ export function uprightObject(
     const least = surfaces.bestScore > TELLING.clear ? MUCH_MORE.clear : MUCH_MORE.weak;
     if (excess > least * alternative) return surely(up, excess / alternative);
   }
-  const least = usual.isCeiling ? MUCH_LESS.ceiling : MUCH_LESS.alone;
-  if (usualExcess * least < 1) return surely(turnedOver(usual), 1 / usualExcess);
+  if (usualExcess * TURNED_OVER < 1) return surely(turnedOver(usual), 1 / usualExcess);
   const confidence = USUAL_CONFIDENCE + (1 - USUAL_CONFIDENCE) * doublings(usualExcess);
   return { ...usual, confidence: Math.min(1, Math.max(0, confidence)) };
 }
