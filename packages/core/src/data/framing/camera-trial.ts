@@ -318,7 +318,7 @@ export class CameraTrial {
       this.#insideCandidate(place, azimuth + turn, elevation),
     );
     const tilts = [0.1 * step, -0.1 * step].map((tilt) =>
-      this.#insideCandidate(place, azimuth, elevation + tilt),
+      this.#insideCandidate(place, azimuth, Math.max(0, elevation + tilt)),
     );
     const moves = [this.#x, this.#z, this.up].flatMap((axis) =>
       [shift, -shift].map((by) => this.#insideCandidate(plus(place, axis, by), azimuth, elevation)),

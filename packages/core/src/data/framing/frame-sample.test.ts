@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
+import { MadeScene, park, room, statue, Y_DOWN, Y_UP, Z_UP } from '../../testing/made-scene.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { frameSample } from './frame-sample.ts';
-import { MadeScene, park, room, statue, Y_DOWN, Y_UP, Z_UP } from './sample.fixture.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 import type { SplatSample } from './splat-sample.ts';
 
@@ -70,6 +70,14 @@ describe('up', () => {
 
   test('a table whose top is most of it is not turned over', () => {
     const table = new MadeScene()
+      .rectangle(
+        [-1.3, 0, -0.9],
+        [
+          [2.6, 0, 0],
+          [0, 0, 1.8],
+        ],
+        2500,
+      )
       .box([-1, 0.7, -0.6], [1, 0.75, 0.6], 3000)
       .box([-0.9, 0, -0.5], [-0.8, 0.7, -0.4], 200)
       .box([0.8, 0, 0.4], [0.9, 0.7, 0.5], 200);

@@ -1,7 +1,7 @@
-import { seededRandom } from '../../testing/seeded-random.ts';
-import { type Quaternion, rotationMatrixOf } from '../editing/quaternion.ts';
-import { type Mat3, transform3, type Vec3 } from '../math/mat4.ts';
-import type { SplatSample } from './splat-sample.ts';
+import { type Quaternion, rotationMatrixOf } from '../data/editing/quaternion.ts';
+import type { SplatSample } from '../data/framing/splat-sample.ts';
+import { type Mat3, transform3, type Vec3 } from '../data/math/mat4.ts';
+import { seededRandom } from './seeded-random.ts';
 
 interface MadeSplat {
   readonly position: Vec3;
